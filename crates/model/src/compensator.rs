@@ -1,0 +1,62 @@
+//! Compensator: the law that drives the servo amplifier, as data.
+//!
+//! `e` amplifier input · `c_1 .. c_7` gains on `x_p`, `p`, `delta`, `delta'`, `x_b`, `x_b'`, `F_p` · `T` torque that the feel
+//! computer sees · `F_c` load cell force
+//!
+//! The report's original position loop, eq. (13), and its compensation, `e = c x` of eq. (20), are two sets of numbers of
+//! the one law `e = c_1 x_p + ... + c_7 F_p`, `T = -r F_c`, so the rest of the model need not know which it runs.
+
+use crate::Scalar;
+use crate::parameters::Parameters;
+
+/// Gains on `[x_p, p, delta, delta', x_b, x_b', F_p]` and the load cell's scale.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Compensator<S> {
+    /// Gains `c_1 .. c_7` in V per SI unit of `[x_p, p, delta, delta', x_b, x_b', F_p]`.
+    pub gains: [S; 7],
+    /// Torque that the feel computer sees per newton of load cell force, sign reversed.
+    pub load_cell_arm: S,
+}
+
+impl<S: Scalar> Compensator<S> {
+    /// Servo alone: amplifier open, feel computer deaf.
+    pub fn none() -> Self {
+        Self { gains: [S::constant(0.0); 7], load_cell_arm: S::constant(0.0) }
+    }
+
+    /// The servo's position loop without the feel computer.
+    pub fn position_loop(parameters: &Parameters<S>) -> Self {
+        let mut law = Self::none();
+        // e = -e_P = -K_3 x_p                                                       eq. (13) with delta = 0
+        law.gains[0] = -parameters.potentiometer.signal(S::constant(1.0));
+        law
+    }
+
+    /// The original system; `delta` in V.
+    pub fn original(parameters: &Parameters<S>) -> Self {
+        let mut law = Self::position_loop(parameters);
+        // e = delta - K_3 x_p                                                                         eq. (13)
+        law.gains[2] = S::constant(1.0);
+        // T = -G_max K_1 F_c                                                                          eq. (12)
+        law.load_cell_arm = -parameters.feel.analog_torque(parameters.load_cell.signal(S::constant(1.0)));
+        law
+    }
+
+    /// Feedback of the design plant's states; `delta` in rad, so the computer sees the column's torque.
+    pub fn state_feedback(parameters: &Parameters<S>, gains: [S; 7]) -> Self {
+        // T = -alpha R_b F_c                                            eq. (6) at rest: T = R_p F_p
+        let load_cell_arm = parameters.linkage.base_force(parameters.column.base_arm);
+        Self { gains, load_cell_arm }
+    }
+
+    /// Amplifier input `e` in V from `[x_p, p, delta, delta', x_b, x_b', F_p]`.
+    pub fn command(&self, x: &[S; 7]) -> S {
+        // e = c x                                                                        page of eq. (20)
+        self.gains.iter().zip(x).fold(S::constant(0.0), |e, (&c, &x)| e + c * x)
+    }
+
+    /// Torque `T` that the feel computer sees.
+    pub fn feel_torque(&self, f_c: S) -> S {
+        -self.load_cell_arm * f_c
+    }
+}

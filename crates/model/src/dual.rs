@@ -1,0 +1,69 @@
+//! Dual numbers: a value and its exact slope along one direction.
+//!
+//! `f(x + ε) = f(x) + f'(x) ε` with `ε² = 0`, so evaluating the model on a dual number differentiates it to rounding,
+//! with no step size to choose.
+
+use crate::Scalar;
+use core::ops::{Add, Div, Mul, Neg, Sub};
+
+/// `value + slope ε`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dual {
+    /// The number itself.
+    pub value: f64,
+    /// Its derivative along the chosen direction.
+    pub slope: f64,
+}
+
+impl Dual {
+    /// The variable that is differentiated by: slope one.
+    pub fn variable(value: f64) -> Self {
+        Self { value, slope: 1.0 }
+    }
+}
+
+impl Add for Dual {
+    type Output = Self;
+    fn add(self, b: Self) -> Self {
+        Self { value: self.value + b.value, slope: self.slope + b.slope }
+    }
+}
+
+impl Sub for Dual {
+    type Output = Self;
+    fn sub(self, b: Self) -> Self {
+        Self { value: self.value - b.value, slope: self.slope - b.slope }
+    }
+}
+
+impl Mul for Dual {
+    type Output = Self;
+    fn mul(self, b: Self) -> Self {
+        Self { value: self.value * b.value, slope: self.slope * b.value + self.value * b.slope }
+    }
+}
+
+impl Div for Dual {
+    type Output = Self;
+    fn div(self, b: Self) -> Self {
+        let value = self.value / b.value;
+        Self { value, slope: (self.slope - value * b.slope) / b.value }
+    }
+}
+
+impl Neg for Dual {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { value: -self.value, slope: -self.slope }
+    }
+}
+
+impl Scalar for Dual {
+    fn constant(value: f64) -> Self {
+        Self { value, slope: 0.0 }
+    }
+    fn sqrt(self) -> Self {
+        let root = libm::sqrt(self.value);
+        Self { value: root, slope: self.slope / (2.0 * root) }
+    }
+}

@@ -1,0 +1,39 @@
+//! The physics of a control loading system, written once.
+//!
+//! One file per part of figure 1 of the 1974 report (NASA Langley, "Analysis and Compensation of an Aircraft Simulator
+//! Control Loading System With Compliant Linkage"):
+//!
+//! | part | file | equations |
+//! |---|---|---|
+//! | servo amplifier | [`amplifier`] | (13), right-hand factor |
+//! | control valve | [`valve`] | (1)-(4) |
+//! | actuator | [`actuator`] | (5) |
+//! | linkage, rigid and compliant | [`linkage`] | (8)-(10) |
+//! | load cell | [`load_cell`] | (12), right-hand side |
+//! | control column | [`column`] | (6), (7), (16), (18) |
+//! | feel computer | [`feel`] | (11), (12) |
+//! | position feedback | [`potentiometer`] | (13), second term |
+//! | control law | [`compensator`] | (13), (20) |
+//! | the parts put together | [`loader`] | (15), (17), (19) |
+//!
+//! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
+//! No allocation, no input or output, no standard library.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod actuator;
+pub mod amplifier;
+pub mod column;
+pub mod compensator;
+pub mod dual;
+pub mod feel;
+pub mod linkage;
+pub mod load_cell;
+pub mod loader;
+pub mod parameters;
+pub mod potentiometer;
+pub mod scalar;
+pub mod units;
+pub mod valve;
+
+pub use scalar::Scalar;

@@ -1,0 +1,66 @@
+//! The units of the parameter table: coherent SI inside, metric and U.S. customary units for people.
+
+/// One physical quantity's units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unit {
+    /// Coherent SI unit: what every number inside the program is in.
+    pub si: &'static str,
+    /// Metric unit that people read.
+    pub metric: &'static str,
+    /// U.S. customary unit that people read; `lb` is a pound of force.
+    pub us: &'static str,
+    /// SI units in one U.S. customary unit.
+    pub si_per_us: f64,
+}
+
+const fn unit(si: &'static str, metric: &'static str, us: &'static str, si_per_us: f64) -> Unit {
+    Unit { si, metric, us, si_per_us }
+}
+
+/// Metres in an inch (exact, international yard and pound agreement 1959).
+const IN: f64 = 0.0254;
+/// Newtons in a pound of force (exact: 0.453 592 37 kg times 9.806 65 m/s²).
+const LB: f64 = 4.448_221_615_260_5;
+/// Amperes in a milliampere.
+const MA: f64 = 1e-3;
+
+/// A pure number.
+pub const RATIO: Unit = unit("", "", "", 1.0);
+/// Length.
+pub const LENGTH: Unit = unit("m", "cm", "in", IN);
+/// Area.
+pub const AREA: Unit = unit("m^2", "cm^2", "in^2", IN * IN);
+/// Volume.
+pub const VOLUME: Unit = unit("m^3", "cm^3", "in^3", IN * IN * IN);
+/// Angular frequency.
+pub const ANGULAR_FREQUENCY: Unit = unit("rad/s", "rad/s", "rad/s", 1.0);
+/// Frequency in cycles; 1 Hz is 2π rad/s.
+pub const FREQUENCY: Unit = unit("rad/s", "Hz", "Hz", core::f64::consts::TAU);
+/// Force.
+pub const FORCE: Unit = unit("N", "N", "lb", LB);
+/// Pressure.
+pub const PRESSURE: Unit = unit("Pa", "MPa", "lb/in^2", LB / (IN * IN));
+/// Electric current.
+pub const CURRENT: Unit = unit("A", "mA", "mA", MA);
+/// Volume flow.
+pub const FLOW: Unit = unit("m^3/s", "cm^3/s", "in^3/s", IN * IN * IN);
+/// Valve current gain.
+pub const FLOW_PER_CURRENT: Unit = unit("m^3/(s A)", "cm^3/(s mA)", "in^3/(s mA)", IN * IN * IN / MA);
+/// Valve pressure gain.
+pub const FLOW_PER_PRESSURE: Unit = unit("m^5/(N s)", "cm^5/(N s)", "in^5/(lb s)", IN * IN * IN * IN * IN / LB);
+/// Amplifier admittance.
+pub const CURRENT_PER_VOLTAGE: Unit = unit("A/V", "mA/V", "mA/V", MA);
+/// Position transducer gain.
+pub const VOLTAGE_PER_LENGTH: Unit = unit("V/m", "V/cm", "V/in", 1.0 / IN);
+/// Force transducer gain.
+pub const VOLTAGE_PER_FORCE: Unit = unit("V/N", "V/N", "V/lb", 1.0 / LB);
+/// Linear spring rate.
+pub const STIFFNESS: Unit = unit("N/m", "N/cm", "lb/in", LB / IN);
+/// Linear damping.
+pub const DAMPING: Unit = unit("N s/m", "N s/cm", "lb s/in", LB / IN);
+/// Rotary spring rate.
+pub const ROTARY_STIFFNESS: Unit = unit("N m/rad", "N m/rad", "lb in/rad", LB * IN);
+/// Rotary damping.
+pub const ROTARY_DAMPING: Unit = unit("N m s/rad", "N m s/rad", "lb in s/rad", LB * IN);
+/// Mass moment of inertia.
+pub const INERTIA: Unit = unit("N m s^2/rad", "N m s^2/rad", "lb in s^2/rad", LB * IN);

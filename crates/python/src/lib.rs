@@ -1,0 +1,30 @@
+//! `forcefeel._core`: the Rust model and solvers for Python. Converts, calls, wraps; decides nothing.
+#![allow(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
+
+mod arrays;
+mod model;
+mod solve;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<model::Parameter>()?;
+    module.add_class::<model::Compensator>()?;
+    module.add_class::<solve::Recursion>()?;
+    module.add_function(wrap_pyfunction!(model::parameters, module)?)?;
+    module.add_function(wrap_pyfunction!(model::parts, module)?)?;
+    module.add_function(wrap_pyfunction!(model::rigid, module)?)?;
+    module.add_function(wrap_pyfunction!(model::compliant, module)?)?;
+    module.add_function(wrap_pyfunction!(model::design_plant, module)?)?;
+    module.add_function(wrap_pyfunction!(model::ideal_feel, module)?)?;
+    module.add_function(wrap_pyfunction!(model::orifice_flow, module)?)?;
+    module.add_function(wrap_pyfunction!(model::valve_gains, module)?)?;
+    module.add_function(wrap_pyfunction!(model::linkage_from_resonance, module)?)?;
+    module.add_function(wrap_pyfunction!(model::feel_from_frequency, module)?)?;
+    module.add_function(wrap_pyfunction!(model::feel_frequency, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::discretize, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::recursion, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::schedule, module)?)?;
+    Ok(())
+}

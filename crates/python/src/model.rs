@@ -1,0 +1,182 @@
+//! The parameter table and the models.
+
+use crate::arrays::{Matrix, to_numpy, vector};
+use forcefeel_model::Scalar;
+use forcefeel_model::compensator::Compensator as Law;
+use forcefeel_model::dual::Dual;
+use forcefeel_model::loader::{Compliant, DesignPlant, IdealFeel, Rigid, System};
+use forcefeel_model::parameters::{ALTERNATIVES, COUNT, Feel, Linkage, PARTS, Parameter as Row, Parameters, TABLE};
+use forcefeel_solve::linearize as jacobians;
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+
+/// One row of the parameter table.
+#[pyclass(frozen, get_all, module = "forcefeel._core")]
+pub struct Parameter {
+    part: &'static str,
+    name: &'static str,
+    symbol: &'static str,
+    meaning: &'static str,
+    unit_si: &'static str,
+    unit_metric: &'static str,
+    unit_us: &'static str,
+    default_us: f64,
+    default_si: f64,
+    minimum_us: f64,
+    maximum_us: f64,
+    source: &'static str,
+    instead_of: Vec<&'static str>,
+}
+
+fn row(row: &Row) -> Parameter {
+    Parameter {
+        part: row.part,
+        name: row.name,
+        symbol: row.symbol,
+        meaning: row.meaning,
+        unit_si: row.unit.si,
+        unit_metric: row.unit.metric,
+        unit_us: row.unit.us,
+        default_us: row.default_us,
+        default_si: row.default_si(),
+        minimum_us: row.minimum_us,
+        maximum_us: row.maximum_us,
+        source: row.source,
+        instead_of: row.instead_of.to_vec(),
+    }
+}
+
+/// The parameter table: first the rows that make a loader, in order, then the alternatives.
+#[pyfunction]
+pub fn parameters() -> Vec<Parameter> {
+    TABLE.iter().chain(ALTERNATIVES).map(row).collect()
+}
+
+/// The parts of a loader and what each is.
+#[pyfunction]
+pub fn parts() -> Vec<(&'static str, &'static str)> {
+    PARTS.to_vec()
+}
+
+type Values<'py> = PyReadonlyArray1<'py, f64>;
+type Matrices<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>);
+
+fn loader(values: &Values<'_>) -> PyResult<Parameters<f64>> {
+    Ok(Parameters::from_values(&vector::<COUNT>("values", values)?))
+}
+
+fn dual(parameters: &Parameters<f64>) -> Parameters<Dual> {
+    Parameters::from_values(&parameters.values().map(Dual::constant))
+}
+
+/// The law that drives the servo amplifier, as data.
+#[pyclass(frozen, module = "forcefeel._core")]
+pub struct Compensator(Law<f64>);
+
+impl Compensator {
+    fn dual(&self) -> Law<Dual> {
+        Law { gains: self.0.gains.map(Dual::constant), load_cell_arm: Dual::constant(self.0.load_cell_arm) }
+    }
+}
+
+#[pymethods]
+impl Compensator {
+    #[new]
+    fn new(gains: [f64; 7], load_cell_arm: f64) -> Self {
+        Self(Law { gains, load_cell_arm })
+    }
+    #[staticmethod]
+    fn none() -> Self {
+        Self(Law::none())
+    }
+    #[staticmethod]
+    fn position_loop(values: Values<'_>) -> PyResult<Self> {
+        Ok(Self(Law::position_loop(&loader(&values)?)))
+    }
+    #[staticmethod]
+    fn original(values: Values<'_>) -> PyResult<Self> {
+        Ok(Self(Law::original(&loader(&values)?)))
+    }
+    #[staticmethod]
+    fn state_feedback(values: Values<'_>, gains: [f64; 7]) -> PyResult<Self> {
+        Ok(Self(Law::state_feedback(&loader(&values)?, gains)))
+    }
+    #[getter]
+    fn gains(&self) -> [f64; 7] {
+        self.0.gains
+    }
+    #[getter]
+    fn load_cell_arm(&self) -> f64 {
+        self.0.load_cell_arm
+    }
+}
+
+fn matrices<'py, const X: usize, const U: usize, const Y: usize>(
+    py: Python<'py>,
+    system: &impl System<Dual, X, U, Y>,
+) -> PyResult<Matrices<'py>> {
+    let m = jacobians(system, &[0.0; X], &[0.0; U]);
+    Ok((to_numpy(py, &m.a)?, to_numpy(py, &m.b)?, to_numpy(py, &m.c)?, to_numpy(py, &m.d)?))
+}
+
+/// Matrices of the loader with a rigid link, eq. (15).
+#[pyfunction]
+pub fn rigid<'py>(py: Python<'py>, values: Values<'py>, compensator: &Compensator) -> PyResult<Matrices<'py>> {
+    matrices(py, &Rigid { parameters: dual(&loader(&values)?), compensator: compensator.dual() })
+}
+
+/// Matrices of the loader with a compliant link, eq. (17).
+#[pyfunction]
+pub fn compliant<'py>(py: Python<'py>, values: Values<'py>, compensator: &Compensator) -> PyResult<Matrices<'py>> {
+    matrices(py, &Compliant { parameters: dual(&loader(&values)?), compensator: compensator.dual() })
+}
+
+/// Matrices of the plant for the design, eq. (19).
+#[pyfunction]
+pub fn design_plant<'py>(py: Python<'py>, values: Values<'py>, pilot_arm: f64) -> PyResult<Matrices<'py>> {
+    matrices(py, &DesignPlant { parameters: dual(&loader(&values)?), pilot_arm: Dual::constant(pilot_arm) })
+}
+
+/// Matrices of the programmed feel, eq. (11).
+#[pyfunction]
+pub fn ideal_feel<'py>(py: Python<'py>, values: Values<'py>) -> PyResult<Matrices<'py>> {
+    matrices(py, &IdealFeel { parameters: dual(&loader(&values)?) })
+}
+
+/// Orifice flow of eq. (1) at each pair of current and load pressure.
+#[pyfunction]
+pub fn orifice_flow<'py>(
+    py: Python<'py>,
+    values: Values<'py>,
+    current: Values<'py>,
+    pressure: Values<'py>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let valve = loader(&values)?.valve;
+    let (i, p) = (current.as_array(), pressure.as_array());
+    Ok(PyArray1::from_iter(py, i.iter().zip(p).map(|(&i, &p)| valve.orifice_flow(i, p))))
+}
+
+/// `(C_i, C_p)` of eq. (2) at an operating point given as shares of rated current and supply pressure.
+#[pyfunction]
+pub fn valve_gains(values: Values<'_>, current_share: f64, pressure_share: f64) -> PyResult<(f64, f64)> {
+    Ok(loader(&values)?.valve.gains_at(current_share, pressure_share))
+}
+
+/// `(k, c)` of a link on which the column swings at `frequency` rad/s with `damping_ratio`.
+#[pyfunction]
+pub fn linkage_from_resonance(values: Values<'_>, frequency: f64, damping_ratio: f64) -> PyResult<(f64, f64)> {
+    let Parameters { linkage, column, .. } = loader(&values)?;
+    Ok(Linkage::from_resonance(linkage.ratio, &column, frequency, damping_ratio))
+}
+
+/// `(I, B)` of a feel of this natural frequency in rad/s, damping ratio and stiffness.
+#[pyfunction]
+pub fn feel_from_frequency(frequency: f64, damping_ratio: f64, stiffness: f64) -> (f64, f64) {
+    Feel::from_frequency(frequency, damping_ratio, stiffness)
+}
+
+/// Natural frequency in rad/s and damping ratio of the programmed feel.
+#[pyfunction]
+pub fn feel_frequency(values: Values<'_>) -> PyResult<(f64, f64)> {
+    Ok(loader(&values)?.feel.frequency())
+}

@@ -1,0 +1,106 @@
+//! The solvers.
+
+use crate::arrays::{Matrix, matrix, to_numpy, vector};
+use forcefeel_model::parameters::Feel;
+use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion as run};
+use forcefeel_solve::schedule::{Plant, Time, schedule as gains};
+use nalgebra::{Matrix4, Matrix4x2, RowVector4};
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+/// How recursion (22) ended, and its gains.
+#[pyclass(frozen, module = "forcefeel._core")]
+pub struct Recursion(Solution);
+
+#[pymethods]
+impl Recursion {
+    #[getter]
+    fn gains<'py>(&self, py: Python<'py>) -> PyResult<Matrix<'py>> {
+        to_numpy(py, &self.0.gains)
+    }
+    #[getter]
+    fn cost<'py>(&self, py: Python<'py>) -> PyResult<Matrix<'py>> {
+        to_numpy(py, &self.0.cost)
+    }
+    #[getter]
+    fn steps(&self) -> usize {
+        self.0.steps
+    }
+    #[getter]
+    fn change(&self) -> f64 {
+        self.0.change
+    }
+    #[getter]
+    fn status(&self) -> &'static str {
+        match self.0.status {
+            Status::Converged => "converged",
+            Status::Horizon => "horizon",
+            Status::Singular => "singular",
+        }
+    }
+}
+
+/// `([Phi], [H])` of a linear system over one step.
+#[pyfunction]
+pub fn discretize<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray2<'py, f64>,
+    b: PyReadonlyArray2<'py, f64>,
+    step: f64,
+) -> PyResult<(Matrix<'py>, Matrix<'py>)> {
+    let (n, m) = b.as_array().dim();
+    let (phi, h) = forcefeel_solve::discretize(&matrix("a", &a, (n, n))?, &matrix("b", &b, (n, m))?, step);
+    Ok((to_numpy(py, &phi)?, to_numpy(py, &h)?))
+}
+
+/// Recursion (22).
+#[pyfunction]
+pub fn recursion(
+    py: Python<'_>,
+    phi: PyReadonlyArray2<'_, f64>,
+    h: PyReadonlyArray2<'_, f64>,
+    q: PyReadonlyArray2<'_, f64>,
+    r: PyReadonlyArray2<'_, f64>,
+    steps: usize,
+    tolerance: f64,
+) -> PyResult<Recursion> {
+    let (n, m) = h.as_array().dim();
+    let problem = Problem {
+        phi: matrix("phi", &phi, (n, n))?,
+        h: matrix("h", &h, (n, m))?,
+        q: matrix("q", &q, (n, n))?,
+        r: matrix("r", &r, (m, m))?,
+    };
+    Ok(Recursion(py.detach(|| run(&problem, Stop { steps, tolerance }))))
+}
+
+/// Gains of the feel states for each setting `[I, B, G]`, a row each.
+#[pyfunction]
+pub fn schedule<'py>(
+    py: Python<'py>,
+    closed: PyReadonlyArray2<'py, f64>,
+    coupling: PyReadonlyArray2<'py, f64>,
+    gain_row: PyReadonlyArray1<'py, f64>,
+    period: Option<f64>,
+    settings: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Matrix<'py>> {
+    let plant = Plant {
+        closed: Matrix4::from_iterator(matrix("closed", &closed, (4, 4))?.iter().copied()),
+        coupling: Matrix4x2::from_iterator(matrix("coupling", &coupling, (4, 2))?.iter().copied()),
+        gain_row: RowVector4::from_row_slice(&vector::<4>("gain_row", &gain_row)?),
+        time: period.map_or(Time::Continuous, Time::Discrete),
+    };
+    let settings = settings.as_array();
+    if settings.ncols() != 3 {
+        return Err(PyValueError::new_err(format!("settings: expected columns I, B, G, got {}", settings.ncols())));
+    }
+    let settings: Vec<Feel<f64>> = settings
+        .rows()
+        .into_iter()
+        .map(|s| Feel { inertia: s[0], damping: s[1], stiffness: s[2], maximum_stiffness: s[2] })
+        .collect();
+    let rows = py.detach(|| gains(&plant, &settings));
+    let count = rows.len();
+    PyArray1::from_vec(py, rows.into_flattened()).reshape([count, 2])
+}

@@ -1,0 +1,20 @@
+//! State transition over one step with the input held.
+//!
+//! `[Phi] = exp(A h)`, `[H] = ([Phi] - [I]) A^-1 B` (symbols of the report). `A` is singular where a state is constant, so both
+//! are read off one exponential: `exp([A B; 0 0] h) = [Phi H; 0 I]`.
+
+use nalgebra::DMatrix;
+
+/// `([Phi], [H])` of `x' = a x + b u` over the step `h` in s.
+///
+/// # Panics
+/// If `a` is not square or `b` has another number of rows.
+pub fn discretize(a: &DMatrix<f64>, b: &DMatrix<f64>, h: f64) -> (DMatrix<f64>, DMatrix<f64>) {
+    let (n, m) = b.shape();
+    assert_eq!(a.shape(), (n, n), "state matrix must be square with a row per row of the input matrix");
+    let mut augmented = DMatrix::zeros(n + m, n + m);
+    augmented.view_mut((0, 0), (n, n)).copy_from(a);
+    augmented.view_mut((0, n), (n, m)).copy_from(b);
+    let transition = (augmented * h).exp();
+    (transition.view((0, 0), (n, n)).into_owned(), transition.view((0, n), (n, m)).into_owned())
+}

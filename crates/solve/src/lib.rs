@@ -1,0 +1,17 @@
+//! Algorithms over a model. No physics here: what is asked of a loader is in `forcefeel-model`.
+//!
+//! | question | file |
+//! |---|---|
+//! | state-space matrices of a model | [`linearize`](mod@linearize) |
+//! | state transition over one step | [`discretize`](mod@discretize) |
+//! | recursion (22), dynamic programming | [`riccati`] |
+//! | gains for many feel settings of one plant | [`schedule`] |
+#![forbid(unsafe_code)]
+
+pub mod discretize;
+pub mod linearize;
+pub mod riccati;
+pub mod schedule;
+
+pub use discretize::discretize;
+pub use linearize::{StateSpace, linearize};

@@ -1,0 +1,78 @@
+"""Frequency responses and the margins of a loop."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import control
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from forcefeel.units import ANGLE, HERTZ, RATIO
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Gain and phase margin of a loop; infinite where the phase or the gain never crosses.
+
+    Attributes:
+        gain_margin: Factor by which the loop's gain may grow until it is on the edge of stability; below one the
+            closed loop is already past it.
+        phase_margin_rad: Lag that the loop bears at the crossover of its gain.
+        phase_crossover_rad_per_s: Where the phase is -180 degrees.
+        gain_crossover_rad_per_s: Where the gain is one.
+    """
+
+    gain_margin: Annotated[float, RATIO]
+    phase_margin_rad: Annotated[float, ANGLE]
+    phase_crossover_rad_per_s: Annotated[float, HERTZ]
+    gain_crossover_rad_per_s: Annotated[float, HERTZ]
+
+
+@dataclass(frozen=True)
+class Peak:
+    """Largest gain of a frequency response.
+
+    Attributes:
+        frequency_rad_per_s: Where it is.
+        gain: How large it is.
+    """
+
+    frequency_rad_per_s: Annotated[float, HERTZ]
+    gain: Annotated[float, RATIO]
+
+
+def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float64]) -> xr.Dataset:
+    """Gain and unwrapped phase of a model with one input and one output.
+
+    Args:
+        model: The model.
+        frequency_hz: Frequencies, rising.
+
+    Returns:
+        ``gain_db`` and ``phase_deg`` over the coordinate ``frequency_hz``.
+    """
+    response = model(2j * np.pi * frequency_hz)
+    phase = np.degrees(np.unwrap(np.angle(response)))
+    return xr.Dataset(
+        {
+            "gain_db": ("frequency_hz", 20 * np.log10(np.abs(response)), {"units": "dB"}),
+            "phase_deg": ("frequency_hz", phase, {"units": "deg"}),
+        },
+        coords={"frequency_hz": ("frequency_hz", frequency_hz, {"units": "Hz"})},
+        attrs={"model": model.name},
+    )
+
+
+def margins(loop: control.StateSpace) -> Margins:
+    """Gain and phase margin of the open loop ``loop``, closed by negative feedback."""
+    gain, phase_deg, _, w_phase, w_gain, _ = control.stability_margins(loop)
+    return Margins(float(gain), float(np.radians(phase_deg)), float(w_phase), float(w_gain))
+
+
+def resonance(model: control.StateSpace, low_hz: float, high_hz: float) -> Peak:
+    """The largest gain of a model with one input and one output between two frequencies."""
+    w = 2 * np.pi * np.geomspace(low_hz, high_hz, 20_000)  # neighbours are 2e-4 apart in log frequency over 3 decades
+    gain = np.abs(model(1j * w))
+    top = int(np.argmax(gain))
+    return Peak(float(w[top]), float(gain[top]))

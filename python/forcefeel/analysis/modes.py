@@ -1,0 +1,47 @@
+"""Poles with frequency and damping."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import control
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.units import HERTZ, RATE, RATIO
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A real pole or a conjugate pair, ``s = -zeta w +- w sqrt(zeta^2 - 1)``.
+
+    Attributes:
+        real_per_s: Real part of the pole.
+        imaginary_per_s: Imaginary part, zero or positive.
+        frequency_rad_per_s: Distance w of the pole from the origin.
+        damping_ratio: zeta; 1 for a stable real pole, negative for an unstable one.
+    """
+
+    real_per_s: Annotated[float, RATE]
+    imaginary_per_s: Annotated[float, RATE]
+    frequency_rad_per_s: Annotated[float, HERTZ]
+    damping_ratio: Annotated[float, RATIO]
+
+
+def modes(model: control.StateSpace) -> tuple[Mode, ...]:
+    """The modes of ``model``, slowest first; a conjugate pair counts once."""
+    poles = sorted((complex(s) for s in model.poles() if s.imag >= 0), key=abs)
+    return tuple(
+        Mode(s.real, s.imag, abs(s), -s.real / abs(s) if s != 0 else 0.0)
+        for s in poles
+    )
+
+
+def spectral_abscissa(a: NDArray[np.float64]) -> float:
+    """Largest real part of the eigenvalues of the state matrix ``a`` in 1/s; the system is stable if it is negative."""
+    return float(np.max(np.linalg.eigvals(a).real))
+
+
+def dominant(found: tuple[Mode, ...], near_rad_per_s: float) -> Mode:
+    """The mode whose frequency is nearest to ``near_rad_per_s`` on a logarithmic scale; oscillating ones first."""
+    swinging = [mode for mode in found if mode.imaginary_per_s > 0] or list(found)
+    return min(swinging, key=lambda mode: abs(np.log(mode.frequency_rad_per_s / near_rad_per_s)))
