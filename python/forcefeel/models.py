@@ -30,6 +30,9 @@ OUTPUTS = (
 )
 """Outputs of the loader models."""
 
+SERVO_OUTPUTS = ("potentiometer_v", "column_angle_rad")
+"""Outputs of the servo alone: what its loop feeds back, and what the pilot feels of it."""
+
 DESIGN_STATES = (
     "piston_position_m",
     "load_pressure_pa",
@@ -88,7 +91,7 @@ def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linka
 
 
 def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpace:
-    """The hydraulic servo alone, from the amplifier's input e_T to the potentiometer's output e_P (figs. 8, 9).
+    """The hydraulic servo alone, from the amplifier's input e_T to ``SERVO_OUTPUTS`` (figs. 8, 9).
 
     Args:
         loader: The loader; its column hangs on the servo, the feel computer is off.
@@ -102,11 +105,11 @@ def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpa
     matrices = (
         model.A[np.ix_(kept, kept)],
         model.B[np.ix_(kept, [1])],
-        model.C[np.ix_([OUTPUTS.index("potentiometer_v")], kept)],
-        np.zeros((1, 1)),
+        model.C[np.ix_([OUTPUTS.index(name) for name in SERVO_OUTPUTS], kept)],
+        np.zeros((len(SERVO_OUTPUTS), 1)),
     )
     name = f"{loader.name} servo {linkage} {'closed' if closed else 'open'}"
-    return _state_space(name, matrices, [model.state_labels[k] for k in kept], INPUTS[1:], ("potentiometer_v",))
+    return _state_space(name, matrices, [model.state_labels[k] for k in kept], INPUTS[1:], SERVO_OUTPUTS)
 
 
 def overall_open_loop(

@@ -65,9 +65,19 @@ def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float
 
 
 def margins(loop: control.StateSpace) -> Margins:
-    """Gain and phase margin of the open loop ``loop``, closed by negative feedback."""
-    gain, phase_deg, _, w_phase, w_gain, _ = control.stability_margins(loop)
-    return Margins(float(gain), float(np.radians(phase_deg)), float(w_phase), float(w_gain))
+    """Gain and phase margin of the open loop ``loop``, closed by negative feedback.
+
+    The overall loop of a control loader rises like s^2 at low frequency (phase +180 degrees) before it falls, so its gain
+    may cross one upwards and downwards. The phase is followed without jumps from low frequency, and the phase margin is
+    the smallest of ``180 degrees + phase`` over all crossings: the lag that the loop bears, negative if it has too much.
+    """
+    gains, _, _, w_phase, w_gain, _ = control.stability_margins(loop, returnall=True)
+    gain = min(zip(gains, w_phase, strict=True), key=lambda pair: abs(np.log(pair[0])), default=(np.inf, np.nan))
+    grid = np.union1d(np.geomspace(1e-3, 1e4, 20_000), w_gain)  # rad/s; steps in which no mode turns by 180 degrees
+    phase = np.unwrap(np.angle(loop(1j * grid)))
+    crossings = ((np.pi + phase[np.searchsorted(grid, w)], w) for w in w_gain)
+    lag, w_lag = min(crossings, default=(np.inf, np.nan))
+    return Margins(float(gain[0]), float(lag), float(gain[1]), float(w_lag))
 
 
 def resonance(model: control.StateSpace, low_hz: float, high_hz: float) -> Peak:

@@ -1,0 +1,224 @@
+"""Compensation: feedback gains that make the column follow the programmed feel, eqs. (20)-(22).
+
+The gains minimize the sum over the horizon of ``x' [Q] x + R_2 e^2`` for the design plant of eq. (19), sampled at the step
+of the design. ``x`` holds ``DESIGN_STATES``; the pilot force is a constant state, which no feedback can move, so only the
+first six states are stabilizable.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel._core import Compensator
+from forcefeel.errors import InputError
+from forcefeel.loader import Loader
+from forcefeel.models import DESIGN_STATES, design_plant, state_feedback
+from forcefeel.units import RATIO, SECONDS, Unit, UnitSystem
+
+GAIN_UNITS = (
+    Unit("V/m", "V/cm", "V/in"),
+    Unit("V/Pa", "V cm^2/N", "V in^2/lb"),
+    Unit("V/rad", "V/rad", "V/rad"),
+    Unit("V s/rad", "V s/rad", "V s/rad"),
+    Unit("V/m", "V/cm", "V/in"),
+    Unit("V s/m", "V s/cm", "V s/in"),
+    Unit("V/N", "V/N", "V/lb"),
+)
+"""Units of the gains c_1 .. c_7 on ``DESIGN_STATES``."""
+
+GAIN_SYMBOLS = ("c_1", "c_2", "c_3", "c_4", "c_5", "c_6", "c_7")
+"""The report's letters for the gains on ``DESIGN_STATES``."""
+
+PUBLISHED_HORIZON_S = 0.05
+"""Horizon that gives the published gains; see ``docs/validation.md``."""
+
+
+@dataclass(frozen=True)
+class DesignSettings:
+    """What recursion (22) is run with.
+
+    Attributes:
+        step_s: Sampling step of the design.
+        horizon_s: Length of the horizon; ``None`` runs until the gains stand still.
+        tolerance: Without a horizon: stop when no gain of the scaled problem changes by more than this share a step.
+        position_weight: Weight of ``(delta - theta)^2``, eq. (21).
+        r1: Weight R_1 of ``(delta' - theta')^2``, eq. (21), in s^2.
+        r2: Weight R_2 of ``e^2``, eq. (20), in 1/V^2.
+        q: [Q] whole, 7 by 7 on ``DESIGN_STATES`` in SI units, in place of the two weights of eq. (21).
+        pilot_arm_m: Torque that the feel computer sees per newton of pilot force; the grip's arm R_p if not given.
+
+    Raises:
+        InputError: If a value is not finite or has the wrong sign, or [Q] is not symmetric and positive semidefinite.
+    """
+
+    step_s: Annotated[float, SECONDS] = 1e-4
+    horizon_s: Annotated[float, SECONDS] | None = None
+    tolerance: float = 1e-13
+    position_weight: float = 100.0
+    r1: float = 0.0
+    r2: float = 0.1
+    q: tuple[tuple[float, ...], ...] | None = None
+    pilot_arm_m: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, smallest in (("step_s", 1e-7), ("tolerance", 1e-15), ("r2", 1e-12)):
+            _check(name, getattr(self, name), smallest)
+        for name in ("position_weight", "r1"):
+            _check(name, getattr(self, name), 0.0)
+        if self.horizon_s is not None:
+            _check("horizon_s", self.horizon_s, self.step_s)
+        if self.q is not None:
+            _check_weight(np.array(self.q, dtype=np.float64))
+
+    def weight(self, loader: Loader) -> NDArray[np.float64]:
+        """[Q] on ``DESIGN_STATES`` in SI units, eq. (21)."""
+        if self.q is not None:
+            return np.array(self.q, dtype=np.float64)
+        # The error delta - theta is the design plant's output, its rate the same row on the velocities.
+        row = np.asarray(design_plant(loader).C)[0]
+        rate = np.zeros_like(row)
+        rate[[3, 5]] = row[[2, 4]]
+        return self.position_weight * np.outer(row, row) + self.r1 * np.outer(rate, rate)
+
+
+@dataclass(frozen=True)
+class Compensation:
+    """Gains and how well they are proved.
+
+    Attributes:
+        settings: What the recursion was run with.
+        gains: SI gains c_1 .. c_7 on ``DESIGN_STATES``.
+        steps: Steps of the recursion.
+        converged: Whether the gains stood still, rather than the horizon having ended.
+        riccati_residual: How far the gains are from the best for an endless horizon; see ``SampledProblem.residual``.
+    """
+
+    settings: DesignSettings
+    gains: NDArray[np.float64]
+    steps: int
+    converged: bool
+    riccati_residual: Annotated[float, RATIO]
+
+    def compensator(self, loader: Loader) -> Compensator:
+        """The law on the six measured states; the pilot force is not measured, so its gain is left out."""
+        return state_feedback(loader, self.gains[:6])
+
+
+def published_settings(loader: Loader) -> DesignSettings:
+    """The settings that give the gains printed in the appendix.
+
+    The recursion is stopped after 0.05 s, and the pilot force enters the computer's row as though it were the load cell's
+    force, with the arm ``-alpha R_b``.
+    """
+    law = state_feedback(loader, np.zeros(6))
+    return DesignSettings(horizon_s=PUBLISHED_HORIZON_S, pilot_arm_m=-law.load_cell_arm)
+
+
+def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compensation:
+    """Runs recursion (22) for ``loader``.
+
+    Args:
+        loader: The loader; its valve dynamics are left out of the design plant.
+        settings: Weights, step and horizon; the report's weights run to convergence if not given.
+
+    Raises:
+        InputError: If the recursion meets a singular matrix or does not converge: change the weights or the step.
+    """
+    settings = settings or DesignSettings()
+    problem = SampledProblem.of(loader, settings)
+    most_steps = 2_000_000 if settings.horizon_s is None else round(settings.horizon_s / settings.step_s)
+    tolerance = settings.tolerance if settings.horizon_s is None else 0.0
+    found = _core.recursion(problem.phi, problem.h, problem.q, problem.r, most_steps, tolerance)
+    if found.status == "singular" or (settings.horizon_s is None and found.status != "converged"):
+        raise InputError(
+            f"the recursion ended as {found.status!r} after {found.steps} steps of {settings.step_s:g} s (last change"
+            f" {found.change:.1e}); expected convergence to {settings.tolerance:g}: change r2, step or tolerance"
+        )
+    gains = found.gains[0] / problem.scale
+    return Compensation(
+        settings=settings,
+        gains=gains,
+        steps=found.steps,
+        converged=found.status == "converged",
+        riccati_residual=problem.residual(gains),
+    )
+
+
+@dataclass(frozen=True)
+class SampledProblem:
+    """The design plant over one step, its states scaled to the order of one.
+
+    Attributes:
+        phi: Transition matrix [Phi].
+        h: Input matrix [H].
+        q: Weight [Q].
+        r: Weight R_2, 1 by 1.
+        scale: SI value of one unit of each scaled state.
+    """
+
+    phi: NDArray[np.float64]
+    h: NDArray[np.float64]
+    q: NDArray[np.float64]
+    r: NDArray[np.float64]
+    scale: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, loader: Loader, settings: DesignSettings) -> "SampledProblem":
+        """The problem that ``settings`` pose for ``loader``."""
+        plant = design_plant(loader, settings.pilot_arm_m)
+        scale = _scale(loader)
+        phi, h = _core.discretize(plant.A * scale / scale[:, None], plant.B / scale[:, None], settings.step_s)
+        q = settings.weight(loader) * np.outer(scale, scale)
+        return cls(phi, h, q, np.array([[settings.r2]]), scale)
+
+    def residual(self, gains: NDArray[np.float64]) -> float:
+        """How far ``gains`` (SI) are from optimal: the residual of the Riccati equation at the cost of keeping them.
+
+        ``P`` of ``P = M' P M + Q + c' R c``, ``M = Phi + H c``, is what the gains cost when they are kept for ever; it
+        solves ``P = Phi' P Phi - Phi' P H (R + H' P H)^-1 H' P Phi + Q`` if and only if they are optimal. On the six
+        stabilizable states, as a share of the largest entry of ``P``.
+        """
+        phi, h, q = self.phi[:6, :6], self.h[:6], self.q[:6, :6]
+        c = (gains[:6] * self.scale[:6])[None, :]
+        closed = phi + h @ c
+        cost = scipy.linalg.solve_discrete_lyapunov(closed.T, q + c.T @ self.r @ c)
+        coupling = h.T @ cost @ phi
+        correction = coupling.T @ np.linalg.solve(self.r + h.T @ cost @ h, coupling)
+        return float(np.max(np.abs(phi.T @ cost @ phi - correction + q - cost)) / np.max(np.abs(cost)))
+
+
+def gains_in(system: UnitSystem, gains: NDArray[np.float64]) -> NDArray[np.float64]:
+    """SI gains as numbers of the units that people read under ``system``."""
+    return np.array([unit.from_si(float(c), system) for unit, c in zip(GAIN_UNITS, gains, strict=False)])
+
+
+def _scale(loader: Loader) -> NDArray[np.float64]:
+    """Size of each state when the column stands at one radian, moves at the feel's frequency, at supply pressure."""
+    frequency, _ = _core.feel_frequency(loader.values)
+    base = loader["column.base_arm"]
+    piston = loader["linkage.ratio"] * base
+    force = loader["feel.stiffness"] / loader["column.grip_arm"]
+    pressure = loader["valve.supply_pressure"]
+    return np.array([piston, pressure, 1.0, frequency, base, base * frequency, force])
+
+
+def _check(name: str, value: float, smallest: float) -> None:
+    if not smallest <= value < np.inf:
+        raise InputError(f"{name}: expected a finite number of at least {smallest:g}, got {value:g}")
+
+
+def _check_weight(q: NDArray[np.float64]) -> None:
+    n = len(DESIGN_STATES)
+    if q.shape != (n, n):
+        raise InputError(f"q: expected {n} rows of {n} numbers, got shape {q.shape}")
+    if not np.all(np.isfinite(q)) or not np.allclose(q, q.T, rtol=1e-12, atol=0.0):
+        raise InputError("q: expected a symmetric matrix of finite numbers")
+    scale = np.sqrt(np.maximum(np.diag(q), 0.0))
+    scale[scale == 0] = 1.0
+    lowest = float(np.min(np.linalg.eigvalsh(q / np.outer(scale, scale))))
+    if lowest < -1e-9:  # rounding of an eigenvalue that is zero
+        raise InputError(f"q: expected a positive semidefinite matrix, got one with a scaled eigenvalue {lowest:.3g}")

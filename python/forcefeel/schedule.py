@@ -1,0 +1,92 @@
+"""Gains for many computer settings of one loader, from the structure of the problem.
+
+The plant's four states do not see the feel model, so its Riccati equation is solved once; each setting then costs one
+linear equation, solved in Rust (``crates/solve/src/schedule.rs`` derives it).
+"""
+
+from dataclasses import dataclass
+
+import control
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from forcefeel import _core
+from forcefeel.compensation import DesignSettings, SampledProblem
+from forcefeel.errors import InputError
+from forcefeel.loader import Loader
+from forcefeel.models import design_plant
+
+_PLANT = [0, 1, 4, 5]  # x_p, p, x_b, x_b' among DESIGN_STATES
+_FEEL = [2, 3]  # delta, delta'
+
+
+@dataclass(frozen=True)
+class GainSchedule:
+    """Converged gains over settings.
+
+    Attributes:
+        settings: I, B, G in SI units, a row per setting.
+        gains: SI gains c_1 .. c_6 on the first six of ``DESIGN_STATES``, a row per setting.
+    """
+
+    settings: NDArray[np.float64]
+    gains: NDArray[np.float64]
+
+
+def schedule_gains(
+    loader: Loader, settings: ArrayLike, design: DesignSettings | None = None, *, continuous: bool = False
+) -> GainSchedule:
+    """Converged gains for every setting.
+
+    Args:
+        loader: The loader; its own feel setting is not used.
+        settings: I, B, G in SI units (N m s^2/rad, N m s/rad, N m/rad), a row per setting.
+        design: Weights and step; the horizon is endless. [Q] must not be given whole.
+        continuous: Design in continuous time, the limit of a small step, instead of at ``design.step_s``.
+
+    Raises:
+        InputError: If a setting is not a row of three finite numbers with I > 0, B >= 0, G > 0.
+    """
+    design = design or DesignSettings()
+    rows = np.ascontiguousarray(settings, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise InputError(f"settings: expected rows of I, B, G, got shape {rows.shape}")
+    good = np.isfinite(rows).all(axis=1) & (rows[:, 0] > 0) & (rows[:, 1] >= 0) & (rows[:, 2] > 0)
+    if not good.all():
+        bad = int(np.argmin(good))
+        raise InputError(f"settings: expected finite I > 0, B >= 0, G > 0, got {rows[bad].tolist()} in row {bad}")
+    solve = _continuous_plant if continuous else _sampled_plant
+    plant_gains, closed, coupling, gain_row, scale = solve(loader, design)
+    period = None if continuous else design.step_s
+    feel_gains = _core.schedule(closed, coupling, gain_row, period, rows)
+    gains = np.empty((len(rows), 6))
+    gains[:, _PLANT] = plant_gains / scale
+    gains[:, _FEEL] = feel_gains
+    return GainSchedule(rows, gains)
+
+
+_Solved = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+"""Gains of the plant's states, closed-loop matrix, coupling weight, row from cost to gains, scale of the states."""
+
+
+def _sampled_plant(loader: Loader, design: DesignSettings) -> _Solved:
+    problem = SampledProblem.of(loader, design)
+    phi, h = problem.phi[np.ix_(_PLANT, _PLANT)], problem.h[_PLANT]
+    scale = problem.scale[_PLANT]
+    k, cost, _ = control.dlqr(phi, h, problem.q[np.ix_(_PLANT, _PLANT)], problem.r)
+    row = h.T / (problem.r + h.T @ cost @ h)
+    return -k[0], phi - h @ k, _coupling(loader, design, scale), row[0], scale
+
+
+def _continuous_plant(loader: Loader, design: DesignSettings) -> _Solved:
+    plant, scale = design_plant(loader), SampledProblem.of(loader, design).scale[_PLANT]
+    a = plant.A[np.ix_(_PLANT, _PLANT)] * scale / scale[:, None]
+    b = plant.B[_PLANT] / scale[:, None]
+    q = design.weight(loader)[np.ix_(_PLANT, _PLANT)] * np.outer(scale, scale)
+    k, _, _ = control.lqr(a, b, q, [[design.r2]])
+    return -k[0], a - b @ k, _coupling(loader, design, scale), (b.T / design.r2)[0], scale
+
+
+def _coupling(loader: Loader, design: DesignSettings, scale: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weight between the scaled plant states and the feel states, which stay in SI: their matrix is per setting."""
+    return np.asarray(design.weight(loader)[np.ix_(_PLANT, _FEEL)] * scale[:, None])
