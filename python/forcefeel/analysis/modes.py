@@ -36,6 +36,10 @@ def modes(model: control.StateSpace) -> tuple[Mode, ...]:
     )
 
 
+MARGINAL_PER_S = 1e-6
+"""A pole closer to the imaginary axis than this takes days to move: an integrator, or rounding of one."""
+
+
 def spectral_abscissa(a: NDArray[np.float64]) -> float:
     """Largest real part of the eigenvalues of the state matrix ``a`` in 1/s; the system is stable if it is negative."""
     return float(np.max(np.linalg.eigvals(a).real))

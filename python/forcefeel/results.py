@@ -1,0 +1,85 @@
+"""Results for machines: every number with its unit, as plain dictionaries that JSON can hold."""
+
+import math
+from dataclasses import fields, is_dataclass
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation
+from forcefeel.loader import Loader
+from forcefeel.models import DESIGN_STATES
+from forcefeel.parameters import TABLE, unit
+from forcefeel.units import Unit, UnitSystem
+
+Plain = dict[str, Any] | list[Any] | str | float | int | bool | None
+
+
+def quantity(value: float, measured_in: Unit, system: UnitSystem) -> Plain:
+    """``{"value": ..., "unit": ...}``; an infinite or undefined value is text, because JSON has no number for it."""
+    shown = measured_in.from_si(value, system)
+    text = "undefined" if math.isnan(shown) else "infinite" if shown > 0 else "-infinite"
+    return {"value": shown if math.isfinite(shown) else text, "unit": measured_in.shown(system)}
+
+
+def plain(result: object, system: UnitSystem) -> Plain:
+    """A result as plain data.
+
+    Args:
+        result: A result of this package: a frozen data class whose numbers are annotated with their ``Unit``, or
+            tuples, dictionaries and plain values of such.
+        system: The units of the numbers.
+
+    Returns:
+        Dictionaries, lists and plain values. A name loses the unit at its end, because the unit stands beside the value.
+    """
+    if isinstance(result, Loader):
+        return plain_loader(result, system)
+    if isinstance(result, Compensation):
+        return _plain_fields(result, system) | {"gains": plain_gains(result.gains, system)}
+    if is_dataclass(result):
+        return _plain_fields(result, system)
+    if isinstance(result, list | tuple):
+        return [plain(item, system) for item in result]
+    if isinstance(result, dict):
+        return {str(key): plain(value, system) for key, value in result.items()}
+    if isinstance(result, float):
+        return result if math.isfinite(result) else str(quantity(result, Unit("", "", ""), system)["value"])  # type: ignore[index,call-overload]
+    return result  # type: ignore[return-value]
+
+
+def plain_loader(loader: Loader, system: UnitSystem) -> dict[str, Plain]:
+    """A loader's numbers by ``part.name``."""
+    values = {key: quantity(loader[key], unit(row), system) for key, row in TABLE.items()}
+    return {"name": loader.name, "source": loader.source, "values": values}
+
+
+def plain_gains(gains: np.ndarray[Any, np.dtype[np.float64]], system: UnitSystem) -> list[Plain]:
+    """Gains with the state that each acts on."""
+    rows = zip(GAIN_SYMBOLS, DESIGN_STATES, gains, GAIN_UNITS, strict=False)
+    return [
+        {"symbol": symbol, "state": state} | quantity(float(value), measured_in, system)  # type: ignore[operator]
+        for symbol, state, value, measured_in in rows
+    ]
+
+
+def _plain_fields(result: Any, system: UnitSystem) -> dict[str, Plain]:
+    hints = get_type_hints(type(result), include_extras=True)
+    out: dict[str, Plain] = {}
+    for field in fields(result):
+        if not field.repr:
+            continue
+        value, measured_in = getattr(result, field.name), _unit_of(hints[field.name])
+        if measured_in is not None and value is not None:
+            name = field.name.removesuffix(f"_{measured_in.suffix}") if measured_in.suffix else field.name
+            out[name] = quantity(value, measured_in, system)
+        elif not isinstance(value, np.ndarray):
+            out[field.name] = plain(value, system)
+    return out
+
+
+def _unit_of(hint: Any) -> Unit | None:
+    """The unit in ``Annotated[float, unit]``, also inside ``... | None``."""
+    if get_origin(hint) is Annotated:
+        return next((extra for extra in get_args(hint)[1:] if isinstance(extra, Unit)), None)
+    return next((found for arg in get_args(hint) if (found := _unit_of(arg)) is not None), None)
