@@ -1,0 +1,51 @@
+"""forcefeel designs, proves and runs the force feel of aircraft simulator controls.
+
+Everything public is listed here, by the module that holds it. A name is fetched when first used, so that
+``forcefeel --help`` does not wait for the numerical libraries; ``__init__.pyi`` has the same list for type checkers.
+"""
+
+from importlib import import_module
+from typing import Any
+
+_PUBLIC = {
+    "_core": ("Compensator",),
+    "analysis.boundary": ("StabilityBoundary", "smallest_stable_stiffness"),
+    "analysis.frequency": ("Margins", "Peak", "frequency_response", "margins", "resonance"),
+    "analysis.modes": ("Mode", "modes"),
+    "analysis.time": ("step_response",),
+    "assessment": ("Assessment", "Peaks", "assess", "peaks"),
+    "compensation": ("Compensation", "DesignSettings", "compensate", "published_settings"),
+    "findings": ("Conclusions", "conclusions"),
+    "workflow": ("Analysis", "Design", "analyze", "design"),
+    "errors": ("InputError",),
+    "figure_data": ("Figure", "figures"),
+    "loader": ("Loader", "elevator", "load"),
+    "models": (
+        "Linkage",
+        "compliant_model",
+        "design_plant",
+        "ideal_feel",
+        "overall_open_loop",
+        "rigid_model",
+        "servo",
+        "state_feedback",
+    ),
+    "report": ("write_report",),
+    "reproduction": ("reproduce",),
+    "schedule": ("GainSchedule", "schedule_gains"),
+    "studies": ("Deviation", "DroppedPaths", "drop_paths", "sensitivity"),
+    "units": ("UnitSystem",),
+}
+_HOME = {name: module for module, names in _PUBLIC.items() for name in names}
+
+__all__ = list(_HOME)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'forcefeel' has no attribute {name!r}")
+    return getattr(import_module(f"forcefeel.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -9,6 +9,26 @@ from typing import TypeAlias, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "Compensator",
+    "Parameter",
+    "Recursion",
+    "compliant",
+    "design_plant",
+    "discretize",
+    "feel_frequency",
+    "feel_from_frequency",
+    "ideal_feel",
+    "linkage_from_resonance",
+    "orifice_flow",
+    "parameters",
+    "parts",
+    "recursion",
+    "rigid",
+    "schedule",
+    "valve_gains",
+]
+
 _Array: TypeAlias = NDArray[np.float64]
 _Matrices: TypeAlias = tuple[_Array, _Array, _Array, _Array]
 
@@ -88,9 +108,5 @@ def linkage_from_resonance(values: _Array, frequency: float, damping_ratio: floa
 def feel_from_frequency(frequency: float, damping_ratio: float, stiffness: float) -> tuple[float, float]: ...
 def feel_frequency(values: _Array) -> tuple[float, float]: ...
 def discretize(a: _Array, b: _Array, step: float) -> tuple[_Array, _Array]: ...
-def recursion(
-    phi: _Array, h: _Array, q: _Array, r: _Array, steps: int, tolerance: float
-) -> Recursion: ...
-def schedule(
-    closed: _Array, coupling: _Array, gain_row: _Array, period: float | None, settings: _Array
-) -> _Array: ...
+def recursion(phi: _Array, h: _Array, q: _Array, r: _Array, steps: int, tolerance: float) -> Recursion: ...
+def schedule(closed: _Array, coupling: _Array, gain_row: _Array, period: float | None, settings: _Array) -> _Array: ...

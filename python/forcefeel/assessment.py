@@ -7,16 +7,14 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
-from numpy.typing import NDArray
-
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.analysis.modes import MARGINAL_PER_S, dominant, modes, spectral_abscissa
-from forcefeel.analysis.time import DURATION_S, integral_of_squares, step_response
+from forcefeel.analysis.time import DURATION_S, gramian, step_response
 from forcefeel.compensation import DesignSettings
 from forcefeel.loader import Loader
 from forcefeel.models import DESIGN_STATES, OUTPUTS, Linkage, ideal_feel, loader_model
-from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, PERCENT, RATIO, RATE
+from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, PERCENT, RATE, RATIO
 
 
 @dataclass(frozen=True)
@@ -95,11 +93,12 @@ def assess(
     start = np.zeros(len(system))
     start[-1] = force
     deviation = _deviation(model, ideal)
-    tracking = integral_of_squares(system, np.outer(deviation, deviation), start, DURATION_S)
+    squares = gramian(system, start, DURATION_S)
+    tracking = deviation @ squares @ deviation
     cost = np.nan
     if compensator is not None:
         weight = _cost_weight(model, len(system), compensator, settings or DesignSettings(), programmed)
-        cost = integral_of_squares(system, weight, start, DURATION_S)
+        cost = float(np.sum(weight * squares))
     return Assessment(
         stable=True,
         abscissa_per_s=abscissa,

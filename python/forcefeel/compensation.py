@@ -17,7 +17,7 @@ from forcefeel._core import Compensator
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.models import DESIGN_STATES, design_plant, state_feedback
-from forcefeel.units import RATIO, SECONDS, Unit, UnitSystem
+from forcefeel.units import LENGTH, RATIO, SECONDS, Unit, UnitSystem
 
 GAIN_UNITS = (
     Unit("V/m", "V/cm", "V/in"),
@@ -45,8 +45,8 @@ class DesignSettings:
         step_s: Sampling step of the design.
         horizon_s: Length of the horizon; ``None`` runs until the gains stand still.
         tolerance: Without a horizon: stop when no gain of the scaled problem changes by more than this share a step.
-        position_weight: Weight of ``(delta - theta)^2``, eq. (21).
-        r1: Weight R_1 of ``(delta' - theta')^2``, eq. (21), in s^2.
+        position_weight: Weight of ``(delta - theta)^2``, eq. (21), in 1/rad^2.
+        r1: Weight R_1 of ``(delta' - theta')^2``, eq. (21), in s^2/rad^2.
         r2: Weight R_2 of ``e^2``, eq. (20), in 1/V^2.
         q: [Q] whole, 7 by 7 on ``DESIGN_STATES`` in SI units, in place of the two weights of eq. (21).
         pilot_arm_m: Torque that the feel computer sees per newton of pilot force; the grip's arm R_p if not given.
@@ -57,12 +57,12 @@ class DesignSettings:
 
     step_s: Annotated[float, SECONDS] = 1e-4
     horizon_s: Annotated[float, SECONDS] | None = None
-    tolerance: float = 1e-13
-    position_weight: float = 100.0
-    r1: float = 0.0
-    r2: float = 0.1
+    tolerance: Annotated[float, RATIO] = 1e-13
+    position_weight: Annotated[float, Unit("1/rad^2", "1/rad^2", "1/rad^2")] = 100.0
+    r1: Annotated[float, Unit("s^2/rad^2", "s^2/rad^2", "s^2/rad^2")] = 0.0
+    r2: Annotated[float, Unit("1/V^2", "1/V^2", "1/V^2")] = 0.1
     q: tuple[tuple[float, ...], ...] | None = None
-    pilot_arm_m: float | None = None
+    pilot_arm_m: Annotated[float, LENGTH] | None = None
 
     def __post_init__(self) -> None:
         for name, smallest in (("step_s", 1e-7), ("tolerance", 1e-15), ("r2", 1e-12)):

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,8 @@ from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.loader_file import read, write
-from forcefeel.parameters import INDEX, TABLE, limits_si, unit
-from forcefeel.units import UnitSystem, parse, to_text
+from forcefeel.parameters import ALTERNATIVES, INDEX, TABLE, in_range, range_text, unit
+from forcefeel.units import UnitSystem, parse, show, to_text
 
 _REPORT = "NASA Langley, Analysis and Compensation of an Aircraft Simulator Control Loading System, October 1974"
 
@@ -27,7 +28,7 @@ class Loader:
     ``loader["linkage.stiffness"]`` is one value in SI units.
 
     Raises:
-        InputError: If a value is not finite or out of the range of the parameter table.
+        InputError: If there are not as many values as rows, or one is not finite or out of its row's range.
     """
 
     name: str
@@ -36,6 +37,8 @@ class Loader:
 
     def __post_init__(self) -> None:
         values = np.array(self.values, dtype=np.float64)
+        if values.shape != (len(TABLE),):
+            raise InputError(f"values: expected {len(TABLE)}, one per parameter, got shape {values.shape}")
         values.setflags(write=False)
         object.__setattr__(self, "values", values)
         for key, value in zip(TABLE, values, strict=True):
@@ -49,7 +52,10 @@ class Loader:
         )
 
     def __hash__(self) -> int:
-        return hash((self.name, self.source, self.values.tobytes()))
+        return hash((self.name, self.source, *self.values.tolist()))
+
+    def __reduce__(self) -> tuple[type["Loader"], tuple[str, str, NDArray[np.float64]]]:
+        return Loader, (self.name, self.source, self.values)  # so that a copy is checked and read-only too
 
     def __getitem__(self, key: str) -> float:
         return float(self.values[_position(key)])
@@ -68,10 +74,8 @@ class Loader:
         """
         values = self.values.copy()
         for key, given in changes.items():
-            row = TABLE[list(TABLE)[_position(key)]]
-            example = f"{to_text(row.default_us)} {row.unit_us}"
-            value = parse(given, row.unit_si, example) if isinstance(given, str) else float(given)
-            values[_position(key)] = value
+            position = _position(key)
+            values[position] = _value(key, given)
         return replace(self, values=values)
 
     def scale_feel(self, scale: float) -> NDArray[np.float64]:
@@ -110,16 +114,29 @@ def load(path: str | Path) -> Loader:
 def check_range(key: str, value: float) -> None:
     """Refuses a value (SI) outside the range of the parameter table."""
     row = TABLE[key]
-    low, high = limits_si(row)
-    # A limit that went through a unit and back may be off by rounding.
-    if not low * (1 - 1e-12) <= value <= high * (1 + 1e-12):
-        us = unit(row).from_si(value, UnitSystem.US)
-        limits = f"{to_text(row.minimum_us)} to {to_text(row.maximum_us)} {row.unit_us}".strip()
-        raise InputError(f"{key}: expected {limits}, got {to_text(us, 6)} {row.unit_us}".strip())
+    if not in_range(row, value):
+        got = f"{unit(row).from_si(value, UnitSystem.US):.10g} {row.unit_us}".strip()
+        raise InputError(f"{key}: expected {range_text(row)}, got {got}")
+
+
+def _value(key: str, given: str | float) -> float:
+    """``given`` as a SI number; a number without a unit is one already."""
+    row = TABLE[key]
+    example = f"{to_text(row.default_us)} {row.unit_us}".strip()
+    try:
+        return parse(given, row.unit_si if isinstance(given, str) else "", example)
+    except InputError as error:
+        raise InputError(f"{key}: {error}") from error
 
 
 def _position(key: str) -> int:
     try:
         return INDEX[key]
     except KeyError:
-        raise InputError(f"unknown parameter {key!r}; the parameters are {', '.join(TABLE)}") from None
+        if key in ALTERNATIVES:
+            hint = f"a loader file may state it; a loader holds {' and '.join(ALTERNATIVES[key].instead_of)} instead"
+        elif close := [known for known in TABLE if known.endswith(f".{key}")] or get_close_matches(key, TABLE, n=1):
+            hint = f"did you mean {' or '.join(close)}?"
+        else:
+            hint = f"the parameters are {', '.join(TABLE)}"
+        raise InputError(f"unknown parameter {show(key)}; {hint}") from None

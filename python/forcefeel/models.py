@@ -5,6 +5,7 @@ their SI unit at the end. The feel computer's displacement is a voltage in the o
 an angle under state feedback (``feel_position_rad``).
 """
 
+from collections.abc import Sequence
 from enum import StrEnum
 
 import control
@@ -78,15 +79,15 @@ def compliant_model(loader: Loader, compensator: Compensator | None = None) -> c
 def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linkage) -> control.StateSpace:
     """``rigid_model`` or ``compliant_model``, as ``linkage`` says."""
     law = compensator or Compensator.original(loader.values)
-    feel = ("feel_position_rad", "feel_velocity_rad_per_s")
+    feel = ["feel_position_rad", "feel_velocity_rad_per_s"]
     if compensator is None:
-        feel = ("feel_position_v", "feel_velocity_v_per_s")
+        feel = ["feel_position_v", "feel_velocity_v_per_s"]
     if linkage is Linkage.RIGID:
         matrices = _core.rigid(loader.values, law)
-        states = ("piston_position_m", "piston_velocity_m_per_s", *_SERVO_STATES, *feel)
+        states = ["piston_position_m", "piston_velocity_m_per_s", *_SERVO_STATES, *feel]
     else:
         matrices = _core.compliant(loader.values, law)
-        states = ("piston_position_m", *_SERVO_STATES, *feel, "base_position_m", "base_velocity_m_per_s")
+        states = ["piston_position_m", *_SERVO_STATES, *feel, "base_position_m", "base_velocity_m_per_s"]
     return _state_space(f"{loader.name} {linkage}", matrices, states, INPUTS, OUTPUTS)
 
 
@@ -112,9 +113,7 @@ def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpa
     return _state_space(name, matrices, [model.state_labels[k] for k in kept], INPUTS[1:], SERVO_OUTPUTS)
 
 
-def overall_open_loop(
-    loader: Loader, linkage: Linkage, compensator: Compensator | None = None
-) -> control.StateSpace:
+def overall_open_loop(loader: Loader, linkage: Linkage, compensator: Compensator | None = None) -> control.StateSpace:
     """The overall loop, opened at the torque that the feel computer sees (fig. 10).
 
     L from that torque through feel computer, servo and load cell back to it, with the sign for which the closed loop's
@@ -177,10 +176,15 @@ def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> Compensator:
 def _state_space(
     name: str,
     matrices: tuple[NDArray[np.float64], ...],
-    states: tuple[str, ...] | list[str],
+    states: Sequence[str],
     inputs: tuple[str, ...],
     outputs: tuple[str, ...],
 ) -> control.StateSpace:
     return control.StateSpace(
-        *matrices, name=name, states=list(states), inputs=list(inputs), outputs=list(outputs), remove_useless_states=False
+        *matrices,
+        name=name,
+        states=list(states),
+        inputs=list(inputs),
+        outputs=list(outputs),
+        remove_useless_states=False,
     )

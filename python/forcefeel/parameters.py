@@ -4,7 +4,7 @@ from types import MappingProxyType
 
 from forcefeel import _core
 from forcefeel._core import Parameter
-from forcefeel.units import Unit, factor
+from forcefeel.units import Unit, UnitSystem, factor, to_text
 
 PARTS = MappingProxyType(dict(_core.parts()))
 """Each part of a loader and what it is, in the order of figure 1."""
@@ -20,6 +20,11 @@ ALTERNATIVES = MappingProxyType({key: row for key, row in _ROWS.items() if row.i
 INDEX = MappingProxyType({key: position for position, key in enumerate(TABLE)})
 """Position of each row's value."""
 
+_LIMIT_ROUNDING = 1e-9
+"""Relative; a limit that a file states with ten digits, perhaps in the other unit system, is still the limit."""
+
+_LIMIT_DIGITS = 10
+
 
 def unit(row: Parameter) -> Unit:
     """The row's units."""
@@ -30,6 +35,22 @@ def limits_si(row: Parameter) -> tuple[float, float]:
     """Smallest and largest accepted value in SI units."""
     scale = factor(row.unit_us, row.unit_si)
     return row.minimum_us * scale, row.maximum_us * scale
+
+
+def in_range(row: Parameter, value: float) -> bool:
+    """Whether the row accepts ``value`` in SI units; "not a number" never is."""
+    low, high = limits_si(row)
+    return low * (1 - _LIMIT_ROUNDING) <= value <= high * (1 + _LIMIT_ROUNDING)
+
+
+def range_text(row: Parameter) -> str:
+    """The accepted range in U.S. customary units and, where they differ, in metric ones."""
+    shown = [
+        " to ".join(to_text(unit(row).from_si(limit, system), _LIMIT_DIGITS) for limit in limits_si(row))
+        + f" {unit(row).shown(system)}".rstrip()
+        for system in (UnitSystem.US, UnitSystem.SI)
+    ]
+    return shown[0] if shown[0] == shown[1] else f"{shown[0]} ({shown[1]})"
 
 
 def alternatives(part: str) -> dict[str, Parameter]:

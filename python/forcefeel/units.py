@@ -1,17 +1,23 @@
 """Units at the edge: text such as ``"2.36 in^2"`` to SI numbers, and SI numbers to what people read.
 
-Three rules differ from a general unit library, because this field writes them so:
+Five rules differ from a general unit library, because this field writes them so or because a slip must not pass:
 
-* ``lb`` is a pound of force (``lbf`` means the same);
+* ``lb`` is a pound of force (``lbf`` means the same), ``lbm`` the pound of mass;
 * ``Hz`` is a cycle per second, so ``60 Hz`` is 377 rad/s;
-* a value is one number and one unit; arithmetic such as ``"3 m + 2 m"`` is refused.
+* an angle is a quantity: ``0.9 deg`` is no ratio. Only where a unit is per radian may the radian stay unsaid, as in
+  ``lb in`` of stiffness or ``kg m^2`` of inertia;
+* a value is one number and one unit; arithmetic such as ``"3 m + 2 m"`` is refused;
+* the units are those of ``data/units.txt``, so that a slip such as ``15 ma`` does not become a milliyear.
 """
 
 import math
 import re
 from dataclasses import dataclass
+from datetime import date, time
 from enum import StrEnum
 from functools import cache
+from importlib import resources
+from numbers import Real
 from typing import TYPE_CHECKING
 
 from forcefeel.errors import InputError
@@ -19,8 +25,40 @@ from forcefeel.errors import InputError
 if TYPE_CHECKING:
     import pint
 
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_VALUE = re.compile(rf"\s*(?P<number>{_NUMBER})\s*(?P<unit>[^\d\s.,+-][^,+-]*(?:\^-\d[^,+-]*)*)?\s*")
+_QUANTITIES = {
+    "": "a ratio",
+    "m": "a length",
+    "m^2": "an area",
+    "m^3": "a volume",
+    "s": "a time",
+    "m/s": "a speed",
+    "kg": "a mass",
+    "N": "a force",
+    "Pa": "a pressure",
+    "N/m": "a spring rate",
+    "N s/m": "a damping coefficient",
+    "N m": "a torque",
+    "N m/rad": "a rotary spring rate",
+    "N m s/rad": "a rotary damping coefficient",
+    "N m s^2": "a moment of inertia",
+    "N m s^2/rad": "a moment of inertia",
+    "rad": "an angle",
+    "1/s": "a bare rate (say rad/s or Hz)",
+    "rad/s": "a frequency",
+    "A": "a current",
+    "V": "a voltage",
+    "A/V": "a current per voltage",
+    "V/m": "a voltage per length",
+    "V/N": "a voltage per force",
+    "m^3/s": "a flow",
+    "m^3/(s A)": "a flow per current",
+    "m^5/(N s)": "a flow per pressure",
+}
+
+_NUMBER = r"[+-]?(?:(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|(?i:nan|inf(?:inity)?)\b)"
+_UNIT = r"%|[A-Za-zµμ°(](?:[A-Za-zµμ°() */·^.0-9⁰¹²³⁴⁵⁶⁷⁸⁹⁻]|(?<=[\^*])-){0,59}"
+_VALUE = re.compile(rf"(?P<number>{_NUMBER}) ?(?P<unit>{_UNIT})?")
+_LONGEST_SHOWN = 60
 
 
 class UnitSystem(StrEnum):
@@ -60,6 +98,7 @@ PERCENT = Unit("", "%", "%")
 SECONDS = Unit("s", "s", "s", "s")
 HERTZ = Unit("rad/s", "Hz", "Hz", "rad_per_s")
 RATE = Unit("1/s", "1/s", "1/s", "per_s")
+LENGTH = Unit("m", "cm", "in", "m")
 ANGLE = Unit("rad", "deg", "deg", "rad")
 CURRENT = Unit("A", "mA", "mA", "a")
 FLOW = Unit("m^3/s", "cm^3/s", "in^3/s", "m3_per_s")
@@ -67,13 +106,22 @@ ROTARY_STIFFNESS = Unit("N m/rad", "N m/rad", "lb in/rad", "n_m_per_rad")
 
 
 @cache
-def _registry() -> "pint.UnitRegistry":
-    import pint  # noqa: PLC0415  a fifth of a second that `forcefeel --help` need not wait for
+def _registry() -> "pint.UnitRegistry[float]":
+    import pint  # noqa: PLC0415  a quarter of a second that `forcefeel --help` need not wait for
 
-    registry = pint.UnitRegistry(on_redefinition="ignore")
-    registry.define("lb = pound_force")
-    registry.define("hertz = 2 * pi * radian / second = Hz")
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry(None)
+    registry.load_definitions(_definitions())
     return registry
+
+
+@cache
+def _definitions() -> list[str]:
+    return resources.files("forcefeel").joinpath("data/units.txt").read_text(encoding="utf-8").splitlines()
+
+
+def _known() -> str:
+    """Symbols of the units, for a message."""
+    return ", ".join(line.split(" = ")[2] for line in _definitions() if line.count(" = ") > 1 and "- =" not in line)
 
 
 @cache
@@ -82,7 +130,12 @@ def _parse_unit(text: str) -> "pint.Unit":
         return _registry().parse_units(text)
     except Exception as error:  # the parser raises half a dozen kinds, AssertionError among them
         remedy = "write products with a space and powers with ^, such as lb in s^2"
-        raise InputError(f"unknown unit {text!r}: {remedy}") from error
+        raise InputError(f"unknown unit {text!r}; units are {_known()}, also as kN or mA; {remedy}") from error
+
+
+@cache
+def _names() -> "dict[pint.util.UnitsContainer, str]":
+    return {_parse_unit(text).dimensionality: name for text, name in _QUANTITIES.items()}
 
 
 @cache
@@ -92,11 +145,15 @@ def factor(source: str, target: str) -> float:
     Raises:
         InputError: If a unit is unknown or the dimensions differ.
     """
-    one = _registry().Quantity(1.0, _parse_unit(source))
-    to = _parse_unit(target)
-    if not one.is_compatible_with(to):
-        raise InputError(f"unit {source!r} is no unit of the same quantity as {target!r}")
-    return float(one.to(to).magnitude)
+    given, wanted = _parse_unit(source), _parse_unit(target)
+    radian = _parse_unit("rad")
+    if wanted.dimensionality.get("[angle]") == -1 and "[angle]" not in given.dimensionality:
+        given = given / radian  # what is per radian may leave it unsaid
+    if given.dimensionality != wanted.dimensionality:
+        name, other = _names().get(wanted.dimensionality), _names().get(_parse_unit(source).dimensionality)
+        measures = f"measures {other}, not" if other else "does not measure"
+        raise InputError(f"{source!r} {measures} {name or f'what {target!r} does'}")
+    return float(_registry().Quantity(1.0, given).to(wanted).magnitude)
 
 
 def parse(given: object, unit_si: str, example: str) -> float:
@@ -113,13 +170,15 @@ def parse(given: object, unit_si: str, example: str) -> float:
     Raises:
         InputError: If it is no number, not finite, has no unit or one of another dimension.
     """
-    expected = f"expected {'a number' if not unit_si else 'a number with its unit'} such as {example!r}, got {given!r}"
-    if isinstance(given, bool) or not isinstance(given, str | int | float):
+    what = "a number with its unit" if unit_si else "a number"
+    expected = f"expected {what} such as {example!r}, got {show(given)}"
+    if isinstance(given, bool) or not isinstance(given, str | Real):
         raise InputError(expected)
-    match = _VALUE.fullmatch(given if isinstance(given, str) else repr(given))
-    if match is None:
+    number, unit = _split(given)
+    if number is None:
         raise InputError(expected)
-    number, unit = float(match["number"]), (match["unit"] or "").strip()
+    if not math.isfinite(number):
+        raise InputError(f"{expected}, which is not finite")
     if unit_si and not unit:
         raise InputError(f"{expected}, which has no unit")
     try:
@@ -131,15 +190,43 @@ def parse(given: object, unit_si: str, example: str) -> float:
     return value
 
 
+def _split(given: str | Real) -> tuple[float | None, str]:
+    """The number, if there is one, and the unit."""
+    if not isinstance(given, str):
+        try:
+            return float(given), ""
+        except OverflowError:
+            return math.inf, ""
+    match = _VALUE.fullmatch(" ".join(given.split()))
+    return (float(match["number"]), match["unit"] or "") if match else (None, "")
+
+
+def show(given: object) -> str:
+    """What a user handed over, as a message quotes it: one line, not too long, in the words of TOML."""
+    match given:
+        case bool():
+            return str(given).lower()
+        case dict():
+            return "a table"
+        case list():
+            return "an array"
+        case date() | time():
+            return f"the date or time {given}"
+        case int() if abs(given) > 10**_LONGEST_SHOWN:
+            return "a huge number"
+    text = repr(given)
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[: _LONGEST_SHOWN - 4]}...{text[-1]}"
+
+
 def to_text(value: float, digits: int = 4) -> str:
     """``value`` as people write it: ``digits`` significant digits, powers of ten only where they help."""
     if not math.isfinite(value):
         return "infinite" if value > 0 else "-infinite" if value < 0 else "undefined"
     if value == 0:
         return "0"
-    magnitude = math.floor(math.log10(abs(value)))
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    magnitude = int(exponent)  # of the rounded value: 9.9996 is 10 to four digits
     if -4 <= magnitude < digits + 2:
         text = f"{value:.{max(digits - 1 - magnitude, 0)}f}"
         return text.rstrip("0").rstrip(".") if "." in text else text
-    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-    return f"{mantissa.rstrip('0').rstrip('.')}e{int(exponent)}"
+    return f"{mantissa.rstrip('0').rstrip('.') if '.' in mantissa else mantissa}e{magnitude}"

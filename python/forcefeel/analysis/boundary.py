@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated
 
 import numpy as np
@@ -73,7 +74,7 @@ def _first_crossing(abscissa: Callable[[float], float]) -> float | None:
     path = np.linspace(0.0, np.log(_LOWEST), 141)  # tenths of a power of e: far finer than the poles move
     if abscissa(path[0]) >= 0:
         return np.inf
-    for above, below in zip(path, path[1:], strict=False):
+    for above, below in pairwise(path):
         if abscissa(below) >= 0:
             return float(scipy.optimize.brentq(abscissa, below, above, xtol=1e-13, rtol=1e-13))
     return None

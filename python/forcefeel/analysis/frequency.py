@@ -5,6 +5,7 @@ from typing import Annotated
 
 import control
 import numpy as np
+import scipy.optimize
 import xarray as xr
 from numpy.typing import NDArray
 
@@ -73,16 +74,20 @@ def margins(loop: control.StateSpace) -> Margins:
     """
     gains, _, _, w_phase, w_gain, _ = control.stability_margins(loop, returnall=True)
     gain = min(zip(gains, w_phase, strict=True), key=lambda pair: abs(np.log(pair[0])), default=(np.inf, np.nan))
-    grid = np.union1d(np.geomspace(1e-3, 1e4, 20_000), w_gain)  # rad/s; steps in which no mode turns by 180 degrees
+    grid = np.union1d(np.geomspace(1e-3, 1e4, 3_000), w_gain)  # rad/s; steps in which no mode turns by 180 degrees
     phase = np.unwrap(np.angle(loop(1j * grid)))
     crossings = ((np.pi + phase[np.searchsorted(grid, w)], w) for w in w_gain)
     lag, w_lag = min(crossings, default=(np.inf, np.nan))
     return Margins(float(gain[0]), float(lag), float(gain[1]), float(w_lag))
 
 
-def resonance(model: control.StateSpace, low_hz: float, high_hz: float) -> Peak:
-    """The largest gain of a model with one input and one output between two frequencies."""
-    w = 2 * np.pi * np.geomspace(low_hz, high_hz, 20_000)  # neighbours are 2e-4 apart in log frequency over 3 decades
-    gain = np.abs(model(1j * w))
-    top = int(np.argmax(gain))
-    return Peak(float(w[top]), float(gain[top]))
+def resonance(model: control.StateSpace, low_rad_per_s: float, high_rad_per_s: float) -> Peak | None:
+    """The peak of a model with one input and one output between two frequencies; ``None`` if its gain only falls or rises."""
+    w = np.geomspace(low_rad_per_s, high_rad_per_s, 500)
+    top = int(np.argmax(np.abs(model(1j * w))))
+    if top in {0, len(w) - 1}:
+        return None
+    best = scipy.optimize.minimize_scalar(
+        lambda one: -abs(complex(model(1j * one))), bounds=(w[top - 1], w[top + 1]), method="bounded"
+    )
+    return Peak(float(best.x), float(-best.fun))

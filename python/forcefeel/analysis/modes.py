@@ -30,10 +30,7 @@ class Mode:
 def modes(model: control.StateSpace) -> tuple[Mode, ...]:
     """The modes of ``model``, slowest first; a conjugate pair counts once."""
     poles = sorted((complex(s) for s in model.poles() if s.imag >= 0), key=abs)
-    return tuple(
-        Mode(s.real, s.imag, abs(s), -s.real / abs(s) if s != 0 else 0.0)
-        for s in poles
-    )
+    return tuple(Mode(s.real, s.imag, abs(s), -s.real / abs(s) if s != 0 else 0.0) for s in poles)
 
 
 MARGINAL_PER_S = 1e-6

@@ -24,42 +24,47 @@ def step_response(
         samples: How many samples, the first at time zero.
 
     Returns:
-        Every output of the model over the coordinate ``time_s``; exact at the samples, since the input is constant.
+        Every output of the model over the coordinate ``time_s``; exact at the samples, since the input is constant;
+        not a number once an unstable response has left the range of double precision.
     """
     time = np.linspace(0.0, duration_s, samples)
     force = np.zeros((model.ninputs, samples))
     force[0] = force_n
-    response = control.forced_response(model, time, force, squeeze=False)
+    with np.errstate(over="ignore", invalid="ignore"):
+        outputs = control.forced_response(model, time, force, squeeze=False).outputs
+    outputs = np.where(np.isfinite(outputs), outputs, np.nan)
     data = {
         name: ("time_s", row, {"units": _UNITS.get(name.rsplit("_", 1)[-1], "")})
-        for name, row in zip(model.output_labels, response.outputs, strict=True)
+        for name, row in zip(model.output_labels, outputs, strict=True)
     }
-    return xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})}, {"model": model.name, "pilot_force_n": force_n})
+    return xr.Dataset(
+        data, {"time_s": ("time_s", time, {"units": "s"})}, {"model": model.name, "pilot_force_n": force_n}
+    )
 
 
-def integral_of_squares(
-    a: NDArray[np.float64], weight: NDArray[np.float64], start: NDArray[np.float64], duration_s: float
-) -> float:
-    """Integral of ``x' W x`` along ``x' = A x`` from ``start``.
+def gramian(a: NDArray[np.float64], start: NDArray[np.float64], duration_s: float) -> NDArray[np.float64]:
+    """Integral ``X`` of ``x x'`` along ``x' = A x`` from ``start``; the integral of ``x' W x`` is then ``sum(W * X)``.
 
     Van Loan's exponential gives the integral over a short step; doubling the step carries it to ``duration_s`` without
     ever forming the exponential of a stiff matrix over a long time.
 
     Args:
-        a: State matrix A.
-        weight: Symmetric weight W.
+        a: State matrix A, n by n.
         start: State at time zero.
         duration_s: End of the integral.
 
-    Source: C. Van Loan, IEEE Trans. Automatic Control 23 (1978) 395, eq. (1.4).
+    Source: C. Van Loan, Computing Integrals Involving the Matrix Exponential, IEEE Trans. Automatic Control 23 (1978).
     """
     n = len(a)
-    doublings = max(0, int(np.ceil(np.log2(duration_s * max(np.linalg.norm(a, 1), 1e-12)))))
+    # States in SI units differ by ten powers of ten: balance them, or rounding eats the small ones.
+    balanced, (scale, _) = scipy.linalg.matrix_balance(a, permute=False, separate=True)
+    doublings = max(0, int(np.ceil(np.log2(duration_s * max(float(np.linalg.norm(balanced, 1)), 1e-12)))))
     step = duration_s / 2**doublings
-    block = scipy.linalg.expm(np.block([[-a.T, weight], [np.zeros((n, n)), a]]) * step)
-    phi = block[n:, n:]
-    gram = phi.T @ block[:n, n:]
+    start = start / scale
+    block = scipy.linalg.expm(np.block([[-balanced, np.outer(start, start)], [np.zeros((n, n)), balanced.T]]) * step)
+    phi = block[n:, n:].T
+    integral = phi @ block[:n, n:]
     for _ in range(doublings):
-        gram = gram + phi.T @ gram @ phi
+        integral = integral + phi @ integral @ phi.T
         phi = phi @ phi
-    return float(start @ gram @ start)
+    return np.asarray(integral * np.outer(scale, scale))

@@ -1,0 +1,53 @@
+# make report   build, install, design the built-in elevator loader
+# make test     build, install, run every test
+# make lint     format and type checks
+# make bench    speed against the peers
+# make docs     validation table and the README's picture from the program itself
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
+PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.toml')
+
+.PHONY: report test lint bench docs clean
+
+report: report/report.html
+	@echo "The report is $(CURDIR)/report/report.html"
+
+report/report.html: $(VENV)/built $(PACKAGE)
+	$(BIN)/forcefeel design --out report
+
+test: $(VENV)/built
+	tests/browser/install
+	cargo test --locked --quiet
+	$(BIN)/pytest
+
+lint: $(VENV)/built
+	cargo fmt --all --check
+	cargo clippy --locked --workspace --all-targets --quiet -- --deny warnings
+	$(BIN)/ruff format --check
+	$(BIN)/ruff check
+	$(BIN)/mypy
+	$(BIN)/python -m mypy.stubtest forcefeel._core
+
+bench: $(VENV)/built
+	$(BIN)/python benchmarks/schedule.py
+
+docs: $(VENV)/built
+	$(BIN)/python docs/make.py
+
+clean:
+	rm -rf $(VENV) target report
+
+# The locked dependencies, once per lock file.
+$(VENV)/dependencies: requirements.lock
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "forcefeel needs Python 3.11 or newer; set PYTHON=")'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements.lock
+	touch $@
+
+# The extension is built again only when Rust changes; the Python package is used from where it lies.
+$(VENV)/built: $(VENV)/dependencies pyproject.toml $(RUST)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps --editable .
+	touch $@

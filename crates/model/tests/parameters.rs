@@ -1,0 +1,85 @@
+//! The table of parameters obeys its own laws.
+
+mod near;
+
+use core::array;
+use forcefeel_model::parameters::{ALTERNATIVES, COUNT, PARTS, Parameter, Parameters, TABLE};
+use near::{ROUNDING, assert_near, assert_within};
+
+fn rows() -> impl Iterator<Item = &'static Parameter> {
+    TABLE.iter().chain(ALTERNATIVES)
+}
+
+fn position(part: &str, name: &str) -> usize {
+    TABLE.iter().position(|row| row.part == part && row.name == name).expect("a row of the table")
+}
+
+#[test]
+fn names_are_unique_within_a_part() {
+    for (k, row) in rows().enumerate() {
+        let twin = rows().skip(k + 1).find(|other| (other.part, other.name) == (row.part, row.name));
+        assert!(twin.is_none(), "{}.{} stands twice", row.part, row.name);
+    }
+}
+
+#[test]
+fn parts_of_the_rows_are_the_listed_ones_in_their_order() {
+    let mut parts: Vec<_> = TABLE.iter().map(|row| row.part).collect();
+    parts.dedup();
+    assert_eq!(parts, PARTS.iter().map(|(part, _)| *part).collect::<Vec<_>>());
+    assert!(ALTERNATIVES.iter().all(|row| parts.contains(&row.part)));
+}
+
+#[test]
+fn every_row_says_what_it_is_and_where_its_value_comes_from() {
+    for row in rows() {
+        for text in [row.symbol, row.meaning, row.source] {
+            assert!(!text.trim().is_empty(), "{}.{}: empty text", row.part, row.name);
+        }
+    }
+}
+
+#[test]
+fn defaults_lie_inside_their_ranges() {
+    for row in rows() {
+        let (low, high) = (row.minimum_us, row.maximum_us);
+        assert!(low < high && (low..=high).contains(&row.default_us), "{}.{}", row.part, row.name);
+        assert!(low.is_finite() && high.is_finite() && low >= 0.0, "{}.{}", row.part, row.name);
+    }
+}
+
+#[test]
+fn alternatives_replace_rows_of_their_own_part() {
+    for row in ALTERNATIVES {
+        assert!(!row.instead_of.is_empty(), "{}.{} replaces nothing", row.part, row.name);
+        for replaced in row.instead_of {
+            let found = TABLE.iter().any(|other| other.part == row.part && other.name == *replaced);
+            assert!(found, "{}.{} would replace {replaced}, which is no row", row.part, row.name);
+        }
+    }
+    assert!(TABLE.iter().all(|row| row.instead_of.is_empty()));
+}
+
+#[test]
+fn values_go_in_and_out_in_the_order_of_the_table() {
+    let numbers: [u16; COUNT] = array::from_fn(|k| u16::try_from(k).expect("a short table"));
+    let parameters = Parameters::from_values(&numbers);
+    assert_eq!(parameters.values(), numbers);
+    // A few fields by name: the order alone could be wrong both ways.
+    assert_eq!(usize::from(parameters.amplifier.admittance), position("amplifier", "admittance"));
+    assert_eq!(usize::from(parameters.linkage.stiffness), position("linkage", "stiffness"));
+    assert_eq!(usize::from(parameters.feel.maximum_stiffness), position("feel", "maximum_stiffness"));
+    assert_eq!(usize::from(parameters.pilot.force), position("pilot", "force"));
+}
+
+#[test]
+fn elevator_holds_the_defaults_in_si() {
+    let elevator = Parameters::<f64>::elevator();
+    for (row, value) in TABLE.iter().zip(elevator.values()) {
+        assert_near(value, row.default_us * row.unit.si_per_us, 0.0);
+    }
+    // Three conversions worked out from the exact inch and pound.
+    assert_within(elevator.linkage.stiffness / 100.0, 10_696.50, 0.005); // k in N/cm, from 6107.86 lb/in
+    assert_within(elevator.valve.pressure_gain * 1e10, 0.242_43, 0.000_005); // C_p in cm^5/(N s), from 0.0102
+    assert_near(elevator.column.inertia, 37.4 * 4.448_221_615_260_5 * 0.0254, ROUNDING);
+}

@@ -1,0 +1,141 @@
+"""The commands, their options and their help. Bodies import what they need, so that help answers at once."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from forcefeel.cli.options import (
+    R1,
+    R2,
+    Converge,
+    Horizon,
+    Json,
+    LoaderFile,
+    PilotCoupling,
+    PositionWeight,
+    Q,
+    Step,
+    Tolerance,
+    Units,
+)
+from forcefeel.units import UnitSystem
+
+app = typer.Typer(
+    name="forcefeel",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    help="Design, prove and run the force feel of aircraft simulator controls.\n\n"
+    "Exit status: 0 fine, 1 the answer is bad (such as an unstable design), 2 the input is bad.",
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version  # noqa: PLC0415
+
+        typer.echo(f"forcefeel {version('forcefeel')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """Options of the program itself."""
+
+
+@app.command(epilog="Example: `forcefeel new my.toml --units si`")
+def new(
+    path: Annotated[Path, typer.Argument(help="Loader file to write.")],
+    units: Units = UnitSystem.US,
+    json: Json = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file if it is there.")] = False,
+) -> None:
+    """Write the built-in elevator loader as a commented loader file."""
+    from forcefeel.cli import commands  # noqa: PLC0415
+
+    commands.new(path, units, as_json=json, force=force)
+
+
+@app.command(epilog="Example: `forcefeel design my.toml --out report`")
+def design(
+    loader: LoaderFile = None,
+    out: Annotated[Path, typer.Option("--out", help="Folder for report.html, results.json and the responses.")] = Path(
+        "forcefeel-report"
+    ),
+    units: Units = UnitSystem.US,
+    json: Json = False,
+    horizon: Horizon = None,
+    converge: Converge = False,
+    step: Step = None,
+    tolerance: Tolerance = None,
+    position_weight: PositionWeight = None,
+    r1: R1 = None,
+    r2: R2 = None,
+    pilot_coupling: PilotCoupling = None,
+    q: Q = None,
+) -> None:
+    """Analyse a loader, compensate it, and write the report.
+
+    Exit status 1 if the compensated loader is unstable at the programmed setting.
+    """
+    from forcefeel.cli import commands  # noqa: PLC0415
+
+    chosen = commands.Options(horizon, converge, step, tolerance, position_weight, r1, r2, pilot_coupling, q)
+    commands.design(loader, chosen, out, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel analyze my.toml --json > analysis.json`")
+def analyze(loader: LoaderFile = None, units: Units = UnitSystem.US, json: Json = False) -> None:
+    """Analyse the original system: modes, margins, stability, response.
+
+    Exit status 1 if it is unstable at the programmed setting (compliant link).
+    """
+    from forcefeel.cli import commands  # noqa: PLC0415
+
+    commands.analyze(loader, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel compensate my.toml --converge --r2 0.05`")
+def compensate(
+    loader: LoaderFile = None,
+    units: Units = UnitSystem.US,
+    json: Json = False,
+    horizon: Horizon = None,
+    converge: Converge = False,
+    step: Step = None,
+    tolerance: Tolerance = None,
+    position_weight: PositionWeight = None,
+    r1: R1 = None,
+    r2: R2 = None,
+    pilot_coupling: PilotCoupling = None,
+    q: Q = None,
+) -> None:
+    """Compute the feedback gains by recursion (22) and close the loop with them.
+
+    Exit status 1 if the compensated loader is unstable at the programmed setting.
+    """
+    from forcefeel.cli import commands  # noqa: PLC0415
+
+    chosen = commands.Options(horizon, converge, step, tolerance, position_weight, r1, r2, pilot_coupling, q)
+    commands.compensate(loader, chosen, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel reproduce`")
+def reproduce(
+    units: Units = UnitSystem.US,
+    json: Json = False,
+    markdown: Annotated[bool, typer.Option("--markdown", help="Print the table as Markdown.")] = False,
+) -> None:
+    """Set every number and claim of the 1974 report beside what the models give.
+
+    Exit status 1 if a number differs without a known reason.
+    """
+    from forcefeel.cli import commands  # noqa: PLC0415
+
+    commands.reproduce(units, as_json=json, as_markdown=markdown)

@@ -1,0 +1,177 @@
+"""What each command does."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from forcefeel import workflow
+from forcefeel.assessment import assess, peaks
+from forcefeel.cli import show
+from forcefeel.cli.options import Coupling
+from forcefeel.compensation import PUBLISHED_HORIZON_S, DesignSettings, published_settings
+from forcefeel.compensation import compensate as run_recursion
+from forcefeel.errors import InputError
+from forcefeel.files import write_whole
+from forcefeel.findings import conclusions
+from forcefeel.loader import Loader, elevator, load
+from forcefeel.reproduction import Verdict
+from forcefeel.reproduction import reproduce as run_reproduction
+from forcefeel.results import plain
+from forcefeel.units import UnitSystem
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of recursion (22), as given; ``None`` is not given."""
+
+    horizon_s: float | None
+    converge: bool
+    step_s: float | None
+    tolerance: float | None
+    position_weight: float | None
+    r1: float | None
+    r2: float | None
+    pilot_coupling: Coupling | None
+    q: Path | None
+
+    def settings(self, loader: Loader) -> DesignSettings:
+        """The settings for ``loader``: the published ones, changed as asked."""
+        self._check()
+        coupling = self.pilot_coupling or (Coupling.COLUMN if self.converge else Coupling.REPORT)
+        base = (
+            published_settings(loader) if coupling is Coupling.REPORT else DesignSettings(horizon_s=PUBLISHED_HORIZON_S)
+        )
+        names = ("horizon_s", "step_s", "tolerance", "position_weight", "r1", "r2")
+        given: dict[str, float | None] = {name: value for name in names if (value := getattr(self, name)) is not None}
+        if self.converge:
+            given["horizon_s"] = None
+        return replace(base, q=_read_q(self.q), **given)  # type: ignore[arg-type]
+
+    def _check(self) -> None:
+        if self.converge and self.horizon_s is not None:
+            raise InputError("--converge and --horizon: given both; an endless horizon has no length, leave one out")
+        if self.tolerance is not None and not self.converge:
+            raise InputError("--tolerance: is for --converge; a horizon ends by its length")
+        if self.q is not None and (self.position_weight is not None or self.r1 is not None):
+            raise InputError("--q: gives [Q] whole; leave out --position-weight and --r1")
+
+
+def new(path: Path, units: UnitSystem, *, as_json: bool, force: bool) -> None:
+    """Writes the built-in loader."""
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; expected the name of a file to write")
+    if path.exists() and not force:
+        raise InputError(f"{path}: is there already; choose another name, or --force to replace it")
+    loader = elevator()
+    write_whole(path, loader.to_toml(units))
+    _print_json({"loader_file": str(path)} | plain(loader, units)) if as_json else print(f"wrote {path}")  # type: ignore[operator]
+
+
+def design(path: Path | None, options: Options, out: Path, units: UnitSystem, *, as_json: bool) -> None:
+    """Designs and writes the report."""
+    from forcefeel.report import write_report  # noqa: PLC0415  Plotly is only needed here
+
+    loader = _loader(path)
+    if out.exists() and not out.is_dir():
+        raise InputError(f"{out}: is a file; expected a folder for the report")
+    with _progress(workflow.STEPS) as progress:
+        found = workflow.design(loader, options.settings(loader), progress.step)
+        progress.step("report")
+        page = write_report(found, out, units)
+    if as_json:
+        _print_json({"report": str(page), "design": plain(found, units)})
+    else:
+        show.conclusions(Console(), conclusions(found, units))
+        print(f"report: {page}")
+    _exit(good=found.acceptable)
+
+
+def analyze(path: Path | None, units: UnitSystem, *, as_json: bool) -> None:
+    """Analyses the original system."""
+    found = workflow.analyze(_loader(path))
+    if as_json:
+        _print_json(plain(found, units))
+    else:
+        show.analysis(Console(), found, units)
+    _exit(good=found.configuration("compliant").programmed.assessment.stable)
+
+
+def compensate(path: Path | None, options: Options, units: UnitSystem, *, as_json: bool) -> None:
+    """Computes gains and closes the loop."""
+    loader = _loader(path)
+    found = run_recursion(loader, options.settings(loader))
+    law = found.compensator(loader)
+    judged = assess(loader, law, found.settings)
+    demand = peaks(loader, law) if judged.stable else None
+    if as_json:
+        parts = {"loader": loader, "compensation": found, "assessment": judged, "peaks": demand}
+        _print_json(plain(parts, units))
+    else:
+        show.compensation(Console(), found, judged, demand, units)
+    _exit(good=judged.stable)
+
+
+def reproduce(units: UnitSystem, *, as_json: bool, as_markdown: bool) -> None:
+    """Compares with the 1974 report."""
+    with _progress(workflow.STEPS) as progress:
+        sections = run_reproduction(progress.step)
+    if as_json:
+        _print_json(plain(sections, units))
+    elif as_markdown:
+        print(show.reproduction_markdown(sections), end="")
+    else:
+        show.reproduction(Console(), sections)
+    _exit(good=all(row.verdict is not Verdict.OPEN for section in sections for row in section.rows))
+
+
+def _read_q(path: Path | None) -> tuple[tuple[float, ...], ...] | None:
+    if path is None:
+        return None
+    try:
+        return tuple(tuple(row) for row in np.loadtxt(path, delimiter=",", ndmin=2).tolist())
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: expected [Q] as CSV, 7 rows of 7 numbers: {error}") from error
+
+
+def _loader(path: Path | None) -> Loader:
+    return elevator() if path is None else load(path)
+
+
+def _print_json(result: object) -> None:
+    print(json.dumps(result, indent=2, allow_nan=False))
+
+
+def _exit(*, good: bool) -> None:
+    if not good:
+        raise typer.Exit(1)
+
+
+class _progress:  # noqa: N801  used like a function
+    """A bar on the terminal's error stream; nothing where that is no terminal."""
+
+    def __init__(self, steps: int) -> None:
+        columns = (
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            *Progress.get_default_columns()[1:3],
+            TimeElapsedColumn(),
+        )
+        self._bar = Progress(*columns, console=Console(stderr=True), transient=True)
+        self._task = self._bar.add_task("", total=steps + 1)
+
+    def step(self, name: str) -> None:
+        """One step begins: the one before is done."""
+        self._bar.update(self._task, description=name)
+        self._bar.advance(self._task)
+
+    def __enter__(self) -> "_progress":
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.stop()

@@ -1,0 +1,190 @@
+"""Results as tables for a terminal."""
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from forcefeel.analysis.frequency import Margins
+from forcefeel.analysis.modes import Mode
+from forcefeel.assessment import Assessment, Peaks
+from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation
+from forcefeel.findings import Conclusions
+from forcefeel.models import DESIGN_STATES
+from forcefeel.reproduction import Row, Section, Verdict
+from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
+from forcefeel.workflow import Analysis
+
+_COLOURS = {Verdict.AGREES: "green", Verdict.EXPLAINED: "yellow", Verdict.REFUTED: "yellow", Verdict.OPEN: "red"}
+
+
+def conclusions(console: Console, found: Conclusions) -> None:
+    """What to conclude from a design."""
+    console.print(found.verdict, style="bold" if found.good else "bold red")
+    for finding in found.findings:
+        console.print(f"- {finding}", highlight=False)
+
+
+def analysis(console: Console, found: Analysis, units: UnitSystem) -> None:
+    """The original system."""
+    programmed = f"{_hertz(found.feel_frequency_rad_per_s)} Hz, damping ratio {to_text(found.feel_damping_ratio, 3)}"
+    console.print(f"{found.loader.name}: programmed feel {programmed}")
+    for one in found.configurations:
+        console.print(_modes(f"Modes, {one.name} link", one.programmed.modes))
+    servo = _table(
+        "Servo, position loop closed", "link", "least damped mode", "damping ratio", "gain margin", "phase margin"
+    )
+    for result in found.servos:
+        mode = min(result.closed_modes, key=lambda m: m.damping_ratio)
+        servo.add_row(
+            str(result.linkage),
+            f"{_hertz(mode.frequency_rad_per_s)} Hz",
+            to_text(mode.damping_ratio, 3),
+            *_margins(result.margins),
+        )
+    console.print(servo)
+    loops = _table(
+        "Overall loop", "link", "setting", "stable", "gain margin", "phase margin", "deflection", "deviation from ideal"
+    )
+    for one in found.configurations:
+        for setting, loop in (("programmed", one.programmed), ("low", one.low)):
+            loops.add_row(one.name, setting, *_loop(loop.assessment, loop.margins))
+    console.print(loops)
+    edge = _table(
+        "Stability as G falls, I and B scaled along", "link", f"smallest stable G, {ROTARY_STIFFNESS.shown(units)}", ""
+    )
+    for one in found.configurations:
+        edge.add_row(
+            one.name, to_text(ROTARY_STIFFNESS.from_si(one.boundary.stiffness_n_m_per_rad, units)), one.boundary.note
+        )
+    console.print(edge)
+
+
+def compensation(
+    console: Console, found: Compensation, judged: Assessment, demand: Peaks | None, units: UnitSystem
+) -> None:
+    """Gains and the loop that they close."""
+    gains = _table("Feedback gains", "gain", "on", "value", "unit")
+    for symbol, state, value, unit in zip(GAIN_SYMBOLS, DESIGN_STATES, found.gains, GAIN_UNITS, strict=True):
+        gains.add_row(symbol, state_in_words(state), to_text(unit.from_si(float(value), units)), unit.shown(units))
+    console.print(gains)
+    console.print("c_7 is not fed back: the pilot's force is not measured.", highlight=False)
+    horizon = found.settings.horizon_s
+    ended = "converged" if horizon is None else f"horizon of {to_text(horizon)} s"
+    console.print(f"recursion (22): {ended}, {found.steps} steps of {to_text(found.settings.step_s)} s")
+    console.print(
+        f"residual of the Riccati equation at these gains: {found.riccati_residual:.1e} (an endless horizon has none)"
+    )
+    if demand is None:
+        console.print("the loop with these gains is unstable", style="bold red")
+        return
+    loop = _table("Loop closed on the compliant model with valve dynamics, step of pilot force", "quantity", "value")
+    for name, value in _closed_loop(judged, demand, units):
+        loop.add_row(name, value)
+    console.print(loop)
+
+
+def reproduction(console: Console, sections: tuple[Section, ...]) -> None:
+    """The comparison with the 1974 report."""
+    table = _table("The 1974 report beside its models", "item", "printed", "computed", "unit", "verdict")
+    for section in sections:
+        table.add_section()
+        table.add_row(f"[bold]{section.title}[/]")
+        for row in section.rows:
+            item = escape(f"{row.item} ({row.where})")
+            reason = f"\n[dim]{escape(row.reason)}[/]" if row.reason else ""
+            verdict = f"[{_COLOURS[row.verdict]}]{row.verdict}[/]"
+            table.add_row(item + reason, row.printed, row.computed, row.unit, verdict)
+    console.print(table)
+    console.print(summary(sections), highlight=False)
+
+
+def reproduction_markdown(sections: tuple[Section, ...]) -> str:
+    """The comparison as Markdown."""
+    lines = [summary(sections), ""]
+    for section in sections:
+        lines += [
+            f"## {section.title}",
+            "",
+            "| item | where | printed | computed | unit | verdict | reason |",
+            "|---" * 7 + "|",
+        ]
+        lines += [_markdown_row(row) for row in section.rows] + [""]
+    return "\n".join(lines)
+
+
+def summary(sections: tuple[Section, ...]) -> str:
+    """How many rows have which verdict."""
+    verdicts = [row.verdict for section in sections for row in section.rows]
+    agree, explained, refuted, unexplained = (verdicts.count(verdict) for verdict in Verdict)
+    return (
+        f"{len(verdicts)} numbers and claims: {agree} agree, {explained} differ for a known reason, {refuted} do not hold,"
+        f" {unexplained} differ for no known reason."
+    )
+
+
+def state_in_words(state: str) -> str:
+    """A state's name without its unit: ``piston_position_m`` is ``piston position``."""
+    words = state.removesuffix("_per_s")
+    return words.rsplit("_", 1)[0].replace("_", " ")
+
+
+def _modes(title: str, found: tuple[Mode, ...]) -> Table:
+    table = _table(title, "frequency, Hz", "damping ratio", "pole, 1/s")
+    for mode in found:
+        swing = f" ± {to_text(mode.imaginary_per_s)}j" if mode.imaginary_per_s > 0 else ""
+        table.add_row(
+            _hertz(mode.frequency_rad_per_s), to_text(mode.damping_ratio, 3), to_text(mode.real_per_s) + swing
+        )
+    return table
+
+
+def _loop(found: Assessment, loop_margins: Margins) -> tuple[str, ...]:
+    stable = "yes" if found.stable else "[red]no[/]"
+    if not found.stable:
+        return stable, *_margins(loop_margins), "-", "-"
+    return (
+        stable,
+        *_margins(loop_margins),
+        f"{100 * (1 + found.static_error):.3g} %",
+        f"{100 * found.tracking_error:.3g} %",
+    )
+
+
+def _closed_loop(judged: Assessment, demand: Peaks, units: UnitSystem) -> list[tuple[str, str]]:
+    angle = to_text(ANGLE.from_si(judged.static_angle_rad, units))
+    current, flow = (CURRENT.from_si(demand.current_a, units), FLOW.from_si(demand.flow_m3_per_s, units))
+    return [
+        ("frequency", f"{_hertz(judged.frequency_rad_per_s)} Hz"),
+        ("damping ratio", to_text(judged.damping_ratio, 3)),
+        ("least damping ratio of any mode", to_text(judged.least_damping_ratio, 3)),
+        ("deflection at rest", f"{angle} {ANGLE.shown(units)}, {100 * judged.static_error:+.2g} % off the programmed"),
+        ("deviation from the ideal over 2 s (r.m.s.)", f"{100 * judged.tracking_error:.3g} % of the deflection"),
+        ("cost index V over 2 s", to_text(judged.cost)),
+        (
+            "peak valve current",
+            f"{to_text(current, 3)} {CURRENT.shown(units)}, {100 * demand.current_share:.3g} % of rated",
+        ),
+        ("peak flow", f"{to_text(flow, 3)} {FLOW.shown(units)}, {100 * demand.flow_share:.3g} % of rated"),
+    ]
+
+
+def _margins(found: Margins) -> tuple[str, str]:
+    gain = to_text(found.gain_margin, 3)
+    phase = to_text(ANGLE.from_si(found.phase_margin_rad, UnitSystem.SI), 3)
+    return gain, phase if phase == "infinite" else f"{phase} deg"
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left", title_style="bold")
+    for column in columns:
+        table.add_column(column)
+    return table
+
+
+def _markdown_row(row: Row) -> str:
+    cells = (row.item, row.where, row.printed, row.computed, row.unit, str(row.verdict), row.reason)
+    return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
+
+
+def _hertz(frequency_rad_per_s: float) -> str:
+    return to_text(HERTZ.from_si(frequency_rad_per_s, UnitSystem.SI))

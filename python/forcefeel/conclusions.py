@@ -1,0 +1,1 @@
+from forcefeel.findings import *  # noqa: F403  temporary

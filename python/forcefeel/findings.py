@@ -1,0 +1,194 @@
+"""What an engineer should conclude from a design, in words."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from forcefeel.assessment import Assessment
+from forcefeel.models import Linkage
+from forcefeel.studies import best_of_each_count, worst
+from forcefeel.units import HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
+from forcefeel.workflow import Configuration, Design
+
+SMALL_ERROR = 0.02
+"""Static error below which a deflection is called right: a fifth of the 10 % of force that the static check allows (14 CFR
+Part 60, Appendix A, Table A2A, test 2.a.1.a)."""
+
+FREQUENCY_TOLERANCE = 0.10
+"""Deviation of the period that qualification allows: T(P0) = 10 % of P0 (14 CFR Part 60, Appendix A, Attachment 2)."""
+
+
+@dataclass(frozen=True)
+class Conclusions:
+    """What an engineer should conclude.
+
+    Attributes:
+        good: Whether the compensated loader is stable at the programmed setting.
+        verdict: The result in a line.
+        findings: What it rests on and what it does not promise, a sentence or two each.
+    """
+
+    good: bool
+    verdict: str
+    findings: tuple[str, ...]
+
+
+def conclusions(design: Design, units: UnitSystem) -> Conclusions:
+    """The conclusions of ``design``, with numbers in ``units``."""
+    return Conclusions(
+        design.acceptable,
+        _verdict(design),
+        (
+            _compliance(design),
+            _original(design, units),
+            _compensated(design),
+            _low_stiffness(design, units),
+            _valve(design),
+            _paths(design),
+            _sensitivity(design),
+        ),
+    )
+
+
+def _verdict(design: Design) -> str:
+    found = design.configuration("compensated").programmed.assessment
+    if not found.stable:
+        return "The compensated loader is unstable at the programmed setting: do not close this loop."
+    static = abs(found.static_error) <= SMALL_ERROR
+    moving = abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s - 1) <= FREQUENCY_TOLERANCE
+    if static and moving:
+        return "The compensated loader is stable and renders the programmed feel, at rest and in motion."
+    if static:
+        return "The compensated loader is stable and settles where it should, but it moves at the wrong frequency."
+    return "The compensated loader is stable but does not settle where the programmed feel would."
+
+
+def _compliance(design: Design) -> str:
+    compliant = next(one for one in design.servos if one.linkage is Linkage.COMPLIANT)
+    swinging = [mode for mode in compliant.closed_modes if mode.imaginary_per_s > 0]
+    if not swinging:
+        return "The linkage is compliant, but nothing swings on it: every mode of the servo is real."
+    mode = min(swinging, key=lambda one: one.damping_ratio)
+    peak = compliant.column_resonance
+    return (
+        f"The linkage is not rigid: with the position loop closed the column swings on it at"
+        f" {_hertz(mode.frequency_rad_per_s)} with a damping ratio of {to_text(mode.damping_ratio, 2)}"
+        + (f", and its response to the command peaks at {_hertz(peak.frequency_rad_per_s)}." if peak else ".")
+    )
+
+
+def _original(design: Design, units: UnitSystem) -> str:
+    rigid, compliant = design.configuration("rigid"), design.configuration("compliant")
+    return (
+        f"The original loop is {_settling(compliant.programmed.assessment)}. A rigid link would let G fall to"
+        f" {_edge(rigid, units)}; the real one allows {_edge(compliant, units)}."
+    )
+
+
+def _compensated(design: Design) -> str:
+    found = design.configuration("compensated").programmed.assessment
+    if not found.stable:
+        return "With the designed gains the loop is unstable, so there is no response to judge."
+    return (
+        f"With the designed gains it is {_settling(found)}, and moves at {_hertz(found.frequency_rad_per_s)} with a damping"
+        f" ratio of {to_text(found.damping_ratio, 2)} where {_hertz(design.feel_frequency_rad_per_s)} and"
+        f" {to_text(design.feel_damping_ratio, 2)} are programmed. Over two seconds after the step it deviates from the ideal"
+        f" by {_percent(found.tracking_error)} of the final deflection (root mean square)."
+        + _inertia_remark(design, found)
+    )
+
+
+def _inertia_remark(design: Design, found: Assessment) -> str:
+    """The column's own inertia J adds to the programmed I: the frequency that this predicts, if it is what is found."""
+    inertia, column = design.loader["feel.inertia"], design.loader["column.inertia"]
+    predicted = np.sqrt(inertia / (inertia + column))
+    if abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s / predicted - 1) > 0.05:
+        return ""
+    return (
+        f" The column's own inertia J adds to the programmed I: that alone lowers the frequency to"
+        f" {_hertz(design.feel_frequency_rad_per_s * predicted)}."
+    )
+
+
+def _low_stiffness(design: Design, units: UnitSystem) -> str:
+    compliant, compensated = design.configuration("compliant"), design.configuration("compensated")
+    before, after = compliant.boundary.stiffness_n_m_per_rad, compensated.boundary.stiffness_n_m_per_rad
+    if after == 0:
+        return f"The compensation removes the instability at low stiffness: {compensated.boundary.note}."
+    if not np.isfinite(after) or not np.isfinite(before) or before == 0:
+        return f"Stability from G_max downwards: original loop {compliant.boundary.note}; compensated {compensated.boundary.note}."
+    direction = "down" if after < before else "up"
+    ratio = to_text(max(before / after, after / before), 2)
+    return (
+        f"The compensation moves the boundary of stability {direction} by a factor of {ratio}, to {_edge(compensated, units)};"
+        f" it does not remove it, because the load cell still drives the feel computer and eq. (19) leaves that loop out."
+    )
+
+
+def _valve(design: Design) -> str:
+    found = design.configuration("compensated").programmed.peaks
+    if found is None:
+        return "Current and flow are not evaluated, because the loop is unstable."
+    within = found.current_share <= 1 and found.flow_share <= 1
+    return (
+        f"The step of pilot force asks for {_percent(found.current_share)} of the rated current and"
+        f" {_percent(found.flow_share)} of the rated flow: the valve {'has margin' if within else 'saturates'}."
+    )
+
+
+def _paths(design: Design) -> str:
+    full = design.configuration("compensated").programmed.assessment
+    if not full.stable:
+        return "Dropping feedback paths is not judged, because the full set is unstable."
+    free = [
+        row for row in best_of_each_count(design.dropped) if row.assessment.tracking_error <= full.tracking_error + 0.01
+    ]
+    if not free:
+        return "No feedback path can be dropped without a visible loss (more than 1 % of deflection)."
+    most = free[-1]
+    return (
+        f"{' and '.join(most.paths)} can be dropped: the deviation from the ideal goes from"
+        f" {_percent(full.tracking_error)} to {_percent(most.assessment.tracking_error)}."
+    )
+
+
+def _sensitivity(design: Design) -> str:
+    row = worst(design.deviations)
+    found = row.assessment
+    if found is None:
+        return "Sensitivity is not evaluated: every deviation leaves the range of its parameter."
+    harm = (
+        f"deviates by {_percent(found.tracking_error)}, {_percent(found.static_error, signed=True)} at rest"
+        if found.stable
+        else "is unstable"
+    )
+    unstable = sum(1 for one in design.deviations if one.assessment is not None and not one.assessment.stable)
+    count = (
+        "No single deviation up to 20 % makes it unstable"
+        if unstable == 0
+        else f"{unstable} deviations make it unstable"
+    )
+    return f"{count}; the worst is {row.quantity} at {_percent(row.change, signed=True)}, where the column {harm}."
+
+
+def _settling(found: Assessment) -> str:
+    if not found.stable:
+        return "unstable at the programmed setting"
+    return f"stable and settles at {_percent(1 + found.static_error)} of the programmed deflection"
+
+
+def _edge(configuration: Configuration, units: UnitSystem) -> str:
+    boundary = configuration.boundary
+    value = boundary.stiffness_n_m_per_rad
+    if value == 0 or not np.isfinite(value):
+        return boundary.note
+    shown = ROTARY_STIFFNESS.from_si(value, units)
+    return f"{to_text(shown, 3)} {ROTARY_STIFFNESS.shown(units)} ({boundary.note})"
+
+
+def _hertz(value: float) -> str:
+    return f"{to_text(HERTZ.from_si(value, UnitSystem.SI), 3)} Hz"
+
+
+def _percent(value: float, *, signed: bool = False) -> str:
+    return f"{to_text(100 * value, 3) if not signed else f'{100 * value:+.3g}'} %"

@@ -1,0 +1,77 @@
+"""The appendix's constants: the two columns against each other, and where the values come from."""
+
+import tomllib
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from forcefeel import _core
+from forcefeel.loader import Loader
+from forcefeel.parameters import TABLE
+from forcefeel.reproduction.table import Row, Section, number
+from forcefeel.units import factor, parse
+
+_CONVERSION = "converted with a rounded factor, {factor}; the U.S. column is the one that was computed with"
+_ROUNDED_FACTORS = {
+    "actuator.area": "6.45 cm^2 to the in^2",
+    "feel.stiffness": "11.2985 N cm to the lb in",
+    "linkage.damping": "1.7512 N/cm to the lb/in",
+    "linkage.stiffness": "1.751 N/cm to the lb/in",
+    "valve.supply_pressure": "0.6894 N/cm^2 to the lb/in^2",
+    "actuator.bulk_modulus": "0.6894 N/cm^2 to the lb/in^2",
+}
+
+
+def printed() -> dict[str, Any]:
+    """The printed numbers."""
+    text = resources.files("forcefeel").joinpath("data/report_1974.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+def columns() -> Section:
+    """Each SI value against the conversion of its U.S. value."""
+    rows = []
+    for key, entry in printed()["appendix"].items():
+        converted = float(entry["us"]) * factor(entry["us_unit"], entry["si_unit"])
+        reason = _CONVERSION.format(factor=_ROUNDED_FACTORS[key]) if key in _ROUNDED_FACTORS else ""
+        item = f"{TABLE[key].symbol}, SI column"
+        rows.append(number(item, "appendix", entry["si"], converted, entry["si_unit"], reason))
+    return Section("Appendix: the SI column against the U.S. column", tuple(rows))
+
+
+def origins(loader: Loader) -> Section:
+    """The values that follow from others."""
+    values = loader.values
+    c_i, c_p = _core.valve_gains(values, 0.2, 0.33)
+    k, c = _core.linkage_from_resonance(values, parse("12 Hz", "rad/s", "12 Hz"), 0.1)
+    frequency, damping_ratio = _core.feel_frequency(values)
+    share = loader["feel.maximum_stiffness"] / loader["feel.stiffness"]
+    return Section(
+        "Appendix: where the values come from",
+        (
+            _us("C_i from eq. (1)", "eqs. (1), (2)", "valve.current_gain", c_i, _truncated(c_i)),
+            _us("C_p from eq. (1)", "eqs. (1), (2)", "valve.pressure_gain", c_p),
+            _us("k from 12 Hz", "page of fig. 8", "linkage.stiffness", k, "pi = 3.14159 gives the printed 6107.860"),
+            _us("c from 12 Hz and damping ratio 0.1", "page of fig. 8", "linkage.damping", c),
+            number(
+                "valve natural frequency, 60 Hz", "page of eq. (3)", "377", parse("60 Hz", "rad/s", "1 Hz"), "rad/s"
+            ),
+            number("natural frequency of I, B, G", "appendix", "2.0", frequency / (2 * np.pi), "Hz"),
+            number("damping ratio of I, B, G", "appendix", "0.2", damping_ratio, ""),
+            number("G_max / G", "appendix", "3", share, ""),
+        ),
+    )
+
+
+def _us(item: str, where: str, key: str, value_si: float, reason: str = "") -> Row:
+    """A row in U.S. units against the appendix's value of ``key``."""
+    entry = printed()["appendix"][key]
+    return number(
+        item, where, entry["us"], value_si * factor(TABLE[key].unit_si, entry["us_unit"]), entry["us_unit"], reason
+    )
+
+
+def _truncated(c_i: float) -> str:
+    shown = c_i * factor(TABLE["valve.current_gain"].unit_si, TABLE["valve.current_gain"].unit_us)
+    return f"{shown:.3f} cut after two decimals instead of rounded"

@@ -1,0 +1,300 @@
+"""The report's claims in words, and what the models say of them."""
+
+import numpy as np
+
+from forcefeel import _core
+from forcefeel.assessment import assess
+from forcefeel.compensation import GAIN_UNITS, compensate
+from forcefeel.loader import Loader
+from forcefeel.models import Linkage, design_plant, state_feedback
+from forcefeel.parameters import INDEX
+from forcefeel.reproduction.appendix import printed
+from forcefeel.reproduction.table import Row, Section, Verdict, about, claim, number
+from forcefeel.studies import best_of_each_count, worst
+from forcefeel.units import ROTARY_STIFFNESS, UnitSystem, to_text
+from forcefeel.workflow import Design
+
+
+def claims(design: Design) -> Section:
+    """A row or more per claim."""
+    return Section(
+        "Claims",
+        (
+            *_sign(design),
+            _printed_digits(design),
+            *_scale(design.loader),
+            _overdamped(design),
+            _compliance(design),
+            _structural_damping(design),
+            *_only_delta(design),
+            _low_stiffness(design),
+            _valve_dynamics(design),
+            _feasible(design),
+            _insensitive(design),
+            _dropped(design),
+            _stabilizable(design.loader),
+            _converged_at_rest(design),
+        ),
+    )
+
+
+def _sign(design: Design) -> list[Row]:
+    rows = []
+    for linkage, build in ((Linkage.RIGID, _core.rigid), (Linkage.COMPLIANT, _core.compliant)):
+        values = design.low_loader.values.copy()
+        values[INDEX["load_cell.gain"]] *= -1
+        poles = np.linalg.eigvals(build(values, _core.Compensator.original(values))[0])
+        fastest = poles[np.argmax(poles.real)]
+        rows.append(
+            claim(
+                f"{linkage} model is stable at the low setting, with the sign of eq. (12) as printed",
+                "eq. (12)",
+                float(fastest.real),
+                "1/s",
+                holds=bool(fastest.real < 0),
+                reason="a real pole runs away: the printed sign is not the loader's",
+            )
+        )
+    return rows
+
+
+def _printed_digits(design: Design) -> Row:
+    """The report's own simulation: its printed digits, six states fed back."""
+    digits = [float(text) for text in printed()["gains"]["us"]]
+    gains = np.array([digit / unit.from_si(1.0, UnitSystem.US) for digit, unit in zip(digits, GAIN_UNITS, strict=True)])
+    found = assess(design.loader, state_feedback(design.loader, gains[:6]))
+    wanted = found.static_angle_rad / (1 + found.static_error)
+    reason = (
+        "steady angle with the printed digits of c_1 .. c_6 on the compliant model; the programmed one is printed here"
+    )
+    return about(
+        "fig. 14: steady angle",
+        "page of fig. 14",
+        to_text(wanted, 5),
+        found.static_angle_rad,
+        "rad",
+        holds=abs(found.static_error) < 0.01,
+        reason=reason,
+    )
+
+
+def _scale(loader: Loader) -> list[Row]:
+    """What the original system makes of the programmed deflection."""
+    found = assess(loader, None, linkage=Linkage.RIGID)
+    k_1 = loader["potentiometer.gain"] * (loader["linkage.ratio"] * loader["column.base_arm"]) ** 2
+    k_1 /= loader["feel.maximum_stiffness"]
+    right = assess(loader.replace({"load_cell.gain": k_1}), None, linkage=Linkage.RIGID)
+    return [
+        number(
+            "deflection of the original system, rigid, as a share of R_p F_p / G",
+            "eqs. (12), (13)",
+            "1.00",
+            1 + found.static_error,
+            "",
+            "K_1 = 0.005 V/lb is too small for G to be what it says",
+        ),
+        number(
+            "the same with K_1 = K_3 (alpha R_b)^2 / G_max",
+            "eqs. (12), (13)",
+            "1.00",
+            1 + right.static_error,
+            "",
+            "the scale is right; what is left is the oil that p drives through C_p at rest",
+        ),
+    ]
+
+
+def _overdamped(design: Design) -> Row:
+    rigid = next(one for one in design.servos if one.linkage is Linkage.RIGID)
+    slowest = rigid.closed_modes[0]
+    return claim(
+        "the inner loop is somewhat overdamped",
+        "page of fig. 1",
+        slowest.frequency_rad_per_s / (2 * np.pi),
+        "Hz",
+        holds=slowest.imaginary_per_s == 0,
+        reason="its slowest pole is real",
+    )
+
+
+def _compliance(design: Design) -> Row:
+    rigid, compliant = (design.configuration(name).boundary for name in ("rigid", "compliant"))
+    holds = compliant.stiffness_n_m_per_rad > rigid.stiffness_n_m_per_rad
+    reason = f"smallest stable G of the compliant model; of the rigid model {_us(rigid.stiffness_n_m_per_rad)}"
+    return claim(
+        "compliance makes low G unstable",
+        "page of fig. 10",
+        _number(compliant.stiffness_n_m_per_rad),
+        _UNIT,
+        holds=holds,
+        reason=reason,
+    )
+
+
+def _structural_damping(design: Design) -> Row:
+    before, after = (
+        design.configuration(name).programmed.assessment.least_damping_ratio for name in ("compliant", "compensated")
+    )
+    reason = (
+        f"damping ratio of the structural mode at the programmed setting; {to_text(before, 2)} in the original system"
+    )
+    return claim(
+        "the structural oscillation is reduced", "introduction", after, "", holds=after > before, reason=reason
+    )
+
+
+def _only_delta(design: Design) -> list[Row]:
+    here, there = (compensate(loader).gains for loader in (design.loader, _other_setting(design.loader)))
+    change = np.abs(there / here - 1)
+    others, own = float(np.max(change[[0, 1, 4, 5]])), float(np.min(change[[2, 3]]))
+    return [
+        claim(
+            "gains of the plant's states do not depend on the computer setting",
+            "page of fig. 14",
+            others,
+            "",
+            holds=others < 1e-9,  # the recursion stops at 1e-13 a step, some 1e4 steps
+            reason="largest relative change of c_1, c_2, c_5, c_6 from 2 Hz, 0.2 to 1 Hz, 0.7",
+        ),
+        claim(
+            "gains of delta and its rate do",
+            "page of fig. 14",
+            own,
+            "",
+            holds=own > 0.01,
+            reason="smallest relative change of c_3, c_4 over the same",
+        ),
+    ]
+
+
+def _other_setting(loader: Loader) -> Loader:
+    inertia, damping = _core.feel_from_frequency(2 * np.pi, 0.7, loader["feel.stiffness"])
+    return loader.replace({"feel.inertia": inertia, "feel.damping": damping})
+
+
+def _low_stiffness(design: Design) -> Row:
+    before, after = (design.configuration(name).boundary for name in ("compliant", "compensated"))
+    reason = (
+        f"smallest stable G; {_us(before.stiffness_n_m_per_rad)} in the original system. Eq. (19) leaves the load-cell loop out"
+        " of the plant, so no gain can see it"
+    )
+    value = _number(after.stiffness_n_m_per_rad)
+    return claim(
+        "the instability at low G is eliminated", "page of fig. 14", value, _UNIT, holds=value == 0, reason=reason
+    )
+
+
+def _valve_dynamics(design: Design) -> Row:
+    law = design.compensation.compensator(design.loader)
+    fast = design.loader.replace({"valve.natural_frequency": "37700 rad/s"})
+    with_valve, without = (assess(one, law).frequency_rad_per_s for one in (design.loader, fast))
+    change = with_valve / without - 1
+    reason = "change of the feel's frequency from a valve a hundred times faster to the real one"
+    return claim(
+        "the valve's dynamics may be neglected in the design",
+        "page of eq. (19)",
+        100 * change,
+        "%",
+        holds=abs(change) < 0.01,
+        reason=reason,
+    )
+
+
+def _feasible(design: Design) -> Row:
+    found = design.configuration("compensated").programmed.peaks
+    share = 100 * max(found.current_share, found.flow_share) if found else np.inf
+    reason = "largest share of rated current or flow that the step of pilot force asks for"
+    return claim(
+        "current and flow stay within the valve's limits",
+        "page of eq. (22)",
+        share,
+        "%",
+        holds=share <= 100,
+        reason=reason,
+    )
+
+
+def _insensitive(design: Design) -> Row:
+    row = worst(design.deviations)
+    found = row.assessment
+    if found is None or not found.stable:
+        return claim(
+            "the scheme is insensitive to plant parameters",
+            "page of fig. 14",
+            np.nan,
+            "",
+            holds=False,
+            reason=f"{row.quantity} at {row.change:+.0%} makes it unstable",
+        )
+    reason = (
+        f"tracking error at {row.quantity} {row.change:+.0%}. Stability is insensitive (no deviation up to 20 % loses it), the feel"
+        " is not: the gains of x_p and delta must match the linkage's geometry for the column to settle right"
+    )
+    return claim(
+        "the scheme is insensitive to plant parameters",
+        "page of fig. 14",
+        100 * found.tracking_error,
+        "%",
+        holds=found.tracking_error < 0.25,
+        reason=reason,
+    )
+
+
+def _dropped(design: Design) -> Row:
+    full = design.configuration("compensated").programmed.assessment.tracking_error
+    free = [row for row in best_of_each_count(design.dropped) if row.assessment.tracking_error <= full + 0.01]
+    if not free:
+        return claim(
+            "feedback paths can be eliminated",
+            "introduction",
+            0.0,
+            "paths",
+            holds=False,
+            reason="none without a loss of 1 %",
+        )
+    most = free[-1]
+    reason = f"{', '.join(most.paths)}: tracking error {most.assessment.tracking_error:.1%} instead of {full:.1%}"
+    return claim(
+        "feedback paths can be eliminated", "introduction", float(len(most.paths)), "paths", holds=True, reason=reason
+    )
+
+
+def _stabilizable(loader: Loader) -> Row:
+    plant = design_plant(loader)
+    unmoved = plant.nstates - int(np.linalg.matrix_rank(np.hstack([plant.A, plant.B])))
+    reason = (
+        "states that neither move by themselves nor by e: F_p. A Riccati solver refuses the plant; recursion (22) and a linear"
+        " equation for c_7 do not"
+    )
+    verdict = Verdict.AGREES if unmoved == 0 else Verdict.EXPLAINED
+    item = "the plant of eq. (19) is stabilizable"
+    return Row(item, "eq. (19)", "assumed", str(unmoved), float(unmoved), "states", verdict, reason)
+
+
+def _converged_at_rest(design: Design) -> Row:
+    loader, gains = design.loader, design.converged.gains
+    with_force = assess(loader, state_feedback(loader, gains)).static_error
+    without = assess(loader, state_feedback(loader, gains[:6])).static_error
+    reason = (
+        f"static error with the pilot force fed back through c_7; without it {100 * without:.3g} %. The published horizon is"
+        " right at rest without it, by its length"
+    )
+    return claim(
+        "converged gains settle the column right",
+        "eq. (20)",
+        100 * with_force,
+        "%",
+        holds=abs(with_force) < 1e-6,
+        reason=reason,
+    )
+
+
+_UNIT = ROTARY_STIFFNESS.us
+
+
+def _number(stiffness: float) -> float:
+    return ROTARY_STIFFNESS.from_si(stiffness, UnitSystem.US)
+
+
+def _us(stiffness: float) -> str:
+    return f"{to_text(_number(stiffness))} {_UNIT}"

@@ -1,0 +1,118 @@
+"""Figures 8 to 11 and 14: the curves are lost, what the text says of them is not."""
+
+import numpy as np
+
+from forcefeel.analysis.modes import Mode
+from forcefeel.models import Linkage, servo
+from forcefeel.reproduction.table import Row, Section, about, claim, number
+from forcefeel.units import to_text
+from forcefeel.workflow import Design
+
+_HYDRAULICS = (
+    "oil, valve and position loop damp the mode and shift it; 12.00 Hz and 0.100 belong to the column swinging on the link"
+    " with the piston held, the zeros of this response"
+)
+
+
+def figures(design: Design) -> Section:
+    """A row or more per figure."""
+    rigid, compliant, compensated = (design.configuration(n) for n in ("rigid", "compliant", "compensated"))
+    growing = max(compliant.low.modes, key=lambda mode: mode.real_per_s)
+    wanted = float(
+        np.degrees(design.loader["column.grip_arm"] * design.loader["pilot.force"] / design.loader["feel.stiffness"])
+    )
+    found = compensated.programmed.assessment
+    return Section(
+        "Figures 8 to 11 and 14",
+        (
+            *_servo(design),
+            *_phase_margins(design),
+            claim(
+                "fig. 11(a): the rigid model is stable at the low setting",
+                "page of fig. 11",
+                rigid.low.assessment.abscissa_per_s,
+                "1/s",
+                holds=rigid.low.assessment.stable,
+                reason="largest real part of the poles",
+            ),
+            claim(
+                "fig. 11(b): the compliant model oscillates with growing amplitude",
+                "page of fig. 11",
+                _hertz(growing),
+                "Hz",
+                holds=not compliant.low.assessment.stable and growing.imaginary_per_s > 0,
+                reason=f"frequency of the growing oscillation, {to_text(growing.real_per_s)} 1/s",
+            ),
+            claim(
+                "fig. 14: the compensated column settles where it should",
+                "page of fig. 14",
+                float(np.degrees(found.static_angle_rad)),
+                "deg",
+                holds=abs(found.static_error) < 0.01,
+                reason=f"{to_text(found.static_angle_rad)} rad; programmed are R_p F_p / G = {to_text(wanted)} deg",
+            ),
+            claim(
+                "fig. 14: the compensated column moves as programmed",
+                "page of fig. 14",
+                found.frequency_rad_per_s / (2 * np.pi),
+                "Hz",
+                holds=abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s - 1) < 0.1,
+                reason="2.0 Hz are programmed; the column's own inertia J adds to I",
+            ),
+        ),
+    )
+
+
+def _servo(design: Design) -> list[Row]:
+    rows = []
+    for figure, result_modes in (("fig. 8", "open_modes"), ("fig. 9", "closed_modes")):
+        compliant = next(one for one in design.servos if one.linkage is Linkage.COMPLIANT)
+        mode = _link(getattr(compliant, result_modes))
+        near = abs(_hertz(mode) / 12 - 1) < 0.06  # "approximately": 12 with no decimal
+        rows += [
+            about(
+                f"{figure}: resonance of the servo",
+                "page of fig. 8",
+                "12",
+                _hertz(mode),
+                "Hz",
+                holds=near,
+                reason=_HYDRAULICS,
+            ),
+            number(f"{figure}: its damping ratio", "page of fig. 8", "0.1", mode.damping_ratio, "", _HYDRAULICS),
+        ]
+    zero = _piston_held(design)
+    rows += [
+        number("column on the link, piston held", "page of fig. 8", "12", _hertz(zero), "Hz"),
+        number("its damping ratio", "page of fig. 8", "0.1", zero.damping_ratio, ""),
+    ]
+    return rows
+
+
+def _phase_margins(design: Design) -> list[Row]:
+    rigid = float(np.degrees(design.configuration("rigid").low.margins.phase_margin_rad))
+    compliant = float(np.degrees(design.configuration("compliant").low.margins.phase_margin_rad))
+    return [
+        claim(
+            "fig. 10: compliance takes a sizable part of the phase margin",
+            "page of fig. 10",
+            compliant - rigid,
+            "deg",
+            holds=compliant < rigid - 30,  # "sizable": a third of the 90 degrees that a loop can well use
+            reason=f"from {to_text(rigid, 3)} to {to_text(compliant, 3)} deg at the low setting of the figure's caption",
+        )
+    ]
+
+
+def _link(found: tuple[Mode, ...]) -> Mode:
+    return min((mode for mode in found if mode.imaginary_per_s > 0), key=lambda mode: mode.damping_ratio)
+
+
+def _piston_held(design: Design) -> Mode:
+    """The zeros of the servo's response: what the column does while the piston stands still."""
+    zero = max(servo(design.loader, Linkage.COMPLIANT, closed=False)[0, 0].zeros(), key=lambda s: s.imag)
+    return Mode(zero.real, zero.imag, abs(zero), -zero.real / abs(zero))
+
+
+def _hertz(mode: Mode) -> float:
+    return mode.frequency_rad_per_s / (2 * np.pi)

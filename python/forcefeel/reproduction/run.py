@@ -1,0 +1,27 @@
+"""The whole comparison."""
+
+from collections.abc import Callable
+
+from forcefeel.loader import elevator
+from forcefeel.reproduction import appendix, claims, curves, equations, gains
+from forcefeel.reproduction.table import Section
+from forcefeel.workflow import design
+
+
+def reproduce(progress: Callable[[str], None] = lambda _: None) -> tuple[Section, ...]:
+    """Every number and claim of the 1974 report beside what the models give, for its own elevator loader.
+
+    Args:
+        progress: Called with the name of each step of the design as it begins.
+    """
+    loader = elevator()
+    found = design(loader, progress=progress)
+    return (
+        appendix.columns(),
+        appendix.origins(loader),
+        equations.matrices(loader),
+        *gains.published(found),
+        gains.horizon(found),
+        curves.figures(found),
+        claims.claims(found),
+    )

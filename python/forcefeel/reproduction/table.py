@@ -1,0 +1,84 @@
+"""One row of the comparison, and how a printed number is judged."""
+
+from dataclasses import dataclass
+from decimal import Decimal
+from enum import StrEnum
+
+from forcefeel.units import to_text
+
+
+class Verdict(StrEnum):
+    """How a computed value stands to the printed one."""
+
+    AGREES = "agrees"
+    """To the printed digits, or the claim holds."""
+    EXPLAINED = "differs, explained"
+    """It differs and the reason is known."""
+    REFUTED = "does not hold"
+    """The claim does not follow from the report's own model."""
+    OPEN = "differs"
+    """It differs and the reason is not known."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One number or claim.
+
+    Attributes:
+        item: What it is.
+        where: Where the report says it.
+        printed: As printed.
+        computed: What the models give, as text with the digits worth showing.
+        value: The same as a number, in ``unit``.
+        unit: Unit of both.
+        verdict: How they stand to each other.
+        reason: Why, where they differ; a remark otherwise.
+    """
+
+    item: str
+    where: str
+    printed: str
+    computed: str
+    value: float
+    unit: str
+    verdict: Verdict
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Section:
+    """Rows that belong together."""
+
+    title: str
+    rows: tuple[Row, ...]
+
+
+def agrees_to_digits(printed: str, value: float) -> bool:
+    """Whether ``value`` rounds to the printed digits: it lies within half a unit of the last one."""
+    number = Decimal(printed)
+    exponent = number.as_tuple().exponent
+    half_unit = 0.5 * 10.0 ** int(exponent)
+    return abs(value - float(number)) <= half_unit * (1 + 1e-9)  # a half itself may be off by rounding
+
+
+def number(item: str, where: str, printed: str, value: float, unit: str, reason: str = "") -> Row:
+    """A row for a printed number; a ``reason`` explains it where it differs to the printed digits."""
+    if agrees_to_digits(printed, value):
+        verdict, reason = Verdict.AGREES, ""
+    else:
+        verdict = Verdict.EXPLAINED if reason else Verdict.OPEN
+    digits = max(4, sum(c.isdigit() for c in printed.lstrip("-0.")) + 1)
+    return Row(item, where, printed, to_text(value, digits), float(value), unit, verdict, reason)
+
+
+def claim(item: str, where: str, value: float, unit: str, *, holds: bool, reason: str) -> Row:
+    """A row for a claim without a number: what speaks for or against it."""
+    verdict = Verdict.AGREES if holds else Verdict.REFUTED
+    return Row(item, where, "claimed", to_text(value), float(value), unit, verdict, reason)
+
+
+def about(item: str, where: str, printed: str, value: float, unit: str, *, holds: bool, reason: str) -> Row:
+    """A row for a number that the report gives as approximate: whether it holds is judged by the caller."""
+    return Row(
+        item, where, printed, to_text(value), float(value), unit, Verdict.AGREES if holds else Verdict.EXPLAINED, reason
+    )

@@ -1,0 +1,225 @@
+"""Everything that the 1974 report computed, for any loader: the design as one frozen result."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from forcefeel._core import Compensator, feel_frequency
+from forcefeel.analysis.boundary import StabilityBoundary, smallest_stable_stiffness
+from forcefeel.analysis.frequency import Margins, Peak, margins, resonance
+from forcefeel.analysis.modes import Mode, modes
+from forcefeel.assessment import Assessment, Peaks, assess, peaks
+from forcefeel.compensation import Compensation, DesignSettings, compensate, published_settings
+from forcefeel.loader import Loader
+from forcefeel.models import Linkage, loader_model, overall_open_loop, servo
+from forcefeel.studies import Deviation, DroppedPaths, drop_paths, sensitivity
+from forcefeel.units import HERTZ, RATIO
+
+LOW_SHARE = 0.1
+"""Share of I, B and G at the low setting, where figures 10 and 11 show what compliance does.
+
+The pilot's force is lowered along, so that the programmed deflection stays the same.
+"""
+
+
+@dataclass(frozen=True)
+class ServoResult:
+    """The hydraulic servo alone, column attached (figs. 8, 9).
+
+    Attributes:
+        linkage: Rigid or compliant link.
+        open_modes: Modes with the position loop open.
+        closed_modes: Modes with it closed.
+        margins: Margins of the position loop.
+        column_resonance: Largest gain from command to column near its least damped mode, position loop
+            closed; ``None`` where there is no peak.
+    """
+
+    linkage: Linkage
+    open_modes: tuple[Mode, ...]
+    closed_modes: tuple[Mode, ...]
+    margins: Margins
+    column_resonance: Peak | None
+
+
+@dataclass(frozen=True)
+class LoopResult:
+    """One configuration at one setting.
+
+    Attributes:
+        modes: Its modes.
+        margins: Margins of the overall loop, opened at the feel computer's torque (fig. 10).
+        assessment: How it renders the programmed feel.
+        peaks: Its demand on the valve; not evaluated where unstable.
+    """
+
+    modes: tuple[Mode, ...]
+    margins: Margins
+    assessment: Assessment
+    peaks: Peaks | None
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """One way to model and drive the loader.
+
+    Attributes:
+        name: ``rigid``, ``compliant`` or ``compensated``.
+        linkage: Rigid or compliant link.
+        compensator: The law; ``None`` is the original position loop, eq. (13).
+        programmed: Result at the programmed setting.
+        low: Result with I, B, G and the pilot's force at ``LOW_SHARE`` of it.
+        boundary: Smallest stable G.
+    """
+
+    name: str
+    linkage: Linkage
+    compensator: Compensator | None = field(repr=False)
+    programmed: LoopResult
+    low: LoopResult
+    boundary: StabilityBoundary
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What the original system does.
+
+    Attributes:
+        loader: The loader.
+        low_loader: The same at the low setting.
+        feel_frequency_rad_per_s: Programmed natural frequency.
+        feel_damping_ratio: Programmed damping ratio.
+        servos: The servo with rigid and with compliant link.
+        configurations: Rigid and compliant; a design adds the compensated one.
+    """
+
+    loader: Loader
+    low_loader: Loader
+    feel_frequency_rad_per_s: Annotated[float, HERTZ]
+    feel_damping_ratio: Annotated[float, RATIO]
+    servos: tuple[ServoResult, ...]
+    configurations: tuple[Configuration, ...]
+
+    def configuration(self, name: str) -> Configuration:
+        """The configuration of that name."""
+        return next(one for one in self.configurations if one.name == name)
+
+
+@dataclass(frozen=True)
+class Design(Analysis):
+    """The original system and its compensation.
+
+    Attributes:
+        compensation: The gains that close the loop.
+        published: Gains over the published horizon, with the pilot force coupled as the report must have had it.
+        converged: Gains over an endless horizon.
+        dropped: Which feedback paths can be dropped.
+        deviations: Sensitivity of the compensated loop.
+    """
+
+    compensation: Compensation
+    published: Compensation
+    converged: Compensation
+    dropped: tuple[DroppedPaths, ...]
+    deviations: tuple[Deviation, ...]
+
+    @property
+    def acceptable(self) -> bool:
+        """Whether the compensated loader is stable at the programmed setting."""
+        return self.configuration("compensated").programmed.assessment.stable
+
+
+def analyze(loader: Loader) -> Analysis:
+    """Analyses the original system: servo, loops, stability and response, with rigid and with compliant link.
+
+    Raises:
+        InputError: If the low setting leaves the parameter table's range.
+    """
+    low = _low(loader)
+    frequency, damping_ratio = feel_frequency(loader.values)
+    return Analysis(
+        loader=loader,
+        low_loader=low,
+        feel_frequency_rad_per_s=frequency,
+        feel_damping_ratio=damping_ratio,
+        servos=tuple(_servo(loader, linkage) for linkage in Linkage),
+        configurations=tuple(_configuration(str(one), loader, low, one, None) for one in Linkage),
+    )
+
+
+def design(
+    loader: Loader, settings: DesignSettings | None = None, progress: Callable[[str], None] = lambda _: None
+) -> Design:
+    """Analyses ``loader``, designs its compensation and judges the result.
+
+    Args:
+        loader: The loader.
+        settings: How the gains that close the loop are computed; the published horizon if not given.
+        progress: Called with the name of each step as it begins; ``STEPS`` of them.
+
+    Raises:
+        InputError: If the low setting leaves the parameter table's range or the recursion fails.
+    """
+    progress("compensation")
+    published, converged = compensate(loader, published_settings(loader)), compensate(loader)
+    chosen = published if settings is None else compensate(loader, settings)
+    law = chosen.compensator(loader)
+    progress("original system")
+    original = analyze(loader)
+    progress("compensated system")
+    compensated = _configuration("compensated", loader, original.low_loader, Linkage.COMPLIANT, law)
+    progress("dropped paths")
+    dropped = drop_paths(loader, chosen.gains, chosen.settings)
+    progress("sensitivity")
+    deviations = sensitivity(loader, chosen.gains, chosen.settings)
+    return Design(
+        loader=loader,
+        low_loader=original.low_loader,
+        feel_frequency_rad_per_s=original.feel_frequency_rad_per_s,
+        feel_damping_ratio=original.feel_damping_ratio,
+        servos=original.servos,
+        configurations=(*original.configurations, compensated),
+        compensation=chosen,
+        published=published,
+        converged=converged,
+        dropped=dropped,
+        deviations=deviations,
+    )
+
+
+STEPS = 5
+"""How often ``design`` reports progress."""
+
+
+def _low(loader: Loader) -> Loader:
+    scaled = ("feel.inertia", "feel.damping", "feel.stiffness", "pilot.force")
+    return loader.replace({key: loader[key] * LOW_SHARE for key in scaled})
+
+
+def _servo(loader: Loader, linkage: Linkage) -> ServoResult:
+    opened, closed = servo(loader, linkage, closed=False), servo(loader, linkage, closed=True)
+    closed_modes = modes(closed)
+    w = min(closed_modes, key=lambda mode: mode.damping_ratio).frequency_rad_per_s
+    peak = resonance(closed[1, 0], w / 2, 3 * w)  # wide enough for the peak of a mode that others pull aside
+    return ServoResult(linkage, modes(opened), closed_modes, margins(opened[0, 0]), peak)
+
+
+def _configuration(name: str, loader: Loader, low: Loader, linkage: Linkage, law: Compensator | None) -> Configuration:
+    return Configuration(
+        name,
+        linkage,
+        law,
+        programmed=_loop(loader, linkage, law),
+        low=_loop(low, linkage, law),
+        boundary=smallest_stable_stiffness(loader, linkage, law),
+    )
+
+
+def _loop(loader: Loader, linkage: Linkage, law: Compensator | None) -> LoopResult:
+    found = assess(loader, law, linkage=linkage)
+    return LoopResult(
+        modes(loader_model(loader, law, linkage)),
+        margins(overall_open_loop(loader, linkage, law)),
+        found,
+        peaks(loader, law, linkage) if found.stable else None,
+    )

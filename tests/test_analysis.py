@@ -1,0 +1,154 @@
+"""Analysis by a second route each: time integration, the edge of stability itself, closed forms."""
+
+import control
+import numpy as np
+import pytest
+import scipy.integrate
+
+import forcefeel as ff
+from forcefeel import _core
+from forcefeel.analysis.modes import spectral_abscissa
+from forcefeel.analysis.time import gramian
+from tests import witness
+
+LOW = {"feel.inertia": "6 lb in s^2/rad", "feel.damping": "30.4 lb in s/rad", "feel.stiffness": "960 lb in/rad"}
+
+
+@pytest.fixture(scope="module")
+def loader():
+    return ff.elevator()
+
+
+@pytest.fixture(scope="module")
+def low(loader):
+    return loader.replace(LOW)
+
+
+@pytest.mark.parametrize(
+    ("model", "derivative", "states"), [(ff.rigid_model, witness.rigid, 7), (ff.compliant_model, witness.compliant, 8)]
+)
+def test_step_response_is_that_of_the_equations_integrated(loader, model, derivative, states):
+    """Against an implicit solver on the hand-written equations in U.S. units."""
+    response = ff.step_response(model(loader), loader["pilot.force"], duration_s=1.0, samples=101)
+    solved = scipy.integrate.solve_ivp(
+        lambda _, x: derivative(x, 96.0),
+        (0, 1),
+        np.zeros(states),
+        "Radau",
+        response.time_s.values,
+        rtol=1e-8,
+        atol=1e-10,
+    )
+    base = solved.y[6] if states == 8 else solved.y[0] / witness.ALPHA
+    np.testing.assert_allclose(response["column_angle_rad"], base / witness.RB, atol=1e-6)  # the solver's tolerance
+
+
+def test_frequency_response_is_the_transfer_function(loader):
+    f = np.array([0.5, 2.0, 12.0, 50.0])
+    response = ff.frequency_response(ff.servo(loader, ff.Linkage.COMPLIANT, closed=False)[0, 0], f)
+    a = witness.jacobian(witness.compliant, 8)
+    a[3, [0, 4]] = 0.0  # loops open: no feedback, no computer
+    keep = [0, 1, 2, 3, 6, 7]
+    b = np.zeros(6)
+    b[3] = witness.WN**2 * witness.CI * witness.K2
+    for f_hz, gain, phase in zip(f, response.gain_db.values, response.phase_deg.values, strict=True):
+        x = np.linalg.solve(2j * np.pi * f_hz * np.eye(6) - a[np.ix_(keep, keep)], b)
+        value = witness.K3 * x[0]
+        assert gain == pytest.approx(20 * np.log10(abs(value)), abs=1e-9)
+        assert (phase - np.degrees(np.angle(value))) % 360 == pytest.approx(0, abs=1e-7) or (
+            phase - np.degrees(np.angle(value))
+        ) % 360 == pytest.approx(360, abs=1e-7)
+
+
+@pytest.mark.parametrize("linkage", list(ff.Linkage))
+def test_gain_margin_takes_the_loop_to_the_edge(loader, low, linkage):
+    build = _core.rigid if linkage is ff.Linkage.RIGID else _core.compliant
+    for one in (loader, low):
+        law = ff.Compensator.original(one.values)
+        found = ff.margins(ff.overall_open_loop(one, linkage))
+        edge = ff.Compensator(tuple(law.gains), law.load_cell_arm * found.gain_margin)
+        poles = np.linalg.eigvals(build(one.values, edge)[0])
+        top = poles[np.argmax(poles.real)]
+        assert top.real == pytest.approx(0, abs=1e-5)  # 1/s; the poles near are some 100 1/s large
+        assert abs(top.imag) == pytest.approx(found.phase_crossover_rad_per_s, rel=1e-6)
+
+
+@pytest.mark.parametrize("linkage", list(ff.Linkage))
+def test_phase_margin_is_the_lag_that_makes_the_loop_minus_one(low, linkage):
+    loop = ff.overall_open_loop(low, linkage)
+    found = ff.margins(loop)
+    turned = complex(loop(1j * found.gain_crossover_rad_per_s)) * np.exp(-1j * found.phase_margin_rad)
+    assert turned == pytest.approx(-1, abs=1e-6)
+
+
+def test_margins_of_a_loop_in_closed_form():
+    """L = 4 / (s (s + 1) (s + 2)): phase -180 degrees at sqrt 2, where the gain is 4/6."""
+    found = ff.margins(control.ss(control.tf([4], [1, 3, 2, 0])))
+    assert found.gain_margin == pytest.approx(1.5)
+    assert found.phase_crossover_rad_per_s == pytest.approx(np.sqrt(2))
+    w = found.gain_crossover_rad_per_s
+    assert found.phase_margin_rad == pytest.approx(np.pi / 2 - np.arctan(w) - np.arctan(w / 2))
+
+
+def test_phase_margin_falls_from_stable_to_unstable_as_the_report_says(low):
+    rigid, compliant = (np.degrees(ff.margins(ff.overall_open_loop(low, link)).phase_margin_rad) for link in ff.Linkage)
+    assert rigid > 30
+    assert compliant < 0
+
+
+def test_modes_count_a_pair_once_and_keep_the_sum_of_the_poles(loader):
+    model = ff.compliant_model(loader)
+    found = ff.modes(model)
+    total = sum(mode.real_per_s * (2 if mode.imaginary_per_s > 0 else 1) for mode in found)
+    assert total == pytest.approx(np.trace(model.A), rel=1e-9)
+    assert [m.frequency_rad_per_s for m in found] == sorted(m.frequency_rad_per_s for m in found)
+
+
+def test_modes_of_an_oscillator_in_closed_form():
+    w, zeta = 7.0, 0.3
+    (mode,) = ff.modes(control.ss([[0, 1], [-w * w, -2 * zeta * w]], [[0], [1]], [[1, 0]], 0))
+    assert (mode.frequency_rad_per_s, mode.damping_ratio) == pytest.approx((w, zeta))
+
+
+@pytest.mark.parametrize("linkage", list(ff.Linkage))
+def test_stability_is_lost_at_the_boundary(loader, linkage):
+    found = ff.smallest_stable_stiffness(loader, linkage)
+    build = _core.rigid if linkage is ff.Linkage.RIGID else _core.compliant
+    law = ff.Compensator.original(loader.values)
+    for factor, stable in ((1 + 1e-6, True), (1 - 1e-6, False)):
+        scale = factor * found.stiffness_n_m_per_rad / loader["feel.stiffness"]
+        assert (spectral_abscissa(build(loader.scale_feel(scale), law)[0]) < 0) is stable
+
+
+def test_boundary_agrees_with_the_gain_margin(loader):
+    """Scaling I, B, G down by a factor is raising the loop's gain by it."""
+    found = ff.smallest_stable_stiffness(loader)
+    gain_margin = ff.margins(ff.overall_open_loop(loader, ff.Linkage.COMPLIANT)).gain_margin
+    assert found.stiffness_n_m_per_rad == pytest.approx(loader["feel.stiffness"] / gain_margin, rel=1e-6)
+
+
+def test_boundary_of_a_loader_that_is_never_stable_or_always(loader):
+    runaway = ff.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0]))
+    assert ff.smallest_stable_stiffness(loader, ff.Linkage.COMPLIANT, runaway).stiffness_n_m_per_rad == np.inf
+    deaf = ff.Compensator(tuple(ff.Compensator.original(loader.values).gains), 0.0)
+    found = ff.smallest_stable_stiffness(loader, ff.Linkage.COMPLIANT, deaf)
+    assert found.stiffness_n_m_per_rad == 0
+    assert "stable from G_max down" in found.note
+
+
+def test_resonance_of_an_oscillator_in_closed_form():
+    w, zeta = 10.0, 0.1
+    system = control.ss(control.tf([w * w], [1, 2 * zeta * w, w * w]))
+    found = ff.resonance(system, 1.0, 100.0)
+    assert found.frequency_rad_per_s == pytest.approx(w * np.sqrt(1 - 2 * zeta**2), rel=1e-3)  # grid of the search
+    assert found.gain == pytest.approx(1 / (2 * zeta * np.sqrt(1 - zeta**2)), rel=1e-6)
+    assert ff.resonance(system, 20.0, 100.0) is None
+
+
+def test_gramian_in_closed_form_and_when_stiff():
+    """x_k' = -a_k x_k: the integral of x_j x_k is (1 - exp(-(a_j + a_k) T)) / (a_j + a_k), also when stiff."""
+    rates = np.array([2.0, 3e4])
+    start = np.array([1.0, 1.0])
+    found = gramian(np.diag(-rates), start, 2.0)
+    sums = rates[:, None] + rates
+    np.testing.assert_allclose(found, (1 - np.exp(-2 * sums)) / sums, rtol=1e-10)

@@ -1,0 +1,119 @@
+"""How a loop is judged: each figure by a second route, and what the studies rest on."""
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.studies import CHANGES, PLANT_PARAMETERS, best_of_each_count, worst
+
+
+@pytest.fixture(scope="module")
+def loader():
+    return ff.elevator()
+
+
+@pytest.fixture(scope="module")
+def gains(loader):
+    return ff.compensate(loader, ff.published_settings(loader)).gains
+
+
+@pytest.fixture(scope="module")
+def dropped(loader, gains):
+    return ff.drop_paths(loader, gains)
+
+
+@pytest.fixture(scope="module")
+def deviations(loader, gains):
+    return ff.sensitivity(loader, gains)
+
+
+def test_tracking_error_and_cost_are_the_integrals_over_the_sampled_response(loader, gains):
+    law = ff.state_feedback(loader, gains[:6])
+    found = ff.assess(loader, law)
+    force = loader["pilot.force"]
+    column = ff.step_response(ff.compliant_model(loader, law), force, samples=20001)
+    ideal = ff.step_response(ff.ideal_feel(loader), force, samples=20001)
+    deviation = column.column_angle_rad - ideal.column_angle_rad
+    wanted = 31.375 * 96 / 9600
+    tolerance = 1e-5  # trapezoids of 0.1 ms
+    assert found.tracking_error == pytest.approx(
+        np.sqrt(float((deviation**2).integrate("time_s")) / 2) / wanted, rel=tolerance
+    )
+    e = column.valve_current_a / loader["amplifier.admittance"]
+    integrand = 100 * (column.feel_position - column.column_angle_rad) ** 2 + 0.1 * e**2
+    assert found.cost == pytest.approx(float(integrand.integrate("time_s")), rel=tolerance)
+
+
+def test_static_angle_is_where_the_response_ends(loader, gains):
+    law = ff.state_feedback(loader, gains[:6])
+    response = ff.step_response(ff.compliant_model(loader, law), loader["pilot.force"], duration_s=10.0)
+    found = ff.assess(loader, law)
+    assert float(response.column_angle_rad[-1]) == pytest.approx(found.static_angle_rad, rel=1e-8)  # exp(-24) is left
+    assert found.static_error == pytest.approx(found.static_angle_rad / (31.375 * 96 / 9600) - 1)
+
+
+def test_peaks_against_the_ratings(loader, gains):
+    found = ff.peaks(loader, ff.state_feedback(loader, gains[:6]))
+    assert found.current_share == pytest.approx(found.current_a / 0.015)
+    assert found.flow_share == pytest.approx(found.flow_m3_per_s / (100 * 0.0254**3))
+    assert 0.2 < found.current_share < 0.5
+
+
+def test_an_unstable_loop_is_said_to_be_so(loader):
+    found = ff.assess(loader, ff.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0])))
+    assert not found.stable
+    assert found.abscissa_per_s > 0
+    assert np.isnan(found.tracking_error)
+
+
+def test_an_integrator_is_not_stable(loader, gains):
+    """Without x_p, delta and x_b nothing holds the piston: a pole at zero, which rounding may put on either side."""
+    left = gains[:6].copy()
+    left[[0, 2, 4]] = 0
+    assert not ff.assess(loader, ff.state_feedback(loader, left)).stable
+
+
+def test_every_set_of_paths_is_tried_once(dropped):
+    assert len(dropped) == 2**6 - 2  # all and none of the six are left out
+    assert len({row.paths for row in dropped}) == len(dropped)
+
+
+def test_dropping_the_position_path_is_fatal_and_dropping_pressure_is_free(dropped, loader, gains):
+    by_path = {row.paths: row for row in dropped}
+    full = ff.assess(loader, ff.state_feedback(loader, gains[:6]))
+    assert not by_path["c_1",].assessment.stable
+    assert by_path["c_2",].assessment.tracking_error == pytest.approx(full.tracking_error, abs=0.002)
+    assert by_path["c_4",].cost_increase > 0.3
+
+
+def test_best_of_each_count_is_the_best(dropped):
+    for best in best_of_each_count(dropped):
+        rivals = [r for r in dropped if len(r.paths) == len(best.paths) and r.assessment.stable]
+        assert best.assessment.tracking_error == min(r.assessment.tracking_error for r in rivals)
+
+
+def test_every_gain_and_parameter_is_varied(deviations):
+    assert len(deviations) == (6 + len(PLANT_PARAMETERS)) * len(CHANGES)
+    assert all(row.assessment is not None for row in deviations)
+
+
+def test_small_deviations_are_the_derivative(loader, gains, deviations):
+    """+-5 % of c_3 on the static angle against the slope by a much smaller step."""
+    at = {row.change: row.assessment.static_error for row in deviations if row.quantity == "c_3"}
+    nudged = gains[:6].copy()
+    nudged[2] *= 1 + 1e-5
+    here, there = (ff.assess(loader, ff.state_feedback(loader, g)).static_error for g in (gains[:6], nudged))
+    assert (at[0.05] - at[-0.05]) / 0.1 == pytest.approx((there - here) / 1e-5, rel=0.02)  # third-order terms
+
+
+def test_worst_prefers_an_unstable_loop(deviations):
+    named = worst(deviations)
+    assert named.assessment.tracking_error == max(row.assessment.tracking_error for row in deviations)
+
+
+def test_a_deviation_out_of_range_is_not_evaluated(loader, gains):
+    straight = loader.replace({"linkage.ratio": "0.95"})
+    rows = ff.sensitivity(straight, gains)
+    missing = [row for row in rows if row.assessment is None]
+    assert {row.quantity for row in missing} == {"linkage.ratio"}
+    assert worst(rows).assessment is not None

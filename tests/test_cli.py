@@ -1,0 +1,200 @@
+"""The command line as a user types it: what is printed, what is written, the exit status."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.cli import main
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Runs ``forcefeel ...`` in an empty folder; gives exit status, output and error output."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["forcefeel", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        printed = capsys.readouterr()
+        return ended.value.code or 0, printed.out, printed.err
+
+    return call
+
+
+UNSTABLE = {"feel.inertia": "0.6 lb in s^2/rad", "feel.damping": "3.04 lb in s/rad", "feel.stiffness": "96 lb in/rad"}
+
+
+@pytest.fixture
+def unstable_file(tmp_path):
+    path = tmp_path / "unstable.toml"
+    path.write_text(ff.elevator().replace(UNSTABLE).to_toml(), encoding="utf-8")
+    return path
+
+
+def test_help_answers_without_the_numerical_libraries():
+    probe = (
+        "import sys; sys.argv = ['forcefeel', '--help']\n"
+        "from forcefeel.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "print(sorted({'numpy', 'scipy', 'control', 'pandas', 'pint', 'plotly'} & set(sys.modules)))"
+    )
+    out = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True).stdout
+    assert out.splitlines()[-1] == "[]"
+
+
+@pytest.mark.parametrize("command", ["new", "design", "analyze", "compensate", "reproduce"])
+def test_every_command_has_help_with_an_example(run, command):
+    status, out, _ = run(command, "--help")
+    assert status == 0
+    assert "Example:" in out
+    assert "--units" in out
+    assert "--json" in out
+
+
+@pytest.mark.parametrize("units", ["us", "si"])
+def test_new_writes_a_file_that_loads(run, tmp_path, units):
+    status, out, _ = run("new", "my.toml", "--units", units)
+    assert (status, out) == (0, "wrote my.toml\n")
+    assert ff.load(tmp_path / "my.toml")["linkage.stiffness"] == pytest.approx(ff.elevator()["linkage.stiffness"])
+
+
+def test_new_does_not_overwrite_unless_told(run, tmp_path):
+    (tmp_path / "my.toml").write_text("mine", encoding="utf-8")
+    status, _, err = run("new", "my.toml")
+    assert status == 2
+    assert "my.toml: is there already" in err
+    assert (tmp_path / "my.toml").read_text(encoding="utf-8") == "mine"
+    assert run("new", "my.toml", "--force")[0] == 0
+    assert list(tmp_path.iterdir()) == [tmp_path / "my.toml"]
+
+
+def test_new_into_a_folder_that_is_not_there(run):
+    status, _, err = run("new", "nowhere/my.toml")
+    assert status == 2
+    assert "nowhere/my.toml: cannot be written" in err
+
+
+def test_analyze_prints_what_the_report_found(run):
+    status, out, _ = run("analyze")
+    assert status == 0
+    assert "11.52" in out  # Hz, the linkage's mode
+    assert "3792" in out  # lb in/rad, smallest stable G
+
+
+def test_analyze_in_si(run):
+    _, out, _ = run("analyze", "--units", "si")
+    assert "428.4" in out  # N m/rad
+    assert "N m/rad" in out
+
+
+def test_analyze_as_json(run):
+    status, out, _ = run("analyze", "--json")
+    found = json.loads(out)
+    assert status == 0
+    compliant = next(one for one in found["configurations"] if one["name"] == "compliant")
+    assert compliant["boundary"]["stiffness"]["unit"] == "lb in/rad"
+    assert compliant["boundary"]["stiffness"]["value"] == pytest.approx(3792, rel=1e-3)
+
+
+def test_an_unstable_loader_is_a_bad_answer(run, unstable_file, tmp_path):
+    assert run("analyze", unstable_file)[0] == 1
+    status, out, _ = run("compensate", unstable_file)
+    assert status == 1
+    assert "unstable" in out
+    status, out, _ = run("design", unstable_file, "--out", "report")
+    assert status == 1
+    assert "do not close this loop" in out
+    assert (tmp_path / "report" / "report.html").exists()  # a bad answer is an answer
+
+
+def test_compensate_prints_the_published_gains(run):
+    status, out, _ = run("compensate")
+    assert status == 0
+    for printed in ("-4.929", "22.03", "0.6688", "0.5064", "-0.01828", "-0.006517"):
+        assert printed in out
+    assert "-1.94" in run("compensate", "--units", "si")[1]
+
+
+def test_compensate_converged_and_its_options(run):
+    _, out, _ = run("compensate", "--converge", "--json")
+    gains = {row["symbol"]: row for row in json.loads(out)["compensation"]["gains"]}
+    assert gains["c_1"]["value"] == pytest.approx(-6.342, abs=5e-4)
+    assert gains["c_1"]["unit"] == "V/in"
+    smaller = json.loads(run("compensate", "--r2", "10", "--json")[1])["compensation"]["gains"][0]["value"]
+    assert abs(smaller) < 4.9
+
+
+def test_q_from_a_file(run, tmp_path):
+    weight = ff.published_settings(ff.elevator()).weight(ff.elevator())
+    (tmp_path / "q.csv").write_text(
+        "\n".join(",".join(repr(float(x)) for x in row) for row in weight), encoding="utf-8"
+    )
+    given, default = (
+        json.loads(run("compensate", *words, "--json")[1])["compensation"]["gains"] for words in (["--q", "q.csv"], [])
+    )
+    assert [row["value"] for row in given] == pytest.approx([row["value"] for row in default], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--converge", "--horizon", "0.1"], "given both"),
+        (["--tolerance", "1e-9"], "is for --converge"),
+        (["--q", "missing.csv"], "expected [Q] as CSV, 7 rows of 7 numbers"),
+        (["--q", "q.csv", "--r1", "1"], "gives [Q] whole"),
+        (["--r2", "-1"], "r2: expected a finite number"),
+        (["--step", "nan"], "step_s: expected a finite number"),
+        (["--horizon", "0"], "horizon_s: expected a finite number"),
+    ],
+)
+def test_bad_options_are_refused_in_a_line(run, words, said):
+    status, out, err = run("compensate", *words)
+    assert (status, out) == (2, "")
+    assert said in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", ["analyze", "compensate", "design"])
+def test_a_bad_loader_file_is_named_and_nothing_is_written(run, tmp_path, command):
+    text = ff.elevator().to_toml().replace('area = "2.36 in^2"', 'area = "2.36 lb"')
+    (tmp_path / "bad.toml").write_text(text, encoding="utf-8")
+    status, out, err = run(command, "bad.toml")
+    assert (status, out) == (2, "")
+    assert "bad.toml: actuator.area: expected" in err
+    assert "2.36 lb" in err
+    assert "Traceback" not in err
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.toml"]
+
+
+def test_output_folder_that_is_a_file(run, tmp_path):
+    (tmp_path / "report").write_text("mine", encoding="utf-8")
+    status, _, err = run("design", "--out", "report")
+    assert status == 2
+    assert "report: is a file; expected a folder" in err
+    assert (tmp_path / "report").read_text(encoding="utf-8") == "mine"
+
+
+def test_unknown_commands_and_units_are_bad_input(run):
+    assert run("desing")[0] == 2
+    assert run("analyze", "--units", "metric")[0] == 2
+
+
+def test_design_as_json_names_the_report(run, tmp_path):
+    status, out, _ = run("design", "--out", "report", "--units", "si", "--json")
+    found = json.loads(out)
+    assert status == 0
+    assert found["report"] == "report/report.html"
+    assert found["design"]["compensation"]["gains"][0]["unit"] == "V/cm"
+    assert (tmp_path / "report" / "results.json").exists()
+
+
+def test_reproduce_prints_one_table(run):
+    status, out, _ = run("reproduce")
+    assert status == 0
+    assert "0 differ for no known reason" in " ".join(out.split())

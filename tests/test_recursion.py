@@ -1,0 +1,251 @@
+"""Recursion (22) on the elevator loader: printed digits, and two ways that know nothing of the recursion."""
+
+from itertools import pairwise
+
+import control
+import numpy as np
+import pytest
+import scipy.linalg
+
+from forcefeel import _core
+from forcefeel.compensation import DesignSettings, SampledProblem, compensate, gains_in, published_settings
+from forcefeel.errors import InputError
+from forcefeel.loader import elevator
+from forcefeel.models import design_plant
+from forcefeel.units import UnitSystem
+
+# The appendix's vector in U.S. units, with half a unit of the last printed digit of each.
+PRINTED = (-4.93, -0.000026, 22.02, 0.669, 0.506, -0.018, -0.0065)
+LAST_DIGIT = (0.005, 0.0000005, 0.005, 0.0005, 0.0005, 0.0005, 0.00005)
+
+# Rounding: the stacked problem is well conditioned (1.2), and so are the 500 steps. Measured: 2e-15.
+LEAST_SQUARES = 1e-13
+# The default stopping tolerance, 1e-13 a step, leaves up to 7e-8, in the seventh gain.
+CONVERGED = 2e-7
+# An eigenvalue solver's answer beside the recursion's when that runs to the last bit. Measured: 8e-10.
+RICCATI = 1e-8
+TO_THE_LAST_BIT = 1e-15
+
+
+@pytest.fixture(scope="module")
+def loader():
+    return elevator()
+
+
+@pytest.fixture(scope="module")
+def published(loader):
+    return compensate(loader, published_settings(loader))
+
+
+def riccati_gains(problem):
+    """Gains of the six stabilizable states by an eigenvalue solver, and of the seventh by its linear equation."""
+    phi, h, q = problem.phi[:6, :6], problem.h[:6], problem.q[:6, :6]
+    cost = scipy.linalg.solve_discrete_are(phi, h, q, problem.r)
+    to_gains = -np.linalg.solve(problem.r + h.T @ cost @ h, h.T)
+    gains = to_gains @ cost @ phi
+    # The coupling p of the cost with the constant force, which moves the states by g, solves p = M' (E g + p) + q_7.
+    g, closed = problem.phi[:6, 6], phi + h @ gains
+    p = np.linalg.solve(np.eye(6) - closed.T, closed.T @ cost @ g + problem.q[:6, 6])
+    return np.append(gains, to_gains @ (cost @ g + p)) / problem.scale
+
+
+@pytest.mark.parametrize("k", [k for k in range(7) if k != 2])
+def test_published_gains_have_the_printed_digits(published, k):
+    assert gains_in(UnitSystem.US, published.gains)[k] == pytest.approx(PRINTED[k], rel=0, abs=LAST_DIGIT[k])
+
+
+def test_published_gain_of_the_computer_is_one_unit_of_the_last_digit_off(published):
+    # 22.033 for the printed 22.02: not explained. A step less gives 22.003, and -4.919 for the first gain, printed
+    # -4.93; steps twice as long give 22.007, and 0.509 for the fifth, printed 0.506.
+    third = gains_in(UnitSystem.US, published.gains)[2]
+    assert third == pytest.approx(PRINTED[2], rel=0, abs=0.015)  # one unit, and half a one for the rounding of ours
+    assert third == pytest.approx(22.03, rel=0, abs=0.005)
+
+
+def test_weights_are_the_printed_matrix(loader):
+    # Printed in inches, with R_1 = 0: 100 (delta - x_b / 10)^2.
+    found = DesignSettings().weight(loader)
+    expected = np.zeros((7, 7))
+    inch = 0.0254
+    expected[2, 2], expected[4, 4] = 100, 1 / inch**2
+    expected[2, 4] = expected[4, 2] = -10 / inch
+    np.testing.assert_allclose(found, expected, rtol=1e-14, atol=0)  # a few products
+
+
+def test_horizon_gains_are_the_least_squares_answer(loader):
+    """The cost of all 500 inputs, stacked: no recursion, no Riccati equation."""
+    settings = published_settings(loader)
+    problem = SampledProblem.of(loader, settings)
+    steps = round(settings.horizon_s / settings.step_s)
+    # [Q] = w w' has rank one, so the cost of a step is the square of one number, w' x.
+    values, vectors = np.linalg.eigh(problem.q)
+    assert values[-2] < 1e-12 * values[-1]
+    w = vectors[:, -1] * np.sqrt(values[-1])
+    rows = [w]
+    for _ in range(steps):
+        rows.append(rows[-1] @ problem.phi)
+    free = np.array(rows)  # w' Phi^k: what the initial state does
+    pulse = free[:-1] @ problem.h[:, 0]  # w' Phi^k H: what one input does k + 1 steps later
+    forced = scipy.linalg.toeplitz(np.append(0.0, pulse), np.zeros(steps))
+    stacked = np.vstack([forced, np.sqrt(problem.r[0, 0]) * np.eye(steps)])
+    inputs, *_ = np.linalg.lstsq(stacked, np.vstack([-free, np.zeros((steps, 7))]))
+    gains = compensate(loader, settings).gains
+    np.testing.assert_allclose(gains, inputs[0] / problem.scale, rtol=LEAST_SQUARES)
+
+
+@pytest.mark.parametrize("pilot_arm_m", [None, -0.14986, 0.0])
+def test_converged_gains_are_the_riccati_equations(loader, pilot_arm_m):
+    settings = DesignSettings(pilot_arm_m=pilot_arm_m)
+    found = compensate(loader, settings)
+    assert found.converged
+    np.testing.assert_allclose(found.gains, riccati_gains(SampledProblem.of(loader, settings)), rtol=CONVERGED)
+
+
+def test_gains_run_to_the_last_bit_are_the_riccati_equations(loader):
+    settings = DesignSettings(tolerance=TO_THE_LAST_BIT)
+    found = compensate(loader, settings)
+    np.testing.assert_allclose(found.gains, riccati_gains(SampledProblem.of(loader, settings)), rtol=RICCATI)
+
+
+def test_feedback_leaves_the_plant_stable_and_the_printed_residual_small(loader, published):
+    found = compensate(loader)
+    problem = SampledProblem.of(loader, found.settings)
+    closed = problem.phi[:6, :6] + problem.h[:6] @ (found.gains * problem.scale)[None, :6]
+    assert np.max(np.abs(np.linalg.eigvals(closed))) < 1
+    assert found.riccati_residual < 1e-14  # rounding beside the largest entry of the cost
+    # The printed gains are not those of an endless horizon: ten orders worse.
+    assert published.riccati_residual > 1e-5
+    assert not published.converged
+    assert published.steps == 500
+
+
+def test_gains_tend_to_the_continuous_ones_in_first_order_of_the_step(loader):
+    plant = design_plant(loader)
+    scale = SampledProblem.of(loader, DesignSettings()).scale[:6]
+    a, b = plant.A[:6, :6] * scale / scale[:, None], plant.B[:6] / scale[:, None]
+    q = DesignSettings().weight(loader)[:6, :6] * np.outer(scale, scale)
+    continuous = -control.lqr(a, b, q, [[DesignSettings().r2]])[0][0] / scale
+    steps = [8e-4, 4e-4, 2e-4, 1e-4]
+    errors = [np.abs(compensate(loader, DesignSettings(step_s=h)).gains[:6] / continuous - 1) for h in steps]
+    slopes = np.array([np.log2(coarse / fine) for coarse, fine in pairwise(errors)])
+    # Measured: 0.975, 0.988, 0.994 for the gain on x_b; the distance from one halves with the step.
+    assert np.all(np.abs(slopes[-1] - 1) < 0.02), slopes
+    assert np.all(np.abs(slopes[-1] - 1) < np.abs(slopes[0] - 1)), slopes
+    # One step of Richardson's extrapolation removes the first order.
+    fine, coarse = (compensate(loader, DesignSettings(step_s=h)).gains[:6] for h in (1e-4, 2e-4))
+    assert np.max(np.abs((2 * fine - coarse) / continuous - 1)) < 0.02 * np.max(errors[-1])
+
+
+def test_rate_weight_enters_as_eq_21_says(loader):
+    settings = DesignSettings(position_weight=40.0, r1=0.3)
+    error, rate = np.zeros(7), np.zeros(7)
+    error[[2, 4]] = rate[[3, 5]] = 1, -1 / loader["column.base_arm"]
+    weight = 40 * np.outer(error, error) + 0.3 * np.outer(rate, rate)
+    np.testing.assert_allclose(settings.weight(loader), weight, rtol=1e-14, atol=0)  # a few products
+    problem = SampledProblem.of(loader, settings)
+    np.testing.assert_allclose(problem.q, weight * np.outer(problem.scale, problem.scale), rtol=1e-14, atol=0)
+    gains = compensate(loader, settings).gains
+    np.testing.assert_allclose(gains, riccati_gains(problem), rtol=CONVERGED)
+    assert np.all(np.abs(gains / compensate(loader, DesignSettings(position_weight=40.0)).gains - 1) > 0.01)
+
+
+def test_weight_given_whole_gives_the_same_gains(loader):
+    by_weights = DesignSettings(position_weight=40.0, r1=0.3)
+    whole = DesignSettings(q=tuple(map(tuple, by_weights.weight(loader).tolist())))
+    np.testing.assert_array_equal(compensate(loader, whole).gains, compensate(loader, by_weights).gains)
+
+
+def matrix(**entries):
+    """[Q] as settings take it: ones on the diagonal, but for entries such as ``q01=2.0``."""
+    q = np.eye(7)
+    for name, value in entries.items():
+        q[int(name[1]), int(name[2])] = value
+    return tuple(map(tuple, q.tolist()))
+
+
+INDEFINITE_BUT_SMALL = matrix(q11=-1e-10)
+"""Minus 6800 at supply pressure: weights on a pressure in pascals are small numbers."""
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("step_s", 0.0),
+        ("step_s", -1e-4),
+        ("step_s", np.nan),
+        ("step_s", np.inf),
+        ("tolerance", 0.0),
+        ("tolerance", np.nan),
+        ("r2", 0.0),
+        ("r2", -0.1),
+        ("r2", np.nan),
+        ("r1", -1e-9),
+        ("r1", np.nan),
+        ("position_weight", -1.0),
+        ("position_weight", np.inf),
+        ("horizon_s", 0.99e-4),  # shorter than the default step
+        ("horizon_s", -0.05),
+        ("horizon_s", np.nan),
+        ("horizon_s", np.inf),
+        ("q", matrix(q01=0.5)),
+        ("q", matrix(q33=np.nan)),
+        ("q", tuple(row[:6] for row in matrix())),
+        ("q", matrix()[:6]),
+        ("q", (1.0,) * 7),
+        ("q", matrix(q22=-1.0)),
+        ("q", matrix(q01=2.0, q10=2.0)),
+        pytest.param(
+            "q",
+            INDEFINITE_BUT_SMALL,
+            marks=pytest.mark.xfail(reason="a negative weight above -1e-9 in SI units counts as rounding"),
+        ),
+        pytest.param(
+            "q",
+            ((1.0, 2.0), (3.0,)),
+            marks=pytest.mark.xfail(raises=ValueError, reason="rows of unequal length end in NumPy's own error"),
+        ),
+        pytest.param(
+            "pilot_arm_m", np.nan, marks=pytest.mark.xfail(reason="the pilot's arm is not among the checked settings")
+        ),
+    ],
+)
+def test_bad_settings_are_refused_by_name(name, value):
+    with pytest.raises(InputError, match=rf"^{name}: expected "):
+        DesignSettings(**{name: value})
+
+
+def test_recursion_that_cannot_converge_says_so(loader):
+    # The weight is so small beside R_2 that two million steps are not enough.
+    with pytest.raises(InputError, match=r"'horizon' after 2000000 steps .* change r2"):
+        compensate(loader, DesignSettings(r2=1e4))
+
+
+@pytest.mark.xfail(raises=TypeError, reason="R_2 goes to the recursion as an array of integers")
+def test_whole_numbers_are_numbers(loader):
+    assert compensate(loader, DesignSettings(r2=1)).converged
+
+
+@pytest.mark.xfail(raises=AssertionError, reason="a turning point of the swinging gains passes for their standstill")
+def test_stopping_tolerance_bounds_the_error(loader):
+    # The slowest part of the gains decays by 0.2 % a step, so a change of 1e-8 leaves an error of some 500 times that.
+    # Measured: 1.3e-2, with a reported residual of 5e-8.
+    settings = DesignSettings(tolerance=1e-8)
+    found = compensate(loader, settings)
+    exact = riccati_gains(SampledProblem.of(loader, settings))[:6]
+    assert np.max(np.abs(found.gains[:6] / exact - 1)) < 1e-5
+
+
+@pytest.mark.xfail(
+    raises=AssertionError, reason="a step that changes no gain ends the recursion even with tolerance zero"
+)
+def test_tolerance_zero_runs_all_steps():
+    # One state is brought to rest in a step, so its gain stands still at once; the weight at the end of a chain of
+    # delays reaches the other input's gains only after five steps.
+    phi = np.zeros((6, 6))
+    phi[0, 0] = phi[5, 5] = 1.0
+    phi[[2, 3, 4, 5], [1, 2, 3, 4]] = 1.0
+    h = np.zeros((6, 2))
+    h[[0, 1], [0, 1]] = 1.0
+    found = _core.recursion(phi, h, np.diag([1.0, 0, 0, 0, 0, 1.0]), np.diag([0.0, 1.0]), 100, 0.0)
+    assert found.steps == 100
+    assert np.max(np.abs(found.gains[1])) > 0.1
