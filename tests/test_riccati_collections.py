@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 
-# The recursion's own rounding stands at some 1e-14; measured over all solved problems: at most 4e-14.
-RESIDUAL = 2e-13
-TOLERANCE = 1e-14
-STEPS = 2000
+# Rounding. Measured over all solved problems: at most 3e-15.
+RESIDUAL = 1e-13
+# Below this CAREX 2.2 keeps moving by rounding; above it CAREX 2.4 passes for solved before its slow part has started.
+TOLERANCE = 1e-12
+STEPS = 4000
 
 Array = NDArray[np.float64]
 
@@ -57,22 +58,22 @@ WITHOUT_TABLES = {
 }
 
 # Slow, but within reach: closed-loop poles at 1 - 1.4e-6 and 1 - 3e-4.
-MANY_STEPS = {("carex", (2, 4)): 3_000_000, ("darex", (2, 1)): 50_000}
-
-ZERO_GAINS = pytest.mark.xfail(reason="gains that are all zero never count as standing still: their change is 0/0")
-MARKS = {("darex", (2, 3)): [ZERO_GAINS], ("darex", (4, 1)): [ZERO_GAINS]}
+MANY_STEPS = {("carex", (2, 4)): 9_000_000, ("darex", (2, 1)): 150_000}
 
 # What the recursion cannot do, and how it ends.
 UNSOLVED = {
-    ("carex", (2, 5)): ("horizon", "double closed-loop pole at zero: convergence is slower than any power"),
+    ("carex", (2, 5)): (
+        "moving",
+        "closed-loop pole on the imaginary axis: the error does not shrink by a fixed share a step",
+    ),
     ("carex", (2, 8)): (
         "converged",
         "slowest decay, 1.5e-11 a step, is lost in rounding: a pole stays on the unit circle",
     ),
-    ("carex", (4, 1)): ("horizon", "chain of 21 integrators: rounding keeps the gains moving in the ninth digit"),
+    ("carex", (4, 1)): ("moving", "chain of 21 integrators: rounding keeps the gains moving in the eighth digit"),
     ("darex", (1, 1)): ("singular", "R = 0, and the weight that starts the recursion does not see the input"),
     ("darex", (1, 2)): ("singular", "R has rank one, and its cross term cannot be removed"),
-    ("darex", (2, 5)): ("horizon", "closed-loop pole at 1 - 1e-9"),
+    ("darex", (2, 5)): ("moving", "closed-loop pole at 1 - 1e-9"),
 }
 
 
@@ -141,9 +142,7 @@ def name(case):
     return "{0}-{1[0]}.{1[1]}".format(*case)
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(case, id=name(case), marks=MARKS.get(case, [])) for case in EVERY if case not in UNSOLVED]
-)
+@pytest.mark.parametrize("case", [pytest.param(case, id=name(case)) for case in EVERY if case not in UNSOLVED])
 def test_recursion_solves_the_equation(case):
     problem = discrete_problem(*case)
     found = solve(problem)
@@ -173,7 +172,6 @@ def test_chain_of_integrators_is_solved_to_eight_digits():
     assert stability_margin(problem, found) > 0
 
 
-@pytest.mark.xfail(reason="the recursion stops at its second step, where a weight that comes late has not arrived yet")
 def test_cross_term_may_be_removed_or_carried():
     # The two forms of DAREX 1.9, whose R is regular, give one law: u = c x, and one step late u = c [A B] [x, u].
     (a, b, q, r, s), _ = make("darex", (1, 9))

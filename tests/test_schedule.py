@@ -123,3 +123,13 @@ def test_bad_setting_is_refused_with_its_row(loader, bad, row):
 def test_settings_of_another_shape_are_refused(loader, shape):
     with pytest.raises(InputError, match=r"^settings: expected rows of I, B, G, got shape"):
         schedule_gains(loader, np.ones(shape))
+
+
+def test_what_a_schedule_cannot_use_is_refused(loader):
+    rows = [[6.8, 34.0, 1085.0]]
+    with pytest.raises(InputError, match="leave out horizon_s and q"):
+        schedule_gains(loader, rows, DesignSettings(horizon_s=0.05))
+    with pytest.raises(InputError, match="rows of I, B, G"):
+        schedule_gains(loader, [[1.0, 2.0], [3.0]])
+    with pytest.raises(InputError, match="row 1, .* has no gains"):
+        schedule_gains(loader, [*rows, [1e-300, 0.0, 1e300]])

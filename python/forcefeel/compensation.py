@@ -44,7 +44,8 @@ class DesignSettings:
     Attributes:
         step_s: Sampling step of the design.
         horizon_s: Length of the horizon; ``None`` runs until the gains stand still.
-        tolerance: Without a horizon: stop when no gain of the scaled problem changes by more than this share a step.
+        tolerance: Without a horizon: stop when no gain has changed over the second half of the steps by more than this
+            share of the largest, the states scaled to the order of one.
         position_weight: Weight of ``(delta - theta)^2``, eq. (21), in 1/rad^2.
         r1: Weight R_1 of ``(delta' - theta')^2``, eq. (21), in s^2/rad^2.
         r2: Weight R_2 of ``e^2``, eq. (20), in 1/V^2.
@@ -57,7 +58,7 @@ class DesignSettings:
 
     step_s: Annotated[float, SECONDS] = 1e-4
     horizon_s: Annotated[float, SECONDS] | None = None
-    tolerance: Annotated[float, RATIO] = 1e-13
+    tolerance: Annotated[float, RATIO] = 1e-10
     position_weight: Annotated[float, Unit("1/rad^2", "1/rad^2", "1/rad^2")] = 100.0
     r1: Annotated[float, Unit("s^2/rad^2", "s^2/rad^2", "s^2/rad^2")] = 0.0
     r2: Annotated[float, Unit("1/V^2", "1/V^2", "1/V^2")] = 0.1
@@ -71,8 +72,15 @@ class DesignSettings:
             _check(name, getattr(self, name), 0.0)
         if self.horizon_s is not None:
             _check("horizon_s", self.horizon_s, self.step_s)
+            steps = self.horizon_s / self.step_s
+            if abs(steps - round(steps)) > 1e-6 * steps:  # rounding of a quotient that is whole
+                raise InputError(
+                    f"horizon_s: expected a whole number of steps of {self.step_s:g} s, got {self.horizon_s:g} s"
+                )
         if self.q is not None:
-            _check_weight(np.array(self.q, dtype=np.float64))
+            _check_weight(self.q)
+        if self.pilot_arm_m is not None and not np.isfinite(self.pilot_arm_m):
+            raise InputError(f"pilot_arm_m: expected a finite number, got {self.pilot_arm_m:g}")
 
     def weight(self, loader: Loader) -> NDArray[np.float64]:
         """[Q] on ``DESIGN_STATES`` in SI units, eq. (21)."""
@@ -131,7 +139,7 @@ def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compen
     settings = settings or DesignSettings()
     problem = SampledProblem.of(loader, settings)
     most_steps = 2_000_000 if settings.horizon_s is None else round(settings.horizon_s / settings.step_s)
-    tolerance = settings.tolerance if settings.horizon_s is None else 0.0
+    tolerance = settings.tolerance if settings.horizon_s is None else None
     found = _core.recursion(problem.phi, problem.h, problem.q, problem.r, most_steps, tolerance)
     if found.status == "singular" or (settings.horizon_s is None and found.status != "converged"):
         raise InputError(
@@ -173,22 +181,24 @@ class SampledProblem:
         scale = _scale(loader)
         phi, h = _core.discretize(plant.A * scale / scale[:, None], plant.B / scale[:, None], settings.step_s)
         q = settings.weight(loader) * np.outer(scale, scale)
-        return cls(phi, h, q, np.array([[settings.r2]]), scale)
+        return cls(phi, h, q, np.array([[float(settings.r2)]]), scale)
 
     def residual(self, gains: NDArray[np.float64]) -> float:
-        """How far ``gains`` (SI) are from optimal: the residual of the Riccati equation at the cost of keeping them.
+        """How far ``gains`` (SI) are from optimal: the residual of eqs. (22) at their fixed point.
 
-        ``P`` of ``P = M' P M + Q + c' R c``, ``M = Phi + H c``, is what the gains cost when they are kept for ever; it
-        solves ``P = Phi' P Phi - Phi' P H (R + H' P H)^-1 H' P Phi + Q`` if and only if they are optimal. On the six
-        stabilizable states, as a share of the largest entry of ``P``.
+        ``E`` of ``E = M' E M + Q + c' R c``, ``M = Phi + H c``, eq. (22b), is what the gains cost when they are kept for
+        ever, from a Lyapunov solver. They are optimal if and only if eq. (22a) then gives them back. The largest
+        difference on the six stabilizable states, as a share of the largest gain; not a number where a state does not
+        decay, as an undamped feel does not, so that keeping the gains costs without bound.
         """
         phi, h, q = self.phi[:6, :6], self.h[:6], self.q[:6, :6]
         c = (gains[:6] * self.scale[:6])[None, :]
         closed = phi + h @ c
+        if np.max(np.abs(np.linalg.eigvals(closed))) >= 1.0 - 1e-12:  # rounding of one
+            return np.nan
         cost = scipy.linalg.solve_discrete_lyapunov(closed.T, q + c.T @ self.r @ c)
-        coupling = h.T @ cost @ phi
-        correction = coupling.T @ np.linalg.solve(self.r + h.T @ cost @ h, coupling)
-        return float(np.max(np.abs(phi.T @ cost @ phi - correction + q - cost)) / np.max(np.abs(cost)))
+        better = -np.linalg.solve(self.r + h.T @ cost @ h, h.T @ cost @ phi)
+        return float(np.max(np.abs(better - c)) / np.max(np.abs(c)))
 
 
 def gains_in(system: UnitSystem, gains: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -206,19 +216,29 @@ def _scale(loader: Loader) -> NDArray[np.float64]:
     return np.array([piston, pressure, 1.0, frequency, base, base * frequency, force])
 
 
+_LARGEST = 1e12
+"""No setting is larger: weights beyond it drown the others in rounding."""
+
+
 def _check(name: str, value: float, smallest: float) -> None:
-    if not smallest <= value < np.inf:
-        raise InputError(f"{name}: expected a finite number of at least {smallest:g}, got {value:g}")
+    if not smallest <= value <= _LARGEST:
+        raise InputError(f"{name}: expected a number from {smallest:g} to {_LARGEST:g}, got {value:g}")
 
 
-def _check_weight(q: NDArray[np.float64]) -> None:
+def _check_weight(given: tuple[tuple[float, ...], ...]) -> None:
     n = len(DESIGN_STATES)
+    try:
+        q = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"q: expected {n} rows of {n} numbers ({error})") from error
     if q.shape != (n, n):
         raise InputError(f"q: expected {n} rows of {n} numbers, got shape {q.shape}")
     if not np.all(np.isfinite(q)) or not np.allclose(q, q.T, rtol=1e-12, atol=0.0):
         raise InputError("q: expected a symmetric matrix of finite numbers")
-    scale = np.sqrt(np.maximum(np.diag(q), 0.0))
-    scale[scale == 0] = 1.0
-    lowest = float(np.min(np.linalg.eigvalsh(q / np.outer(scale, scale))))
-    if lowest < -1e-9:  # rounding of an eigenvalue that is zero
-        raise InputError(f"q: expected a positive semidefinite matrix, got one with a scaled eigenvalue {lowest:.3g}")
+    diagonal = np.diag(q)
+    weighted = diagonal > 0
+    # A state without a weight of its own can have none together with another; the rest is judged free of its units.
+    scale = np.sqrt(diagonal[weighted])
+    lowest = float(np.min(np.linalg.eigvalsh(q[np.ix_(weighted, weighted)] / np.outer(scale, scale)), initial=0.0))
+    if np.any(q[~weighted] != 0) or lowest < -1e-9:  # rounding of an eigenvalue that is zero
+        raise InputError("q: expected a positive semidefinite matrix, got one that makes some deviation pay")

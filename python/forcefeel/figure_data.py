@@ -12,6 +12,7 @@ from forcefeel.analysis.frequency import frequency_response
 from forcefeel.analysis.time import step_response
 from forcefeel.loader import Loader
 from forcefeel.models import Linkage, ideal_feel, loader_model, overall_open_loop, servo
+from forcefeel.parameters import ALTERNATIVES
 from forcefeel.workflow import Configuration, Design
 
 FREQUENCIES_HZ = np.geomspace(0.1, 100.0, 1201)
@@ -57,15 +58,17 @@ def figures(design: Design) -> tuple[Figure, ...]:
 
 
 def _valve(loader: Loader) -> Figure:
-    """Eq. (1) for five currents, and eq. (2) about the operating point."""
+    """Eq. (1) for five currents, and eq. (2), which is for deviations, as the tangent at the report's operating point."""
     rated, supply = loader["valve.rated_current"], loader["valve.supply_pressure"]
     pressure = np.linspace(0.0, supply, 201)
     curves = {}
     for share in (0.2, 0.4, 0.6, 0.8, 1.0):
         flow = _core.orifice_flow(loader.values, np.full_like(pressure, share * rated), pressure)
         curves[f"{share:.0%} of rated current"] = _valve_curve(pressure, flow)
-    c_i, c_p = loader["valve.current_gain"], loader["valve.pressure_gain"]
-    curves["linear at 20%, eq. (2)"] = _valve_curve(pressure, c_i * 0.2 * rated - c_p * pressure)
+    i_share, p_share = (ALTERNATIVES[f"valve.operating_{name}"].default_us for name in ("current", "pressure"))
+    current, at = np.array([i_share * rated]), np.array([p_share * supply])
+    tangent = _core.orifice_flow(loader.values, current, at) - loader["valve.pressure_gain"] * (pressure - at)
+    curves[f"linear about {i_share:.0%}, eq. (2)"] = _valve_curve(pressure, tangent)
     return Figure("figure-02", "Control valve: flow against load pressure", Kind.VALVE, curves)
 
 

@@ -113,6 +113,8 @@ def _inertia_remark(design: Design, found: Assessment) -> str:
 def _low_stiffness(design: Design, units: UnitSystem) -> str:
     compliant, compensated = design.configuration("compliant"), design.configuration("compensated")
     before, after = compliant.boundary.stiffness_n_m_per_rad, compensated.boundary.stiffness_n_m_per_rad
+    if after == 0 and before == 0:
+        return f"Low stiffness is no danger, with or without the compensation: {compensated.boundary.note}."
     if after == 0:
         return f"The compensation removes the instability at low stiffness: {compensated.boundary.note}."
     if not np.isfinite(after) or not np.isfinite(before) or before == 0:

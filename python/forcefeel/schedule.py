@@ -41,28 +41,42 @@ def schedule_gains(
     Args:
         loader: The loader; its own feel setting is not used.
         settings: I, B, G in SI units (N m s^2/rad, N m s/rad, N m/rad), a row per setting.
-        design: Weights and step; the horizon is endless. [Q] must not be given whole.
+        design: Weights of eq. (21) and step; the horizon is endless.
         continuous: Design in continuous time, the limit of a small step, instead of at ``design.step_s``.
 
     Raises:
-        InputError: If a setting is not a row of three finite numbers with I > 0, B >= 0, G > 0.
+        InputError: If a setting is not a row of three finite numbers with I > 0, B >= 0, G > 0, or has no gains in double
+            precision; if ``design`` has a horizon or [Q] whole.
     """
     design = design or DesignSettings()
-    rows = np.ascontiguousarray(settings, dtype=np.float64)
+    if design.horizon_s is not None or design.q is not None:
+        raise InputError("design: expected an endless horizon and the weights of eq. (21); leave out horizon_s and q")
+    rows = _rows(settings)
+    solve = _continuous_plant if continuous else _sampled_plant
+    plant_gains, closed, coupling, gain_row, scale = solve(loader, design)
+    period = None if continuous else design.step_s
+    feel_gains = _core.schedule(closed, coupling, gain_row, period, rows)
+    if not np.isfinite(feel_gains).all():
+        bad = int(np.argmin(np.isfinite(feel_gains).all(axis=1)))
+        raise InputError(f"settings: row {bad}, {rows[bad].tolist()}, has no gains: its numbers are too far apart")
+    gains = np.empty((len(rows), 6))
+    gains[:, _PLANT] = plant_gains / scale
+    gains[:, _FEEL] = feel_gains
+    return GainSchedule(rows, gains)
+
+
+def _rows(settings: ArrayLike) -> NDArray[np.float64]:
+    try:
+        rows = np.ascontiguousarray(settings, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"settings: expected rows of I, B, G ({error})") from error
     if rows.ndim != 2 or rows.shape[1] != 3:
         raise InputError(f"settings: expected rows of I, B, G, got shape {rows.shape}")
     good = np.isfinite(rows).all(axis=1) & (rows[:, 0] > 0) & (rows[:, 1] >= 0) & (rows[:, 2] > 0)
     if not good.all():
         bad = int(np.argmin(good))
         raise InputError(f"settings: expected finite I > 0, B >= 0, G > 0, got {rows[bad].tolist()} in row {bad}")
-    solve = _continuous_plant if continuous else _sampled_plant
-    plant_gains, closed, coupling, gain_row, scale = solve(loader, design)
-    period = None if continuous else design.step_s
-    feel_gains = _core.schedule(closed, coupling, gain_row, period, rows)
-    gains = np.empty((len(rows), 6))
-    gains[:, _PLANT] = plant_gains / scale
-    gains[:, _FEEL] = feel_gains
-    return GainSchedule(rows, gains)
+    return rows
 
 
 _Solved = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]

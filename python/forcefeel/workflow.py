@@ -10,6 +10,7 @@ from forcefeel.analysis.frequency import Margins, Peak, margins, resonance
 from forcefeel.analysis.modes import Mode, modes
 from forcefeel.assessment import Assessment, Peaks, assess, peaks
 from forcefeel.compensation import Compensation, DesignSettings, compensate, published_settings
+from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.models import Linkage, loader_model, overall_open_loop, servo
 from forcefeel.studies import Deviation, DroppedPaths, drop_paths, sensitivity
@@ -193,7 +194,10 @@ STEPS = 5
 
 def _low(loader: Loader) -> Loader:
     scaled = ("feel.inertia", "feel.damping", "feel.stiffness", "pilot.force")
-    return loader.replace({key: loader[key] * LOW_SHARE for key in scaled})
+    try:
+        return loader.replace({key: loader[key] * LOW_SHARE for key in scaled})
+    except InputError as error:
+        raise InputError(f"low setting, {LOW_SHARE:g} of the programmed one: {error}") from error
 
 
 def _servo(loader: Loader, linkage: Linkage) -> ServoResult:

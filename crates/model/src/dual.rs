@@ -64,6 +64,8 @@ impl Scalar for Dual {
     }
     fn sqrt(self) -> Self {
         let root = libm::sqrt(self.value);
-        Self { value: root, slope: self.slope / (2.0 * root) }
+        // A constant zero has no slope; the rule would divide zero by zero.
+        let slope = if self.slope == 0.0 { 0.0 } else { self.slope / (2.0 * root) };
+        Self { value: root, slope }
     }
 }

@@ -134,3 +134,13 @@ fn dual_numbers_give_the_slopes_of_the_nonlinear_orifice() {
     assert_within(along_i, slope_i, DIFFERENCE * slope_i.abs());
     assert_within(along_p, slope_p, DIFFERENCE * slope_p.abs());
 }
+
+#[test]
+fn single_precision_follows_double_through_the_orifices_root() {
+    let (double, single) = (Parameters::<f64>::elevator().valve, Parameters::<f32>::elevator().valve);
+    for (i, p) in [(0.004, 2.5e6), (-0.015, 8.0e6), (0.001, -3.0e6)] {
+        let exact = double.orifice_flow(i, p);
+        let rounded = f64::from(single.orifice_flow(f32::constant(i), f32::constant(p)));
+        assert_within(rounded, exact, SINGLE * exact.abs());
+    }
+}

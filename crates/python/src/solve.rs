@@ -36,6 +36,7 @@ impl Recursion {
         match self.0.status {
             Status::Converged => "converged",
             Status::Horizon => "horizon",
+            Status::Moving => "moving",
             Status::Singular => "singular",
         }
     }
@@ -54,7 +55,7 @@ pub fn discretize<'py>(
     Ok((to_numpy(py, &phi)?, to_numpy(py, &h)?))
 }
 
-/// Recursion (22).
+/// Recursion (22) over a horizon of `steps`, or with a `tolerance` until the gains stand still, at most `steps`.
 #[pyfunction]
 pub fn recursion(
     py: Python<'_>,
@@ -63,7 +64,7 @@ pub fn recursion(
     q: PyReadonlyArray2<'_, f64>,
     r: PyReadonlyArray2<'_, f64>,
     steps: usize,
-    tolerance: f64,
+    tolerance: Option<f64>,
 ) -> PyResult<Recursion> {
     let (n, m) = h.as_array().dim();
     let problem = Problem {
@@ -72,7 +73,8 @@ pub fn recursion(
         q: matrix("q", &q, (n, n))?,
         r: matrix("r", &r, (m, m))?,
     };
-    Ok(Recursion(py.detach(|| run(&problem, Stop { steps, tolerance }))))
+    let stop = tolerance.map_or(Stop::Horizon(steps), |tolerance| Stop::StandStill { tolerance, most_steps: steps });
+    Ok(Recursion(py.detach(|| run(&problem, stop))))
 }
 
 /// Gains of the feel states for each setting `[I, B, G]`, a row each.

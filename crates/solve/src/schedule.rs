@@ -97,7 +97,7 @@ fn exponential(m: &Matrix2<f64>) -> Matrix2<f64> {
     let r2 = s * s - m.determinant();
     let r = r2.abs().sqrt();
     let (cosh, sinh_over_r) = if r < 1e-4 {
-        // Series of both to r^4: the next term is below 1e-24.
+        // Series of both: the first term left out, r^4 / 24, is below rounding.
         (1.0 + r2 / 2.0, 1.0 + r2 / 6.0)
     } else if r2 > 0.0 {
         (r.cosh(), r.sinh() / r)

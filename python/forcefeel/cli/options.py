@@ -39,7 +39,7 @@ Step = Annotated[
 Tolerance = Annotated[
     float | None,
     typer.Option(
-        "--tolerance", help="With --converge: largest change of a gain.  [default: 1e-13]", rich_help_panel=_DESIGN
+        "--tolerance", help="With --converge: largest change of a gain.  [default: 1e-10]", rich_help_panel=_DESIGN
     ),
 ]
 PositionWeight = Annotated[

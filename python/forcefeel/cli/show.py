@@ -71,9 +71,7 @@ def compensation(
     horizon = found.settings.horizon_s
     ended = "converged" if horizon is None else f"horizon of {to_text(horizon)} s"
     console.print(f"recursion (22): {ended}, {found.steps} steps of {to_text(found.settings.step_s)} s")
-    console.print(
-        f"residual of the Riccati equation at these gains: {found.riccati_residual:.1e} (an endless horizon has none)"
-    )
+    console.print(f"residual of eqs. (22) at these gains, kept for ever: {found.riccati_residual:.1e}")
     if demand is None:
         console.print("the loop with these gains is unstable", style="bold red")
         return

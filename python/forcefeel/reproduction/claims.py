@@ -153,7 +153,7 @@ def _only_delta(design: Design) -> list[Row]:
             "page of fig. 14",
             others,
             "",
-            holds=others < 1e-9,  # the recursion stops at 1e-13 a step, some 1e4 steps
+            holds=others < 1e-9,  # the recursion's own tolerance is 1e-10
             reason="largest relative change of c_1, c_2, c_5, c_6 from 2 Hz, 0.2 to 1 Hz, 0.7",
         ),
         claim(
