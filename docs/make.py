@@ -37,7 +37,7 @@ def picture(path: Path) -> None:
         chromium = playwright.chromium.launch(executable_path=browser, args=["--no-sandbox", "--disable-gpu"])
         page = chromium.new_page(viewport={"width": 1100, "height": 900}, device_scale_factor=1.5)
         page.goto(page_file.as_uri())
-        page.locator("#figure-14").screenshot(path=path)
+        page.locator("#figure-14-figure").screenshot(path=path)
         chromium.close()
 
 

@@ -7,7 +7,7 @@ import scipy.integrate
 
 import forcefeel as ff
 from forcefeel import _core
-from forcefeel.analysis.modes import spectral_abscissa
+from forcefeel.analysis.modes import feel_mode, spectral_abscissa
 from forcefeel.analysis.time import gramian
 from tests import witness
 
@@ -152,3 +152,14 @@ def test_gramian_in_closed_form_and_when_stiff():
     found = gramian(np.diag(-rates), start, 2.0)
     sums = rates[:, None] + rates
     np.testing.assert_allclose(found, (1 - np.exp(-2 * sums)) / sums, rtol=1e-10)
+
+
+@pytest.mark.parametrize(("w", "zeta"), [(12.0, 0.2), (12.0, 0.999), (12.0, 1.0), (12.0, 3.0)])
+def test_the_mode_that_renders_the_feel_is_the_feel_itself_when_ideal(w, zeta):
+    """Beside a fast servo pole and a fast oscillation, which are not the feel."""
+    feel = np.array([[0, 1], [-w * w, -2 * zeta * w]])
+    others = np.diag([-300.0, -400.0])
+    others[0, 1], others[1, 0] = 500.0, -500.0
+    a = np.block([[feel, np.zeros((2, 2))], [np.zeros((2, 2)), others]])
+    found = feel_mode(ff.modes(control.ss(a, np.ones((4, 1)), np.ones((1, 4)), 0)), w, zeta)
+    assert (found.frequency_rad_per_s, found.damping_ratio) == pytest.approx((w, zeta), rel=1e-6)  # a double root's

@@ -40,7 +40,7 @@ def test_tracking_error_and_cost_are_the_integrals_over_the_sampled_response(loa
         np.sqrt(float((deviation**2).integrate("time_s")) / 2) / wanted, rel=tolerance
     )
     e = column.valve_current_a / loader["amplifier.admittance"]
-    integrand = 100 * (column.feel_position - column.column_angle_rad) ** 2 + 0.1 * e**2
+    integrand = 100 * (column.feel_position_rad - column.column_angle_rad) ** 2 + 0.1 * e**2
     assert found.cost == pytest.approx(float(integrand.integrate("time_s")), rel=tolerance)
 
 

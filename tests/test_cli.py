@@ -148,9 +148,9 @@ def test_q_from_a_file(run, tmp_path):
         (["--tolerance", "1e-9"], "is for --converge"),
         (["--q", "missing.csv"], "expected [Q] as CSV, 7 rows of 7 numbers"),
         (["--q", "q.csv", "--r1", "1"], "gives [Q] whole"),
-        (["--r2", "-1"], "r2: expected a finite number"),
-        (["--step", "nan"], "step_s: expected a finite number"),
-        (["--horizon", "0"], "horizon_s: expected a finite number"),
+        (["--r2", "-1"], "r2: expected a number from 1e-12"),
+        (["--step", "nan"], "step_s: expected a number from 1e-07"),
+        (["--horizon", "0"], "horizon_s: expected a number from 0.0001"),
     ],
 )
 def test_bad_options_are_refused_in_a_line(run, words, said):

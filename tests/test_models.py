@@ -87,11 +87,11 @@ def test_compensated_model_is_the_hand_written_one(loader):
 def test_signals_are_named(loader):
     model = ff.compliant_model(loader)
     assert model.input_labels == list(INPUTS)
-    assert model.output_labels == list(OUTPUTS)
+    assert model.output_labels == ["feel_position_v" if name == "feel_position" else name for name in OUTPUTS]
     assert model.state_labels[0] == "piston_position_m"
     assert model.state_labels[4] == "feel_position_v"
     feedback = ff.compliant_model(loader, ff.state_feedback(loader, np.ones(6)))
-    assert feedback.state_labels[4] == "feel_position_rad"
+    assert feedback.state_labels[4] == feedback.output_labels[1] == "feel_position_rad"
     assert ff.design_plant(loader).state_labels == list(DESIGN_STATES)
     assert all(one.isctime() for one in (model, ff.rigid_model(loader), ff.design_plant(loader), ff.ideal_feel(loader)))
 

@@ -131,5 +131,5 @@ def test_what_a_schedule_cannot_use_is_refused(loader):
         schedule_gains(loader, rows, DesignSettings(horizon_s=0.05))
     with pytest.raises(InputError, match="rows of I, B, G"):
         schedule_gains(loader, [[1.0, 2.0], [3.0]])
-    with pytest.raises(InputError, match="row 1, .* has no gains"):
+    with pytest.raises(InputError, match=r"row 1, .* has no gains"):
         schedule_gains(loader, [*rows, [1e-300, 0.0, 1e300]])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.analysis.modes import MARGINAL_PER_S, dominant, modes, spectral_abscissa
+from forcefeel.analysis.modes import MARGINAL_PER_S, feel_mode, modes, spectral_abscissa
 from forcefeel.analysis.time import DURATION_S, gramian, step_response
 from forcefeel.compensation import DesignSettings
 from forcefeel.loader import Loader
@@ -85,7 +85,7 @@ def assess(
     if abscissa >= -MARGINAL_PER_S:
         return Assessment(False, abscissa, *[np.nan] * 7)
     found = modes(model)
-    feel = dominant(found, _core.feel_frequency(programmed.values)[0])
+    feel = feel_mode(found, *_core.feel_frequency(programmed.values))
     force = programmed["pilot.force"]
     wanted = float(ideal.dcgain()) * force
     reached = float(model.dcgain()[OUTPUTS.index("column_angle_rad"), 0]) * force

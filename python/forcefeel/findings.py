@@ -80,8 +80,8 @@ def _compliance(design: Design) -> str:
 def _original(design: Design, units: UnitSystem) -> str:
     rigid, compliant = design.configuration("rigid"), design.configuration("compliant")
     return (
-        f"The original loop is {_settling(compliant.programmed.assessment)}. A rigid link would let G fall to"
-        f" {_edge(rigid, units)}; the real one allows {_edge(compliant, units)}."
+        f"The original loop is {_settling(compliant.programmed.assessment)}. With a rigid link {_reach(rigid, units)};"
+        f" with the real one {_reach(compliant, units)}."
     )
 
 
@@ -179,13 +179,19 @@ def _settling(found: Assessment) -> str:
     return f"stable and settles at {_percent(1 + found.static_error)} of the programmed deflection"
 
 
+def _reach(configuration: Configuration, units: UnitSystem) -> str:
+    value = configuration.boundary.stiffness_n_m_per_rad
+    if value == 0:
+        return "no G is too low for it"
+    if not np.isfinite(value):
+        return "it is unstable at G_max already"
+    return f"G may fall to {_edge(configuration, units)}"
+
+
 def _edge(configuration: Configuration, units: UnitSystem) -> str:
     boundary = configuration.boundary
-    value = boundary.stiffness_n_m_per_rad
-    if value == 0 or not np.isfinite(value):
-        return boundary.note
-    shown = ROTARY_STIFFNESS.from_si(value, units)
-    return f"{to_text(shown, 3)} {ROTARY_STIFFNESS.shown(units)} ({boundary.note})"
+    shown = ROTARY_STIFFNESS.from_si(boundary.stiffness_n_m_per_rad, units)
+    return f"{to_text(shown)} {ROTARY_STIFFNESS.shown(units)} ({boundary.note})"
 
 
 def _hertz(value: float) -> str:

@@ -29,7 +29,7 @@ OUTPUTS = (
     "valve_current_a",
     "actuator_flow_m3_per_s",
 )
-"""Outputs of the loader models."""
+"""Outputs of the loader models; a model adds the unit to ``feel_position``, ``_v`` or ``_rad``."""
 
 SERVO_OUTPUTS = ("potentiometer_v", "column_angle_rad")
 """Outputs of the servo alone: what its loop feeds back, and what the pilot feels of it."""
@@ -88,7 +88,8 @@ def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linka
     else:
         matrices = _core.compliant(loader.values, law)
         states = ["piston_position_m", *_SERVO_STATES, *feel, "base_position_m", "base_velocity_m_per_s"]
-    return _state_space(f"{loader.name} {linkage}", matrices, states, INPUTS, OUTPUTS)
+    outputs = [feel[0] if name == "feel_position" else name for name in OUTPUTS]
+    return _state_space(f"{loader.name} {linkage}", matrices, states, INPUTS, outputs)
 
 
 def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpace:
@@ -177,8 +178,8 @@ def _state_space(
     name: str,
     matrices: tuple[NDArray[np.float64], ...],
     states: Sequence[str],
-    inputs: tuple[str, ...],
-    outputs: tuple[str, ...],
+    inputs: Sequence[str],
+    outputs: Sequence[str],
 ) -> control.StateSpace:
     return control.StateSpace(
         *matrices,

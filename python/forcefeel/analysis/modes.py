@@ -42,7 +42,19 @@ def spectral_abscissa(a: NDArray[np.float64]) -> float:
     return float(np.max(np.linalg.eigvals(a).real))
 
 
-def dominant(found: tuple[Mode, ...], near_rad_per_s: float) -> Mode:
-    """The mode whose frequency is nearest to ``near_rad_per_s`` on a logarithmic scale; oscillating ones first."""
-    swinging = [mode for mode in found if mode.imaginary_per_s > 0] or list(found)
-    return min(swinging, key=lambda mode: abs(np.log(mode.frequency_rad_per_s / near_rad_per_s)))
+def feel_mode(found: tuple[Mode, ...], frequency_rad_per_s: float, damping_ratio: float) -> Mode:
+    """The mode of a loader that renders a feel of this frequency and damping ratio.
+
+    For an underdamped feel the oscillating mode that is nearest in frequency, on a logarithmic scale. An overdamped feel
+    has two real poles, so its rendering is the slowest pair: an oscillating mode or two real poles, which make one
+    oscillator of the same product and sum.
+    """
+    if damping_ratio < 1:
+        swinging = [mode for mode in found if mode.imaginary_per_s > 0] or list(found)
+        return min(swinging, key=lambda mode: abs(np.log(mode.frequency_rad_per_s / frequency_rad_per_s)))
+    first, second = found[:2]
+    if first.imaginary_per_s > 0 or second.imaginary_per_s > 0:
+        return first
+    w = float(np.sqrt(abs(first.real_per_s * second.real_per_s)))
+    mean = (first.real_per_s + second.real_per_s) / 2
+    return Mode(mean, 0.0, w, -mean / w)

@@ -64,7 +64,11 @@ def _matrix(
     difference = largest_difference(entries, np.hstack([model[0], model[1][:, :1]]))
     verdict = Verdict.AGREES if difference <= ROUNDING else Verdict.OPEN
     count = f"{np.count_nonzero(entries)} entries"
-    return Row(item, where, count, f"largest relative difference {difference:.0e}", difference, "", verdict)
+    return Row(item, where, count, _difference(difference), difference, "", verdict)
+
+
+def _difference(largest: float) -> str:
+    return "same to rounding" if largest <= ROUNDING else f"largest relative difference {largest:.0e}"
 
 
 def _sign(loader: Loader) -> Row:
@@ -101,5 +105,5 @@ def _weight(loader: Loader) -> Row:
     expected[2, base] = expected[base, 2] = -10.0
     difference = largest_difference(expected, DesignSettings().weight(loader) * np.outer(scale, scale))
     verdict = Verdict.AGREES if difference <= ROUNDING else Verdict.OPEN
-    text = f"largest relative difference {difference:.0e}"
+    text = _difference(difference)
     return Row("[Q] with 100, -10, 1 from R_1 = 0", "eq. (21), appendix", "4 entries", text, difference, "", verdict)

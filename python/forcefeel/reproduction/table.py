@@ -20,6 +20,10 @@ class Verdict(StrEnum):
     """It differs and the reason is not known."""
 
 
+NOTHING = 1e-6
+"""A change or an error below this is rounding and stopping tolerance, different on every machine."""
+
+
 @dataclass(frozen=True)
 class Row:
     """One number or claim.
@@ -74,7 +78,8 @@ def number(item: str, where: str, printed: str, value: float, unit: str, reason:
 def claim(item: str, where: str, value: float, unit: str, *, holds: bool, reason: str) -> Row:
     """A row for a claim without a number: what speaks for or against it."""
     verdict = Verdict.AGREES if holds else Verdict.REFUTED
-    return Row(item, where, "claimed", to_text(value), float(value), unit, verdict, reason)
+    shown = to_text(value) if abs(value) >= NOTHING else f"less than {NOTHING:g}"
+    return Row(item, where, "claimed", shown, float(value), unit, verdict, reason)
 
 
 def about(item: str, where: str, printed: str, value: float, unit: str, *, holds: bool, reason: str) -> Row:

@@ -1,1 +1,0 @@
-from forcefeel.findings import *  # noqa: F403  temporary

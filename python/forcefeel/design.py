@@ -1,1 +1,0 @@
-from forcefeel.workflow import *  # noqa: F403  temporary

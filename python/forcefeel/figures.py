@@ -1,1 +1,0 @@
-from forcefeel.figure_data import *  # noqa: F403  temporary

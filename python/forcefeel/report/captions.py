@@ -1,0 +1,18 @@
+"""What each figure is about, in a sentence or two; no numbers, because those come from the design."""
+
+MEANINGS = {
+    "figure-02": "Flow through the control valve against load pressure, eq. (1), for five valve currents. The dashed line is"
+    " the linear valve of eq. (2), which every model here uses, about the report's operating point.",
+    "figure-08": "From the amplifier's input to the position of the piston and of the column, both in volts of the"
+    " potentiometer. Where the compliant curves leave the rigid one, the column swings on its linkage.",
+    "figure-09": "The same with the position loop closed. A servo that the pilot cannot feel would hold 0 dB well beyond the"
+    " frequencies of the feel.",
+    "figure-10": "From the torque that the feel computer sees, through servo and load cell, back to it. The closed loop is at"
+    " the edge of stability where the gain is 0 dB while the phase is −180°.",
+    "figure-11a": "The original system after a step of pilot force, had it a rigid link. Both settings are programmed for the"
+    " same deflection, frequency and damping ratio.",
+    "figure-11b": "The original system with its real, compliant link, after the same step.",
+    "figure-14": "Rigid, compliant and compensated loader beside the ideal feel, after a step of pilot force, and what the"
+    " valve must give for it.",
+}
+"""By the figure's key."""

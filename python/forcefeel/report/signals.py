@@ -1,0 +1,46 @@
+"""The quantities of the curves: what they are called and in which units people read them."""
+
+from dataclasses import dataclass
+
+import xarray as xr
+
+from forcefeel.units import ANGLE, CURRENT, FLOW, LENGTH, Unit, UnitSystem, factor
+
+_PLAIN = ("dB", "deg", "Hz", "s", "V")
+_UNITS = {
+    "rad": ANGLE,
+    "m": LENGTH,
+    "N": Unit("N", "N", "lb"),
+    "A": CURRENT,
+    "m^3/s": FLOW,
+    "Pa": Unit("Pa", "MPa", "lb/in^2"),
+}
+_SUFFIXES = ("_m3_per_s", "_rad", "_deg", "_pa", "_hz", "_db", "_m", "_n", "_v", "_a", "_s")
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One variable of a curve.
+
+    Attributes:
+        name: What it is, in words with underscores and without its unit.
+        unit: The unit that people read.
+        scale: How many of ``unit`` one of the data's unit is.
+    """
+
+    name: str
+    unit: str
+    scale: float
+
+
+def signal(data: xr.DataArray, system: UnitSystem) -> Signal | None:
+    """How ``data`` is shown under ``system``; ``None`` where the data do not say their unit."""
+    unit = data.attrs.get("units", "")
+    name = str(data.name)
+    bare = next((name.removesuffix(end) for end in _SUFFIXES if name.endswith(end)), name)
+    if unit in _PLAIN:
+        return Signal(bare, unit, 1.0)
+    if unit not in _UNITS:
+        return None
+    shown = _UNITS[unit].shown(system)
+    return Signal(bare, shown, factor(unit, shown))
