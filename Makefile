@@ -49,5 +49,5 @@ $(VENV)/dependencies: requirements.lock
 
 # The extension is built again only when Rust changes; the Python package is used from where it lies.
 $(VENV)/built: $(VENV)/dependencies pyproject.toml $(RUST)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps --editable .
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps --editable .
 	touch $@
