@@ -199,4 +199,4 @@ def _hertz(value: float) -> str:
 
 
 def _percent(value: float, *, signed: bool = False) -> str:
-    return f"{to_text(100 * value, 3) if not signed else f'{100 * value:+.3g}'} %"
+    return f"{100 * value:{'+' if signed else ''}.1f} %"
