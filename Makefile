@@ -8,7 +8,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
-PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.toml')
+PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.toml' -o -name '*.txt')
 
 .PHONY: report test lint bench docs clean
 

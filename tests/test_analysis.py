@@ -163,3 +163,20 @@ def test_the_mode_that_renders_the_feel_is_the_feel_itself_when_ideal(w, zeta):
     a = np.block([[feel, np.zeros((2, 2))], [np.zeros((2, 2)), others]])
     found = feel_mode(ff.modes(control.ss(a, np.ones((4, 1)), np.ones((1, 4)), 0)), w, zeta)
     assert (found.frequency_rad_per_s, found.damping_ratio) == pytest.approx((w, zeta), rel=1e-6)  # a double root's
+
+
+@pytest.mark.parametrize("linkage", list(ff.Linkage))
+def test_phase_of_an_undamped_feel_is_the_limit_of_a_lightly_damped_one(loader, linkage):
+    """A pole on the axis turns the phase by half a turn at once, and downwards."""
+    found = [
+        ff.margins(ff.overall_open_loop(loader.replace({"feel.damping": f"{b} lb in s"}), linkage)) for b in (0, 0.001)
+    ]
+    assert found[0].phase_margin_rad == pytest.approx(found[1].phase_margin_rad, abs=1e-3)
+
+
+def test_phase_is_followed_through_light_poles_and_zeros():
+    w = np.array([0.5, 2.0, 4.0, 8.0])
+    zeros, poles = np.poly1d([1, 2e-6 * 3, 9]), np.poly1d([1, 2e-6, 1]) * np.poly1d([1, 2e-6 * 6, 36])
+    model = control.ss(control.tf(zeros.coeffs, poles.coeffs))
+    phase = ff.frequency_response(model, w / (2 * np.pi)).phase_deg.values
+    np.testing.assert_allclose(phase, [0, -180, 0, -180], atol=0.01)

@@ -1,9 +1,12 @@
 """How a loop is judged: each figure by a second route, and what the studies rest on."""
 
+import pickle
+
 import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.parameters import TABLE
 from forcefeel.studies import CHANGES, PLANT_PARAMETERS, best_of_each_count, worst
 
 
@@ -92,6 +95,14 @@ def test_best_of_each_count_is_the_best(dropped):
         assert best.assessment.tracking_error == min(r.assessment.tracking_error for r in rivals)
 
 
+def test_a_new_parameter_is_varied_or_named_here():
+    not_of_the_compensated_plant = {
+        "valve.rated_flow", "valve.rated_current", "valve.supply_pressure", "load_cell.gain", "potentiometer.gain",
+        "feel.inertia", "feel.damping", "feel.stiffness", "feel.maximum_stiffness", "pilot.force",
+    }  # fmt: skip
+    assert set(TABLE) - set(PLANT_PARAMETERS) == not_of_the_compensated_plant
+
+
 def test_every_gain_and_parameter_is_varied(deviations):
     assert len(deviations) == (6 + len(PLANT_PARAMETERS)) * len(CHANGES)
     assert all(row.assessment is not None for row in deviations)
@@ -117,3 +128,40 @@ def test_a_deviation_out_of_range_is_not_evaluated(loader, gains):
     missing = [row for row in rows if row.assessment is None]
     assert {row.quantity for row in missing} == {"linkage.ratio"}
     assert worst(rows).assessment is not None
+
+
+def test_one_cost_index_in_a_design(loader):
+    found = ff.design(loader, ff.DesignSettings(horizon_s=0.05, r2=10.0))
+    law = found.compensation.compensator(loader)
+    full = ff.assess(loader, law, found.compensation.settings)
+    assert found.configuration("compensated").programmed.assessment.cost == full.cost
+    first = found.dropped[0].assessment, found.dropped[0].cost_increase
+    assert np.isnan(first[1]) or first[0].cost / full.cost - 1 == pytest.approx(first[1])
+
+
+def test_the_original_law_given_by_name_is_judged_like_the_default(loader):
+    named = ff.assess(loader, ff.Compensator.original(loader.values))
+    assert np.isnan(named.cost)
+    assert named.tracking_error == ff.assess(loader, None).tracking_error
+
+
+def test_state_feedback_on_a_rigid_link_is_judged_without_a_cost(loader, gains):
+    found = ff.assess(loader, ff.state_feedback(loader, gains[:6]), linkage=ff.Linkage.RIGID)
+    assert found.stable
+    assert np.isnan(found.cost)
+
+
+def test_gains_that_are_no_numbers_are_refused(loader):
+    with pytest.raises(ff.InputError, match="six or seven finite numbers"):
+        ff.state_feedback(loader, np.full(6, np.nan))
+
+
+def test_a_design_can_be_sent_to_another_process(loader):
+    law = ff.Compensator.original(loader.values)
+    assert pickle.loads(pickle.dumps(law)) == law
+    found = ff.design(loader)
+    again = pickle.loads(pickle.dumps(found))
+    np.testing.assert_array_equal(again.compensation.gains, found.compensation.gains)
+    assert [one.compensator for one in again.configurations] == [one.compensator for one in found.configurations]
+    with pytest.raises(ValueError, match="read-only"):
+        found.compensation.gains[0] = 0.0

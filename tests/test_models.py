@@ -128,5 +128,5 @@ def test_servo_leaves_out_only_the_feel_computer(loader):
 
 
 def test_wrong_number_of_gains_is_refused(loader):
-    with pytest.raises(ff.InputError, match="expected six or seven, got 5"):
+    with pytest.raises(ff.InputError, match="expected six or seven finite numbers, got"):
         ff.state_feedback(loader, np.ones(5))

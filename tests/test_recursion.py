@@ -53,7 +53,7 @@ def test_published_gains_have_the_printed_digits(published, k):
 
 
 def test_published_gain_of_the_computer_is_one_unit_of_the_last_digit_off(published):
-    # 22.033 for the printed 22.02: not explained. A step less gives 22.003, and -4.919 for the first gain, printed
+    # 22.033 for the printed 22.02: C_i = 5.445, also printed as 5.45, would give it (docs/validation.md). A step less gives 22.003, and -4.919 for the first gain, printed
     # -4.93; steps twice as long give 22.007, and 0.509 for the fifth, printed 0.506.
     third = gains_in(UnitSystem.US, published.gains)[2]
     assert third == pytest.approx(PRINTED[2], rel=0, abs=0.015)  # one unit, and half a one for the rounding of ours
@@ -100,7 +100,7 @@ def test_converged_gains_are_the_riccati_equations(loader, pilot_arm_m):
 
 
 def test_feedback_leaves_the_plant_stable_and_only_the_endless_one_is_optimal(loader, published):
-    found = compensate(loader)
+    found = compensate(loader, DesignSettings())
     problem = SampledProblem.of(loader, found.settings)
     closed = problem.phi[:6, :6] + problem.h[:6] @ (found.gains * problem.scale)[None, :6]
     assert np.max(np.abs(np.linalg.eigvals(closed))) < 1

@@ -8,7 +8,7 @@ import forcefeel as ff
 from forcefeel.cli.show import reproduction_markdown
 from forcefeel.parameters import TABLE
 from forcefeel.reproduction.appendix import printed
-from forcefeel.reproduction.table import Verdict, agrees_to_digits, number
+from forcefeel.reproduction.table import Reason, Verdict, agrees_to_digits, number
 
 VALIDATION = Path(__file__).parent.parent / "docs" / "validation.md"
 
@@ -42,11 +42,11 @@ def test_every_constant_of_the_appendix_is_in_the_parameter_table_and_the_compar
         ("fig. 8: resonance of the servo", 11.8, 0.05),
         ("fig. 9: resonance of the servo", 11.4, 0.05),
         ("fig. 11(b): the compliant model oscillates with growing amplitude", 14, 0.5),
-        ("fig. 14: steady angle", 0.3157, 5e-5),
+        ("the printed digits settle the column right", 0.3157, 5e-5),
         ("fig. 14: the compensated column moves as programmed", 1.6, 0.05),
         ("c_1, recursion converged", -6.34, 0.005),
         ("c_7 with -alpha R_b / I", -0.0065, 5e-5),
-        ("deflection of the original system, rigid, as a share of R_p F_p / G", 0.56, 0.005),
+        ("the original system renders the deflection R_p F_p / G (rigid link)", 0.56, 0.005),
         ("c_3", 22.03, 0.005),
     ],
 )
@@ -67,6 +67,14 @@ def test_known_figures(rows, item, value, tolerance):
 def test_agreement_is_to_the_printed_digits(printed_digits, value, agrees):
     assert agrees_to_digits(printed_digits, value) is agrees
     assert (number("x", "y", printed_digits, value, "").verdict is Verdict.OPEN) is not agrees
+
+
+def test_a_reason_explains_only_what_it_predicts():
+    def judged(predicts):
+        return number("x", "y", "15.22", 15.226, "cm^2", Reason("why", predicts)).verdict
+
+    assert judged(2.36 * 6.45) is Verdict.EXPLAINED
+    assert judged(15.4) is Verdict.OPEN
 
 
 def test_validation_page_is_what_the_program_prints(sections):

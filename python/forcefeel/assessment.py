@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.analysis.modes import MARGINAL_PER_S, feel_mode, modes, spectral_abscissa
+from forcefeel.analysis.modes import feel_mode, is_stable, modes, spectral_abscissa
 from forcefeel.analysis.time import DURATION_S, gramian, step_response
 from forcefeel.compensation import DesignSettings
 from forcefeel.loader import Loader
@@ -22,7 +22,7 @@ class Assessment:
     """What a step of pilot force shows of a closed loop. Where the loop is unstable, only the first two are numbers.
 
     Attributes:
-        stable: Whether every pole lies in the left half plane.
+        stable: Whether every pole lies clearly in the left half plane.
         abscissa_per_s: Largest real part of the poles.
         frequency_rad_per_s: Frequency of the mode that renders the feel.
         damping_ratio: Its damping ratio.
@@ -31,7 +31,8 @@ class Assessment:
         static_error: Its deviation from the programmed deflection, as a share of that.
         tracking_error: Root mean square of the deviation from the ideal response over 2 s, as a share of the programmed
             deflection at rest.
-        cost: Index V of eq. (20) over 2 s; not a number for the original system, whose computer works in volts.
+        cost: Index V of eq. (20) over 2 s; not a number for the original system, whose computer works in volts,
+            and for a rigid link, which has not the states that [Q] weighs.
     """
 
     stable: bool
@@ -82,7 +83,7 @@ def assess(
     programmed = programmed or loader
     model, ideal = loader_model(loader, compensator, linkage), ideal_feel(programmed)
     abscissa = spectral_abscissa(model.A)
-    if abscissa >= -MARGINAL_PER_S:
+    if not is_stable(abscissa):
         return Assessment(False, abscissa, *[np.nan] * 7)
     found = modes(model)
     feel = feel_mode(found, *_core.feel_frequency(programmed.values))
@@ -96,7 +97,7 @@ def assess(
     squares = gramian(system, start, DURATION_S)
     tracking = deviation @ squares @ deviation
     cost = np.nan
-    if compensator is not None:
+    if compensator is not None and compensator.displacement_unit == "rad" and linkage is Linkage.COMPLIANT:
         weight = _cost_weight(model, len(system), compensator, settings or DesignSettings(), programmed)
         cost = float(np.sum(weight * squares))
     return Assessment(

@@ -33,6 +33,9 @@ GAIN_UNITS = (
 GAIN_SYMBOLS = ("c_1", "c_2", "c_3", "c_4", "c_5", "c_6", "c_7")
 """The report's letters for the gains on ``DESIGN_STATES``."""
 
+MOST_STEPS = 2_000_000
+"""Longest recursion: some two seconds of computing, and 200 s of horizon at the report's step."""
+
 PUBLISHED_HORIZON_S = 0.05
 """Horizon that gives the published gains; see ``docs/validation.md``."""
 
@@ -73,6 +76,11 @@ class DesignSettings:
         if self.horizon_s is not None:
             _check("horizon_s", self.horizon_s, self.step_s)
             steps = self.horizon_s / self.step_s
+            if steps > MOST_STEPS:
+                longest = MOST_STEPS * self.step_s
+                raise InputError(
+                    f"horizon_s: expected at most {longest:g} s at a step of {self.step_s:g} s, got {self.horizon_s:g}"
+                )
             if abs(steps - round(steps)) > 1e-6 * steps:  # rounding of a quotient that is whole
                 raise InputError(
                     f"horizon_s: expected a whole number of steps of {self.step_s:g} s, got {self.horizon_s:g} s"
@@ -93,7 +101,7 @@ class DesignSettings:
         return self.position_weight * np.outer(row, row) + self.r1 * np.outer(rate, rate)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Compensation:
     """Gains and how well they are proved.
 
@@ -112,7 +120,11 @@ class Compensation:
     riccati_residual: Annotated[float, RATIO]
 
     def compensator(self, loader: Loader) -> Compensator:
-        """The law on the six measured states; the pilot force is not measured, so its gain is left out."""
+        """The law on the six measured states.
+
+        The pilot force is not measured, so its gain is left out. Gains over an endless horizon count on it: without it the
+        column settles short of the programmed deflection.
+        """
         return state_feedback(loader, self.gains[:6])
 
 
@@ -131,14 +143,15 @@ def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compen
 
     Args:
         loader: The loader; its valve dynamics are left out of the design plant.
-        settings: Weights, step and horizon; the report's weights run to convergence if not given.
+        settings: Weights, step and horizon; ``published_settings`` if not given. ``DesignSettings()`` runs the report's
+            weights to convergence.
 
     Raises:
         InputError: If the recursion meets a singular matrix or does not converge: change the weights or the step.
     """
-    settings = settings or DesignSettings()
+    settings = settings or published_settings(loader)
     problem = SampledProblem.of(loader, settings)
-    most_steps = 2_000_000 if settings.horizon_s is None else round(settings.horizon_s / settings.step_s)
+    most_steps = MOST_STEPS if settings.horizon_s is None else round(settings.horizon_s / settings.step_s)
     tolerance = settings.tolerance if settings.horizon_s is None else None
     found = _core.recursion(problem.phi, problem.h, problem.q, problem.r, most_steps, tolerance)
     if found.status == "singular" or (settings.horizon_s is None and found.status != "converged"):
@@ -147,6 +160,7 @@ def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compen
             f" {found.change:.1e}); expected convergence to {settings.tolerance:g}: change r2, step or tolerance"
         )
     gains = found.gains[0] / problem.scale
+    gains.setflags(write=False)
     return Compensation(
         settings=settings,
         gains=gains,

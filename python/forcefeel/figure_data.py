@@ -67,7 +67,8 @@ def _valve(loader: Loader) -> Figure:
         curves[f"{share:.0%} of rated current"] = _valve_curve(pressure, flow)
     i_share, p_share = (ALTERNATIVES[f"valve.operating_{name}"].default_us for name in ("current", "pressure"))
     current, at = np.array([i_share * rated]), np.array([p_share * supply])
-    tangent = _core.orifice_flow(loader.values, current, at) - loader["valve.pressure_gain"] * (pressure - at)
+    _, slope = _core.valve_gains(loader.values, i_share, p_share)
+    tangent = _core.orifice_flow(loader.values, current, at) - slope * (pressure - at)
     curves[f"linear about {i_share:.0%}, eq. (2)"] = _valve_curve(pressure, tangent)
     return Figure("figure-02", "Control valve: flow against load pressure", Kind.VALVE, curves)
 
@@ -83,7 +84,7 @@ def _servo(key: str, title: str, loader: Loader, *, closed: bool) -> Figure:
     rigid = servo(loader, Linkage.RIGID, closed=closed)
     compliant = servo(loader, Linkage.COMPLIANT, closed=closed)
     # The column's angle as the voltage that the potentiometer would give if the link did not stretch.
-    volts_per_rad = loader["potentiometer.gain"] * loader["linkage.ratio"] * loader["column.base_arm"]
+    volts_per_rad = rigid.C[0, 0] / rigid.C[1, 0]
     return Figure(
         key,
         title,

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from forcefeel._core import feel_frequency
 from forcefeel.assessment import Assessment
 from forcefeel.models import Linkage
-from forcefeel.studies import best_of_each_count, worst
+from forcefeel.studies import CHANGES, VISIBLE_LOSS, droppable, worst
 from forcefeel.units import HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
 from forcefeel.workflow import Configuration, Design
 
@@ -100,10 +101,11 @@ def _compensated(design: Design) -> str:
 
 def _inertia_remark(design: Design, found: Assessment) -> str:
     """The column's own inertia J adds to the programmed I: the frequency that this predicts, if it is what is found."""
-    inertia, column = design.loader["feel.inertia"], design.loader["column.inertia"]
-    predicted = np.sqrt(inertia / (inertia + column))
-    if abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s / predicted - 1) > 0.05:
-        return ""
+    both = design.loader["feel.inertia"] + design.loader["column.inertia"]
+    heavier, _ = feel_frequency(design.loader.replace({"feel.inertia": both}).values)
+    predicted = heavier / design.feel_frequency_rad_per_s
+    if abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s / predicted - 1) > FREQUENCY_TOLERANCE / 2:
+        return ""  # something else is at work as well
     return (
         f" The column's own inertia J adds to the programmed I: that alone lowers the frequency to"
         f" {_hertz(design.feel_frequency_rad_per_s * predicted)}."
@@ -142,12 +144,9 @@ def _paths(design: Design) -> str:
     full = design.configuration("compensated").programmed.assessment
     if not full.stable:
         return "Dropping feedback paths is not judged, because the full set is unstable."
-    free = [
-        row for row in best_of_each_count(design.dropped) if row.assessment.tracking_error <= full.tracking_error + 0.01
-    ]
-    if not free:
-        return "No feedback path can be dropped without a visible loss (more than 1 % of deflection)."
-    most = free[-1]
+    most = droppable(design.dropped, full)
+    if most is None:
+        return f"No feedback path can be dropped without a visible loss (more than {_percent(VISIBLE_LOSS)} of deflection)."
     return (
         f"{' and '.join(most.paths)} can be dropped: the deviation from the ideal goes from"
         f" {_percent(full.tracking_error)} to {_percent(most.assessment.tracking_error)}."
@@ -166,7 +165,7 @@ def _sensitivity(design: Design) -> str:
     )
     unstable = sum(1 for one in design.deviations if one.assessment is not None and not one.assessment.stable)
     count = (
-        "No single deviation up to 20 % makes it unstable"
+        f"No single deviation up to {max(CHANGES):.0%} makes it unstable"
         if unstable == 0
         else f"{unstable} deviations make it unstable"
     )

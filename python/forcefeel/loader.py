@@ -16,6 +16,10 @@ from forcefeel.units import UnitSystem, parse, show, to_text
 _REPORT = "NASA Langley, Analysis and Compensation of an Aircraft Simulator Control Loading System, October 1974"
 
 
+FEEL_SETTING = ("feel.inertia", "feel.damping", "feel.stiffness")
+"""The computer setting I, B, G."""
+
+
 @dataclass(frozen=True)
 class Loader:
     """The numbers of one loader.
@@ -84,8 +88,8 @@ class Loader:
         Unlike ``replace`` this does not check the range, for searches that go beyond what one would build.
         """
         values = self.values.copy()
-        for name in ("inertia", "damping", "stiffness"):
-            values[INDEX[f"feel.{name}"]] *= scale
+        for key in FEEL_SETTING:
+            values[INDEX[key]] *= scale
         return values
 
     def to_toml(self, units: UnitSystem = UnitSystem.US) -> str:

@@ -29,7 +29,18 @@ from pydantic_core import ErrorDetails
 from forcefeel import _core
 from forcefeel._core import Parameter
 from forcefeel.errors import InputError
-from forcefeel.parameters import PARTS, TABLE, alternatives, in_range, limits_si, main_rows, range_text, replaced, unit
+from forcefeel.parameters import (
+    INDEX,
+    PARTS,
+    TABLE,
+    alternatives,
+    in_range,
+    limits_si,
+    main_rows,
+    range_text,
+    replaced,
+    unit,
+)
 from forcefeel.units import UnitSystem, parse, show
 
 _STRICT = ConfigDict(extra="forbid", frozen=True, strict=True)
@@ -38,7 +49,7 @@ _DERIVE: Mapping[str, Callable[[NDArray[np.float64], Mapping[str, float]], tuple
     "valve": lambda v, a: _core.valve_gains(v, a["operating_current"], a["operating_pressure"]),
     "linkage": lambda v, a: _core.linkage_from_resonance(v, a["resonance_frequency"], a["resonance_damping_ratio"]),
     "feel": lambda v, a: _core.feel_from_frequency(
-        a["natural_frequency"], a["damping_ratio"], v[list(TABLE).index("feel.stiffness")]
+        a["natural_frequency"], a["damping_ratio"], v[INDEX["feel.stiffness"]]
     ),
 }
 

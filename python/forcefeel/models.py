@@ -79,9 +79,8 @@ def compliant_model(loader: Loader, compensator: Compensator | None = None) -> c
 def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linkage) -> control.StateSpace:
     """``rigid_model`` or ``compliant_model``, as ``linkage`` says."""
     law = compensator or Compensator.original(loader.values)
-    feel = ["feel_position_rad", "feel_velocity_rad_per_s"]
-    if compensator is None:
-        feel = ["feel_position_v", "feel_velocity_v_per_s"]
+    unit = law.displacement_unit.lower()
+    feel = [f"feel_position_{unit}", f"feel_velocity_{unit}_per_s"]
     if linkage is Linkage.RIGID:
         matrices = _core.rigid(loader.values, law)
         states = ["piston_position_m", "piston_velocity_m_per_s", *_SERVO_STATES, *feel]
@@ -128,7 +127,7 @@ def overall_open_loop(loader: Loader, linkage: Linkage, compensator: Compensator
     """
     law = compensator or Compensator.original(loader.values)
     closed = loader_model(loader, law, linkage)
-    opened = loader_model(loader, Compensator(tuple(law.gains), 0.0), linkage)
+    opened = loader_model(loader, Compensator(law.gains, 0.0, law.displacement_unit), linkage)
     entry = [k for k, name in enumerate(closed.state_labels) if name.startswith("feel_velocity")]
     b = np.zeros((closed.nstates, 1))
     b[entry] = 1.0
@@ -167,10 +166,10 @@ def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> Compensator:
         gains: Six or seven SI gains on ``DESIGN_STATES``; the seventh, on the pilot force, only where it is measured.
 
     Raises:
-        InputError: If there are not six or seven gains.
+        InputError: If there are not six or seven finite gains.
     """
-    if len(gains) not in {6, 7}:
-        raise InputError(f"gains: expected six or seven, got {len(gains)}")
+    if len(gains) not in {6, 7} or not np.all(np.isfinite(gains)):
+        raise InputError(f"gains: expected six or seven finite numbers, got {np.asarray(gains).tolist()}")
     return Compensator.state_feedback(loader.values, (*(float(c) for c in gains), 0.0)[:7])
 
 

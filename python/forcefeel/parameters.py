@@ -4,7 +4,7 @@ from types import MappingProxyType
 
 from forcefeel import _core
 from forcefeel._core import Parameter
-from forcefeel.units import Unit, UnitSystem, factor, to_text
+from forcefeel.units import Unit, UnitSystem, to_text
 
 PARTS = MappingProxyType(dict(_core.parts()))
 """Each part of a loader and what it is, in the order of figure 1."""
@@ -33,8 +33,7 @@ def unit(row: Parameter) -> Unit:
 
 def limits_si(row: Parameter) -> tuple[float, float]:
     """Smallest and largest accepted value in SI units."""
-    scale = factor(row.unit_us, row.unit_si)
-    return row.minimum_us * scale, row.maximum_us * scale
+    return row.minimum_si, row.maximum_si
 
 
 def in_range(row: Parameter, value: float) -> bool:

@@ -20,7 +20,7 @@ _PLANT = [0, 1, 4, 5]  # x_p, p, x_b, x_b' among DESIGN_STATES
 _FEEL = [2, 3]  # delta, delta'
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GainSchedule:
     """Converged gains over settings.
 

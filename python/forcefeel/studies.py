@@ -100,6 +100,19 @@ def best_of_each_count(rows: tuple[DroppedPaths, ...]) -> tuple[DroppedPaths, ..
     return tuple(best.values())
 
 
+VISIBLE_LOSS = 0.01
+"""Growth of the tracking error, as a share of the deflection, that a pilot would not see: a tenth of the 10 % of force that
+the static check of 14 CFR Part 60 (Table A2A, test 2.a.1.a) allows."""
+
+
+def droppable(rows: tuple[DroppedPaths, ...], full: Assessment) -> DroppedPaths | None:
+    """The largest set that can be dropped without a visible loss; ``None`` if there is none."""
+    free = [
+        row for row in best_of_each_count(rows) if row.assessment.tracking_error <= full.tracking_error + VISIBLE_LOSS
+    ]
+    return free[-1] if free else None
+
+
 def sensitivity(
     loader: Loader, gains: NDArray[np.float64], settings: DesignSettings | None = None
 ) -> tuple[Deviation, ...]:

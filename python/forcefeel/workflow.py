@@ -9,9 +9,9 @@ from forcefeel.analysis.boundary import StabilityBoundary, smallest_stable_stiff
 from forcefeel.analysis.frequency import Margins, Peak, margins, resonance
 from forcefeel.analysis.modes import Mode, modes
 from forcefeel.assessment import Assessment, Peaks, assess, peaks
-from forcefeel.compensation import Compensation, DesignSettings, compensate, published_settings
+from forcefeel.compensation import Compensation, DesignSettings, compensate
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
+from forcefeel.loader import FEEL_SETTING, Loader
 from forcefeel.models import Linkage, loader_model, overall_open_loop, servo
 from forcefeel.studies import Deviation, DroppedPaths, drop_paths, sensitivity
 from forcefeel.units import HERTZ, RATIO
@@ -21,6 +21,10 @@ LOW_SHARE = 0.1
 
 The pilot's force is lowered along, so that the programmed deflection stays the same.
 """
+
+
+STEPS = ("compensation", "original system", "compensated system", "dropped paths", "sensitivity")
+"""What ``design`` reports as it goes."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +148,7 @@ def analyze(loader: Loader) -> Analysis:
         feel_frequency_rad_per_s=frequency,
         feel_damping_ratio=damping_ratio,
         servos=tuple(_servo(loader, linkage) for linkage in Linkage),
-        configurations=tuple(_configuration(str(one), loader, low, one, None) for one in Linkage),
+        configurations=tuple(_configuration(str(one), (loader, low), one) for one in Linkage),
     )
 
 
@@ -156,22 +160,22 @@ def design(
     Args:
         loader: The loader.
         settings: How the gains that close the loop are computed; the published horizon if not given.
-        progress: Called with the name of each step as it begins; ``STEPS`` of them.
+        progress: Called with each of ``STEPS`` as it begins.
 
     Raises:
         InputError: If the low setting leaves the parameter table's range or the recursion fails.
     """
-    progress("compensation")
-    published, converged = compensate(loader, published_settings(loader)), compensate(loader)
+    progress(STEPS[0])
+    published, converged = compensate(loader), compensate(loader, DesignSettings())
     chosen = published if settings is None else compensate(loader, settings)
     law = chosen.compensator(loader)
-    progress("original system")
+    progress(STEPS[1])
     original = analyze(loader)
-    progress("compensated system")
-    compensated = _configuration("compensated", loader, original.low_loader, Linkage.COMPLIANT, law)
-    progress("dropped paths")
+    progress(STEPS[2])
+    compensated = _configuration("compensated", (loader, original.low_loader), Linkage.COMPLIANT, law, chosen.settings)
+    progress(STEPS[3])
     dropped = drop_paths(loader, chosen.gains, chosen.settings)
-    progress("sensitivity")
+    progress(STEPS[4])
     deviations = sensitivity(loader, chosen.gains, chosen.settings)
     return Design(
         loader=loader,
@@ -188,12 +192,8 @@ def design(
     )
 
 
-STEPS = 5
-"""How often ``design`` reports progress."""
-
-
 def _low(loader: Loader) -> Loader:
-    scaled = ("feel.inertia", "feel.damping", "feel.stiffness", "pilot.force")
+    scaled = (*FEEL_SETTING, "pilot.force")
     try:
         return loader.replace({key: loader[key] * LOW_SHARE for key in scaled})
     except InputError as error:
@@ -208,19 +208,26 @@ def _servo(loader: Loader, linkage: Linkage) -> ServoResult:
     return ServoResult(linkage, modes(opened), closed_modes, margins(opened[0, 0]), peak)
 
 
-def _configuration(name: str, loader: Loader, low: Loader, linkage: Linkage, law: Compensator | None) -> Configuration:
+def _configuration(
+    name: str,
+    settings_of_feel: tuple[Loader, Loader],
+    linkage: Linkage,
+    law: Compensator | None = None,
+    weights: DesignSettings | None = None,
+) -> Configuration:
+    loader, low = settings_of_feel
     return Configuration(
         name,
         linkage,
         law,
-        programmed=_loop(loader, linkage, law),
-        low=_loop(low, linkage, law),
+        programmed=_loop(loader, linkage, law, weights),
+        low=_loop(low, linkage, law, weights),
         boundary=smallest_stable_stiffness(loader, linkage, law),
     )
 
 
-def _loop(loader: Loader, linkage: Linkage, law: Compensator | None) -> LoopResult:
-    found = assess(loader, law, linkage=linkage)
+def _loop(loader: Loader, linkage: Linkage, law: Compensator | None, weights: DesignSettings | None) -> LoopResult:
+    found = assess(loader, law, weights, linkage=linkage)
     return LoopResult(
         modes(loader_model(loader, law, linkage)),
         margins(overall_open_loop(loader, linkage, law)),

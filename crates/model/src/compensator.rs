@@ -9,19 +9,32 @@
 use crate::Scalar;
 use crate::parameters::Parameters;
 
+/// What the feel computer's displacement `delta` stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Displacement {
+    /// A voltage, eqs. (12), (13).
+    Volts,
+    /// An angle, eqs. (19), (21).
+    Radians,
+}
+
 /// Gains on `[x_p, p, delta, delta', x_b, x_b', F_p]` and the load cell's scale.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Compensator<S> {
     /// Gains `c_1 .. c_7` in V per SI unit of `[x_p, p, delta, delta', x_b, x_b', F_p]`.
     pub gains: [S; 7],
-    /// Torque that the feel computer sees per newton of load cell force, sign reversed.
+    /// Torque that the feel computer sees per newton of load cell force, sign reversed: m, or m V/rad where `delta` is a
+    /// voltage.
     pub load_cell_arm: S,
+    /// What `delta` stands for.
+    pub displacement: Displacement,
 }
 
 impl<S: Scalar> Compensator<S> {
     /// Servo alone: amplifier open, feel computer deaf.
     pub fn none() -> Self {
-        Self { gains: [S::constant(0.0); 7], load_cell_arm: S::constant(0.0) }
+        let zero = S::constant(0.0);
+        Self { gains: [zero; 7], load_cell_arm: zero, displacement: Displacement::Volts }
     }
 
     /// The servo's position loop without the feel computer.
@@ -46,7 +59,7 @@ impl<S: Scalar> Compensator<S> {
     pub fn state_feedback(parameters: &Parameters<S>, gains: [S; 7]) -> Self {
         // T = -alpha R_b F_c                                            eq. (6) at rest: T = R_p F_p
         let load_cell_arm = parameters.linkage.base_force(parameters.column.base_arm);
-        Self { gains, load_cell_arm }
+        Self { gains, load_cell_arm, displacement: Displacement::Radians }
     }
 
     /// Amplifier input `e` in V from `[x_p, p, delta, delta', x_b, x_b', F_p]`.

@@ -98,7 +98,7 @@ impl<S: Scalar> System<S, 7, 2, OUTPUTS> for Rigid<S> {
             q_i_rate,
             valve.flow_acceleration(q_i, q_i_rate, current),
             delta_rate,
-            feel.acceleration(delta, delta_rate, self.compensator.feel_torque(actuator.force(p))),
+            feel.acceleration(delta, delta_rate, self.compensator.feel_torque(force)),
         ]
     }
 

@@ -2,12 +2,13 @@
 
 use crate::arrays::{Matrix, to_numpy, vector};
 use forcefeel_model::Scalar;
-use forcefeel_model::compensator::Compensator as Law;
+use forcefeel_model::compensator::{Compensator as Law, Displacement};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::{Compliant, DesignPlant, IdealFeel, Rigid, System};
 use forcefeel_model::parameters::{ALTERNATIVES, COUNT, Feel, Linkage, PARTS, Parameter as Row, Parameters, TABLE};
 use forcefeel_solve::linearize as jacobians;
 use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// One row of the parameter table.
@@ -24,6 +25,8 @@ pub struct Parameter {
     default_si: f64,
     minimum_us: f64,
     maximum_us: f64,
+    minimum_si: f64,
+    maximum_si: f64,
     source: &'static str,
     instead_of: Vec<&'static str>,
 }
@@ -41,6 +44,8 @@ fn row(row: &Row) -> Parameter {
         default_si: row.default_si(),
         minimum_us: row.minimum_us,
         maximum_us: row.maximum_us,
+        minimum_si: row.minimum_us * row.unit.si_per_us,
+        maximum_si: row.maximum_us * row.unit.si_per_us,
         source: row.source,
         instead_of: row.instead_of.to_vec(),
     }
@@ -70,20 +75,30 @@ fn dual(parameters: &Parameters<f64>) -> Parameters<Dual> {
 }
 
 /// The law that drives the servo amplifier, as data.
-#[pyclass(frozen, module = "forcefeel._core")]
+#[pyclass(frozen, eq, module = "forcefeel._core")]
+#[derive(PartialEq)]
 pub struct Compensator(Law<f64>);
 
 impl Compensator {
     fn dual(&self) -> Law<Dual> {
-        Law { gains: self.0.gains.map(Dual::constant), load_cell_arm: Dual::constant(self.0.load_cell_arm) }
+        let Law { gains, load_cell_arm, displacement } = self.0;
+        Law { gains: gains.map(Dual::constant), load_cell_arm: Dual::constant(load_cell_arm), displacement }
     }
 }
 
 #[pymethods]
 impl Compensator {
     #[new]
-    fn new(gains: [f64; 7], load_cell_arm: f64) -> Self {
-        Self(Law { gains, load_cell_arm })
+    #[pyo3(signature = (gains, load_cell_arm, displacement_unit = "rad"))]
+    fn new(gains: [f64; 7], load_cell_arm: f64, displacement_unit: &str) -> PyResult<Self> {
+        let displacement = match displacement_unit {
+            "V" => Displacement::Volts,
+            "rad" => Displacement::Radians,
+            other => {
+                return Err(PyValueError::new_err(format!("displacement_unit: expected 'V' or 'rad', got {other:?}")));
+            }
+        };
+        Ok(Self(Law { gains, load_cell_arm, displacement }))
     }
     #[staticmethod]
     fn none() -> Self {
@@ -108,6 +123,20 @@ impl Compensator {
     #[getter]
     fn load_cell_arm(&self) -> f64 {
         self.0.load_cell_arm
+    }
+    #[getter]
+    fn displacement_unit(&self) -> &'static str {
+        match self.0.displacement {
+            Displacement::Volts => "V",
+            Displacement::Radians => "rad",
+        }
+    }
+    fn __repr__(&self) -> String {
+        let Law { gains, load_cell_arm, .. } = self.0;
+        format!("Compensator({gains:?}, {load_cell_arm:?}, {:?})", self.displacement_unit())
+    }
+    fn __getnewargs__(&self) -> ([f64; 7], f64, &'static str) {
+        (self.0.gains, self.0.load_cell_arm, self.displacement_unit())
     }
 }
 

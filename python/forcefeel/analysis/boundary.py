@@ -41,8 +41,8 @@ def smallest_stable_stiffness(
 ) -> StabilityBoundary:
     """The smallest G at which the loader is stable, frequency and damping ratio of the feel kept.
 
-    The largest real part of the poles is followed from G_max downwards until it changes sign; the root between is then
-    bracketed to rounding by Brent's method.
+    The largest real part of the poles is followed downwards from G_max, or from the programmed G if that is larger, until
+    it changes sign; the root between is then bracketed to rounding by Brent's method.
 
     Args:
         loader: The loader.
@@ -57,7 +57,8 @@ def smallest_stable_stiffness(
         scale = np.exp(log_share) * loader["feel.maximum_stiffness"] / loader["feel.stiffness"]
         return build(loader.scale_feel(scale), law)[0]
 
-    edge = _first_crossing(lambda log_share: spectral_abscissa(closed_loop(log_share)))
+    start = max(0.0, float(np.log(loader["feel.stiffness"] / loader["feel.maximum_stiffness"])))
+    edge = _first_crossing(lambda log_share: spectral_abscissa(closed_loop(log_share)), start)
     if edge is None:
         return StabilityBoundary(0.0, 0.0, f"stable from G_max down to {_LOWEST:g} of it")
     if edge == np.inf:
@@ -69,9 +70,9 @@ def smallest_stable_stiffness(
     return StabilityBoundary(float(stiffness), float(frequency), f"lost by {how}")
 
 
-def _first_crossing(abscissa: Callable[[float], float]) -> float | None:
-    """Where ``abscissa`` first becomes positive on the way down from zero; None if nowhere, infinite if at once."""
-    path = np.linspace(0.0, np.log(_LOWEST), 141)  # tenths of a power of e: far finer than the poles move
+def _first_crossing(abscissa: Callable[[float], float], start: float) -> float | None:
+    """Where ``abscissa`` first becomes positive on the way down from ``start``; None if nowhere, infinite if at once."""
+    path = np.linspace(start, np.log(_LOWEST), 141)  # tenths of a power of e: far finer than the poles move
     if abscissa(path[0]) >= 0:
         return np.inf
     for above, below in pairwise(path):

@@ -54,7 +54,7 @@ def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float
         ``gain_db`` and ``phase_deg`` over the coordinate ``frequency_hz``.
     """
     response = model(2j * np.pi * frequency_hz)
-    phase = np.degrees(np.unwrap(np.angle(response)))
+    phase = np.degrees(_phase(model, 2 * np.pi * frequency_hz))
     return xr.Dataset(
         {
             "gain_db": ("frequency_hz", 20 * np.log10(np.abs(response)), {"units": "dB"}),
@@ -74,11 +74,27 @@ def margins(loop: control.StateSpace) -> Margins:
     """
     gains, _, _, w_phase, w_gain, _ = control.stability_margins(loop, returnall=True)
     gain = min(zip(gains, w_phase, strict=True), key=lambda pair: abs(np.log(pair[0])), default=(np.inf, np.nan))
-    grid = np.union1d(np.geomspace(1e-3, 1e4, 3_000), w_gain)  # rad/s; steps in which no mode turns by 180 degrees
-    phase = np.unwrap(np.angle(loop(1j * grid)))
-    crossings = ((np.pi + phase[np.searchsorted(grid, w)], w) for w in w_gain)
+    crossings = zip(np.pi + _phase(loop, np.asarray(w_gain)), w_gain, strict=True)
     lag, w_lag = min(crossings, default=(np.inf, np.nan))
     return Margins(float(gain[0]), float(lag), float(gain[1]), float(w_lag))
+
+
+def _phase(model: control.StateSpace, w: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Phase at the frequencies ``w`` in rad/s, followed without jumps from low frequency.
+
+    A lightly damped pole or zero turns the phase by 180 degrees within a part of its frequency, so the path is refined
+    around each; and it runs just to the right of the imaginary axis, as Nyquist's does, so that a pole on the axis turns
+    it the way that a stable one does.
+    """
+    if len(w) == 0:
+        return np.empty(0)
+    corners = np.abs(np.concatenate([model.poles(), model.zeros()]).imag)
+    offsets = np.geomspace(1e-7, 0.1, 40)
+    beside = np.outer(corners[corners > 0], np.concatenate([1 - offsets, 1 + offsets])).ravel()
+    path = np.union1d(np.concatenate([np.geomspace(1e-3, max(1e4, w.max()), 2000), beside]), w)
+    followed = np.unwrap(np.angle(model(path * (1e-6 + 1j))))[np.searchsorted(path, w)]
+    exact = np.angle(model(1j * w))
+    return np.asarray(exact + 2 * np.pi * np.round((followed - exact) / (2 * np.pi)))
 
 
 def resonance(model: control.StateSpace, low_rad_per_s: float, high_rad_per_s: float) -> Peak | None:

@@ -37,8 +37,13 @@ MARGINAL_PER_S = 1e-6
 """A pole closer to the imaginary axis than this takes days to move: an integrator, or rounding of one."""
 
 
+def is_stable(abscissa_per_s: float) -> bool:
+    """Whether the largest real part of the poles lies clearly in the left half plane."""
+    return abscissa_per_s < -MARGINAL_PER_S
+
+
 def spectral_abscissa(a: NDArray[np.float64]) -> float:
-    """Largest real part of the eigenvalues of the state matrix ``a`` in 1/s; the system is stable if it is negative."""
+    """Largest real part of the eigenvalues of the state matrix ``a`` in 1/s."""
     return float(np.max(np.linalg.eigvals(a).real))
 
 

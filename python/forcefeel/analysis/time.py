@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 DURATION_S = 2.0
 """Length of the time responses, and of the window over which they are judged."""
 
-_UNITS = {"rad": "rad", "v": "V", "m": "m", "n": "N", "a": "A", "s": "m^3/s"}
+_UNITS = {"_m3_per_s": "m^3/s", "_rad": "rad", "_v": "V", "_m": "m", "_n": "N", "_a": "A"}
+"""Units by the ends of the names of outputs."""
 
 
 def step_response(
@@ -34,12 +35,15 @@ def step_response(
         outputs = control.forced_response(model, time, force, squeeze=False).outputs
     outputs = np.where(np.isfinite(outputs), outputs, np.nan)
     data = {
-        name: ("time_s", row, {"units": _UNITS.get(name.rsplit("_", 1)[-1], "")})
-        for name, row in zip(model.output_labels, outputs, strict=True)
+        name: ("time_s", row, {"units": _unit_of(name)}) for name, row in zip(model.output_labels, outputs, strict=True)
     }
     return xr.Dataset(
         data, {"time_s": ("time_s", time, {"units": "s"})}, {"model": model.name, "pilot_force_n": force_n}
     )
+
+
+def _unit_of(name: str) -> str:
+    return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")
 
 
 def gramian(a: NDArray[np.float64], start: NDArray[np.float64], duration_s: float) -> NDArray[np.float64]:

@@ -79,7 +79,7 @@ def design(path: Path | None, options: Options, out: Path, units: UnitSystem, *,
     loader = _loader(path)
     if out.exists() and not out.is_dir():
         raise InputError(f"{out}: is a file; expected a folder for the report")
-    with _progress(workflow.STEPS) as progress:
+    with Steps(len(workflow.STEPS)) as progress:
         found = workflow.design(loader, options.settings(loader), progress.step)
         progress.step("report")
         page = write_report(found, out, units)
@@ -118,7 +118,7 @@ def compensate(path: Path | None, options: Options, units: UnitSystem, *, as_jso
 
 def reproduce(units: UnitSystem, *, as_json: bool, as_markdown: bool) -> None:
     """Compares with the 1974 report."""
-    with _progress(workflow.STEPS) as progress:
+    with Steps(len(workflow.STEPS)) as progress:
         sections = run_reproduction(progress.step)
     if as_json:
         _print_json(plain(sections, units))
@@ -151,7 +151,7 @@ def _exit(*, good: bool) -> None:
         raise typer.Exit(1)
 
 
-class _progress:  # noqa: N801  used like a function
+class Steps:
     """A bar on the terminal's error stream; nothing where that is no terminal."""
 
     def __init__(self, steps: int) -> None:
@@ -169,7 +169,7 @@ class _progress:  # noqa: N801  used like a function
         self._bar.update(self._task, description=name)
         self._bar.advance(self._task)
 
-    def __enter__(self) -> "_progress":
+    def __enter__(self) -> "Steps":
         self._bar.start()
         return self
 

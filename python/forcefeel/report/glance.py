@@ -3,6 +3,7 @@
 import math
 
 from forcefeel.assessment import Assessment, Peaks
+from forcefeel.models import ideal_feel
 from forcefeel.report.table import Cell, Table, Text, configuration, heads, number, words
 from forcefeel.report.typography import NONE, heading_text, percent_text, value_text
 from forcefeel.units import ANGLE, HERTZ, RATIO, ROTARY_STIFFNESS, Unit, UnitSystem
@@ -14,7 +15,7 @@ def side_by_side(design: Design, system: UnitSystem) -> Table:
     loops = [one.programmed for one in design.configurations]
     found = [loop.assessment for loop in loops]
     loader = design.loader
-    wanted = loader["column.grip_arm"] * loader["pilot.force"] / loader["feel.stiffness"]  # eq. (11) at rest
+    wanted = float(ideal_feel(loader).dcgain()) * loader["pilot.force"]
 
     def of(name: str, attribute: str, unit: Unit, ideal: float = math.nan) -> tuple[Cell, ...]:
         values = [value_text(getattr(one, attribute), unit, system) for one in found]

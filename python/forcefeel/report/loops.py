@@ -5,22 +5,19 @@ import math
 from markupsafe import Markup
 
 from forcefeel.analysis.frequency import Margins
-from forcefeel.analysis.modes import Mode
+from forcefeel.analysis.modes import MARGINAL_PER_S, Mode, is_stable
 from forcefeel.report.glance import edge, smallest
 from forcefeel.report.table import Cell, Table, Text, configuration, heads, number, words
 from forcefeel.report.typography import NONE, heading_text, number_text, percent_text, prose_html, value_text
 from forcefeel.units import ANGLE, HERTZ, RATIO, UnitSystem
 from forcefeel.workflow import Design
 
-_INTEGRATOR_PER_S = 1e-6
-"""A pole closer to the origin than this is an integrator's, with rounding."""
-
 
 def margins(design: Design, system: UnitSystem) -> Table:
     """Gain and phase margins of the servo and of the overall loop."""
     rows = []
     for servo in design.servos:
-        stable = all(mode.real_per_s < 0 for mode in servo.closed_modes)
+        stable = is_stable(max(mode.real_per_s for mode in servo.closed_modes))
         name = Markup("{} link").format(configuration(str(servo.linkage)))
         rows.append((words("Servo, position loop"), Cell(name), *_margins(servo.margins, system, stable=stable)))
     for setting in ("programmed", "low"):
@@ -73,7 +70,7 @@ def _modes(groups: list[tuple[Text, tuple[Mode, ...]]], system: UnitSystem) -> T
     rows = tuple(
         (
             Cell(name if mode is found[0] else ""),
-            number(_pole(mode), bad=mode.real_per_s > _INTEGRATOR_PER_S),
+            number(_pole(mode), bad=mode.real_per_s > MARGINAL_PER_S),
             number(value_text(mode.frequency_rad_per_s if _moves(mode) else 0.0, HERTZ, system)),
             number(value_text(mode.damping_ratio if _moves(mode) else math.nan, RATIO, system)),
         )
@@ -84,12 +81,12 @@ def _modes(groups: list[tuple[Text, tuple[Mode, ...]]], system: UnitSystem) -> T
 
 
 def _pole(mode: Mode) -> str:
-    real = number_text(mode.real_per_s) if abs(mode.real_per_s) > _INTEGRATOR_PER_S else "0"
+    real = number_text(mode.real_per_s) if abs(mode.real_per_s) > MARGINAL_PER_S else "0"
     return f"{real} ± {number_text(mode.imaginary_per_s)} j" if mode.imaginary_per_s > 0 else real
 
 
 def _moves(mode: Mode) -> bool:
-    return mode.frequency_rad_per_s > _INTEGRATOR_PER_S
+    return mode.frequency_rad_per_s > MARGINAL_PER_S
 
 
 def _margins(found: Margins, system: UnitSystem, *, stable: bool) -> tuple[Cell, ...]:

@@ -4,7 +4,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from forcefeel.analysis.modes import Mode
-from forcefeel.models import Linkage
+from forcefeel.models import Linkage, ideal_feel
 from forcefeel.report.canvas import ZERO, frame
 from forcefeel.report.palette import CONFIGURATIONS, IDEAL
 from forcefeel.workflow import Configuration, Design
@@ -93,8 +93,7 @@ def _ideal(picture: go.Figure, design: Design) -> None:
 
 def _ideal_pole(design: Design) -> complex:
     """The programmed feel's pole in the upper half plane; the slower one, if both are real."""
-    w, zeta = design.feel_frequency_rad_per_s, design.feel_damping_ratio
-    return complex(w * (-zeta + np.sqrt(complex(zeta**2 - 1))))
+    return max((complex(pole) for pole in ideal_feel(design.loader).poles()), key=lambda pole: (pole.imag, pole.real))
 
 
 def _damping_rays(picture: go.Figure, left: float, top: float) -> None:

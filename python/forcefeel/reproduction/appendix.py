@@ -9,18 +9,18 @@ import numpy as np
 from forcefeel import _core
 from forcefeel.loader import Loader
 from forcefeel.parameters import TABLE
-from forcefeel.reproduction.table import Row, Section, number
+from forcefeel.reproduction.table import Reason, Row, Section, cut, number
 from forcefeel.units import factor, parse
 
-_CONVERSION = "converted with a rounded factor, {factor}; the U.S. column is the one that was computed with"
 _ROUNDED_FACTORS = {
-    "actuator.area": "6.45 cm^2 to the in^2",
-    "feel.stiffness": "11.2985 N cm to the lb in",
-    "linkage.damping": "1.7512 N/cm to the lb/in",
-    "linkage.stiffness": "1.751 N/cm to the lb/in",
-    "valve.supply_pressure": "0.6894 N/cm^2 to the lb/in^2",
-    "actuator.bulk_modulus": "0.6894 N/cm^2 to the lb/in^2",
+    "actuator.area": ("6.45 cm^2 to the in^2", 6.45),
+    "feel.stiffness": ("11.2985 N cm to the lb in", 11.2985),
+    "linkage.damping": ("1.7512 N/cm to the lb/in", 1.7512),
+    "linkage.stiffness": ("1.751 N/cm to the lb/in", 1.751),
+    "valve.supply_pressure": ("0.6894 N/cm^2 to the lb/in^2", 0.6894),
+    "actuator.bulk_modulus": ("0.6894 N/cm^2 to the lb/in^2", 0.6894),
 }
+"""Factors with which the SI column was converted, found by dividing it by the U.S. column."""
 
 
 def printed() -> dict[str, Any]:
@@ -34,7 +34,11 @@ def columns() -> Section:
     rows = []
     for key, entry in printed()["appendix"].items():
         converted = float(entry["us"]) * factor(entry["us_unit"], entry["si_unit"])
-        reason = _CONVERSION.format(factor=_ROUNDED_FACTORS[key]) if key in _ROUNDED_FACTORS else ""
+        reason = None
+        if key in _ROUNDED_FACTORS:
+            words, rounded = _ROUNDED_FACTORS[key]
+            text = f"converted with a rounded factor, {words}; the U.S. column is the one that was computed with"
+            reason = Reason(text, float(entry["us"]) * rounded)
         item = f"{TABLE[key].symbol}, SI column"
         rows.append(number(item, "appendix", entry["si"], converted, entry["si_unit"], reason))
     return Section("Appendix: the SI column against the U.S. column", tuple(rows))
@@ -45,6 +49,8 @@ def origins(loader: Loader) -> Section:
     values = loader.values
     c_i, c_p = _core.valve_gains(values, 0.2, 0.33)
     k, c = _core.linkage_from_resonance(values, parse("12 Hz", "rad/s", "12 Hz"), 0.1)
+    k_pi, _ = _core.linkage_from_resonance(values, 2 * 3.14159 * 12, 0.1)
+    text = "computed with pi = 3.14159"
     frequency, damping_ratio = _core.feel_frequency(values)
     share = loader["feel.maximum_stiffness"] / loader["feel.stiffness"]
     return Section(
@@ -52,7 +58,13 @@ def origins(loader: Loader) -> Section:
         (
             _us("C_i from eq. (1)", "eqs. (1), (2)", "valve.current_gain", c_i, _truncated(c_i)),
             _us("C_p from eq. (1)", "eqs. (1), (2)", "valve.pressure_gain", c_p),
-            _us("k from 12 Hz", "page of fig. 8", "linkage.stiffness", k, "pi = 3.14159 gives the printed 6107.860"),
+            _us(
+                "k from 12 Hz",
+                "page of fig. 8",
+                "linkage.stiffness",
+                k,
+                Reason(text, _us_value("linkage.stiffness", k_pi)),
+            ),
             _us("c from 12 Hz and damping ratio 0.1", "page of fig. 8", "linkage.damping", c),
             number(
                 "valve natural frequency, 60 Hz", "page of eq. (3)", "377", parse("60 Hz", "rad/s", "1 Hz"), "rad/s"
@@ -64,14 +76,15 @@ def origins(loader: Loader) -> Section:
     )
 
 
-def _us(item: str, where: str, key: str, value_si: float, reason: str = "") -> Row:
+def _us(item: str, where: str, key: str, value_si: float, reason: Reason | None = None) -> Row:
     """A row in U.S. units against the appendix's value of ``key``."""
     entry = printed()["appendix"][key]
-    return number(
-        item, where, entry["us"], value_si * factor(TABLE[key].unit_si, entry["us_unit"]), entry["us_unit"], reason
-    )
+    return number(item, where, entry["us"], _us_value(key, value_si), entry["us_unit"], reason)
 
 
-def _truncated(c_i: float) -> str:
-    shown = c_i * factor(TABLE["valve.current_gain"].unit_si, TABLE["valve.current_gain"].unit_us)
-    return f"{shown:.3f} cut after two decimals instead of rounded"
+def _us_value(key: str, value_si: float) -> float:
+    return value_si * factor(TABLE[key].unit_si, TABLE[key].unit_us)
+
+
+def _truncated(c_i: float) -> Reason:
+    return Reason("cut after two decimals instead of rounded", cut(_us_value("valve.current_gain", c_i), 2))

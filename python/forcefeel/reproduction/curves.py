@@ -3,8 +3,9 @@
 import numpy as np
 
 from forcefeel.analysis.modes import Mode
-from forcefeel.models import Linkage, servo
-from forcefeel.reproduction.table import Row, Section, about, claim, number
+from forcefeel.findings import FREQUENCY_TOLERANCE, SMALL_ERROR
+from forcefeel.models import Linkage, ideal_feel, servo
+from forcefeel.reproduction.table import Reason, Row, Section, about, claim, number
 from forcefeel.units import to_text
 from forcefeel.workflow import Design
 
@@ -18,9 +19,7 @@ def figures(design: Design) -> Section:
     """A row or more per figure."""
     rigid, compliant, compensated = (design.configuration(n) for n in ("rigid", "compliant", "compensated"))
     growing = max(compliant.low.modes, key=lambda mode: mode.real_per_s)
-    wanted = float(
-        np.degrees(design.loader["column.grip_arm"] * design.loader["pilot.force"] / design.loader["feel.stiffness"])
-    )
+    wanted = float(np.degrees(float(ideal_feel(design.loader).dcgain()) * design.loader["pilot.force"]))
     found = compensated.programmed.assessment
     return Section(
         "Figures 8 to 11 and 14",
@@ -48,7 +47,7 @@ def figures(design: Design) -> Section:
                 "page of fig. 14",
                 float(np.degrees(found.static_angle_rad)),
                 "deg",
-                holds=abs(found.static_error) < 0.01,
+                holds=abs(found.static_error) <= SMALL_ERROR,
                 reason=f"{to_text(found.static_angle_rad)} rad; programmed are R_p F_p / G = {to_text(wanted)} deg",
             ),
             claim(
@@ -56,7 +55,7 @@ def figures(design: Design) -> Section:
                 "page of fig. 14",
                 found.frequency_rad_per_s / (2 * np.pi),
                 "Hz",
-                holds=abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s - 1) < 0.1,
+                holds=abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s - 1) <= FREQUENCY_TOLERANCE,
                 reason="2.0 Hz are programmed; the column's own inertia J adds to I",
             ),
         ),
@@ -64,11 +63,11 @@ def figures(design: Design) -> Section:
 
 
 def _servo(design: Design) -> list[Row]:
-    rows = []
+    rows, held = [], _piston_held(design)
     for figure, result_modes in (("fig. 8", "open_modes"), ("fig. 9", "closed_modes")):
         compliant = next(one for one in design.servos if one.linkage is Linkage.COMPLIANT)
         mode = _link(getattr(compliant, result_modes))
-        near = abs(_hertz(mode) / 12 - 1) < 0.06  # "approximately": 12 with no decimal
+        near = abs(_hertz(mode) / 12 - 1) < 0.1  # "approximately"
         rows += [
             about(
                 f"{figure}: resonance of the servo",
@@ -79,12 +78,18 @@ def _servo(design: Design) -> list[Row]:
                 holds=near,
                 reason=_HYDRAULICS,
             ),
-            number(f"{figure}: its damping ratio", "page of fig. 8", "0.1", mode.damping_ratio, "", _HYDRAULICS),
+            number(
+                f"{figure}: its damping ratio",
+                "page of fig. 8",
+                "0.1",
+                mode.damping_ratio,
+                "",
+                Reason(_HYDRAULICS, held.damping_ratio),
+            ),
         ]
-    zero = _piston_held(design)
     rows += [
-        number("column on the link, piston held", "page of fig. 8", "12", _hertz(zero), "Hz"),
-        number("its damping ratio", "page of fig. 8", "0.1", zero.damping_ratio, ""),
+        number("column on the link, piston held", "page of fig. 8", "12", _hertz(held), "Hz"),
+        number("its damping ratio", "page of fig. 8", "0.1", held.damping_ratio, ""),
     ]
     return rows
 

@@ -10,7 +10,7 @@ from forcefeel.loader import Loader
 from forcefeel.models import DESIGN_STATES
 from forcefeel.parameters import INDEX
 from forcefeel.reproduction import printed_matrices as printed
-from forcefeel.reproduction.table import Row, Section, Verdict, number
+from forcefeel.reproduction.table import Reason, Row, Section, Verdict, number
 from forcefeel.units import factor, to_text
 
 ROUNDING = 1e-14
@@ -88,12 +88,14 @@ def _sign(loader: Loader) -> Row:
 
 def _pilot_force(loader: Loader) -> Row:
     plant = _core.design_plant(loader.values, loader["column.grip_arm"])[0]
-    reason = (
+    text = (
         "G_max in place of a lever arm: units and size are off. The column's torque at rest, R_p F_p, gives R_p / I, which"
         " forcefeel uses; the printed c_7 was computed with -alpha R_b / I"
     )
     value = plant[3, 6] * factor("1/(N s^2)", "1/(lb s^2)")
-    return number("coefficient of F_p in the computer's row", "eq. (19)", "480", value, "1/(lb s^2)", reason)
+    return number(
+        "coefficient of F_p in the computer's row", "eq. (19)", "480", value, "1/(lb s^2)", Reason(text, 28800 / 60)
+    )
 
 
 def _weight(loader: Loader) -> Row:

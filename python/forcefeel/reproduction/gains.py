@@ -9,15 +9,17 @@ from forcefeel.compensation import (
     DesignSettings,
     compensate,
     gains_in,
-    published_settings,
 )
 from forcefeel.reproduction.appendix import printed
-from forcefeel.reproduction.table import Row, Section, number
+from forcefeel.reproduction.table import Reason, Row, Section, cut, number
 from forcefeel.units import ROTARY_STIFFNESS, UnitSystem, factor, to_text
 from forcefeel.workflow import Design
 
 _C_I_LOW = "5.445 in^3/(s mA)"
 """The smallest C_i that is printed as 5.45."""
+
+_C_I_UNCUT = "5.457 in^3/(s mA)"
+"""C_i of eqs. (1), (2) before it was cut to 5.45."""
 
 
 def published(design: Design) -> tuple[Section, ...]:
@@ -35,27 +37,21 @@ def horizon(design: Design) -> Section:
     """What the printed vector is, and what it is not."""
     gains = {name: _us(found) for name, found in (("published", design.published), ("converged", design.converged))}
     seventh = _seventh(design)
-    not_converged = (
+    c_1, c_7 = float(gains["published"][0]), float(gains["published"][6])
+    not_converged = Reason(
         "recursion (22) run until the gains stand still does not give the printed vector; over a horizon of 0.05 s"
-        " (500 steps of 0.1 ms from [E]_0 = [Q]) it does"
+        " (500 steps of 0.1 ms from [E]_0 = [Q]) it does",
+        c_1,
     )
+    coupling = Reason("the printed one was computed with -alpha R_b / I, see above", c_7)
     return Section(
         "Appendix: how the feedback coefficients were computed",
         (
             number("c_1, recursion converged", "eq. (22)", "-4.93", gains["converged"][0], "V/in", not_converged),
             number("c_1, horizon of 0.05 s", "eq. (22)", "-4.93", gains["published"][0], "V/in"),
             number("c_7 with -alpha R_b / I", "eq. (19)", "-0.0065", gains["published"][6], "V/lb"),
-            number(
-                "c_7 with G_max / I as printed", "eq. (19)", "-0.0065", seventh["printed"], "V/lb", "see eq. (19) above"
-            ),
-            number(
-                "c_7 with R_p / I",
-                "eq. (19)",
-                "-0.0065",
-                seventh["column"],
-                "V/lb",
-                "the coefficient that the column's torque at rest asks for, eq. (6)",
-            ),
+            number("c_7 with G_max / I as printed", "eq. (19)", "-0.0065", seventh["printed"], "V/lb", coupling),
+            number("c_7 with R_p / I", "eq. (19)", "-0.0065", seventh["column"], "V/lb", coupling),
         ),
     )
 
@@ -68,14 +64,24 @@ def _rows(design: Design, system: UnitSystem, digits: list[str]) -> list[Row]:
     ]
 
 
-def _reason(design: Design, symbol: str, system: UnitSystem) -> str:
+def _reason(design: Design, symbol: str, system: UnitSystem) -> Reason | None:
     if symbol == "c_6" and system is UnitSystem.SI:
-        return "converted from the rounded U.S. value and cut: -0.018 V s/in are -0.007087 V s/cm"
+        return Reason(
+            "converted from the rounded U.S. value, -0.018 V s/in, and cut", cut(-0.018 * factor("V s/in", "V s/cm"), 5)
+        )
     if symbol != "c_3":
-        return ""
-    loader = design.loader.replace({"valve.current_gain": _C_I_LOW})
-    other = _us(compensate(loader, published_settings(loader)))[2]
-    return f"within the rounding of the printed inputs: C_i = {_C_I_LOW}, printed as 5.45, gives {to_text(other)}"
+        return None
+    low, high = (_c_3(design, c_i) for c_i in (_C_I_LOW, _C_I_UNCUT))
+    text = (
+        f"within the rounding of the inputs, all else to the printed digits: C_i = {_C_I_LOW}, printed as 5.45, gives"
+        f" {to_text(low)}. Which C_i was used is not known: the uncut {_C_I_UNCUT} would give {to_text(high)}"
+    )
+    return Reason(text, low)
+
+
+def _c_3(design: Design, current_gain: str) -> float:
+    loader = design.loader.replace({"valve.current_gain": current_gain})
+    return float(_us(compensate(loader))[2])
 
 
 def _seventh(design: Design) -> dict[str, float]:

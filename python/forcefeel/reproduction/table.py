@@ -1,5 +1,6 @@
 """One row of the comparison, and how a printed number is judged."""
 
+import math
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import StrEnum
@@ -65,14 +66,34 @@ def agrees_to_digits(printed: str, value: float) -> bool:
     return abs(value - float(number)) <= half_unit * (1 + 1e-9)  # a half itself may be off by rounding
 
 
-def number(item: str, where: str, printed: str, value: float, unit: str, reason: str = "") -> Row:
-    """A row for a printed number; a ``reason`` explains it where it differs to the printed digits."""
+@dataclass(frozen=True)
+class Reason:
+    """Why a printed number differs from the computed one.
+
+    Attributes:
+        text: The reason in words.
+        predicts: What was printed, worked out from the reason: it has to come out to the printed digits.
+    """
+
+    text: str
+    predicts: float
+
+
+def number(item: str, where: str, printed: str, value: float, unit: str, reason: Reason | None = None) -> Row:
+    """A row for a printed number; where it differs, a ``reason`` explains it only if it gives the printed digits."""
+    verdict, text = Verdict.OPEN, ""
     if agrees_to_digits(printed, value):
-        verdict, reason = Verdict.AGREES, ""
-    else:
-        verdict = Verdict.EXPLAINED if reason else Verdict.OPEN
+        verdict = Verdict.AGREES
+    elif reason is not None and agrees_to_digits(printed, reason.predicts):
+        verdict, text = Verdict.EXPLAINED, reason.text
     digits = max(4, sum(c.isdigit() for c in printed.lstrip("-0.")) + 1)
-    return Row(item, where, printed, to_text(value, digits), float(value), unit, verdict, reason)
+    return Row(item, where, printed, to_text(value, digits), float(value), unit, verdict, text)
+
+
+def cut(value: float, decimals: int) -> float:
+    """``value`` cut, not rounded, after so many decimals."""
+    scale = float(10**decimals)
+    return math.trunc(value * scale) / scale
 
 
 def claim(item: str, where: str, value: float, unit: str, *, holds: bool, reason: str) -> Row:
