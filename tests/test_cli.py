@@ -130,6 +130,12 @@ def test_compensate_converged_and_its_options(run):
     assert abs(smaller) < 4.9
 
 
+def test_gains_that_do_not_settle_are_a_bad_answer(run):
+    status, out, _ = run("compensate", "--converge", "--r2", "1e4")
+    assert status == 1
+    assert "not converged after 2000000 steps" in " ".join(out.split())
+
+
 def test_q_from_a_file(run, tmp_path):
     weight = ff.published_settings(ff.elevator()).weight(ff.elevator())
     (tmp_path / "q.csv").write_text(

@@ -6,6 +6,7 @@ first six states are stabilizable.
 """
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Annotated
 
 import numpy as np
@@ -101,6 +102,15 @@ class DesignSettings:
         return self.position_weight * np.outer(row, row) + self.r1 * np.outer(rate, rate)
 
 
+class Status(StrEnum):
+    """How recursion (22) ended."""
+
+    CONVERGED = "converged"
+    HORIZON = "horizon"
+    MOVING = "moving"
+    SINGULAR = "singular"
+
+
 @dataclass(frozen=True, eq=False)
 class Compensation:
     """Gains and how well they are proved.
@@ -109,15 +119,37 @@ class Compensation:
         settings: What the recursion was run with.
         gains: SI gains c_1 .. c_7 on ``DESIGN_STATES``.
         steps: Steps of the recursion.
-        converged: Whether the gains stood still, rather than the horizon having ended.
+        status: How the recursion ended.
+        change: Change of the gains over the second half of the steps, as a share of the largest, the states scaled.
         riccati_residual: How far the gains are from the best for an endless horizon; see ``SampledProblem.residual``.
     """
 
     settings: DesignSettings
     gains: NDArray[np.float64]
     steps: int
-    converged: bool
+    status: Status
+    change: Annotated[float, RATIO]
     riccati_residual: Annotated[float, RATIO]
+
+    @property
+    def reached(self) -> bool:
+        """Whether the recursion ended as it was asked to: at its horizon, or with gains that stand still."""
+        return self.status in {Status.HORIZON, Status.CONVERGED}
+
+    @property
+    def note(self) -> str:
+        """How the recursion ended, in words."""
+        after = f"after {self.steps} steps of {self.settings.step_s:g} s"
+        match self.status:
+            case Status.CONVERGED:
+                return f"converged {after}"
+            case Status.HORIZON:
+                return f"horizon of {self.settings.horizon_s:g} s, {self.steps} steps of {self.settings.step_s:g} s"
+            case Status.MOVING:
+                advice = f"expected {self.settings.tolerance:g}: change r2, the step or the tolerance"
+                return f"not converged {after}: the gains still change by {self.change:.1e}; {advice}"
+            case Status.SINGULAR:
+                return f"stopped {after}: R + H' E H could not be inverted; make r2 or the step larger"
 
     def compensator(self, loader: Loader) -> Compensator:
         """The law on the six measured states.
@@ -146,26 +178,23 @@ def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compen
         settings: Weights, step and horizon; ``published_settings`` if not given. ``DesignSettings()`` runs the report's
             weights to convergence.
 
-    Raises:
-        InputError: If the recursion meets a singular matrix or does not converge: change the weights or the step.
+    Returns:
+        The gains, and in ``status`` and ``note`` how the recursion ended; gains that have not ``reached`` what was asked
+        are those of its last step.
     """
     settings = settings or published_settings(loader)
     problem = SampledProblem.of(loader, settings)
     most_steps = MOST_STEPS if settings.horizon_s is None else round(settings.horizon_s / settings.step_s)
     tolerance = settings.tolerance if settings.horizon_s is None else None
     found = _core.recursion(problem.phi, problem.h, problem.q, problem.r, most_steps, tolerance)
-    if found.status == "singular" or (settings.horizon_s is None and found.status != "converged"):
-        raise InputError(
-            f"the recursion ended as {found.status!r} after {found.steps} steps of {settings.step_s:g} s (last change"
-            f" {found.change:.1e}); expected convergence to {settings.tolerance:g}: change r2, step or tolerance"
-        )
     gains = found.gains[0] / problem.scale
     gains.setflags(write=False)
     return Compensation(
         settings=settings,
         gains=gains,
         steps=found.steps,
-        converged=found.status == "converged",
+        status=Status(found.status),
+        change=found.change,
         riccati_residual=problem.residual(gains),
     )
 

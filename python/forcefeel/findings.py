@@ -24,7 +24,7 @@ class Conclusions:
     """What an engineer should conclude.
 
     Attributes:
-        good: Whether the compensated loader is stable at the programmed setting.
+        good: Whether the recursion gave gains and the loader is stable with them at the programmed setting.
         verdict: The result in a line.
         findings: What it rests on and what it does not promise, a sentence or two each.
     """
@@ -53,6 +53,8 @@ def conclusions(design: Design, units: UnitSystem) -> Conclusions:
 
 def _verdict(design: Design) -> str:
     found = design.configuration("compensated").programmed.assessment
+    if not design.compensation.reached:
+        return f"There is no compensation to judge: recursion (22) {design.compensation.note}."
     if not found.stable:
         return "The compensated loader is unstable at the programmed setting: do not close this loop."
     static = abs(found.static_error) <= SMALL_ERROR

@@ -130,8 +130,8 @@ class Design(Analysis):
 
     @property
     def acceptable(self) -> bool:
-        """Whether the compensated loader is stable at the programmed setting."""
-        return self.configuration("compensated").programmed.assessment.stable
+        """Whether the recursion gave the gains that were asked for, and the loader is stable with them."""
+        return self.compensation.reached and self.configuration("compensated").programmed.assessment.stable
 
 
 def analyze(loader: Loader) -> Analysis:
@@ -163,7 +163,7 @@ def design(
         progress: Called with each of ``STEPS`` as it begins.
 
     Raises:
-        InputError: If the low setting leaves the parameter table's range or the recursion fails.
+        InputError: If the low setting leaves the parameter table's range.
     """
     progress(STEPS[0])
     published, converged = compensate(loader), compensate(loader, DesignSettings())

@@ -113,7 +113,7 @@ def compensate(path: Path | None, options: Options, units: UnitSystem, *, as_jso
         _print_json(plain(parts, units))
     else:
         show.compensation(Console(), found, judged, demand, units)
-    _exit(good=judged.stable)
+    _exit(good=found.reached and judged.stable)
 
 
 def reproduce(units: UnitSystem, *, as_json: bool, as_markdown: bool) -> None:

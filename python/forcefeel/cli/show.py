@@ -68,9 +68,7 @@ def compensation(
         gains.add_row(symbol, state_in_words(state), to_text(unit.from_si(float(value), units)), unit.shown(units))
     console.print(gains)
     console.print("c_7 is not fed back: the pilot's force is not measured.", highlight=False)
-    horizon = found.settings.horizon_s
-    ended = "converged" if horizon is None else f"horizon of {to_text(horizon)} s"
-    console.print(f"recursion (22): {ended}, {found.steps} steps of {to_text(found.settings.step_s)} s")
+    console.print(f"recursion (22): {found.note}", style="" if found.reached else "bold red", highlight=False)
     console.print(f"residual of eqs. (22) at these gains, kept for ever: {found.riccati_residual:.1e}")
     if demand is None:
         console.print("the loop with these gains is unstable", style="bold red")

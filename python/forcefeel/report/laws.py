@@ -68,7 +68,7 @@ def laws(design: Design, system: UnitSystem) -> Table:
 def _law(law: Compensation, system: UnitSystem) -> tuple[Cell, ...]:
     asked = law.settings
     weights = ("[Q] given", "[Q] given") if asked.q is not None else (asked.position_weight, asked.r1)
-    horizon = "until converged" if asked.horizon_s is None else quantity_text(asked.horizon_s, SECONDS, system)
+    horizon = str(law.status) if asked.horizon_s is None else quantity_text(asked.horizon_s, SECONDS, system)
     shown = [weight if isinstance(weight, str) else number_text(weight) for weight in (*weights, asked.r2)]
     cells = (quantity_text(asked.step_s, SECONDS, system), horizon, str(law.steps), *shown)
     return tuple(number(text) for text in (*cells, number_text(law.riccati_residual, 2)))
