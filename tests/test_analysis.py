@@ -117,7 +117,7 @@ def test_stability_is_lost_at_the_boundary(loader, linkage):
     law = ff.Compensator.original(loader.values)
     for factor, stable in ((1 + 1e-6, True), (1 - 1e-6, False)):
         scale = factor * found.stiffness_n_m_per_rad / loader["feel.stiffness"]
-        assert (spectral_abscissa(build(loader.scale_feel(scale), law)[0]) < 0) is stable
+        assert (spectral_abscissa(build(loader.scale_feel(scale).values, law)[0]) < 0) is stable
 
 
 def test_boundary_agrees_with_the_gain_margin(loader):

@@ -7,7 +7,9 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.parameters import TABLE
-from forcefeel.studies import CHANGES, PLANT_PARAMETERS, best_of_each_count, worst
+from forcefeel.studies import CHANGES, PLANT_PARAMETERS, best_of_each_count, droppable, worst
+
+US_STIFFNESS = 4.4482216152605 * 0.0254  # N m/rad in a lb in/rad
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +58,10 @@ def test_static_angle_is_where_the_response_ends(loader, gains):
 
 
 def test_peaks_against_the_ratings(loader, gains):
-    found = ff.peaks(loader, ff.state_feedback(loader, gains[:6]))
+    law = ff.state_feedback(loader, gains[:6])
+    halved = ff.peaks(loader.replace({"valve.rated_current": "7.5 mA", "valve.rated_flow": "50 in^3/s"}), law)
+    found = ff.peaks(loader, law)
+    assert (halved.current_share, halved.flow_share) == pytest.approx((2 * found.current_share, 2 * found.flow_share))
     assert found.current_share == pytest.approx(found.current_a / 0.015)
     assert found.flow_share == pytest.approx(found.flow_m3_per_s / (100 * 0.0254**3))
     assert 0.2 < found.current_share < 0.5
@@ -117,9 +122,28 @@ def test_small_deviations_are_the_derivative(loader, gains, deviations):
     assert (at[0.05] - at[-0.05]) / 0.1 == pytest.approx((there - here) / 1e-5, rel=0.02)  # third-order terms
 
 
-def test_worst_prefers_an_unstable_loop(deviations):
+def test_worst_is_the_largest_tracking_error_and_an_unstable_loop_before_any(loader, deviations):
     named = worst(deviations)
     assert named.assessment.tracking_error == max(row.assessment.tracking_error for row in deviations)
+    runaway = ff.assess(loader, ff.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0])))
+    unstable = ff.Deviation("c_1", 0.05, runaway)
+    assert worst((*deviations, unstable)) is unstable
+
+
+def test_dropping_a_path_may_cost_stability_though_the_feel_stays(dropped):
+    edge = {row.paths: row.boundary.stiffness_n_m_per_rad / US_STIFFNESS for row in dropped}
+    # Independent figures, in lb in/rad.
+    assert edge["c_2", "c_6"] == pytest.approx(1682, abs=1)
+    assert edge["c_4",] == pytest.approx(2720, abs=1)
+    assert edge["c_4", "c_6"] == pytest.approx(3028, abs=1)
+
+
+def test_what_can_be_dropped_keeps_fidelity_and_stability(loader, gains, dropped):
+    law = ff.state_feedback(loader, gains[:6])
+    edge = ff.smallest_stable_stiffness(loader, compensator=law)
+    assert droppable(dropped, ff.assess(loader, law), edge).paths == ("c_2", "c_6")
+    strict = ff.StabilityBoundary(edge.stiffness_n_m_per_rad / 2, 0.0, "")
+    assert droppable(dropped, ff.assess(loader, law), strict) is None
 
 
 def test_a_deviation_out_of_range_is_not_evaluated(loader, gains):

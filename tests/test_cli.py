@@ -156,6 +156,7 @@ def test_q_from_a_file(run, tmp_path):
         (["--q", "q.csv", "--r1", "1"], "gives [Q] whole"),
         (["--r2", "-1"], "r2: expected a number from 1e-12"),
         (["--step", "nan"], "step_s: expected a number from 1e-07"),
+        (["--horizon", "1e6"], "horizon_s: expected at most 200 s"),
         (["--horizon", "0"], "horizon_s: expected a number from 0.0001"),
     ],
 )
@@ -184,6 +185,21 @@ def test_output_folder_that_is_a_file(run, tmp_path):
     assert status == 2
     assert "report: is a file; expected a folder" in err
     assert (tmp_path / "report").read_text(encoding="utf-8") == "mine"
+
+
+def test_a_loader_at_the_edge_of_its_range_is_analysed(run, tmp_path):
+    (tmp_path / "soft.toml").write_text(
+        ff.elevator().to_toml().replace('stiffness = "9600 lb in/rad"', 'stiffness = "0.001 lb in/rad"'),
+        encoding="utf-8",
+    )
+    assert run("analyze", "soft.toml")[0] == 0
+
+
+def test_an_empty_q_is_refused_in_a_line(run, tmp_path):
+    (tmp_path / "q.csv").touch()
+    status, _, err = run("compensate", "--q", "q.csv")
+    assert status == 2
+    assert err.startswith("forcefeel: q.csv: expected [Q] as CSV")
 
 
 def test_unknown_commands_and_units_are_bad_input(run):

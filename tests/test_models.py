@@ -109,6 +109,12 @@ def test_outputs_follow_from_the_states(loader):
     assert out["actuator_flow_m3_per_s"] == pytest.approx(x[2] - loader["valve.pressure_gain"] * x[1])
 
 
+def test_flow_into_the_actuator_is_what_pressure_leaves_of_the_commanded(loader):
+    x = np.array([0.01, 0.2, 2e5, 1e-4, 1e-2, 0.3, 0.1])
+    flow = (ff.rigid_model(loader).C @ x)[OUTPUTS.index("actuator_flow_m3_per_s")]
+    assert flow == pytest.approx(x[3] - loader["valve.pressure_gain"] * x[2])
+
+
 def test_ideal_feel_settles_at_torque_over_stiffness(loader):
     assert float(ff.ideal_feel(loader).dcgain()) * loader["pilot.force"] == pytest.approx(31.375 * 96 / 9600)
 

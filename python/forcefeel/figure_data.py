@@ -58,7 +58,7 @@ def figures(design: Design) -> tuple[Figure, ...]:
 
 
 def _valve(loader: Loader) -> Figure:
-    """Eq. (1) for five currents, and eq. (2), which is for deviations, as the tangent at the report's operating point."""
+    """Eq. (1) for five currents, and its tangent at the report's operating point, which is what eq. (2) means."""
     rated, supply = loader["valve.rated_current"], loader["valve.supply_pressure"]
     pressure = np.linspace(0.0, supply, 201)
     curves = {}
@@ -69,7 +69,7 @@ def _valve(loader: Loader) -> Figure:
     current, at = np.array([i_share * rated]), np.array([p_share * supply])
     _, slope = _core.valve_gains(loader.values, i_share, p_share)
     tangent = _core.orifice_flow(loader.values, current, at) - slope * (pressure - at)
-    curves[f"linear about {i_share:.0%}, eq. (2)"] = _valve_curve(pressure, tangent)
+    curves[f"tangent at {i_share:.0%}, eq. (2)"] = _valve_curve(pressure, tangent)
     return Figure("figure-02", "Control valve: flow against load pressure", Kind.VALVE, curves)
 
 

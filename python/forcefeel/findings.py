@@ -19,6 +19,10 @@ FREQUENCY_TOLERANCE = 0.10
 """Deviation of the period that qualification allows: T(P0) = 10 % of P0 (14 CFR Part 60, Appendix A, Attachment 2)."""
 
 
+SAME_MODE = 0.02
+"""Relative difference in frequency below which two models' modes are called the same: what one can read off a plot."""
+
+
 @dataclass(frozen=True)
 class Conclusions:
     """What an engineer should conclude.
@@ -72,6 +76,12 @@ def _compliance(design: Design) -> str:
     if not swinging:
         return "The linkage is compliant, but nothing swings on it: every mode of the servo is real."
     mode = min(swinging, key=lambda one: one.damping_ratio)
+    rigid = next(one for one in design.servos if one.linkage is Linkage.RIGID)
+    if any(abs(one.frequency_rad_per_s / mode.frequency_rad_per_s - 1) <= SAME_MODE for one in rigid.closed_modes):
+        return (
+            f"The linkage is as good as rigid: the servo's least damped mode, at {_hertz(mode.frequency_rad_per_s)} with a"
+            f" damping ratio of {to_text(mode.damping_ratio, 2)}, is there with a rigid link too."
+        )
     peak = compliant.column_resonance
     return (
         f"The linkage is not rigid: with the position loop closed the column swings on it at"
@@ -143,15 +153,16 @@ def _valve(design: Design) -> str:
 
 
 def _paths(design: Design) -> str:
-    full = design.configuration("compensated").programmed.assessment
+    compensated = design.configuration("compensated")
+    full = compensated.programmed.assessment
     if not full.stable:
         return "Dropping feedback paths is not judged, because the full set is unstable."
-    most = droppable(design.dropped, full)
+    most = droppable(design.dropped, full, compensated.boundary)
     if most is None:
         return f"No feedback path can be dropped without a visible loss (more than {_percent(VISIBLE_LOSS)} of deflection)."
     return (
         f"{' and '.join(most.paths)} can be dropped: the deviation from the ideal goes from"
-        f" {_percent(full.tracking_error)} to {_percent(most.assessment.tracking_error)}."
+        f" {_percent(full.tracking_error)} to {_percent(most.assessment.tracking_error)}, and stability stays."
     )
 
 

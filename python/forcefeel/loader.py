@@ -1,6 +1,6 @@
 """A loader: the machine of one axis, as a frozen set of checked numbers in SI units."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -46,7 +46,7 @@ class Loader:
         values.setflags(write=False)
         object.__setattr__(self, "values", values)
         for key, value in zip(TABLE, values, strict=True):
-            check_range(key, float(value))
+            _check_range(key, float(value))
 
     def __eq__(self, other: object) -> bool:
         return (
@@ -58,8 +58,8 @@ class Loader:
     def __hash__(self) -> int:
         return hash((self.name, self.source, *self.values.tolist()))
 
-    def __reduce__(self) -> tuple[type["Loader"], tuple[str, str, NDArray[np.float64]]]:
-        return Loader, (self.name, self.source, self.values)  # so that a copy is checked and read-only too
+    def __reduce__(self) -> tuple[Callable[..., "Loader"], tuple[str, str, NDArray[np.float64]]]:
+        return _unchecked, (self.name, self.source, self.values)  # so that a copy is read-only too
 
     def __getitem__(self, key: str) -> float:
         return float(self.values[_position(key)])
@@ -82,19 +82,28 @@ class Loader:
             values[position] = _value(key, given)
         return replace(self, values=values)
 
-    def scale_feel(self, scale: float) -> NDArray[np.float64]:
-        """Values with I, B and G multiplied by ``scale``, so that frequency and damping ratio stay.
+    def scale_feel(self, scale: float) -> "Loader":
+        """I, B, G and the pilot's force multiplied by ``scale``: frequency, damping ratio and programmed deflection stay.
 
-        Unlike ``replace`` this does not check the range, for searches that go beyond what one would build.
+        Unlike ``replace`` this does not check the range, for settings beyond what one would build.
         """
         values = self.values.copy()
-        for key in FEEL_SETTING:
+        for key in (*FEEL_SETTING, "pilot.force"):
             values[INDEX[key]] *= scale
-        return values
+        return _unchecked(self.name, self.source, values)
 
     def to_toml(self, units: UnitSystem = UnitSystem.US) -> str:
         """The loader as a commented loader file."""
         return write(self.name, self.source, dict(zip(TABLE, self.values.tolist(), strict=True)), units)
+
+
+def _unchecked(name: str, source: str, values: NDArray[np.float64]) -> Loader:
+    """A loader whose values may lie beyond the ranges of the parameter table."""
+    loader = object.__new__(Loader)
+    values.setflags(write=False)
+    for attribute, value in (("name", name), ("source", source), ("values", values)):
+        object.__setattr__(loader, attribute, value)
+    return loader
 
 
 def elevator() -> Loader:
@@ -115,7 +124,7 @@ def load(path: str | Path) -> Loader:
     return Loader(name, source, np.array([values[key] for key in TABLE]))
 
 
-def check_range(key: str, value: float) -> None:
+def _check_range(key: str, value: float) -> None:
     """Refuses a value (SI) outside the range of the parameter table."""
     row = TABLE[key]
     if not in_range(row, value):

@@ -70,9 +70,9 @@ def _plain_fields(result: Any, system: UnitSystem) -> dict[str, Plain]:
         if not field.repr:
             continue
         value, measured_in = getattr(result, field.name), _unit_of(hints[field.name])
-        if measured_in is not None and value is not None:
+        if measured_in is not None:
             name = field.name.removesuffix(f"_{measured_in.suffix}") if measured_in.suffix else field.name
-            out[name] = quantity(value, measured_in, system)
+            out[name] = None if value is None else quantity(value, measured_in, system)
         elif not isinstance(value, np.ndarray):
             out[field.name] = plain(value, system)
     return out

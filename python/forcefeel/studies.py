@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.analysis.boundary import StabilityBoundary, smallest_stable_stiffness
 from forcefeel.assessment import Assessment, assess
 from forcefeel.compensation import GAIN_SYMBOLS, DesignSettings
 from forcefeel.errors import InputError
@@ -44,11 +45,13 @@ class DroppedPaths:
         paths: The gains set to zero, such as ``("c_2", "c_6")``.
         assessment: How the rest renders the feel.
         cost_increase: Growth of the cost index over the full set, as a share; not a number where unstable.
+        boundary: Smallest stable G without them.
     """
 
     paths: tuple[str, ...]
     assessment: Assessment
     cost_increase: Annotated[float, PERCENT]
+    boundary: StabilityBoundary
 
 
 @dataclass(frozen=True)
@@ -82,9 +85,11 @@ def drop_paths(
         for dropped in combinations(range(6), count):
             left = gains[:6].copy()
             left[list(dropped)] = 0.0
-            found = assess(loader, state_feedback(loader, left), settings)
+            law = state_feedback(loader, left)
+            found = assess(loader, law, settings)
             paths = tuple(GAIN_SYMBOLS[k] for k in dropped)
-            rows.append(DroppedPaths(paths, found, found.cost / full.cost - 1))
+            edge = smallest_stable_stiffness(loader, compensator=law)
+            rows.append(DroppedPaths(paths, found, found.cost / full.cost - 1, edge))
     return tuple(rows)
 
 
@@ -104,13 +109,27 @@ VISIBLE_LOSS = 0.01
 """Growth of the tracking error, as a share of the deflection, that a pilot would not see: a tenth of the 10 % of force that
 the static check of 14 CFR Part 60 (Table A2A, test 2.a.1.a) allows."""
 
+STABILITY_LOSS = 0.10
+"""Growth of the smallest stable G that one gives away for a simpler compensator; parameters are known no better."""
 
-def droppable(rows: tuple[DroppedPaths, ...], full: Assessment) -> DroppedPaths | None:
-    """The largest set that can be dropped without a visible loss; ``None`` if there is none."""
+
+def droppable(rows: tuple[DroppedPaths, ...], full: Assessment, boundary: StabilityBoundary) -> DroppedPaths | None:
+    """The largest set that can be dropped without a visible loss of fidelity or stability; ``None`` if there is none.
+
+    Args:
+        rows: Every set, from ``drop_paths``.
+        full: How the loop renders the feel with all paths.
+        boundary: Its smallest stable G with all paths.
+    """
+    error = full.tracking_error + VISIBLE_LOSS
+    edge = boundary.stiffness_n_m_per_rad * (1 + STABILITY_LOSS)
     free = [
-        row for row in best_of_each_count(rows) if row.assessment.tracking_error <= full.tracking_error + VISIBLE_LOSS
+        row for row in rows if row.assessment.tracking_error <= error and row.boundary.stiffness_n_m_per_rad <= edge
     ]
-    return free[-1] if free else None
+    most = max((len(row.paths) for row in free), default=0)
+    return min(
+        (row for row in free if len(row.paths) == most), key=lambda row: row.assessment.tracking_error, default=None
+    )
 
 
 def sensitivity(

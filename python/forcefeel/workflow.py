@@ -10,8 +10,7 @@ from forcefeel.analysis.frequency import Margins, Peak, margins, resonance
 from forcefeel.analysis.modes import Mode, modes
 from forcefeel.assessment import Assessment, Peaks, assess, peaks
 from forcefeel.compensation import Compensation, DesignSettings, compensate
-from forcefeel.errors import InputError
-from forcefeel.loader import FEEL_SETTING, Loader
+from forcefeel.loader import Loader
 from forcefeel.models import Linkage, loader_model, overall_open_loop, servo
 from forcefeel.studies import Deviation, DroppedPaths, drop_paths, sensitivity
 from forcefeel.units import HERTZ, RATIO
@@ -135,12 +134,8 @@ class Design(Analysis):
 
 
 def analyze(loader: Loader) -> Analysis:
-    """Analyses the original system: servo, loops, stability and response, with rigid and with compliant link.
-
-    Raises:
-        InputError: If the low setting leaves the parameter table's range.
-    """
-    low = _low(loader)
+    """Analyses the original system: servo, loops, stability and response, with rigid and with compliant link."""
+    low = loader.scale_feel(LOW_SHARE)
     frequency, damping_ratio = feel_frequency(loader.values)
     return Analysis(
         loader=loader,
@@ -161,9 +156,6 @@ def design(
         loader: The loader.
         settings: How the gains that close the loop are computed; the published horizon if not given.
         progress: Called with each of ``STEPS`` as it begins.
-
-    Raises:
-        InputError: If the low setting leaves the parameter table's range.
     """
     progress(STEPS[0])
     published, converged = compensate(loader), compensate(loader, DesignSettings())
@@ -190,14 +182,6 @@ def design(
         dropped=dropped,
         deviations=deviations,
     )
-
-
-def _low(loader: Loader) -> Loader:
-    scaled = (*FEEL_SETTING, "pilot.force")
-    try:
-        return loader.replace({key: loader[key] * LOW_SHARE for key in scaled})
-    except InputError as error:
-        raise InputError(f"low setting, {LOW_SHARE:g} of the programmed one: {error}") from error
 
 
 def _servo(loader: Loader, linkage: Linkage) -> ServoResult:

@@ -55,7 +55,7 @@ def smallest_stable_stiffness(
 
     def closed_loop(log_share: float) -> NDArray[np.float64]:
         scale = np.exp(log_share) * loader["feel.maximum_stiffness"] / loader["feel.stiffness"]
-        return build(loader.scale_feel(scale), law)[0]
+        return build(loader.scale_feel(scale).values, law)[0]
 
     start = max(0.0, float(np.log(loader["feel.stiffness"] / loader["feel.maximum_stiffness"])))
     edge = _first_crossing(lambda log_share: spectral_abscissa(closed_loop(log_share)), start)

@@ -14,3 +14,6 @@ def main() -> None:
     except InputError as error:
         print(f"forcefeel: {error}", file=sys.stderr)
         sys.exit(2)
+    except OSError as error:  # files are the commands' own matter, so this is the output: a full disk
+        print(f"forcefeel: the output cannot be written ({error.strerror})", file=sys.stderr)
+        sys.exit(2)

@@ -1,6 +1,7 @@
 """What each command does."""
 
 import json
+import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -79,8 +80,9 @@ def design(path: Path | None, options: Options, out: Path, units: UnitSystem, *,
     loader = _loader(path)
     if out.exists() and not out.is_dir():
         raise InputError(f"{out}: is a file; expected a folder for the report")
+    settings = options.settings(loader)
     with Steps(len(workflow.STEPS)) as progress:
-        found = workflow.design(loader, options.settings(loader), progress.step)
+        found = workflow.design(loader, settings, progress.step)
         progress.step("report")
         page = write_report(found, out, units)
     if as_json:
@@ -104,7 +106,10 @@ def analyze(path: Path | None, units: UnitSystem, *, as_json: bool) -> None:
 def compensate(path: Path | None, options: Options, units: UnitSystem, *, as_json: bool) -> None:
     """Computes gains and closes the loop."""
     loader = _loader(path)
-    found = run_recursion(loader, options.settings(loader))
+    settings = options.settings(loader)
+    with Steps(1) as progress:
+        progress.step("recursion (22)")
+        found = run_recursion(loader, settings)
     law = found.compensator(loader)
     judged = assess(loader, law, found.settings)
     demand = peaks(loader, law) if judged.stable else None
@@ -133,8 +138,9 @@ def _read_q(path: Path | None) -> tuple[tuple[float, ...], ...] | None:
     if path is None:
         return None
     try:
-        return tuple(tuple(row) for row in np.loadtxt(path, delimiter=",", ndmin=2).tolist())
-    except (OSError, ValueError) as error:
+        with warnings.catch_warnings(action="error"):  # NumPy only warns of an empty file
+            return tuple(tuple(row) for row in np.loadtxt(path, delimiter=",", ndmin=2).tolist())
+    except (OSError, ValueError, UserWarning) as error:
         raise InputError(f"{path}: expected [Q] as CSV, 7 rows of 7 numbers: {error}") from error
 
 
@@ -161,7 +167,8 @@ class Steps:
             *Progress.get_default_columns()[1:3],
             TimeElapsedColumn(),
         )
-        self._bar = Progress(*columns, console=Console(stderr=True), transient=True)
+        console = Console(stderr=True)
+        self._bar = Progress(*columns, console=console, transient=True, disable=not console.is_terminal)
         self._task = self._bar.add_task("", total=steps + 1)
 
     def step(self, name: str) -> None:

@@ -43,12 +43,15 @@ def analysis(console: Console, found: Analysis, units: UnitSystem) -> None:
         )
     console.print(servo)
     loops = _table(
-        "Overall loop", "link", "setting", "stable", "gain margin", "phase margin", "deflection", "deviation from ideal"
+        "Overall loop, step of pilot force", "link, setting", "stable", "gain margin", "phase", "at rest", "r.m.s."
     )
     for one in found.configurations:
         for setting, loop in (("programmed", one.programmed), ("low", one.low)):
-            loops.add_row(one.name, setting, *_loop(loop.assessment, loop.margins))
+            loops.add_row(f"{one.name}, {setting}", *_loop(loop.assessment, loop.margins))
     console.print(loops)
+    console.print(
+        "at rest: share of the programmed deflection; r.m.s.: deviation from the ideal over 2 s", highlight=False
+    )
     edge = _table(
         "Stability as G falls, I and B scaled along", "link", f"smallest stable G, {ROTARY_STIFFNESS.shown(units)}", ""
     )

@@ -2,7 +2,8 @@
 
 MEANINGS = {
     "figure-02": "Flow through the control valve against load pressure, eq. (1), for five valve currents. The dashed line is"
-    " the linear valve of eq. (2), which every model here uses, about the report's operating point.",
+    " the tangent at a fifth of the rated current and a third of the supply pressure, where the report takes the gains of"
+    " eq. (2).",
     "figure-08": "From the amplifier's input to the position of the piston and of the column, both in volts of the"
     " potentiometer. Where the compliant curves leave the rigid one, the column swings on its linkage.",
     "figure-09": "The same with the position loop closed. A servo that the pilot cannot feel would hold 0 dB well beyond the"

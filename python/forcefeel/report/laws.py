@@ -5,6 +5,7 @@ import math
 from markupsafe import Markup
 
 from forcefeel._core import Parameter
+from forcefeel.analysis.boundary import StabilityBoundary
 from forcefeel.assessment import Assessment
 from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation, gains_in
 from forcefeel.parameters import PARTS, TABLE, main_rows, unit
@@ -13,15 +14,17 @@ from forcefeel.report.table import Cell, Table, heads, number, words
 from forcefeel.report.typography import (
     NONE,
     change_text,
+    heading_text,
     number_text,
     percent_text,
     prose_html,
     quantity_text,
     symbol_html,
     unit_text,
+    value_text,
 )
 from forcefeel.studies import CHANGES, Deviation, DroppedPaths, best_of_each_count
-from forcefeel.units import HERTZ, RATIO, SECONDS, UnitSystem
+from forcefeel.units import HERTZ, RATIO, ROTARY_STIFFNESS, SECONDS, UnitSystem
 from forcefeel.workflow import Design
 
 STATES = (
@@ -79,30 +82,39 @@ def dropped(design: Design, system: UnitSystem) -> Table:
     singles = [row for row in design.dropped if len(row.paths) == 1]
     best = [row for row in best_of_each_count(design.dropped) if len(row.paths) > 1]
     full = design.configuration("compensated").programmed.assessment
-    first = (words("none (full set)"), *_rendering(full, system), number(NONE))
+    edge = _edge(design.configuration("compensated").boundary, system)
+    first = (words("none (full set)"), *_rendering(full, system), number(NONE), edge)
     named = [*(_dropped(row, system) for row in singles), *(_dropped(row, system, best=True) for row in best)]
-    return Table(_DROPPED_HEAD, (first, *named))
+    return Table(_dropped_head(system), (first, *named))
 
 
 def all_dropped(design: Design, system: UnitSystem) -> Table:
     """Every set of dropped paths."""
-    return Table(_DROPPED_HEAD, tuple(_dropped(row, system) for row in design.dropped))
+    return Table(_dropped_head(system), tuple(_dropped(row, system) for row in design.dropped))
 
 
-_DROPPED_HEAD = heads(
-    "Dropped",
-    "Deviation from the ideal",
-    "Error at rest",
-    "Frequency",
-    "Least damping ratio",
-    "Growth of the cost index",
-)
+def _dropped_head(system: UnitSystem) -> tuple[Cell, ...]:
+    return heads(
+        "Dropped",
+        "Deviation from the ideal",
+        "Error at rest",
+        "Frequency",
+        "Least damping ratio",
+        "Growth of the cost index",
+        heading_text("Smallest stable stiffness", ROTARY_STIFFNESS, system),
+    )
 
 
 def _dropped(row: DroppedPaths, system: UnitSystem, *, best: bool = False) -> tuple[Cell, ...]:
     paths = Markup(", ").join(symbol_html(path) for path in row.paths)
     name = Markup("{} <small>(best of {} dropped)</small>").format(paths, len(row.paths)) if best else paths
-    return (words(name), *_rendering(row.assessment, system), number(percent_text(row.cost_increase, signed=True)))
+    cost = number(percent_text(row.cost_increase, signed=True))
+    return (words(name), *_rendering(row.assessment, system), cost, _edge(row.boundary, system))
+
+
+def _edge(found: StabilityBoundary, system: UnitSystem) -> Cell:
+    value = found.stiffness_n_m_per_rad
+    return number("none", bad=True) if math.isinf(value) else number(value_text(value, ROTARY_STIFFNESS, system))
 
 
 def _rendering(found: Assessment, system: UnitSystem) -> tuple[Cell, ...]:

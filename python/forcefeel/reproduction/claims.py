@@ -241,7 +241,8 @@ def _insensitive(design: Design) -> Row:
 
 def _dropped(design: Design) -> Row:
     full = design.configuration("compensated").programmed.assessment.tracking_error
-    most = droppable(design.dropped, design.configuration("compensated").programmed.assessment)
+    compensated = design.configuration("compensated")
+    most = droppable(design.dropped, compensated.programmed.assessment, compensated.boundary)
     if most is None:
         return claim(
             "feedback paths can be eliminated", "introduction", 0.0, "paths", holds=False, reason="none without loss"
