@@ -88,7 +88,7 @@ impl<S: Scalar> Rigid<S> {
 impl<S: Scalar> System<S, 7, 2, OUTPUTS> for Rigid<S> {
     fn derivative(&self, x: &[S; 7], u: &[S; 2]) -> [S; 7] {
         let Parameters { valve, actuator, linkage, column, feel, .. } = &self.parameters;
-        let &[_, x_p_rate, p, q_i, q_i_rate, delta, delta_rate] = x;
+        let &[_, x_p_rate, _, q_i, q_i_rate, delta, delta_rate] = x;
         let Servo { current, flow, force } = self.servo(x, u);
         [
             x_p_rate,
