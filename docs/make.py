@@ -7,8 +7,8 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 import forcefeel as ff
-from forcefeel.cli.show import reproduction_markdown
 from forcefeel.files import write_whole
+from forcefeel.reproduction import markdown
 
 HERE = Path(__file__).parent
 
@@ -23,7 +23,7 @@ what the text says of them; figures 1, 3 to 6, 12 and 13 are drawings.
 
 
 def main() -> None:
-    write_whole(HERE / "validation.md", VALIDATION + reproduction_markdown(ff.reproduce()))
+    write_whole(HERE / "validation.md", VALIDATION + markdown(ff.reproduce()))
     picture(HERE / "step-response.png")
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import forcefeel as ff
-from forcefeel.cli.show import reproduction_markdown
 from forcefeel.parameters import TABLE
+from forcefeel.reproduction import markdown
 from forcefeel.reproduction.appendix import printed
 from forcefeel.reproduction.table import Reason, Verdict, agrees_to_digits, number
 
@@ -78,4 +78,4 @@ def test_a_reason_explains_only_what_it_predicts():
 
 
 def test_validation_page_is_what_the_program_prints(sections):
-    assert reproduction_markdown(sections) in VALIDATION.read_text(encoding="utf-8")
+    assert markdown(sections) in VALIDATION.read_text(encoding="utf-8")

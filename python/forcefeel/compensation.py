@@ -221,7 +221,7 @@ class SampledProblem:
     def of(cls, loader: Loader, settings: DesignSettings) -> "SampledProblem":
         """The problem that ``settings`` pose for ``loader``."""
         plant = design_plant(loader, settings.pilot_arm_m)
-        scale = _scale(loader)
+        scale = state_scale(loader)
         phi, h = _core.discretize(plant.A * scale / scale[:, None], plant.B / scale[:, None], settings.step_s)
         q = settings.weight(loader) * np.outer(scale, scale)
         return cls(phi, h, q, np.array([[float(settings.r2)]]), scale)
@@ -249,8 +249,8 @@ def gains_in(system: UnitSystem, gains: NDArray[np.float64]) -> NDArray[np.float
     return np.array([unit.from_si(float(c), system) for unit, c in zip(GAIN_UNITS, gains, strict=False)])
 
 
-def _scale(loader: Loader) -> NDArray[np.float64]:
-    """Size of each state when the column stands at one radian, moves at the feel's frequency, at supply pressure."""
+def state_scale(loader: Loader) -> NDArray[np.float64]:
+    """Size of each of ``DESIGN_STATES``, SI: the column at one radian, moving at the feel's frequency, at supply pressure."""
     frequency, _ = _core.feel_frequency(loader.values)
     base = loader["column.base_arm"]
     piston = loader["linkage.ratio"] * base

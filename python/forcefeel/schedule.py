@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel import _core
-from forcefeel.compensation import DesignSettings, SampledProblem
+from forcefeel.compensation import DesignSettings, SampledProblem, state_scale
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.models import design_plant
@@ -53,14 +53,14 @@ def schedule_gains(
         raise InputError("design: expected an endless horizon and the weights of eq. (21); leave out horizon_s and q")
     rows = _rows(settings)
     solve = _continuous_plant if continuous else _sampled_plant
-    plant_gains, closed, coupling, gain_row, scale = solve(loader, design)
+    plant = solve(loader, design)
     period = None if continuous else design.step_s
-    feel_gains = _core.schedule(closed, coupling, gain_row, period, rows)
+    feel_gains = _core.schedule(plant.closed, plant.coupling, plant.gain_row, period, rows)
     if not np.isfinite(feel_gains).all():
         bad = int(np.argmin(np.isfinite(feel_gains).all(axis=1)))
         raise InputError(f"settings: row {bad}, {rows[bad].tolist()}, has no gains: its numbers are too far apart")
     gains = np.empty((len(rows), 6))
-    gains[:, _PLANT] = plant_gains / scale
+    gains[:, _PLANT] = plant.gains / plant.scale
     gains[:, _FEEL] = feel_gains
     return GainSchedule(rows, gains)
 
@@ -79,26 +79,41 @@ def _rows(settings: ArrayLike) -> NDArray[np.float64]:
     return rows
 
 
-_Solved = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
-"""Gains of the plant's states, closed-loop matrix, coupling weight, row from cost to gains, scale of the states."""
+@dataclass(frozen=True)
+class _SolvedPlant:
+    """What all settings share, the states scaled to the order of one.
+
+    Attributes:
+        gains: Gains of the plant's four states.
+        closed: Closed-loop matrix M of the plant.
+        coupling: Weight between the plant's and the feel's states.
+        gain_row: Row k that turns the coupling block of the cost into gains of the feel's states.
+        scale: SI value of one unit of each scaled state.
+    """
+
+    gains: NDArray[np.float64]
+    closed: NDArray[np.float64]
+    coupling: NDArray[np.float64]
+    gain_row: NDArray[np.float64]
+    scale: NDArray[np.float64]
 
 
-def _sampled_plant(loader: Loader, design: DesignSettings) -> _Solved:
+def _sampled_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
     problem = SampledProblem.of(loader, design)
     phi, h = problem.phi[np.ix_(_PLANT, _PLANT)], problem.h[_PLANT]
     scale = problem.scale[_PLANT]
     k, cost, _ = control.dlqr(phi, h, problem.q[np.ix_(_PLANT, _PLANT)], problem.r)
     row = h.T / (problem.r + h.T @ cost @ h)
-    return -k[0], phi - h @ k, _coupling(loader, design, scale), row[0], scale
+    return _SolvedPlant(-k[0], phi - h @ k, _coupling(loader, design, scale), row[0], scale)
 
 
-def _continuous_plant(loader: Loader, design: DesignSettings) -> _Solved:
-    plant, scale = design_plant(loader), SampledProblem.of(loader, design).scale[_PLANT]
+def _continuous_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
+    plant, scale = design_plant(loader), state_scale(loader)[_PLANT]
     a = plant.A[np.ix_(_PLANT, _PLANT)] * scale / scale[:, None]
     b = plant.B[_PLANT] / scale[:, None]
     q = design.weight(loader)[np.ix_(_PLANT, _PLANT)] * np.outer(scale, scale)
     k, _, _ = control.lqr(a, b, q, [[design.r2]])
-    return -k[0], a - b @ k, _coupling(loader, design, scale), (b.T / design.r2)[0], scale
+    return _SolvedPlant(-k[0], a - b @ k, _coupling(loader, design, scale), (b.T / design.r2)[0], scale)
 
 
 def _coupling(loader: Loader, design: DesignSettings, scale: NDArray[np.float64]) -> NDArray[np.float64]:

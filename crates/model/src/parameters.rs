@@ -67,6 +67,15 @@ macro_rules! parameter_table {
             }
         )*
 
+        $(
+            impl<S: Copy> $Part<S> {
+                /// The same part in another number type.
+                pub fn map<T>(&self, convert: impl Fn(S) -> T) -> $Part<T> {
+                    $Part { $( $name: convert(self.$name), )* }
+                }
+            }
+        )*
+
         /// The numbers of one loader, part by part, in SI units.
         #[derive(Debug, Clone, Copy, PartialEq)]
         pub struct Parameters<S> {
@@ -97,6 +106,11 @@ macro_rules! parameter_table {
                 let mut next = 0;
                 let mut take = || { next += 1; values[next - 1] };
                 Self { $( $part: $Part { $( $name: take(), )* }, )* }
+            }
+
+            /// The same loader in another number type.
+            pub fn map<T>(&self, convert: impl Fn(S) -> T + Copy) -> Parameters<T> {
+                Parameters { $( $part: self.$part.map(convert), )* }
             }
 
             /// The values in the order of [`TABLE`], SI units.

@@ -38,17 +38,10 @@ impl<S: Scalar> Valve<S> {
 }
 
 impl Valve<f64> {
-    /// Gains `(C_i, C_p)` of eq. (2): exact slopes of eq. (1) at current `i_share * i_r` and pressure `p_share * p_s`.
+    /// Gains `(C_i, C_p)` of eq. (2) in m³/(s A) and m⁵/(N s): exact slopes of eq. (1) at current `i_share * i_r` and pressure
+    /// `p_share * p_s`.
     pub fn gains_at(&self, i_share: f64, p_share: f64) -> (f64, f64) {
-        let dual = Valve {
-            current_gain: Dual::constant(self.current_gain),
-            pressure_gain: Dual::constant(self.pressure_gain),
-            natural_frequency: Dual::constant(self.natural_frequency),
-            damping_ratio: Dual::constant(self.damping_ratio),
-            rated_flow: Dual::constant(self.rated_flow),
-            rated_current: Dual::constant(self.rated_current),
-            supply_pressure: Dual::constant(self.supply_pressure),
-        };
+        let dual = self.map(Dual::constant);
         let (i, p) = (i_share * self.rated_current, p_share * self.supply_pressure);
         let dq_di = dual.orifice_flow(Dual::variable(i), Dual::constant(p)).slope;
         let dq_dp = dual.orifice_flow(Dual::constant(i), Dual::variable(p)).slope;

@@ -70,10 +70,6 @@ fn loader(values: &Values<'_>) -> PyResult<Parameters<f64>> {
     Ok(Parameters::from_values(&vector::<COUNT>("values", values)?))
 }
 
-fn dual(parameters: &Parameters<f64>) -> Parameters<Dual> {
-    Parameters::from_values(&parameters.values().map(Dual::constant))
-}
-
 /// The law that drives the servo amplifier, as data.
 #[pyclass(frozen, eq, module = "forcefeel._core")]
 #[derive(PartialEq)]
@@ -151,25 +147,28 @@ fn matrices<'py, const X: usize, const U: usize, const Y: usize>(
 /// Matrices of the loader with a rigid link, eq. (15).
 #[pyfunction]
 pub fn rigid<'py>(py: Python<'py>, values: Values<'py>, compensator: &Compensator) -> PyResult<Matrices<'py>> {
-    matrices(py, &Rigid { parameters: dual(&loader(&values)?), compensator: compensator.dual() })
+    matrices(py, &Rigid { parameters: loader(&values)?.map(Dual::constant), compensator: compensator.dual() })
 }
 
 /// Matrices of the loader with a compliant link, eq. (17).
 #[pyfunction]
 pub fn compliant<'py>(py: Python<'py>, values: Values<'py>, compensator: &Compensator) -> PyResult<Matrices<'py>> {
-    matrices(py, &Compliant { parameters: dual(&loader(&values)?), compensator: compensator.dual() })
+    matrices(py, &Compliant { parameters: loader(&values)?.map(Dual::constant), compensator: compensator.dual() })
 }
 
 /// Matrices of the plant for the design, eq. (19).
 #[pyfunction]
 pub fn design_plant<'py>(py: Python<'py>, values: Values<'py>, pilot_arm: f64) -> PyResult<Matrices<'py>> {
-    matrices(py, &DesignPlant { parameters: dual(&loader(&values)?), pilot_arm: Dual::constant(pilot_arm) })
+    matrices(
+        py,
+        &DesignPlant { parameters: loader(&values)?.map(Dual::constant), pilot_arm: Dual::constant(pilot_arm) },
+    )
 }
 
 /// Matrices of the programmed feel, eq. (11).
 #[pyfunction]
 pub fn ideal_feel<'py>(py: Python<'py>, values: Values<'py>) -> PyResult<Matrices<'py>> {
-    matrices(py, &IdealFeel { parameters: dual(&loader(&values)?) })
+    matrices(py, &IdealFeel { parameters: loader(&values)?.map(Dual::constant) })
 }
 
 /// Orifice flow of eq. (1) at each pair of current and load pressure.

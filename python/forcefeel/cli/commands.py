@@ -20,7 +20,7 @@ from forcefeel.errors import InputError
 from forcefeel.files import write_whole
 from forcefeel.findings import conclusions
 from forcefeel.loader import Loader, elevator, load
-from forcefeel.reproduction import Verdict
+from forcefeel.reproduction import Verdict, markdown
 from forcefeel.reproduction import reproduce as run_reproduction
 from forcefeel.results import plain
 from forcefeel.units import UnitSystem
@@ -128,7 +128,7 @@ def reproduce(units: UnitSystem, *, as_json: bool, as_markdown: bool) -> None:
     if as_json:
         _print_json(plain(sections, units))
     elif as_markdown:
-        print(show.reproduction_markdown(sections), end="")
+        print(markdown(sections), end="")
     else:
         show.reproduction(Console(), sections)
     _exit(good=all(row.verdict is not Verdict.OPEN for section in sections for row in section.rows))

@@ -10,7 +10,7 @@ from forcefeel.assessment import Assessment, Peaks
 from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation
 from forcefeel.findings import Conclusions
 from forcefeel.models import DESIGN_STATES
-from forcefeel.reproduction import Row, Section, Verdict
+from forcefeel.reproduction import Section, Verdict, summary
 from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
 from forcefeel.workflow import Analysis
 
@@ -97,30 +97,6 @@ def reproduction(console: Console, sections: tuple[Section, ...]) -> None:
     console.print(summary(sections), highlight=False)
 
 
-def reproduction_markdown(sections: tuple[Section, ...]) -> str:
-    """The comparison as Markdown."""
-    lines = [summary(sections), ""]
-    for section in sections:
-        lines += [
-            f"## {section.title}",
-            "",
-            "| item | where | printed | computed | unit | verdict | reason |",
-            "|---" * 7 + "|",
-        ]
-        lines += [_markdown_row(row) for row in section.rows] + [""]
-    return "\n".join(lines)
-
-
-def summary(sections: tuple[Section, ...]) -> str:
-    """How many rows have which verdict."""
-    verdicts = [row.verdict for section in sections for row in section.rows]
-    agree, explained, refuted, unexplained = (verdicts.count(verdict) for verdict in Verdict)
-    return (
-        f"{len(verdicts)} numbers and claims: {agree} agree, {explained} differ for a known reason, {refuted} do not hold,"
-        f" {unexplained} differ for no known reason."
-    )
-
-
 def state_in_words(state: str) -> str:
     """A state's name without its unit: ``piston_position_m`` is ``piston position``."""
     words = state.removesuffix("_per_s")
@@ -178,11 +154,6 @@ def _table(title: str, *columns: str) -> Table:
     for column in columns:
         table.add_column(column)
     return table
-
-
-def _markdown_row(row: Row) -> str:
-    cells = (row.item, row.where, row.printed, row.computed, row.unit, str(row.verdict), row.reason)
-    return "| " + " | ".join(cell.replace("|", r"\|") for cell in cells) + " |"
 
 
 def _hertz(frequency_rad_per_s: float) -> str:

@@ -3,7 +3,8 @@
 The report's matrices and digits are typed in here as an independent witness; nothing else in the package reads them.
 """
 
+from forcefeel.reproduction.markdown import markdown, summary
 from forcefeel.reproduction.run import reproduce
 from forcefeel.reproduction.table import Row, Section, Verdict
 
-__all__ = ["Row", "Section", "Verdict", "reproduce"]
+__all__ = ["Row", "Section", "Verdict", "markdown", "reproduce", "summary"]
