@@ -260,7 +260,7 @@ def _stabilizable(loader: Loader) -> Row:
         "states that neither move by themselves nor by e: F_p. A Riccati solver refuses the plant; recursion (22) and a linear"
         " equation for c_7 do not"
     )
-    verdict = Verdict.AGREES if unmoved == 0 else Verdict.EXPLAINED
+    verdict = Verdict.EXPLAINED if unmoved == 1 else Verdict.OPEN  # F_p and nothing else
     item = "the plant of eq. (19) is stabilizable"
     return Row(item, "eq. (19)", "assumed", str(unmoved), float(unmoved), "states", verdict, reason)
 

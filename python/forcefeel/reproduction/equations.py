@@ -11,7 +11,7 @@ from forcefeel.models import DESIGN_STATES
 from forcefeel.parameters import INDEX
 from forcefeel.reproduction import printed_matrices as printed
 from forcefeel.reproduction.table import Reason, Row, Section, Verdict, number
-from forcefeel.units import factor, to_text
+from forcefeel.units import factor
 
 ROUNDING = 1e-14
 """Relative difference of entries that are the same formula in another order of multiplication."""
@@ -74,15 +74,9 @@ def _difference(largest: float) -> str:
 def _sign(loader: Loader) -> Row:
     model = _core.compliant(loader.values, Compensator.original(loader.values))[0]
     entry = model[5, 1] / printed.compliant(printed.letters(loader))[0][5, 1]
-    return Row(
-        "sign of K_1 G_max A / I",
-        "eqs. (12), (15), (17)",
-        "+1",
-        to_text(entry),
-        float(entry),
-        "",
-        Verdict.EXPLAINED,
-        _SIGN,
+    # With the sign turned round, as the reason says, the entry is the printed one.
+    return number(
+        "sign of K_1 G_max A / I", "eqs. (12), (15), (17)", "1", float(entry), "", Reason(_SIGN, -float(entry))
     )
 
 
