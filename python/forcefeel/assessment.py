@@ -88,7 +88,7 @@ def assess(
     found = modes(model)
     feel = feel_mode(found, *_core.feel_frequency(programmed.values))
     force = programmed["pilot.force"]
-    wanted = float(ideal.dcgain()) * force
+    wanted = programmed_angle_rad(programmed)
     reached = float(model.dcgain()[OUTPUTS.index("column_angle_rad"), 0]) * force
     system = _with_ideal(model, ideal)
     start = np.zeros(len(system))
@@ -111,6 +111,11 @@ def assess(
         tracking_error=float(np.sqrt(tracking / DURATION_S)) / wanted,
         cost=cost,
     )
+
+
+def programmed_angle_rad(loader: Loader) -> float:
+    """Deflection at rest that is programmed for the pilot's force, R_p F_p / G of eq. (11)."""
+    return float(ideal_feel(loader).dcgain()) * loader["pilot.force"]
 
 
 def peaks(loader: Loader, compensator: Compensator | None, linkage: Linkage = Linkage.COMPLIANT) -> Peaks:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from forcefeel._core import feel_frequency
+from forcefeel.analysis.modes import least_damped
 from forcefeel.assessment import Assessment
 from forcefeel.models import Linkage
 from forcefeel.studies import CHANGES, VISIBLE_LOSS, droppable, worst
@@ -71,12 +72,12 @@ def _verdict(design: Design) -> str:
 
 
 def _compliance(design: Design) -> str:
-    compliant = next(one for one in design.servos if one.linkage is Linkage.COMPLIANT)
+    compliant = design.servo(Linkage.COMPLIANT)
     swinging = [mode for mode in compliant.closed_modes if mode.imaginary_per_s > 0]
     if not swinging:
         return "The linkage is compliant, but nothing swings on it: every mode of the servo is real."
-    mode = min(swinging, key=lambda one: one.damping_ratio)
-    rigid = next(one for one in design.servos if one.linkage is Linkage.RIGID)
+    mode = least_damped(swinging)
+    rigid = design.servo(Linkage.RIGID)
     if any(abs(one.frequency_rad_per_s / mode.frequency_rad_per_s - 1) <= SAME_MODE for one in rigid.closed_modes):
         return (
             f"The linkage is as good as rigid: the servo's least damped mode, at {_hertz(mode.frequency_rad_per_s)} with a"

@@ -20,7 +20,6 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Annotated, Any
 
-import jinja2
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, create_model
@@ -41,6 +40,7 @@ from forcefeel.parameters import (
     replaced,
     unit,
 )
+from forcefeel.templating import environment
 from forcefeel.units import UnitSystem, parse, show
 
 _STRICT = ConfigDict(extra="forbid", frozen=True, strict=True)
@@ -90,16 +90,9 @@ def _document(path: Path) -> dict[str, Any]:
 
 def write(name: str, source: str, values: Mapping[str, float], units: UnitSystem) -> str:
     """A commented loader file with these SI values."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("forcefeel"),
-        undefined=jinja2.StrictUndefined,
-        keep_trailing_newline=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        autoescape=False,  # TOML, not HTML
-    )
-    environment.filters["toml"] = _toml_string
-    return environment.get_template("loader.toml.j2").render(
+    templates = environment(html=False)
+    templates.filters["toml"] = _toml_string
+    return templates.get_template("loader.toml.j2").render(
         name=name,
         source=source,
         parts=PARTS,

@@ -10,16 +10,18 @@ from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation
 from forcefeel.loader import Loader
 from forcefeel.models import DESIGN_STATES
 from forcefeel.parameters import TABLE, unit
-from forcefeel.units import Unit, UnitSystem
+from forcefeel.units import Unit, UnitSystem, to_text
 
 Plain = dict[str, Any] | list[Any] | str | float | int | bool | None
 
 
-def quantity(value: float, measured_in: Unit, system: UnitSystem) -> Plain:
+def quantity(value: float, measured_in: Unit, system: UnitSystem) -> dict[str, Plain]:
     """``{"value": ..., "unit": ...}``; an infinite or undefined value is text, because JSON has no number for it."""
-    shown = measured_in.from_si(value, system)
-    text = "undefined" if math.isnan(shown) else "infinite" if shown > 0 else "-infinite"
-    return {"value": shown if math.isfinite(shown) else text, "unit": measured_in.shown(system)}
+    return {"value": _number(measured_in.from_si(value, system)), "unit": measured_in.shown(system)}
+
+
+def _number(value: float) -> float | str:
+    return value if math.isfinite(value) else to_text(value)
 
 
 def plain(result: object, system: UnitSystem) -> Plain:
@@ -44,7 +46,7 @@ def plain(result: object, system: UnitSystem) -> Plain:
     if isinstance(result, dict):
         return {str(key): plain(value, system) for key, value in result.items()}
     if isinstance(result, float):
-        return result if math.isfinite(result) else str(quantity(result, Unit("", "", ""), system)["value"])  # type: ignore[index,call-overload]
+        return _number(result)
     return result  # type: ignore[return-value]
 
 
@@ -58,7 +60,7 @@ def plain_gains(gains: np.ndarray[Any, np.dtype[np.float64]], system: UnitSystem
     """Gains with the state that each acts on."""
     rows = zip(GAIN_SYMBOLS, DESIGN_STATES, gains, GAIN_UNITS, strict=False)
     return [
-        {"symbol": symbol, "state": state} | quantity(float(value), measured_in, system)  # type: ignore[operator]
+        {"symbol": symbol, "state": state, **quantity(float(value), measured_in, system)}
         for symbol, state, value, measured_in in rows
     ]
 

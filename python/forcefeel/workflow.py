@@ -7,7 +7,7 @@ from typing import Annotated
 from forcefeel._core import Compensator, feel_frequency
 from forcefeel.analysis.boundary import StabilityBoundary, smallest_stable_stiffness
 from forcefeel.analysis.frequency import Margins, Peak, margins, resonance
-from forcefeel.analysis.modes import Mode, modes
+from forcefeel.analysis.modes import Mode, least_damped, modes
 from forcefeel.assessment import Assessment, Peaks, assess, peaks
 from forcefeel.compensation import Compensation, DesignSettings, compensate
 from forcefeel.loader import Loader
@@ -104,6 +104,10 @@ class Analysis:
     servos: tuple[ServoResult, ...]
     configurations: tuple[Configuration, ...]
 
+    def servo(self, linkage: Linkage) -> ServoResult:
+        """The servo with that link."""
+        return next(one for one in self.servos if one.linkage is linkage)
+
     def configuration(self, name: str) -> Configuration:
         """The configuration of that name."""
         return next(one for one in self.configurations if one.name == name)
@@ -187,7 +191,7 @@ def design(
 def _servo(loader: Loader, linkage: Linkage) -> ServoResult:
     opened, closed = servo(loader, linkage, closed=False), servo(loader, linkage, closed=True)
     closed_modes = modes(closed)
-    w = min(closed_modes, key=lambda mode: mode.damping_ratio).frequency_rad_per_s
+    w = least_damped(closed_modes).frequency_rad_per_s
     peak = resonance(closed[1, 0], w / 2, 3 * w)  # wide enough for the peak of a mode that others pull aside
     return ServoResult(linkage, modes(opened), closed_modes, margins(opened[0, 0]), peak)
 

@@ -1,5 +1,6 @@
 """Poles with frequency and damping."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -45,6 +46,11 @@ def is_stable(abscissa_per_s: float) -> bool:
 def spectral_abscissa(a: NDArray[np.float64]) -> float:
     """Largest real part of the eigenvalues of the state matrix ``a`` in 1/s."""
     return float(np.max(np.linalg.eigvals(a).real))
+
+
+def least_damped(found: Iterable[Mode]) -> Mode:
+    """The mode of the smallest damping ratio."""
+    return min(found, key=lambda mode: mode.damping_ratio)
 
 
 def feel_mode(found: tuple[Mode, ...], frequency_rad_per_s: float, damping_ratio: float) -> Mode:

@@ -22,7 +22,7 @@ from forcefeel.findings import conclusions
 from forcefeel.loader import Loader, elevator, load
 from forcefeel.reproduction import Verdict, markdown
 from forcefeel.reproduction import reproduce as run_reproduction
-from forcefeel.results import plain
+from forcefeel.results import plain, plain_loader
 from forcefeel.units import UnitSystem
 
 
@@ -70,16 +70,18 @@ def new(path: Path, units: UnitSystem, *, as_json: bool, force: bool) -> None:
         raise InputError(f"{path}: is there already; choose another name, or --force to replace it")
     loader = elevator()
     write_whole(path, loader.to_toml(units))
-    _print_json({"loader_file": str(path)} | plain(loader, units)) if as_json else print(f"wrote {path}")  # type: ignore[operator]
+    if as_json:
+        _print_json({"loader_file": str(path), **plain_loader(loader, units)})
+    else:
+        print(f"wrote {path}")
 
 
 def design(path: Path | None, options: Options, out: Path, units: UnitSystem, *, as_json: bool) -> None:
     """Designs and writes the report."""
-    from forcefeel.report import write_report  # noqa: PLC0415  Plotly is only needed here
+    from forcefeel.report import check_folder, write_report  # noqa: PLC0415  Plotly is only needed here
 
     loader = _loader(path)
-    if out.exists() and not out.is_dir():
-        raise InputError(f"{out}: is a file; expected a folder for the report")
+    check_folder(out)  # before the work, not after it
     settings = options.settings(loader)
     with Steps(len(workflow.STEPS)) as progress:
         found = workflow.design(loader, settings, progress.step)

@@ -5,7 +5,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from forcefeel.analysis.frequency import Margins
-from forcefeel.analysis.modes import Mode
+from forcefeel.analysis.modes import Mode, least_damped
 from forcefeel.assessment import Assessment, Peaks
 from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation
 from forcefeel.findings import Conclusions
@@ -34,7 +34,7 @@ def analysis(console: Console, found: Analysis, units: UnitSystem) -> None:
         "Servo, position loop closed", "link", "least damped mode", "damping ratio", "gain margin", "phase margin"
     )
     for result in found.servos:
-        mode = min(result.closed_modes, key=lambda m: m.damping_ratio)
+        mode = least_damped(result.closed_modes)
         servo.add_row(
             str(result.linkage),
             f"{_hertz(mode.frequency_rad_per_s)} Hz",

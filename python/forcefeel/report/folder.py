@@ -34,7 +34,7 @@ def write_report(design: Design, out: Path, units: UnitSystem) -> Path:
     Raises:
         InputError: If ``out`` is a file, or cannot be made or written.
     """
-    _check(out)
+    check_folder(out)
     contents = _contents(design, units)
     with _explained(out), _staging(out) as aside:
         for name, text in contents.items():
@@ -57,8 +57,12 @@ def _contents(design: Design, units: UnitSystem) -> dict[str, str]:
     }
 
 
-def _check(out: Path) -> None:
-    """Refuses what would fail halfway: a file where a folder is wanted, or a folder where a file is."""
+def check_folder(out: Path) -> None:
+    """Refuses what would fail halfway: a file where a folder is wanted, or a folder where a file is.
+
+    Raises:
+        InputError: If so.
+    """
     if out.exists() and not out.is_dir():
         raise InputError(f"{out}: is a file; expected a folder for the report; name another one, or move the file away")
     for name in (PAGE, RESULTS):

@@ -2,20 +2,19 @@
 
 import math
 
-from forcefeel.assessment import Assessment, Peaks
-from forcefeel.models import ideal_feel
+from forcefeel.analysis.boundary import StabilityBoundary
+from forcefeel.assessment import Assessment, Peaks, programmed_angle_rad
 from forcefeel.report.table import Cell, Table, Text, configuration, heads, number, words
 from forcefeel.report.typography import NONE, heading_text, percent_text, value_text
 from forcefeel.units import ANGLE, HERTZ, RATIO, ROTARY_STIFFNESS, Unit, UnitSystem
-from forcefeel.workflow import Configuration, Design
+from forcefeel.workflow import Design
 
 
 def side_by_side(design: Design, system: UnitSystem) -> Table:
     """What each configuration does at the programmed setting."""
     loops = [one.programmed for one in design.configurations]
     found = [loop.assessment for loop in loops]
-    loader = design.loader
-    wanted = float(ideal_feel(loader).dcgain()) * loader["pilot.force"]
+    wanted = programmed_angle_rad(design.loader)
 
     def of(name: str, attribute: str, unit: Unit, ideal: float = math.nan) -> tuple[Cell, ...]:
         values = [value_text(getattr(one, attribute), unit, system) for one in found]
@@ -32,7 +31,7 @@ def side_by_side(design: Design, system: UnitSystem) -> Table:
         _row("Deviation from the ideal over 2 s", [percent_text(one.tracking_error) for one in found]),
         _row("Largest valve current, of its rating", [_share(loop.peaks, "current_share") for loop in loops]),
         _row("Largest flow, of its rating", [_share(loop.peaks, "flow_share") for loop in loops]),
-        _row(smallest(system), [edge(one, system) for one in design.configurations]),
+        _row(smallest(system), [edge(one.boundary, system) for one in design.configurations]),
     )
     return Table(heads("At the programmed setting", *map(configuration, names)), rows)
 
@@ -42,9 +41,9 @@ def smallest(system: UnitSystem) -> str:
     return heading_text("Smallest stable stiffness", ROTARY_STIFFNESS, system)
 
 
-def edge(one: Configuration, system: UnitSystem) -> str:
-    """The smallest stable stiffness of a configuration."""
-    value = one.boundary.stiffness_n_m_per_rad
+def edge(boundary: StabilityBoundary, system: UnitSystem) -> str:
+    """The smallest stable stiffness; "none" if there is none."""
+    value = boundary.stiffness_n_m_per_rad
     return "none" if value == math.inf else value_text(value, ROTARY_STIFFNESS, system)
 
 

@@ -9,22 +9,21 @@ from forcefeel.analysis.boundary import StabilityBoundary
 from forcefeel.assessment import Assessment
 from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation, gains_in
 from forcefeel.parameters import PARTS, TABLE, main_rows, unit
+from forcefeel.report.glance import edge, smallest
 from forcefeel.report.heat import heat
 from forcefeel.report.table import Cell, Table, heads, number, words
 from forcefeel.report.typography import (
     NONE,
     change_text,
-    heading_text,
     number_text,
     percent_text,
     prose_html,
     quantity_text,
     symbol_html,
     unit_text,
-    value_text,
 )
 from forcefeel.studies import CHANGES, Deviation, DroppedPaths, best_of_each_count
-from forcefeel.units import HERTZ, RATIO, ROTARY_STIFFNESS, SECONDS, UnitSystem
+from forcefeel.units import HERTZ, RATIO, SECONDS, UnitSystem
 from forcefeel.workflow import Design
 
 STATES = (
@@ -82,8 +81,8 @@ def dropped(design: Design, system: UnitSystem) -> Table:
     singles = [row for row in design.dropped if len(row.paths) == 1]
     best = [row for row in best_of_each_count(design.dropped) if len(row.paths) > 1]
     full = design.configuration("compensated").programmed.assessment
-    edge = _edge(design.configuration("compensated").boundary, system)
-    first = (words("none (full set)"), *_rendering(full, system), number(NONE), edge)
+    limit = _edge(design.configuration("compensated").boundary, system)
+    first = (words("none (full set)"), *_rendering(full, system), number(NONE), limit)
     named = [*(_dropped(row, system) for row in singles), *(_dropped(row, system, best=True) for row in best)]
     return Table(_dropped_head(system), (first, *named))
 
@@ -101,7 +100,7 @@ def _dropped_head(system: UnitSystem) -> tuple[Cell, ...]:
         "Frequency",
         "Least damping ratio",
         "Growth of the cost index",
-        heading_text("Smallest stable stiffness", ROTARY_STIFFNESS, system),
+        smallest(system),
     )
 
 
@@ -113,8 +112,7 @@ def _dropped(row: DroppedPaths, system: UnitSystem, *, best: bool = False) -> tu
 
 
 def _edge(found: StabilityBoundary, system: UnitSystem) -> Cell:
-    value = found.stiffness_n_m_per_rad
-    return number("none", bad=True) if math.isinf(value) else number(value_text(value, ROTARY_STIFFNESS, system))
+    return number(edge(found, system), bad=math.isinf(found.stiffness_n_m_per_rad))
 
 
 def _rendering(found: Assessment, system: UnitSystem) -> tuple[Cell, ...]:

@@ -39,7 +39,7 @@ def boundary(design: Design, system: UnitSystem) -> Table:
         rows.append(
             (
                 Cell(configuration(one.name)),
-                number(edge(one, system)),
+                number(edge(one.boundary, system)),
                 number(percent_text(share) if share > 0 else NONE),
                 words(prose_html(one.boundary.note)),
             )

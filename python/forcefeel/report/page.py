@@ -30,6 +30,7 @@ from forcefeel.report.typography import (
     unit_text,
 )
 from forcefeel.studies import worst
+from forcefeel.templating import environment
 from forcefeel.units import HERTZ, UnitSystem
 from forcefeel.workflow import LOW_SHARE, Design
 
@@ -134,14 +135,8 @@ def _drawn_gains(design: Design, units: UnitSystem) -> tuple[tuple[str, str], ..
 
 @cache
 def _environment() -> jinja2.Environment:
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("forcefeel", "templates"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters.update(
+    templates = environment(html=True)
+    templates.filters.update(
         symbol=symbol_html,
         span=symbol_svg,
         prose=prose_html,
@@ -149,4 +144,4 @@ def _environment() -> jinja2.Environment:
         percent=percent_text,
         change=change_text,
     )
-    return environment
+    return templates

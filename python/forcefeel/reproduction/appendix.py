@@ -1,6 +1,7 @@
 """The appendix's constants: the two columns against each other, and where the values come from."""
 
 import tomllib
+from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -23,6 +24,7 @@ _ROUNDED_FACTORS = {
 """Factors with which the SI column was converted, found by dividing it by the U.S. column."""
 
 
+@cache
 def printed() -> dict[str, Any]:
     """The printed numbers."""
     text = resources.files("forcefeel").joinpath("data/report_1974.toml").read_text(encoding="utf-8")

@@ -101,7 +101,7 @@ def _scale(loader: Loader) -> list[Row]:
 
 
 def _overdamped(design: Design) -> Row:
-    rigid = next(one for one in design.servos if one.linkage is Linkage.RIGID)
+    rigid = design.servo(Linkage.RIGID)
     slowest = rigid.closed_modes[0]
     return claim(
         "the inner loop is somewhat overdamped",

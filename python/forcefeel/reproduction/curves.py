@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from forcefeel.analysis.modes import Mode
+from forcefeel.analysis.modes import Mode, least_damped
+from forcefeel.assessment import programmed_angle_rad
 from forcefeel.findings import FREQUENCY_TOLERANCE, SMALL_ERROR
-from forcefeel.models import Linkage, ideal_feel, servo
+from forcefeel.models import Linkage, servo
 from forcefeel.reproduction.table import Reason, Row, Section, about, claim, number
 from forcefeel.units import to_text
 from forcefeel.workflow import Design
@@ -19,7 +20,7 @@ def figures(design: Design) -> Section:
     """A row or more per figure."""
     rigid, compliant, compensated = (design.configuration(n) for n in ("rigid", "compliant", "compensated"))
     growing = max(compliant.low.modes, key=lambda mode: mode.real_per_s)
-    wanted = float(np.degrees(float(ideal_feel(design.loader).dcgain()) * design.loader["pilot.force"]))
+    wanted = float(np.degrees(programmed_angle_rad(design.loader)))
     found = compensated.programmed.assessment
     return Section(
         "Figures 8 to 11 and 14",
@@ -65,7 +66,7 @@ def figures(design: Design) -> Section:
 def _servo(design: Design) -> list[Row]:
     rows, held = [], _piston_held(design)
     for figure, result_modes in (("fig. 8", "open_modes"), ("fig. 9", "closed_modes")):
-        compliant = next(one for one in design.servos if one.linkage is Linkage.COMPLIANT)
+        compliant = design.servo(Linkage.COMPLIANT)
         mode = _link(getattr(compliant, result_modes))
         near = abs(_hertz(mode) / 12 - 1) < 0.1  # "approximately"
         rows += [
@@ -110,7 +111,7 @@ def _phase_margins(design: Design) -> list[Row]:
 
 
 def _link(found: tuple[Mode, ...]) -> Mode:
-    return min((mode for mode in found if mode.imaginary_per_s > 0), key=lambda mode: mode.damping_ratio)
+    return least_damped(mode for mode in found if mode.imaginary_per_s > 0)
 
 
 def _piston_held(design: Design) -> Mode:
