@@ -32,30 +32,36 @@ pub struct Compensator<S> {
 
 impl<S: Scalar> Compensator<S> {
     /// Servo alone: amplifier open, feel computer deaf.
-    pub fn none() -> Self {
-        let zero = S::constant(0.0);
+    #[inline(always)]
+    pub fn none(parameters: &Parameters<S>) -> Self {
+        let zero = parameters.amplifier.admittance.zero();
         Self { gains: [zero; 7], load_cell_arm: zero, displacement: Displacement::Volts }
     }
 
     /// The servo's position loop without the feel computer.
+    #[inline(always)]
     pub fn position_loop(parameters: &Parameters<S>) -> Self {
-        let mut law = Self::none();
+        let mut law = Self::none(parameters);
         // e = -e_P = -K_3 x_p                                                       eq. (13) with delta = 0
-        law.gains[0] = -parameters.potentiometer.signal(S::constant(1.0));
+        let one = parameters.potentiometer.gain.constant(1.0);
+        law.gains[0] = -parameters.potentiometer.signal(one);
         law
     }
 
     /// The original system; `delta` in V.
+    #[inline(always)]
     pub fn original(parameters: &Parameters<S>) -> Self {
         let mut law = Self::position_loop(parameters);
         // e = delta - K_3 x_p                                                                         eq. (13)
-        law.gains[2] = S::constant(1.0);
+        let one = law.gains[2].constant(1.0);
+        law.gains[2] = one;
         // T = -G_max K_1 F_c                                                                          eq. (12)
-        law.load_cell_arm = -parameters.feel.analog_torque(parameters.load_cell.signal(S::constant(1.0)));
+        law.load_cell_arm = -parameters.feel.analog_torque(parameters.load_cell.signal(one));
         law
     }
 
     /// Feedback of the design plant's states; `delta` in rad, so the computer sees the column's torque.
+    #[inline(always)]
     pub fn state_feedback(parameters: &Parameters<S>, gains: [S; 7]) -> Self {
         // T = -alpha R_b F_c                                            eq. (6) at rest: T = R_p F_p
         let load_cell_arm = parameters.linkage.base_force(parameters.column.base_arm);
@@ -63,12 +69,14 @@ impl<S: Scalar> Compensator<S> {
     }
 
     /// Amplifier input `e` in V from `[x_p, p, delta, delta', x_b, x_b', F_p]`.
+    #[inline(always)]
     pub fn command(&self, x: &[S; 7]) -> S {
         // e = c x                                                                        page of eq. (20)
-        self.gains.iter().zip(x).fold(S::constant(0.0), |e, (&c, &x)| e + c * x)
+        self.gains.iter().zip(x).fold(x[0].zero(), |e, (&c, &x)| e + c * x)
     }
 
     /// Torque `T` that the feel computer sees.
+    #[inline(always)]
     pub fn feel_torque(&self, f_c: S) -> S {
         -self.load_cell_arm * f_c
     }

@@ -58,14 +58,40 @@ impl Neg for Dual {
     }
 }
 
-impl Scalar for Dual {
-    fn constant(value: f64) -> Self {
+impl Dual {
+    /// A number that does not depend on the variable.
+    pub fn constant(value: f64) -> Self {
         Self { value, slope: 0.0 }
+    }
+}
+
+impl Scalar for Dual {
+    type Mask = bool;
+    fn constant(self, value: f64) -> Self {
+        Self::constant(value)
     }
     fn sqrt(self) -> Self {
         let root = libm::sqrt(self.value);
         // A constant zero has no slope; the rule would divide zero by zero.
         let slope = if self.slope == 0.0 { 0.0 } else { self.slope / (2.0 * root) };
         Self { value: root, slope }
+    }
+    fn abs(self) -> Self {
+        if self.value < 0.0 { -self } else { self }
+    }
+    fn round(self) -> Self {
+        Self::constant(libm::rint(self.value))
+    }
+    fn min(self, other: Self) -> Self {
+        if self.value < other.value { self } else { other }
+    }
+    fn max(self, other: Self) -> Self {
+        if self.value > other.value { self } else { other }
+    }
+    fn less(self, other: Self) -> bool {
+        self.value < other.value
+    }
+    fn select(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
     }
 }

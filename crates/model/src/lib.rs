@@ -24,16 +24,27 @@
 pub mod actuator;
 pub mod amplifier;
 pub mod column;
+pub mod column_motion;
 pub mod compensator;
+pub mod contact;
+pub mod controller;
+pub mod curve;
+pub mod dry_friction;
 pub mod dual;
+pub mod effects;
 pub mod feel;
+pub mod feel_law;
 pub mod linkage;
 pub mod load_cell;
 pub mod loader;
+pub mod machine;
 pub mod parameters;
 pub mod potentiometer;
+pub mod pressure;
 pub mod scalar;
+pub mod transducers;
 pub mod units;
 pub mod valve;
+pub mod valve_motion;
 
 pub use scalar::Scalar;

@@ -11,6 +11,7 @@ use crate::parameters::LoadCell;
 
 impl<S: Scalar> LoadCell<S> {
     /// Signal of the load cell circuit in V, positive when the pilot pushes.
+    #[inline(always)]
     pub fn signal(&self, f_c: S) -> S {
         // e_F = -K_1 A p                                                                       eq. (12), sign see above
         -self.gain * f_c

@@ -158,7 +158,7 @@ impl<S: Scalar> System<S, 7, 1, 1> for DesignPlant<S> {
             feel.acceleration(delta, delta_rate, self.pilot_arm * pilot_force),
             x_b_rate,
             column.base_acceleration(linkage.base_force(force), pilot_force),
-            S::constant(0.0), // dF_p/dt = 0: a step of pilot force
+            pilot_force.zero(), // dF_p/dt = 0: a step of pilot force
         ]
     }
 

@@ -3,6 +3,9 @@
 //! The default column is the elevator loader of the 1974 report, in the U.S. customary units in which its "measurements
 //! and calculations were made"; [`Parameter::default_si`] converts. A new parameter is one new row.
 //!
+//! Rows marked `optional` stand for what a real loader does beyond the report's linear models. Each has a value that holds
+//! where a loader file does not give it, with which the models are the report's.
+//!
 //! Rows marked `alternative` are another way to state rows of the same part; a loader gives one or the other:
 //!
 //! | stated as | instead of | by |
@@ -26,8 +29,11 @@ pub struct Parameter {
     pub meaning: &'static str,
     /// Its units.
     pub unit: Unit,
-    /// The elevator loader's value, in U.S. customary units.
+    /// The elevator loader's value, in U.S. customary units; for an optional row an example.
     pub default_us: f64,
+    /// The value, in U.S. customary units, that stands where a loader does not give an optional row: the one that switches
+    /// its effect off, or what goes with the effect unless said otherwise. Nothing for a row that a loader must give.
+    pub off_us: Option<f64>,
     /// The smallest accepted value, in U.S. customary units.
     pub minimum_us: f64,
     /// The largest accepted value, in U.S. customary units.
@@ -39,9 +45,14 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The elevator loader's value in SI units.
+    /// The elevator loader's value in SI units; for an optional row an example.
     pub fn default_si(&self) -> f64 {
         self.default_us * self.unit.si_per_us
+    }
+
+    /// The value in SI units where a loader does not give the row.
+    pub fn off_si(&self) -> Option<f64> {
+        self.off_us.map(|off| off * self.unit.si_per_us)
     }
 }
 
@@ -55,6 +66,9 @@ macro_rules! parameter_table {
         $part:ident: $Part:ident {
             $( $name:ident: $symbol:literal, $meaning:literal, $unit:ident, $default:expr, $minimum:literal .. $maximum:literal, $source:literal; )*
         }
+        optional {
+            $( $extra:ident: $esymbol:literal, $emeaning:literal, $eunit:ident, $eexample:expr, $eminimum:literal .. $emaximum:literal, off $eoff:expr; )*
+        }
         alternative to $replaced:tt {
             $( $other:ident: $osymbol:literal, $omeaning:literal, $ounit:ident, $odefault:expr, $ominimum:literal .. $omaximum:literal, $osource:literal; )*
         }
@@ -64,6 +78,7 @@ macro_rules! parameter_table {
             #[derive(Debug, Clone, Copy, PartialEq)]
             pub struct $Part<S> {
                 $( #[doc = concat!("`", $symbol, "`: ", $meaning, ".")] pub $name: S, )*
+                $( #[doc = concat!("`", $esymbol, "`: ", $emeaning, ".")] pub $extra: S, )*
             }
         )*
 
@@ -71,7 +86,7 @@ macro_rules! parameter_table {
             impl<S: Copy> $Part<S> {
                 /// The same part in another number type.
                 pub fn map<T>(&self, convert: impl Fn(S) -> T) -> $Part<T> {
-                    $Part { $( $name: convert(self.$name), )* }
+                    $Part { $( $name: convert(self.$name), )* $( $extra: convert(self.$extra), )* }
                 }
             }
         )*
@@ -85,13 +100,17 @@ macro_rules! parameter_table {
         /// The rows that make a [`Parameters`], in the order of its values.
         pub const TABLE: &[Parameter] = &[ $( $( Parameter {
             part: stringify!($part), name: stringify!($name), symbol: $symbol, meaning: $meaning, unit: units::$unit,
-            default_us: $default, minimum_us: $minimum, maximum_us: $maximum, source: $source, instead_of: &[],
+            default_us: $default, off_us: None, minimum_us: $minimum, maximum_us: $maximum, source: $source, instead_of: &[],
+        }, )* $( Parameter {
+            part: stringify!($part), name: stringify!($extra), symbol: $esymbol, meaning: $emeaning, unit: units::$eunit,
+            default_us: $eexample, off_us: Some($eoff), minimum_us: $eminimum, maximum_us: $emaximum, source: "example",
+            instead_of: &[],
         }, )* )* ];
 
         /// The rows that a loader file may give instead of others.
         pub const ALTERNATIVES: &[Parameter] = &[ $( $( Parameter {
             part: stringify!($part), name: stringify!($other), symbol: $osymbol, meaning: $omeaning, unit: units::$ounit,
-            default_us: $odefault, minimum_us: $ominimum, maximum_us: $omaximum, source: $osource, instead_of: names!($replaced),
+            default_us: $odefault, off_us: None, minimum_us: $ominimum, maximum_us: $omaximum, source: $osource, instead_of: names!($replaced),
         }, )* )* ];
 
         /// The parts and what each is.
@@ -105,7 +124,7 @@ macro_rules! parameter_table {
             pub fn from_values(values: &[S; COUNT]) -> Self {
                 let mut next = 0;
                 let mut take = || { next += 1; values[next - 1] };
-                Self { $( $part: $Part { $( $name: take(), )* }, )* }
+                Self { $( $part: $Part { $( $name: take(), )* $( $extra: take(), )* }, )* }
             }
 
             /// The same loader in another number type.
@@ -115,7 +134,7 @@ macro_rules! parameter_table {
 
             /// The values in the order of [`TABLE`], SI units.
             pub fn values(&self) -> [S; COUNT] {
-                [ $( $( self.$part.$name, )* )* ]
+                [ $( $( self.$part.$name, )* $( self.$part.$extra, )* )* ]
             }
         }
     };
@@ -125,6 +144,9 @@ parameter_table! {
     /// Servo amplifier: voltage in, valve current out.
     amplifier: Amplifier {
         admittance: "K_2", "valve current per volt at the amplifier's input", CURRENT_PER_VOLTAGE, 1.56, 1e-3..1e3, "appendix";
+    }
+    optional {
+        current_limit: "i_max", "largest current that the amplifier delivers", CURRENT, 15.0, 1e-3..1e5, off f64::INFINITY;
     }
     alternative to [] {}
 
@@ -138,6 +160,10 @@ parameter_table! {
         rated_current: "i_r", "largest valve current", CURRENT, 15.0, 0.1..1e4, "appendix";
         supply_pressure: "p_s", "supply pressure less return pressure", PRESSURE, 1200.0, 10.0..1e5, "appendix";
     }
+    optional {
+        orifice: "eq. (1)", "whether the flow follows the orifice, eq. (1), or the gains C_i, C_p", SWITCH, 1.0, 0.0..1.0, off 0.0;
+        flow_limit: "q_max", "largest flow that the spool's stroke lets through at no load", FLOW, 100.0, 1e-3..1e6, off f64::INFINITY;
+    }
     alternative to [current_gain, pressure_gain] {
         operating_current: "i*/i_r", "valve current at the operating point, as a share of the rated current", RATIO, 0.2, 1e-3..1.0, "page of eq. (2)";
         operating_pressure: "p*/p_s", "load pressure at the operating point, as a share of the supply pressure", RATIO, 0.33, 0.0..0.99, "page of eq. (2)";
@@ -149,6 +175,10 @@ parameter_table! {
         oil_volume: "V_E", "effective volume of compressed oil", VOLUME, 11.7, 1e-3..1e5, "appendix";
         bulk_modulus: "beta", "bulk modulus of the oil", PRESSURE, 250_000.0, 1e3..1e6, "appendix";
     }
+    optional {
+        relief_pressure: "p_relief", "load pressure above which oil passes by the piston", PRESSURE, 1500.0, 1.0..1e5, off f64::INFINITY;
+        relief_gain: "C_relief", "flow past the piston per unit of pressure above the relief pressure", FLOW_PER_PRESSURE, 1.0, 1e-4..1e3, off 1.0;
+    }
     alternative to [] {}
 
     /// Link between the actuator's load cell and the base of the column.
@@ -156,6 +186,9 @@ parameter_table! {
         ratio: "alpha", "linkage ratio l_2 / (l_1 + l_2): piston travel per travel of the column's base", RATIO, 0.59, 1e-2..1.0, "appendix";
         stiffness: "k", "spring rate of the linkage", STIFFNESS, 6107.86, 1.0..1e8, "appendix";
         damping: "c", "damping coefficient of the linkage", DAMPING, 16.2016, 1e-3..1e6, "appendix";
+    }
+    optional {
+        backlash: "b", "free play of the link, measured at the piston", LENGTH, 0.002, 0.0..1.0, off 0.0;
     }
     alternative to [stiffness, damping] {
         resonance_frequency: "w_link / 2 pi", "frequency at which the column swings on the linkage", FREQUENCY, 12.0, 0.1..1e3, "page of figure 8";
@@ -168,17 +201,63 @@ parameter_table! {
         base_arm: "R_b", "lever arm of the column's base", LENGTH, 10.0, 0.05..200.0, "appendix";
         grip_arm: "R_p", "lever arm of the pilot's force", LENGTH, 31.375, 0.05..200.0, "appendix";
     }
+    optional {
+        viscous_friction: "B_c", "viscous friction of the column about its pivot", ROTARY_DAMPING, 10.0, 0.0..1e6, off 0.0;
+        coulomb_friction: "F_c", "dry friction of the moving column, as force at the grip", FORCE, 3.0, 0.0..1e4, off 0.0;
+        static_friction: "F_s", "force at the grip at which the resting column breaks away; at least the dry friction", FORCE, 4.0, 0.0..1e4, off 0.0;
+        gravity_torque: "U", "weight of the column times the distance of its centre of gravity from the pivot", TORQUE, 100.0, 0.0..1e6, off 0.0;
+        gravity_angle: "phi_U", "angle of the centre of gravity from the vertical above the pivot, column at neutral", ANGLE, 0.0, -180.0..180.0, off 0.0;
+        stop_low: "theta_min", "lower end stop", ANGLE, -20.0, -180.0..0.0, off f64::NEG_INFINITY;
+        stop_high: "theta_max", "upper end stop", ANGLE, 20.0, 0.0..180.0, off f64::INFINITY;
+        stop_stiffness: "k_stop", "spring rate of the end stops", ROTARY_STIFFNESS, 5e5, 1.0..1e9, off 5e5;
+        stop_damping: "c_stop", "damping of the end stops", ROTARY_DAMPING, 1000.0, 0.0..1e7, off 1000.0;
+    }
     alternative to [] {}
 
     /// Load cell between actuator and linkage.
     load_cell: LoadCell {
         gain: "K_1", "load cell circuit's output per unit of force", VOLTAGE_PER_FORCE, 0.005, 1e-7..10.0, "appendix";
     }
+    optional {
+        offset: "F_0", "offset of the load cell", FORCE, 0.5, -1e4..1e4, off 0.0;
+        noise: "sigma_F", "noise of a sample of the load cell, r.m.s.", FORCE, 0.1, 0.0..1e4, off 0.0;
+        resolution: "dF", "smallest step of the load cell", FORCE, 0.05, 0.0..1e4, off 0.0;
+        bandwidth: "f_F", "bandwidth of the load cell, a first-order lag", FREQUENCY, 500.0, 0.1..1e5, off f64::INFINITY;
+    }
     alternative to [] {}
 
     /// Potentiometer at the piston.
     potentiometer: Potentiometer {
         gain: "K_3", "potentiometer circuit's output per unit of piston travel", VOLTAGE_PER_LENGTH, 7.632, 1e-3..1e4, "appendix";
+    }
+    optional {
+        offset: "x_0", "offset of the piston's position", LENGTH, 0.001, -10.0..10.0, off 0.0;
+        noise: "sigma_x", "noise of a sample of the piston's position, r.m.s.", LENGTH, 0.0005, 0.0..1.0, off 0.0;
+        resolution: "dx", "smallest step of the piston's position", LENGTH, 0.0005, 0.0..1.0, off 0.0;
+        bandwidth: "f_x", "bandwidth of the piston's sensor, a first-order lag", FREQUENCY, 500.0, 0.1..1e5, off f64::INFINITY;
+    }
+    alternative to [] {}
+
+    /// Sensor of the column's angle.
+    column_sensor: ColumnSensor {}
+    optional {
+        offset: "theta_0", "offset of the column's sensor", ANGLE, 0.05, -10.0..10.0, off 0.0;
+        noise: "sigma_theta", "noise of a sample of the column's angle, r.m.s.", ANGLE, 0.005, 0.0..10.0, off 0.0;
+        resolution: "dtheta", "smallest step of the column's angle", ANGLE, 0.005, 0.0..10.0, off 0.0;
+        bandwidth: "f_theta", "bandwidth of the column's sensor, a first-order lag", FREQUENCY, 500.0, 0.1..1e5, off f64::INFINITY;
+    }
+    alternative to [] {}
+
+    /// Digital controller that runs the feel computer and the compensator; analog, without delay, unless a period is given.
+    controller: Controller {}
+    optional {
+        period: "T", "sample period", TIME, 0.5, 1e-2..100.0, off 0.0;
+        delay: "tau", "time from the sample to its command", TIME, 0.5, 0.0..100.0, off 0.0;
+        input_range: "E_in", "largest voltage that the input converters take", VOLTAGE, 10.0, 1e-3..1e4, off f64::INFINITY;
+        input_bits: "n_in", "bits of the input converters over twice their range", RATIO, 16.0, 1.0..52.0, off 0.0;
+        output_range: "E_out", "largest voltage that the output converter gives", VOLTAGE, 10.0, 1e-3..1e4, off f64::INFINITY;
+        output_bits: "n_out", "bits of the output converter over twice its range", RATIO, 16.0, 1.0..52.0, off 0.0;
+        antiwindup: "a_w", "rate at which the programmed displacement gives way while the command is cut off", RATE, 100.0, 0.0..1e5, off 0.0;
     }
     alternative to [] {}
 
@@ -189,6 +268,30 @@ parameter_table! {
         stiffness: "G", "programmed spring rate of the control", ROTARY_STIFFNESS, 9600.0, 1e-3..1e8, "appendix";
         maximum_stiffness: "G_max", "largest programmed spring rate; scales the load cell's channel", ROTARY_STIFFNESS, 28800.0, 1e-3..1e8, "appendix";
     }
+    optional {
+        coulomb_friction: "F_cf", "programmed dry friction while moving, as force at the grip", FORCE, 2.0, 0.0..1e4, off 0.0;
+        static_friction: "F_sf", "programmed force at the grip at which the resting control breaks away; at least the dry friction", FORCE, 3.0, 0.0..1e4, off 0.0;
+        quadratic_damping: "B_2", "programmed damping that grows with the square of the velocity", QUADRATIC_DAMPING, 50.0, 0.0..1e7, off 0.0;
+        deadband: "phi_d", "angle to either side of neutral within which the spring does not act", ANGLE, 0.5, 0.0..90.0, off 0.0;
+        breakout: "F_b", "force at the grip that it takes to leave neutral, over the friction", FORCE, 4.0, 0.0..1e4, off 0.0;
+        breakout_travel: "phi_b", "angle over which the breakout force builds up", ANGLE, 0.1, 1e-3..10.0, off 0.1;
+        preload: "F_0f", "constant force at the grip towards negative angles", FORCE, 5.0, -1e4..1e4, off 0.0;
+        hysteresis: "F_h", "force at the grip by which way and way back differ from their mean", FORCE, 1.0, 0.0..1e4, off 0.0;
+        hysteresis_travel: "phi_h", "angle over which the hysteresis turns round", ANGLE, 0.2, 1e-3..10.0, off 0.2;
+        detent_force: "F_d", "force at the grip that it takes to leave the detent", FORCE, 3.0, 0.0..1e4, off 0.0;
+        detent_angle: "phi_det", "where the detent is", ANGLE, 5.0, -180.0..180.0, off 0.0;
+        detent_travel: "w_det", "angle from the detent to its largest force", ANGLE, 1.0, 1e-3..90.0, off 1.0;
+        soft_stop_low: "phi_s1", "angle below which the lower soft stop pushes back", ANGLE, -15.0, -180.0..180.0, off f64::NEG_INFINITY;
+        soft_stop_high: "phi_s2", "angle above which the upper soft stop pushes back", ANGLE, 15.0, -180.0..180.0, off f64::INFINITY;
+        soft_stop_stiffness: "k_s", "spring rate of the soft stops", ROTARY_STIFFNESS, 5e4, 1.0..1e9, off 5e4;
+        soft_stop_damping: "c_s", "damping of the soft stops", ROTARY_DAMPING, 100.0, 0.0..1e7, off 0.0;
+        hard_stop_low: "phi_h1", "lowest angle of the programmed control", ANGLE, -18.0, -180.0..180.0, off f64::NEG_INFINITY;
+        hard_stop_high: "phi_h2", "highest angle of the programmed control", ANGLE, 18.0, -180.0..180.0, off f64::INFINITY;
+        velocity_limit: "phi'_max", "largest angular velocity of the programmed control", ANGULAR_VELOCITY, 60.0, 0.1..1e5, off f64::INFINITY;
+        trim_rate: "n'_max", "largest angular velocity of the trimmed neutral", ANGULAR_VELOCITY, 2.0, 1e-3..1e5, off f64::INFINITY;
+        shaker_force: "F_sh", "amplitude of the stick shaker, as force at the grip", FORCE, 10.0, 0.0..1e4, off 0.0;
+        shaker_frequency: "f_sh", "frequency of the stick shaker", FREQUENCY, 20.0, 0.1..200.0, off 20.0;
+    }
     alternative to [inertia, damping] {
         natural_frequency: "sqrt(G/I) / 2 pi", "programmed natural frequency", FREQUENCY, 2.0, 1e-3..100.0, "appendix, page of [Q]";
         damping_ratio: "B / (2 sqrt(G I))", "programmed damping ratio", RATIO, 0.2, 0.0..100.0, "appendix, page of [Q]";
@@ -198,12 +301,17 @@ parameter_table! {
     pilot: Pilot {
         force: "F_p", "step of pilot force in the time responses", FORCE, 96.0, 1e-3..1e4, "appendix";
     }
+    optional {
+        arm_mass: "m_a", "mass of the pilot's arm at the grip", MASS, 3.0, 0.0..1e3, off 0.0;
+        arm_damping: "d_a", "damping of the pilot's arm at the grip", DAMPING, 0.05, 0.0..1e3, off 0.0;
+        arm_stiffness: "k_a", "spring rate of the pilot's arm at the grip", STIFFNESS, 0.3, 0.0..1e4, off 0.0;
+    }
     alternative to [] {}
 }
 
-impl<S: crate::Scalar> Parameters<S> {
-    /// The elevator loader of the report.
+impl Parameters<f64> {
+    /// The elevator loader of the report, every optional row off.
     pub fn elevator() -> Self {
-        Self::from_values(&core::array::from_fn(|k| S::constant(TABLE[k].default_si())))
+        Self::from_values(&core::array::from_fn(|k| TABLE[k].off_si().unwrap_or_else(|| TABLE[k].default_si())))
     }
 }

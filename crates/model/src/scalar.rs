@@ -1,32 +1,148 @@
 //! The number type of the model.
 
-use core::ops::{Add, Div, Mul, Neg, Sub};
+use core::fmt::Debug;
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 /// What the equations of the model ask of a number.
+///
+/// A number may stand for several runs at once, one in each lane; what depends on a comparison is therefore chosen with
+/// [`Scalar::select`], lane by lane, and a constant is made from a number that is at hand, which knows how many lanes it has.
+/// Only correctly rounded operations are asked for, so a run gives the same bits in whatever lane it stands.
 pub trait Scalar:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// The constant `value` as this number type.
-    fn constant(value: f64) -> Self;
+    /// The outcome of a comparison, lane by lane.
+    type Mask: Copy + Debug + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
+
+    /// The constant `value` in the number type of `self`.
+    fn constant(self, value: f64) -> Self;
     /// The square root; not a number below zero.
     fn sqrt(self) -> Self;
+    /// The magnitude.
+    fn abs(self) -> Self;
+    /// The nearest whole number; of two equally near, the even one.
+    fn round(self) -> Self;
+    /// The smaller of two.
+    fn min(self, other: Self) -> Self;
+    /// The larger of two.
+    fn max(self, other: Self) -> Self;
+    /// Whether `self < other`.
+    fn less(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask holds, else `no`.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+
+    /// `self` times a constant.
+    #[inline(always)]
+    fn times(self, factor: f64) -> Self {
+        self * self.constant(factor)
+    }
+    /// Zero in the number type of `self`.
+    #[inline(always)]
+    fn zero(self) -> Self {
+        self.constant(0.0)
+    }
+    /// The nearest value within `low` and `high`.
+    #[inline(always)]
+    fn clamp(self, low: Self, high: Self) -> Self {
+        self.max(low).min(high)
+    }
+    /// The nearest value within `-limit` and `limit`.
+    #[inline(always)]
+    fn within(self, limit: Self) -> Self {
+        self.clamp(-limit, limit)
+    }
+    /// The sine, to rounding, of an angle within some turns of zero.
+    #[inline(always)]
+    fn sin(self) -> Self {
+        // sin x = -+sin(x - n pi), then the series to x^21, whose next term is 1e-18 at pi / 2
+        let turns = self.times(core::f64::consts::FRAC_1_PI).round();
+        let x = self - turns.times(core::f64::consts::PI);
+        let odd = turns - turns.times(0.5).round().times(2.0);
+        let squared = x * x;
+        let series = SINE.iter().rev().fold(x.zero(), |sum, &term| sum * squared + x.constant(term));
+        let sine = x * series;
+        Self::select(odd.abs().less(odd.constant(0.5)), sine, -sine)
+    }
+    /// `exp(-self)` for a number that is not negative; zero for infinity.
+    #[inline(always)]
+    fn decay(self) -> Self {
+        // exp(-x) = exp(-x / 1024)^1024, the series to its 12th term; beyond 700 the result is no number of double precision
+        let x = self.min(self.constant(700.0)).times(-1.0 / 1024.0);
+        let mut sum = x.constant(1.0);
+        for n in (1..=12).rev() {
+            sum = x.constant(1.0) + (x * sum).times(1.0 / f64::from(n));
+        }
+        for _ in 0..10 {
+            sum = sum * sum;
+        }
+        Self::select(self.less(self.constant(700.0)), sum, self.zero())
+    }
+    /// `self` rounded to a multiple of `step`; itself where the step is zero.
+    #[inline(always)]
+    fn quantized(self, step: Self) -> Self {
+        Self::select(self.zero().less(step), (self / step).round() * step, self)
+    }
+    /// `self` with its sign reversed where `other` is negative.
+    #[inline(always)]
+    fn times_sign(self, other: Self) -> Self {
+        Self::select(other.less(other.zero()), -self, self)
+    }
 }
 
-impl Scalar for f64 {
-    fn constant(value: f64) -> Self {
-        value
+/// `1, -1/3!, 1/5!, ...`: the series of the sine.
+const SINE: [f64; 11] = {
+    let mut terms = [1.0; 11];
+    let mut k = 1;
+    while k < 11 {
+        let n = 2.0 * k as f64;
+        terms[k] = -terms[k - 1] / (n * (n + 1.0));
+        k += 1;
     }
-    fn sqrt(self) -> Self {
-        libm::sqrt(self)
-    }
+    terms
+};
+
+macro_rules! scalar {
+    ($type:ty, $sqrt:path, $round:path, $constant:expr) => {
+        impl Scalar for $type {
+            type Mask = bool;
+            #[inline(always)]
+            fn constant(self, value: f64) -> Self {
+                $constant(value)
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $sqrt(self)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                <$type>::abs(self)
+            }
+            #[inline(always)]
+            fn round(self) -> Self {
+                $round(self)
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                if self < other { self } else { other }
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                if self > other { self } else { other }
+            }
+            #[inline(always)]
+            fn less(self, other: Self) -> bool {
+                self < other
+            }
+            #[inline(always)]
+            fn select(mask: bool, yes: Self, no: Self) -> Self {
+                if mask { yes } else { no }
+            }
+        }
+    };
 }
 
-impl Scalar for f32 {
-    #[expect(clippy::cast_possible_truncation, reason = "rounding to single precision is what is asked")]
-    fn constant(value: f64) -> Self {
-        value as f32
-    }
-    fn sqrt(self) -> Self {
-        libm::sqrtf(self)
-    }
-}
+scalar!(f64, libm::sqrt, libm::rint, |value| value);
+#[expect(clippy::cast_possible_truncation, reason = "rounding to single precision is what is asked")]
+const _: () = {
+    scalar!(f32, libm::sqrtf, libm::rintf, |value| value as f32);
+};

@@ -26,6 +26,22 @@ const MA: f64 = 1e-3;
 
 /// A pure number.
 pub const RATIO: Unit = unit("", "", "", 1.0);
+/// A yes or a no: 1 or 0.
+pub const SWITCH: Unit = unit("switch", "switch", "switch", 1.0);
+/// Time, as of a sample.
+pub const TIME: Unit = unit("s", "ms", "ms", 1e-3);
+/// Rate.
+pub const RATE: Unit = unit("1/s", "1/s", "1/s", 1.0);
+/// Angle.
+pub const ANGLE: Unit = unit("rad", "deg", "deg", core::f64::consts::PI / 180.0);
+/// Angular velocity.
+pub const ANGULAR_VELOCITY: Unit = unit("rad/s", "deg/s", "deg/s", core::f64::consts::PI / 180.0);
+/// Voltage.
+pub const VOLTAGE: Unit = unit("V", "V", "V", 1.0);
+/// Mass.
+pub const MASS: Unit = unit("kg", "kg", "lbm", 0.453_592_37);
+/// Torque.
+pub const TORQUE: Unit = unit("N m", "N m", "lb in", LB * IN);
 /// Length.
 pub const LENGTH: Unit = unit("m", "cm", "in", IN);
 /// Area.
@@ -62,5 +78,7 @@ pub const DAMPING: Unit = unit("N s/m", "N s/cm", "lb s/in", LB / IN);
 pub const ROTARY_STIFFNESS: Unit = unit("N m/rad", "N m/rad", "lb in/rad", LB * IN);
 /// Rotary damping.
 pub const ROTARY_DAMPING: Unit = unit("N m s/rad", "N m s/rad", "lb in s/rad", LB * IN);
+/// Damping that grows with the square of the angular velocity.
+pub const QUADRATIC_DAMPING: Unit = unit("N m s^2/rad^2", "N m s^2/rad^2", "lb in s^2/rad^2", LB * IN);
 /// Mass moment of inertia.
 pub const INERTIA: Unit = unit("N m s^2/rad", "N m s^2/rad", "lb in s^2/rad", LB * IN);

@@ -38,7 +38,8 @@ fn assert_rest(rates: &[f64], scale: &[f64]) {
 
 #[test]
 fn compliant_loader_rests_on_a_stretched_link() {
-    let model = Compliant { parameters: Parameters::<f64>::elevator(), compensator: Compensator::none() };
+    let model =
+        Compliant { parameters: Parameters::elevator(), compensator: Compensator::none(&Parameters::elevator()) };
     let Rest { force, pressure, flow, test_signal, stretch } = rest();
     let x_p = 0.3;
     let x_b = (x_p - stretch) / 0.59;
@@ -70,7 +71,7 @@ fn compliant_loader_rests_on_a_stretched_link() {
 
 #[test]
 fn rigid_loader_rests_under_the_same_forces() {
-    let model = Rigid { parameters: Parameters::<f64>::elevator(), compensator: Compensator::none() };
+    let model = Rigid { parameters: Parameters::elevator(), compensator: Compensator::none(&Parameters::elevator()) };
     let Rest { pressure, flow, test_signal, .. } = rest();
     let x = [0.3 * IN, 0.0, pressure * PSI, flow * FLOW, 0.0, 0.0, 0.0];
     let u = [96.0 * LB, test_signal];
@@ -89,14 +90,14 @@ fn rigid_loader_rests_under_the_same_forces() {
 
 #[test]
 fn rigid_piston_carries_the_column_over_the_linkage_ratio() {
-    let model = Rigid { parameters: Parameters::<f64>::elevator(), compensator: Compensator::none() };
+    let model = Rigid { parameters: Parameters::elevator(), compensator: Compensator::none(&Parameters::elevator()) };
     let rates = model.derivative(&[0.0; 7], &[10.0 * LB, 0.0]);
     assert_near(rates[1], 0.59 * 10.0 * 313.75 / 37.4 * IN, ROUNDING); // alpha R_b theta''
 }
 
 #[test]
 fn design_plant_follows_the_current_without_valve_dynamics_and_holds_the_pilots_force() {
-    let plant = DesignPlant { parameters: Parameters::<f64>::elevator(), pilot_arm: 31.375 * IN };
+    let plant = DesignPlant { parameters: Parameters::elevator(), pilot_arm: 31.375 * IN };
     let Rest { pressure, test_signal, stretch, .. } = rest();
     let x_b = (0.3 - stretch) / 0.59;
     // The feel rests at 3012 / 9600 rad under the torque of the pilot's 96 lb.
@@ -110,7 +111,7 @@ fn design_plant_follows_the_current_without_valve_dynamics_and_holds_the_pilots_
 
 #[test]
 fn ideal_feel_deflects_by_torque_over_stiffness() {
-    let feel = IdealFeel { parameters: Parameters::<f64>::elevator() };
+    let feel = IdealFeel { parameters: Parameters::elevator() };
     let x = [0.313_75, 0.0]; // 96 lb * 31.375 in / 9600 lb in/rad
     assert_rest(&feel.derivative(&x, &[96.0 * LB]), &[0.0, 160.0]);
     assert_near(feel.outputs(&x, &[0.0])[0], 0.313_75, 0.0);
@@ -118,12 +119,12 @@ fn ideal_feel_deflects_by_torque_over_stiffness() {
 
 #[test]
 fn original_law_is_the_position_loop_of_the_report() {
-    let law = Compensator::original(&Parameters::<f64>::elevator());
+    let law = Compensator::original(&Parameters::elevator());
     let x = [0.2 * IN, 1e6, 1.5, 7.0, 3.0, 4.0, 5.0];
     assert_near(law.command(&x), 1.5 - 7.632 * 0.2, ROUNDING); // e = delta - K_3 x_p
     // T = -G_max K_1 F_c, in N m V/rad
     assert_near(law.feel_torque(10.0 * LB), -28_800.0 * LB * IN * 0.05, ROUNDING);
-    let alone = Compensator::position_loop(&Parameters::<f64>::elevator());
+    let alone = Compensator::position_loop(&Parameters::elevator());
     assert_near(alone.command(&x), -7.632 * 0.2, ROUNDING);
     assert_near(alone.feel_torque(10.0 * LB), 0.0, 0.0);
 }
@@ -131,14 +132,14 @@ fn original_law_is_the_position_loop_of_the_report() {
 #[test]
 fn state_feedback_weighs_every_state_and_shows_the_computer_the_pilots_torque() {
     let gains = [1.0, -2.0, 3.0, -4.0, 5.0, -6.0, 7.0];
-    let law = Compensator::state_feedback(&Parameters::<f64>::elevator(), gains);
+    let law = Compensator::state_feedback(&Parameters::elevator(), gains);
     assert_near(law.command(&[7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0]), 4.0, 0.0); // 7 - 12 + 15 - 16 + 15 - 12 + 7
     assert_near(law.feel_torque(rest().force * LB), 3012.0 * LB * IN, ROUNDING);
 }
 
 #[test]
 fn open_amplifier_hears_nothing() {
-    let law = Compensator::<f64>::none();
+    let law = Compensator::<f64>::none(&Parameters::elevator());
     assert_near(law.command(&[1.0; 7]), 0.0, 0.0);
     assert_near(law.feel_torque(1.0), 0.0, 0.0);
 }

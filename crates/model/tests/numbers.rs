@@ -24,20 +24,28 @@ const RIGID_SIZES: [f64; 9] = [0.05, 0.4, 3e6, 5e-4, 0.1, 0.3, 3.0, 400.0, 5.0];
 const COMPLIANT_SIZES: [f64; 10] = [0.05, 3e6, 5e-4, 0.1, 0.3, 3.0, 0.08, 0.7, 400.0, 5.0];
 const PLANT_SIZES: [f64; 8] = [0.05, 3e6, 0.3, 3.0, 0.08, 0.7, 400.0, 5.0];
 
-fn rigid<S: Scalar>() -> impl Fn(&[S]) -> Vec<S> {
-    let parameters = Parameters::elevator();
-    let compensator = Compensator::state_feedback(&parameters, GAINS.map(S::constant));
+/// The nearest number of single precision.
+fn narrow(value: f64) -> f32 {
+    1.0_f32.constant(value)
+}
+
+fn rigid<S: Scalar>(one: S) -> impl Fn(&[S]) -> Vec<S> {
+    let parameters = Parameters::elevator().map(|value| one.constant(value));
+    let compensator = Compensator::state_feedback(&parameters, GAINS.map(|value| one.constant(value)));
     move |z| evaluate(&Rigid { parameters, compensator }, z)
 }
 
-fn compliant<S: Scalar>() -> impl Fn(&[S]) -> Vec<S> {
-    let parameters = Parameters::elevator();
-    let compensator = Compensator::state_feedback(&parameters, GAINS.map(S::constant));
+fn compliant<S: Scalar>(one: S) -> impl Fn(&[S]) -> Vec<S> {
+    let parameters = Parameters::elevator().map(|value| one.constant(value));
+    let compensator = Compensator::state_feedback(&parameters, GAINS.map(|value| one.constant(value)));
     move |z| evaluate(&Compliant { parameters, compensator }, z)
 }
 
-fn plant<S: Scalar>() -> impl Fn(&[S]) -> Vec<S> {
-    let plant = DesignPlant { parameters: Parameters::elevator(), pilot_arm: S::constant(0.8) };
+fn plant<S: Scalar>(one: S) -> impl Fn(&[S]) -> Vec<S> {
+    let plant = DesignPlant {
+        parameters: Parameters::elevator().map(|value| one.constant(value)),
+        pilot_arm: one.constant(0.8),
+    };
     move |z| evaluate(&plant, z)
 }
 
@@ -77,7 +85,7 @@ fn check_single(double: impl Fn(&[f64]) -> Vec<f64>, single: impl Fn(&[f32]) -> 
     let scales = scales(&double, sizes);
     for sample in 0..20 {
         let z = point(sizes, sample);
-        let short: Vec<f32> = z.iter().map(|&z| f32::constant(z)).collect();
+        let short: Vec<f32> = z.iter().map(|&z| narrow(z)).collect();
         for ((exact, rounded), scale) in double(&z).iter().zip(single(&short)).zip(&scales) {
             assert_within(f64::from(rounded), *exact, SINGLE * scale);
         }
@@ -110,21 +118,21 @@ fn check_slopes(double: impl Fn(&[f64]) -> Vec<f64>, dual: impl Fn(&[Dual]) -> V
 
 #[test]
 fn single_precision_follows_double() {
-    check_single(rigid(), rigid(), &RIGID_SIZES);
-    check_single(compliant(), compliant(), &COMPLIANT_SIZES);
-    check_single(plant(), plant(), &PLANT_SIZES);
+    check_single(rigid(1.0), rigid(1.0_f32), &RIGID_SIZES);
+    check_single(compliant(1.0), compliant(1.0_f32), &COMPLIANT_SIZES);
+    check_single(plant(1.0), plant(1.0_f32), &PLANT_SIZES);
 }
 
 #[test]
 fn dual_numbers_give_the_slopes_of_the_models() {
-    check_slopes(rigid(), rigid(), &RIGID_SIZES);
-    check_slopes(compliant(), compliant(), &COMPLIANT_SIZES);
-    check_slopes(plant(), plant(), &PLANT_SIZES);
+    check_slopes(rigid(1.0), rigid(Dual::constant(1.0)), &RIGID_SIZES);
+    check_slopes(compliant(1.0), compliant(Dual::constant(1.0)), &COMPLIANT_SIZES);
+    check_slopes(plant(1.0), plant(Dual::constant(1.0)), &PLANT_SIZES);
 }
 
 #[test]
 fn dual_numbers_give_the_slopes_of_the_nonlinear_orifice() {
-    let (exact, dual) = (Parameters::<f64>::elevator().valve, Parameters::<Dual>::elevator().valve);
+    let (exact, dual) = (Parameters::elevator().valve, Parameters::elevator().valve.map(Dual::constant));
     let (i, p) = (0.004, 2.5e6);
     let (di, dp) = (1e-6 * i, 1e-5 * p); // the error of a central difference, (dp/p)^2, and its rounding are below 1e-9
     let along_i = (exact.orifice_flow(i + di, p) - exact.orifice_flow(i - di, p)) / (2.0 * di);
@@ -137,10 +145,10 @@ fn dual_numbers_give_the_slopes_of_the_nonlinear_orifice() {
 
 #[test]
 fn single_precision_follows_double_through_the_orifices_root() {
-    let (double, single) = (Parameters::<f64>::elevator().valve, Parameters::<f32>::elevator().valve);
+    let (double, single) = (Parameters::elevator().valve, Parameters::elevator().valve.map(narrow));
     for (i, p) in [(0.004, 2.5e6), (-0.015, 8.0e6), (0.001, -3.0e6)] {
         let exact = double.orifice_flow(i, p);
-        let rounded = f64::from(single.orifice_flow(f32::constant(i), f32::constant(p)));
+        let rounded = f64::from(single.orifice_flow(narrow(i), narrow(p)));
         assert_within(rounded, exact, SINGLE * exact.abs());
     }
 }

@@ -4,6 +4,7 @@ mod near;
 
 use core::array;
 use forcefeel_model::parameters::{ALTERNATIVES, COUNT, PARTS, Parameter, Parameters, TABLE};
+use forcefeel_model::units::SWITCH;
 use near::{ROUNDING, assert_near, assert_within};
 
 fn rows() -> impl Iterator<Item = &'static Parameter> {
@@ -44,7 +45,26 @@ fn defaults_lie_inside_their_ranges() {
     for row in rows() {
         let (low, high) = (row.minimum_us, row.maximum_us);
         assert!(low < high && (low..=high).contains(&row.default_us), "{}.{}", row.part, row.name);
-        assert!(low.is_finite() && high.is_finite() && low >= 0.0, "{}.{}", row.part, row.name);
+        assert!(low.is_finite() && high.is_finite(), "{}.{}", row.part, row.name);
+        assert!(low >= 0.0 || row.off_us.is_some(), "{}.{}", row.part, row.name);
+    }
+}
+
+#[test]
+fn what_stands_for_an_optional_row_is_in_its_range_or_none_or_endless() {
+    for row in rows() {
+        let Some(off) = row.off_us else { continue };
+        let stands = (row.minimum_us..=row.maximum_us).contains(&off) || off == 0.0 || off.is_infinite();
+        assert!(stands, "{}.{}: {off}", row.part, row.name);
+        assert_eq!(row.off_si(), Some(off * row.unit.si_per_us));
+        assert!(row.instead_of.is_empty(), "{}.{}: optional and alternative", row.part, row.name);
+    }
+}
+
+#[test]
+fn switches_are_off_unless_given_and_either_yes_or_no() {
+    for row in rows().filter(|row| row.unit == SWITCH) {
+        assert_eq!((row.off_us, row.minimum_us, row.maximum_us), (Some(0.0), 0.0, 1.0), "{}.{}", row.part, row.name);
     }
 }
 
@@ -73,10 +93,15 @@ fn values_go_in_and_out_in_the_order_of_the_table() {
 }
 
 #[test]
-fn elevator_holds_the_defaults_in_si() {
-    let elevator = Parameters::<f64>::elevator();
+fn elevator_holds_the_defaults_in_si_and_nothing_optional() {
+    let elevator = Parameters::elevator();
     for (row, value) in TABLE.iter().zip(elevator.values()) {
-        assert_near(value, row.default_us * row.unit.si_per_us, 0.0);
+        let expected = row.off_us.unwrap_or(row.default_us) * row.unit.si_per_us;
+        if expected.is_finite() {
+            assert_near(value, expected, 0.0);
+        } else {
+            assert_eq!(value, expected, "{}.{}", row.part, row.name);
+        }
     }
     // Three conversions worked out from the exact inch and pound.
     assert_within(elevator.linkage.stiffness / 100.0, 10_696.50, 0.005); // k in N/cm, from 6107.86 lb/in

@@ -1,7 +1,6 @@
 //! The parameter table and the models.
 
 use crate::arrays::{Matrix, to_numpy, vector};
-use forcefeel_model::Scalar;
 use forcefeel_model::compensator::{Compensator as Law, Displacement};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::{Compliant, DesignPlant, IdealFeel, Rigid, System};
@@ -23,6 +22,8 @@ pub struct Parameter {
     unit_us: &'static str,
     default_us: f64,
     default_si: f64,
+    off_us: Option<f64>,
+    off_si: Option<f64>,
     minimum_us: f64,
     maximum_us: f64,
     minimum_si: f64,
@@ -42,6 +43,8 @@ fn row(row: &Row) -> Parameter {
         unit_us: row.unit.us,
         default_us: row.default_us,
         default_si: row.default_si(),
+        off_us: row.off_us,
+        off_si: row.off_si(),
         minimum_us: row.minimum_us,
         maximum_us: row.maximum_us,
         minimum_si: row.minimum_us * row.unit.si_per_us,
@@ -97,8 +100,8 @@ impl Compensator {
         Ok(Self(Law { gains, load_cell_arm, displacement }))
     }
     #[staticmethod]
-    fn none() -> Self {
-        Self(Law::none())
+    fn none(values: Values<'_>) -> PyResult<Self> {
+        Ok(Self(Law::none(&loader(&values)?)))
     }
     #[staticmethod]
     fn position_loop(values: Values<'_>) -> PyResult<Self> {

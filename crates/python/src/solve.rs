@@ -1,7 +1,7 @@
 //! The solvers.
 
 use crate::arrays::{Matrix, matrix, to_numpy, vector};
-use forcefeel_model::parameters::Feel;
+use forcefeel_model::parameters::{Feel, Parameters};
 use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion as run};
 use forcefeel_solve::schedule::{Plant, Time, schedule as gains};
 use nalgebra::{Matrix4, Matrix4x2, RowVector4};
@@ -97,10 +97,11 @@ pub fn schedule<'py>(
     if settings.ncols() != 3 {
         return Err(PyValueError::new_err(format!("settings: expected columns I, B, G, got {}", settings.ncols())));
     }
+    let plain = Parameters::elevator().feel;
     let settings: Vec<Feel<f64>> = settings
         .rows()
         .into_iter()
-        .map(|s| Feel { inertia: s[0], damping: s[1], stiffness: s[2], maximum_stiffness: s[2] })
+        .map(|s| Feel { inertia: s[0], damping: s[1], stiffness: s[2], maximum_stiffness: s[2], ..plain })
         .collect();
     let rows = py.detach(|| gains(&plant, &settings));
     let count = rows.len();

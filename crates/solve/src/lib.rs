@@ -9,9 +9,11 @@
 #![forbid(unsafe_code)]
 
 pub mod discretize;
+pub mod lanes;
 pub mod linearize;
 pub mod riccati;
 pub mod schedule;
+pub mod simulate;
 
 pub use discretize::discretize;
 pub use linearize::{StateSpace, linearize};

@@ -3,7 +3,6 @@
 //! `x' = A x + B u`, `y = C x + D u` · column `j` of `[A; C]` is the slope of the model along state `j`, of `[B; D]` along
 //! input `j`, each from one evaluation on dual numbers.
 
-use forcefeel_model::Scalar;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::System;
 use nalgebra::DMatrix;

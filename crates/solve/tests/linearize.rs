@@ -11,8 +11,8 @@ use nalgebra::{DVector, SVector};
 /// Some roundings beside the largest term of a sum.
 const ROUNDING: f64 = 1e-14;
 
-fn compliant<S: Scalar>() -> Compliant<S> {
-    let parameters = Parameters::elevator();
+fn compliant<S: Scalar>(one: S) -> Compliant<S> {
+    let parameters = Parameters::elevator().map(|value| one.constant(value));
     Compliant { parameters, compensator: Compensator::original(&parameters) }
 }
 
@@ -28,16 +28,16 @@ fn assert_product(found: &[f64], (a, b): (&nalgebra::DMatrix<f64>, &nalgebra::DM
 
 #[test]
 fn matrices_reproduce_the_model() {
-    let StateSpace { a, b, c, d } = linearize(&compliant::<Dual>(), &[0.0; 8], &[0.0; 2]);
+    let StateSpace { a, b, c, d } = linearize(&compliant(Dual::constant(1.0)), &[0.0; 8], &[0.0; 2]);
     let x = [0.02, -2e6, 3e-4, 0.07, 1.3, -4.0, 0.05, 0.6];
     let u = [300.0, -1.5];
-    assert_product(&compliant().derivative(&x, &u), (&a, &b), &x, &u);
-    assert_product(&compliant().outputs(&x, &u), (&c, &d), &x, &u);
+    assert_product(&compliant(1.0).derivative(&x, &u), (&a, &b), &x, &u);
+    assert_product(&compliant(1.0).outputs(&x, &u), (&c, &d), &x, &u);
 }
 
 #[test]
 fn matrices_are_the_same_at_every_point_of_a_linear_model() {
-    let at_rest = linearize(&compliant::<Dual>(), &[0.0; 8], &[0.0; 2]);
-    let away = linearize(&compliant::<Dual>(), &SVector::<f64, 8>::from_element(3.0).into(), &[7.0, -2.0]);
+    let at_rest = linearize(&compliant(Dual::constant(1.0)), &[0.0; 8], &[0.0; 2]);
+    let away = linearize(&compliant(Dual::constant(1.0)), &SVector::<f64, 8>::from_element(3.0).into(), &[7.0, -2.0]);
     assert_eq!(at_rest, away);
 }

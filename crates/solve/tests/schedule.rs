@@ -2,7 +2,7 @@
 
 mod rows;
 
-use forcefeel_model::parameters::Feel;
+use forcefeel_model::parameters::{Feel, Parameters};
 use forcefeel_solve::schedule::{Plant, Time, schedule};
 use nalgebra::{DMatrix, DVector, Matrix4, Matrix4x2, RowVector4};
 use rows::rows;
@@ -27,7 +27,7 @@ const SETTINGS: [[f64; 3]; 9] = [
 ];
 
 fn feel([inertia, damping, stiffness]: [f64; 3]) -> Feel<f64> {
-    Feel { inertia, damping, stiffness, maximum_stiffness: stiffness }
+    Feel { inertia, damping, stiffness, maximum_stiffness: stiffness, ..Parameters::elevator().feel }
 }
 
 /// A stable matrix without symmetry, of a continuous plant.

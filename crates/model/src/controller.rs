@@ -1,0 +1,113 @@
+//! Digital controller: the same law and the same feel computer, run once a period.
+//!
+//! `T` period · `tau` delay from a sample to its command · `e` command
+//!
+//! At `t_k = k T` it samples the sensors, works out `e_k` from the feel computer's present displacement, and moves the feel computer on
+//! to `t_{k+1}` under the torque just sampled. `e_k` reaches the amplifier at `t_k + tau` and stays until the next. As `T` and
+//! `tau` go to zero this is the analog loop.
+
+use crate::Scalar;
+use crate::parameters::Parameters;
+
+/// Most commands that may be under way at once: the delay is shorter than this many periods.
+pub const MOST_UNDER_WAY: usize = 8;
+
+/// When the controller acts, in steps of the simulation; the same for all runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Timing {
+    /// Steps in a period.
+    pub period: usize,
+    /// Steps from a sample to its command.
+    pub delay: usize,
+}
+
+/// Converters and limits of the controller.
+#[derive(Debug, Clone, Copy)]
+pub struct Converters<S> {
+    load_cell_gain: S,
+    potentiometer_gain: S,
+    input_range: S,
+    input_step: S,
+    output_range: S,
+    output_step: S,
+    /// Largest command that the amplifier answers.
+    current_range: S,
+    /// `a_w` in 1/s.
+    pub antiwindup: S,
+}
+
+impl<S: Scalar> Converters<S> {
+    /// The converters of a loader.
+    #[inline(always)]
+    pub fn new(parameters: &Parameters<S>) -> Self {
+        let Parameters { controller, load_cell, potentiometer, amplifier, .. } = parameters;
+        Self {
+            load_cell_gain: load_cell.gain,
+            potentiometer_gain: potentiometer.gain,
+            input_range: controller.input_range,
+            input_step: step(controller.input_range, controller.input_bits),
+            output_range: controller.output_range,
+            output_step: step(controller.output_range, controller.output_bits),
+            current_range: amplifier.current_limit / amplifier.admittance,
+            antiwindup: controller.antiwindup,
+        }
+    }
+
+    /// Load cell force and piston displacement as the controller reads their voltages.
+    #[inline(always)]
+    pub fn read(&self, force: S, piston: S) -> (S, S) {
+        let convert = |value: S, gain: S| (value * gain).within(self.input_range).quantized(self.input_step) / gain;
+        (convert(force, self.load_cell_gain), convert(piston, self.potentiometer_gain))
+    }
+
+    /// The voltage that the controller gives for a command.
+    #[inline(always)]
+    pub fn write(&self, e: S) -> S {
+        e.within(self.output_range).quantized(self.output_step)
+    }
+
+    /// By how much the amplifier's answer falls short of the command.
+    #[inline(always)]
+    pub fn cut_off(&self, e: S) -> S {
+        e - e.within(self.output_range.min(self.current_range))
+    }
+}
+
+/// Step of a converter of so many bits over twice its range; zero where there is none.
+#[inline(always)]
+fn step<S: Scalar>(range: S, bits: S) -> S {
+    let one = range.constant(1.0);
+    let mut levels = one;
+    for bit in 1..=52 {
+        levels = S::select(bits.less(bits.constant(f64::from(bit))), levels, levels.times(2.0));
+    }
+    S::select(bits.less(one), range.zero(), range.times(2.0) / levels)
+}
+
+/// Commands on their way to the amplifier.
+#[derive(Debug, Clone, Copy)]
+pub struct UnderWay<S> {
+    commands: [S; MOST_UNDER_WAY],
+    /// Command that the amplifier holds.
+    pub held: S,
+}
+
+impl<S: Scalar> UnderWay<S> {
+    /// Nothing under way, `e` held.
+    #[inline(always)]
+    pub fn holding(e: S) -> Self {
+        Self { commands: [e; MOST_UNDER_WAY], held: e }
+    }
+
+    /// The command of sample number `sample` sets out.
+    #[inline(always)]
+    pub fn send(&mut self, sample: usize, e: S) {
+        self.commands[sample % MOST_UNDER_WAY] = e;
+    }
+
+    /// The command of sample number `sample` arrives.
+    #[inline(always)]
+    pub fn arrive(&mut self, sample: usize) {
+        self.held = self.commands[sample % MOST_UNDER_WAY];
+    }
+}

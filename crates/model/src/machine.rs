@@ -1,0 +1,776 @@
+//! The whole loader in time: one step of plant, controller and feel.
+//!
+//! `z` piston displacement with the oil uncompressed · `p` load pressure, slaved · `q_i`, `q_i'` no-load flow and its rate ·
+//! `x_b`, `v` base and its velocity · `delta`, `delta'` programmed displacement and its rate · `I` impulse of the link's damper ·
+//! `w = v + b I`, `u = delta' - (r / I_feel) I` the velocities that do not see the oil's pole, see `pressure.rs` · `h` step
+//!
+//! One step is the classical Runge-Kutta step of fourth order on `z, q_i, q_i', x_b, w` and, under the analog law, `delta, u`, with the
+//! load pressure solved at every stage: fixed cost, no iteration, and no step so long that the oil makes it unstable. Dry
+//! friction holds its direction through a step; what it did inside the last step is settled at the start of the next.
+
+use crate::Scalar;
+use crate::column_motion::ColumnMotion;
+use crate::compensator::Compensator;
+use crate::controller::{Converters, Timing, UnderWay};
+use crate::curve::Curve;
+use crate::dry_friction::Grip;
+use crate::effects::Effects;
+use crate::feel_law::{FeelLaw, Surroundings};
+use crate::parameters::Parameters;
+use crate::pressure::{Balance, Side};
+use crate::transducers::{SENSORS, Seen, Transducers};
+use crate::valve_motion::ValveMotion;
+
+/// What all runs of a batch share.
+#[derive(Debug, Clone)]
+pub struct Shared {
+    /// Effects in play.
+    pub effects: Effects,
+    /// Length of a step in s.
+    pub step_s: f64,
+    /// When a digital controller acts; an analog law otherwise.
+    pub timing: Option<Timing>,
+    /// Force over angle of the feel, in place of its straight spring.
+    pub curve: Option<Curve>,
+}
+
+/// Inputs at the start and at the end of one step; between, they change evenly.
+#[derive(Debug, Clone, Copy)]
+pub struct Inputs {
+    /// Pilot force in N.
+    pub force: [f64; 2],
+    /// Commanded neutral in rad.
+    pub trim: [f64; 2],
+    /// Factor on the feel's spring.
+    pub stiffness_factor: [f64; 2],
+    /// The stick shaker's swing, -1 to 1.
+    pub shaker: [f64; 2],
+    /// Share of the next feel, while the feel is being changed.
+    pub fade: [f64; 2],
+}
+
+impl Inputs {
+    /// The inputs as they stand at the end of the step, and stay.
+    #[inline(always)]
+    pub fn end(&self) -> Self {
+        let stay = |[_, end]: [f64; 2]| [end, end];
+        Self {
+            force: stay(self.force),
+            trim: stay(self.trim),
+            stiffness_factor: stay(self.stiffness_factor),
+            shaker: stay(self.shaker),
+            fade: stay(self.fade),
+        }
+    }
+}
+
+/// One loader, ready to run: its coefficients worked out.
+#[derive(Debug, Clone, Copy)]
+pub struct Machine<S> {
+    law: Compensator<S>,
+    valve: ValveMotion<S>,
+    balance: Balance<S>,
+    column: ColumnMotion<S>,
+    feel: FeelLaw<S>,
+    next_feel: FeelLaw<S>,
+    transducers: Transducers<S>,
+    converters: Converters<S>,
+    /// `b c kappa`: velocity of the base per pressure that the damper's impulse is worth.
+    base_impulse: S,
+    /// `r c kappa / I`: the same for the feel.
+    feel_impulse: S,
+    force_scale: S,
+    per_base: S,
+    step: S,
+}
+
+/// State between two steps.
+#[derive(Debug, Clone, Copy)]
+pub struct State<S: Scalar> {
+    slow: Slow<S>,
+    column: Grip<S>,
+    feel: Grip<S>,
+    seen: Seen<S>,
+    neutral: S,
+    slider: S,
+    under_way: UnderWay<S>,
+    previous_base: S,
+    /// Pilot force at the end of the last step.
+    pilot_force: S,
+    /// Load pressure at its start.
+    pressure: S,
+    /// Steps since the start.
+    steps: usize,
+}
+
+/// A loader at rest, from which a run starts.
+#[derive(Debug, Clone, Copy)]
+pub struct Rest<S> {
+    /// Base, piston, programmed displacement, trimmed neutral and load pressure.
+    base: S,
+    piston: S,
+    delta: S,
+    neutral: S,
+    pressure: S,
+    /// Command that holds them.
+    command: S,
+    /// Pilot force that holds the column.
+    pub pilot_force: S,
+}
+
+/// What the Runge-Kutta step carries.
+#[derive(Debug, Clone, Copy)]
+struct Slow<S> {
+    /// `z, q_i, q_i', x_b, w`.
+    plant: [S; 5],
+    /// `delta, u`.
+    feel: [S; 2],
+}
+
+/// What there is at one instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Now<S> {
+    /// Displacement of the column's base in m.
+    pub base: S,
+    /// Its velocity in m/s.
+    pub base_rate: S,
+    /// Programmed displacement, in its unit.
+    pub delta: S,
+    /// Its rate.
+    pub delta_rate: S,
+    /// Piston displacement in m.
+    pub piston: S,
+    /// Force of the load cell in N.
+    pub force: S,
+    /// Load pressure in Pa.
+    pub pressure: S,
+    /// Flow that moves piston and oil, in m³/s.
+    pub flow: S,
+    /// Valve current in A.
+    pub current: S,
+    /// Pilot force in N.
+    pub pilot_force: S,
+}
+
+/// What the start of a step leaves for the rest of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Begun<S: Scalar> {
+    /// What there is now.
+    pub now: Now<S>,
+    rates: Slow<S>,
+    side: Side<S>,
+}
+
+/// When within a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Moment {
+    Start,
+    Half,
+    End,
+}
+
+impl Moment {
+    #[inline(always)]
+    fn of(self, [start, end]: [f64; 2]) -> f64 {
+        match self {
+            Self::Start => start,
+            Self::Half => 0.5 * (start + end),
+            Self::End => end,
+        }
+    }
+}
+
+impl<S: Scalar> Slow<S> {
+    #[inline(always)]
+    fn moved(&self, rates: &Self, by: S, with_feel: bool) -> Self {
+        let mut moved = *self;
+        for k in 0..5 {
+            moved.plant[k] = self.plant[k] + by * rates.plant[k];
+        }
+        if with_feel {
+            for k in 0..2 {
+                moved.feel[k] = self.feel[k] + by * rates.feel[k];
+            }
+        }
+        moved
+    }
+
+    /// `k_1 + 2 k_2 + 2 k_3 + k_4`.
+    #[inline(always)]
+    fn weighted(k_1: &Self, k_2: &Self, k_3: &Self, k_4: &Self) -> Self {
+        let sum = |a: S, b: S, c: S, d: S| (a + d) + (b + c).times(2.0);
+        let mut total = *k_1;
+        for k in 0..5 {
+            total.plant[k] = sum(k_1.plant[k], k_2.plant[k], k_3.plant[k], k_4.plant[k]);
+        }
+        for k in 0..2 {
+            total.feel[k] = sum(k_1.feel[k], k_2.feel[k], k_3.feel[k], k_4.feel[k]);
+        }
+        total
+    }
+}
+
+/// What a step needs at every stage.
+struct Stage<'a, S: Scalar> {
+    shared: &'a Shared,
+    inputs: &'a Inputs,
+    state: &'a State<S>,
+    moment: Moment,
+}
+
+impl<S: Scalar> Machine<S> {
+    /// The loader with these parameters under this law, in steps of `shared.step_s`.
+    #[inline(always)]
+    pub fn new(parameters: &Parameters<S>, law: Compensator<S>, shared: &Shared) -> Self {
+        let column = ColumnMotion::new(parameters);
+        let balance = Balance::new(parameters, column.per_link_force);
+        let feel = FeelLaw::new(parameters, &law);
+        let one = parameters.column.inertia.constant(1.0);
+        // A sampled load cell, or one with a lag, keeps the oil's pole from the feel computer.
+        let direct = !parameters.load_cell.bandwidth.less(one / one.zero());
+        let arm = if shared.timing.is_none() { law.load_cell_arm } else { one.zero() };
+        let heard = S::select(direct, arm, one.zero());
+        Self {
+            law,
+            valve: ValveMotion::new(parameters, shared.effects.orifice),
+            balance,
+            column,
+            feel,
+            next_feel: feel,
+            transducers: Transducers::new(parameters, shared.step_s),
+            converters: Converters::new(parameters),
+            base_impulse: column.per_link_force * balance.impulse,
+            feel_impulse: heard * feel.per_torque * balance.impulse,
+            force_scale: one,
+            per_base: parameters.column.angle(one),
+            step: one.constant(shared.step_s),
+        }
+    }
+
+    /// The same loader with the pilot's force multiplied.
+    #[inline(always)]
+    pub fn with_force_scale(self, force_scale: S) -> Self {
+        Self { force_scale, ..self }
+    }
+
+    /// Begins to change the feel to that of `parameters`; how far it is, the inputs' `fade` says.
+    #[inline(always)]
+    pub fn fade_to(&mut self, parameters: &Parameters<S>) {
+        self.next_feel = FeelLaw::new(parameters, &self.law);
+    }
+
+    /// The next feel is the feel from now on.
+    #[inline(always)]
+    pub fn faded(&mut self, shared: &Shared, state: &mut State<S>) {
+        let before = self.feel_impulse;
+        self.feel_impulse = before * self.next_feel.per_torque / self.feel.per_torque;
+        self.feel = self.next_feel;
+        if shared.timing.is_none() {
+            // The velocity stays; what is given back to it with the oil's impulse does not.
+            let side = self.balance.side(&shared.effects, state.column.stuck);
+            let [z, q_i, _, x_b, w] = state.slow.plant;
+            let p = self.balance.solve(&shared.effects, &side, z, q_i, x_b, w).pressure;
+            state.slow.feel[1] = state.slow.feel[1] + (before - self.feel_impulse) * p;
+        }
+    }
+
+    /// The loader at rest with the column held at the angle `theta` and the neutral trimmed to `trim`, both in rad.
+    #[inline(always)]
+    pub fn held_at(&self, shared: &Shared, theta: S, trim: S, stiffness_factor: S) -> Rest<S> {
+        let x_b = theta / self.per_base;
+        let neutral = trim * self.feel.per_angle;
+        let centre = theta * self.feel.per_angle;
+        let reach = self.feel.per_angle.times(SEARCH_RAD);
+        bisect((centre - reach, centre + reach), |delta| {
+            self.rest(shared, x_b, delta, &Surroundings::at_rest(neutral, stiffness_factor, delta))
+        })
+    }
+
+    /// The loader at rest under the pilot's force.
+    #[inline(always)]
+    pub fn held_by(&self, shared: &Shared, force: S, trim: S, stiffness_factor: S) -> Rest<S> {
+        let reach = force.constant(SEARCH_RAD);
+        bisect((-reach, reach), |theta| {
+            let rest = self.held_at(shared, theta, trim, stiffness_factor);
+            (rest.pilot_force - force, rest)
+        })
+    }
+
+    /// What holds at rest for a column at `x_b` and a programmed displacement `delta`, and the flow that is then left over.
+    #[inline(always)]
+    fn rest(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, Rest<S>) {
+        let effects = &shared.effects;
+        let [force_offset, piston_offset, base_offset] = self.transducers.offset;
+        let zero = delta.zero();
+        // S(delta) = T = -r (F_c + F_0)                                                           eq. (11) at rest
+        let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around);
+        let shown = -spring / self.law.load_cell_arm;
+        let p = (shown - force_offset) / self.balance.area;
+        let x_p = self.balance.ratio * x_b + self.balance.stretch_at_rest(p);
+        // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
+        let pull = self.column.per_link_force * self.balance.area * p + self.column.loads(effects, x_b, zero);
+        let pilot_force = -pull / self.column.per_pilot_force;
+        let x = [x_p + piston_offset, shown / self.balance.area, delta, zero, x_b + base_offset, zero, pilot_force];
+        let e = self.law.command(&x);
+        let flow = self.valve.flow_per_current * self.valve.current(effects, e);
+        let left_over = flow - self.balance.leakage(effects, p);
+        (
+            left_over,
+            Rest { base: x_b, piston: x_p, delta, neutral: around.neutral, pressure: p, command: e, pilot_force },
+        )
+    }
+
+    /// A run's first state.
+    #[inline(always)]
+    pub fn start(&self, shared: &Shared, rest: &Rest<S>) -> State<S> {
+        let zero = rest.base.zero();
+        let z = rest.piston + self.balance.compressibility * rest.pressure;
+        let w = self.base_impulse * rest.pressure;
+        let u = if shared.timing.is_some() { zero } else { -self.feel_impulse * rest.pressure };
+        let q_i = self.balance.leakage(&shared.effects, rest.pressure);
+        let measured = [self.balance.area * rest.pressure, rest.piston, rest.base];
+        State {
+            slow: Slow { plant: [z, q_i, zero, rest.base, w], feel: [rest.delta, u] },
+            column: Grip::resting(zero),
+            feel: Grip::resting(zero),
+            seen: Seen { measured, shown: measured },
+            neutral: rest.neutral,
+            slider: rest.delta,
+            under_way: UnderWay::holding(rest.command),
+            previous_base: rest.base + self.transducers.offset[2],
+            pilot_force: rest.pilot_force,
+            pressure: rest.pressure,
+            steps: 0,
+        }
+    }
+
+    /// The start of a step: settles what friction did in the last one, samples if it is time to, and looks.
+    ///
+    /// `normal` gives a standard normal number for each sensor when a sample is taken.
+    #[inline(always)]
+    pub fn begin(
+        &self,
+        shared: &Shared,
+        state: &mut State<S>,
+        inputs: &Inputs,
+        normal: impl FnOnce() -> [S; SENSORS],
+    ) -> Begun<S> {
+        let effects = &shared.effects;
+        let side = if effects.column_friction {
+            self.balance.side(effects, state.column.stuck)
+        } else {
+            self.balance.moving()
+        };
+        let mut now = self.look(effects, &side, &state.slow, state, self.pilot_force(inputs, Moment::Start));
+        self.catch_up(effects, &side, state, &mut now);
+        if effects.lags {
+            let measured = Self::measured(&now);
+            let shown = self.transducers.after_whole(&state.seen, measured);
+            state.seen = Seen { measured, shown };
+        }
+        if let Some(timing) = shared.timing {
+            self.control(shared, timing, state, inputs, &now, normal);
+        } else {
+            state.neutral = self.feel.trimmed(state.neutral, now.base.constant(inputs.trim[0]), self.step);
+        }
+        let stage = Stage { shared, inputs, state, moment: Moment::Start };
+        let mut rates = self.rates(&stage, &state.slow, &mut now);
+        let side = self.settle(shared, state, &mut now, &mut rates, side);
+        Begun { now, rates, side }
+    }
+
+    /// The rest of a step.
+    #[inline(always)]
+    pub fn advance(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, begun: &Begun<S>) {
+        let analog = shared.timing.is_none();
+        let (h, half) = (self.step, self.step.times(0.5));
+        let start = state.slow;
+        let k_1 = begun.rates;
+        let k_2 = self.stage(shared, state, inputs, begun, &start.moved(&k_1, half, analog), Moment::Half);
+        let k_3 = self.stage(shared, state, inputs, begun, &start.moved(&k_2, half, analog), Moment::Half);
+        let k_4 = self.stage(shared, state, inputs, begun, &start.moved(&k_3, h, analog), Moment::End);
+        let total = Slow::weighted(&k_1, &k_2, &k_3, &k_4);
+        state.slow = start.moved(&total, self.step.times(1.0 / 6.0), analog);
+        if analog {
+            state.slow.feel = self.bounded(&shared.effects, begun, state.slow.feel);
+            state.slider = self.dragged(&shared.effects, state);
+        }
+        state.pilot_force = self.pilot_force(inputs, Moment::End);
+        state.steps += 1;
+    }
+
+    #[inline(always)]
+    fn stage(
+        &self,
+        shared: &Shared,
+        state: &State<S>,
+        inputs: &Inputs,
+        begun: &Begun<S>,
+        slow: &Slow<S>,
+        moment: Moment,
+    ) -> Slow<S> {
+        let mut now = self.look(&shared.effects, &begun.side, slow, state, self.pilot_force(inputs, moment));
+        let stage = Stage { shared, inputs, state, moment };
+        let mut rates = self.rates(&stage, slow, &mut now);
+        self.hold(&shared.effects, state, &mut rates);
+        rates
+    }
+
+    /// The pilot's force in N where the inputs give `force`.
+    #[inline(always)]
+    pub fn force(&self, force: f64) -> S {
+        self.force_scale.times(force)
+    }
+
+    #[inline(always)]
+    fn pilot_force(&self, inputs: &Inputs, moment: Moment) -> S {
+        self.force(moment.of(inputs.force))
+    }
+
+    /// What follows from the slow states: pressure, flow and velocities.
+    #[inline(always)]
+    fn look(&self, effects: &Effects, side: &Side<S>, slow: &Slow<S>, state: &State<S>, pilot_force: S) -> Now<S> {
+        let [z, q_i, _, x_b, w] = slow.plant;
+        let [delta, u] = slow.feel;
+        let oil = self.balance.solve(effects, side, z, q_i, x_b, w);
+        let p = oil.pressure;
+        let moving = w - self.base_impulse * p;
+        let base_rate = if effects.column_friction { S::select(state.column.stuck, w.zero(), moving) } else { moving };
+        let delta_rate = if effects.sampled {
+            u
+        } else {
+            let rate = u + self.feel_impulse * p;
+            if effects.feel_friction { S::select(state.feel.stuck, u.zero(), rate) } else { rate }
+        };
+        Now {
+            base: x_b,
+            base_rate,
+            delta,
+            delta_rate,
+            piston: self.balance.piston(z, p),
+            force: self.balance.area * p,
+            pressure: p,
+            flow: oil.flow,
+            current: p.zero(),
+            pilot_force,
+        }
+    }
+
+    #[inline(always)]
+    fn measured(now: &Now<S>) -> [S; SENSORS] {
+        [now.force, now.piston, now.base]
+    }
+
+    /// Makes good what the pressure's lag behind its slaved value did in the last step.
+    #[inline(always)]
+    fn catch_up(&self, effects: &Effects, side: &Side<S>, state: &mut State<S>, now: &mut Now<S>) {
+        let [_, q_i, ..] = state.slow.plant;
+        let lagging = self.balance.lagging(effects, side, q_i, now.flow, now.pressure - state.pressure);
+        let (base, feel) = (self.base_impulse * lagging.pressure, -self.feel_impulse * lagging.pressure);
+        state.slow.plant[0] = state.slow.plant[0] + lagging.piston;
+        state.slow.plant[4] = state.slow.plant[4] + base;
+        state.slow.feel[1] = state.slow.feel[1] + feel;
+        let unless = |mask: S::Mask, value: S, by: S| S::select(mask, value, value + by);
+        now.base_rate = if effects.column_friction {
+            unless(state.column.stuck, now.base_rate, base)
+        } else {
+            now.base_rate + base
+        };
+        now.delta_rate =
+            if effects.feel_friction { unless(state.feel.stuck, now.delta_rate, feel) } else { now.delta_rate + feel };
+        state.pressure = now.pressure;
+    }
+
+    /// What the sensors show under the analog law.
+    #[inline(always)]
+    fn shown(&self, stage: &Stage<'_, S>, now: &Now<S>) -> [S; SENSORS] {
+        let effects = &stage.shared.effects;
+        let mut shown = Self::measured(now);
+        if effects.lags {
+            shown = match stage.moment {
+                Moment::Start => stage.state.seen.shown,
+                Moment::Half => self.transducers.after_half(&stage.state.seen, shown),
+                Moment::End => self.transducers.after_whole(&stage.state.seen, shown),
+            };
+        }
+        if effects.offsets {
+            for (value, &offset) in shown.iter_mut().zip(&self.transducers.offset) {
+                *value = *value + offset;
+            }
+        }
+        shown
+    }
+
+    /// Time derivatives, dry friction left out.
+    #[inline(always)]
+    fn rates(&self, stage: &Stage<'_, S>, slow: &Slow<S>, now: &mut Now<S>) -> Slow<S> {
+        let effects = &stage.shared.effects;
+        let [_, q_i, q_i_rate, x_b, _] = slow.plant;
+        let mut feel = slow.feel;
+        let e = if stage.shared.timing.is_some() {
+            stage.state.under_way.held
+        } else {
+            let [force, piston, base] = self.shown(stage, now);
+            let around = self.around(stage.state, stage.inputs, stage.moment);
+            let torque = self.law.feel_torque(force);
+            let fade = stage.moment.of(stage.inputs.fade);
+            feel = [now.delta_rate, self.feel_acceleration(stage.shared, now, torque, &around, fade)];
+            let x =
+                [piston, force / self.balance.area, now.delta, now.delta_rate, base, now.base_rate, now.pilot_force];
+            self.law.command(&x)
+        };
+        now.current = self.valve.current(effects, e);
+        let pull = self.column.per_link_force * now.force
+            + self.column.per_pilot_force * now.pilot_force
+            + self.column.loads(effects, x_b, now.base_rate);
+        let flow_acceleration = self.valve.flow_acceleration(effects, q_i, q_i_rate, now.current);
+        Slow { plant: [now.flow / self.balance.area, q_i_rate, flow_acceleration, now.base_rate, pull], feel }
+    }
+
+    /// Acceleration of the programmed displacement, dry friction left out; while the feel changes, between the two feels'.
+    #[inline(always)]
+    fn feel_acceleration(&self, shared: &Shared, now: &Now<S>, torque: S, around: &Surroundings<S>, fade: f64) -> S {
+        let at = (now.delta, now.delta_rate);
+        let curve = shared.curve.as_ref();
+        let acceleration = self.feel.acceleration(&shared.effects, curve, at, torque, around);
+        if fade == 0.0 {
+            return acceleration;
+        }
+        let next = self.next_feel.acceleration(&shared.effects, curve, at, torque, around);
+        acceleration + (next - acceleration).times(fade)
+    }
+
+    #[inline(always)]
+    fn around(&self, state: &State<S>, inputs: &Inputs, moment: Moment) -> Surroundings<S> {
+        let one = state.neutral.constant(1.0);
+        Surroundings {
+            neutral: state.neutral,
+            stiffness_factor: one.constant(moment.of(inputs.stiffness_factor)),
+            shaker: one.constant(moment.of(inputs.shaker)),
+            slider: state.slider,
+        }
+    }
+
+    /// Dry friction at the start of a step: first what it did inside the last step, then what it does in this one.
+    #[inline(always)]
+    fn settle(
+        &self,
+        shared: &Shared,
+        state: &mut State<S>,
+        now: &mut Now<S>,
+        rates: &mut Slow<S>,
+        side: Side<S>,
+    ) -> Side<S> {
+        let effects = &shared.effects;
+        let mut side = side;
+        if effects.column_friction {
+            let friction = &self.column.friction;
+            let (v, pull, h) = (now.base_rate, rates.plant[4], self.step);
+            let passed = friction.passed_zero(&state.column, v, h);
+            // What the force jumped between the steps did not pull in the last one.
+            let jump = self.column.per_pilot_force * (now.pilot_force - state.pilot_force);
+            let broken = friction.broken_away(passed.velocity, state.column.pull, pull - jump, h);
+            let moved = passed.displacement + broken.displacement;
+            state.column = friction.grip(broken.velocity, pull);
+            state.slow.plant[3] = state.slow.plant[3] + moved;
+            state.slow.plant[4] = broken.velocity + self.base_impulse * now.pressure;
+            now.base = state.slow.plant[3];
+            now.base_rate = broken.velocity;
+            rates.plant[3] = broken.velocity;
+            side = self.balance.side(effects, state.column.stuck);
+        }
+        if effects.feel_friction && shared.timing.is_none() {
+            let (rate, pull) = (now.delta_rate, rates.feel[1]);
+            let (settled, moved) = self.settle_feel(state, rate, pull, self.step);
+            state.slow.feel[0] = state.slow.feel[0] + moved;
+            state.slow.feel[1] = settled - self.feel_impulse * now.pressure;
+            now.delta = state.slow.feel[0];
+            now.delta_rate = settled;
+            rates.feel[0] = settled;
+        }
+        self.hold(effects, state, rates);
+        side
+    }
+
+    #[inline(always)]
+    fn settle_feel(&self, state: &mut State<S>, rate: S, pull: S, h: S) -> (S, S) {
+        let friction = &self.feel.friction;
+        let passed = friction.passed_zero(&state.feel, rate, h);
+        let broken = friction.broken_away(passed.velocity, state.feel.pull, pull, h);
+        state.feel = friction.grip(broken.velocity, pull);
+        (broken.velocity, passed.displacement + broken.displacement)
+    }
+
+    /// Adds dry friction to the rates.
+    #[inline(always)]
+    fn hold(&self, effects: &Effects, state: &State<S>, rates: &mut Slow<S>) {
+        if effects.column_friction {
+            let pull = rates.plant[4] + state.column.drag;
+            rates.plant[4] = S::select(state.column.stuck, pull.zero(), pull);
+        }
+        if effects.feel_friction && !effects.sampled {
+            let pull = rates.feel[1] + state.feel.drag;
+            rates.feel[1] = S::select(state.feel.stuck, pull.zero(), pull);
+        }
+    }
+
+    /// Hard stops and velocity limit of the feel at the end of a step.
+    #[inline(always)]
+    fn bounded(&self, effects: &Effects, begun: &Begun<S>, [delta, u]: [S; 2]) -> [S; 2] {
+        if !effects.feel_limits {
+            return [delta, u];
+        }
+        // The oil's impulse is a thousandth of the velocity, and its pressure at the end of the step is not known yet.
+        let impulse = self.feel_impulse * begun.now.pressure;
+        let before = (begun.now.delta, begun.now.delta_rate);
+        let (delta, rate) = self.feel.limited(before, (delta, u + impulse), self.step);
+        [delta, rate - impulse]
+    }
+
+    #[inline(always)]
+    fn dragged(&self, effects: &Effects, state: &State<S>) -> S {
+        if effects.feel_spring { self.feel.dragged(state.slider, state.slow.feel[0]) } else { state.slider }
+    }
+
+    /// The digital controller's share of a step.
+    #[inline(always)]
+    fn control(
+        &self,
+        shared: &Shared,
+        timing: Timing,
+        state: &mut State<S>,
+        inputs: &Inputs,
+        now: &Now<S>,
+        normal: impl FnOnce() -> [S; SENSORS],
+    ) {
+        let steps = state.steps;
+        if steps.is_multiple_of(timing.period) {
+            let shown = if shared.effects.lags { state.seen.shown } else { Self::measured(now) };
+            let sample = self.transducers.sample(shown, normal());
+            let e = self.sample(shared, timing, state, inputs, now, sample);
+            state.under_way.send(steps / timing.period, e);
+        }
+        if steps >= timing.delay && (steps - timing.delay).is_multiple_of(timing.period) {
+            state.under_way.arrive((steps - timing.delay) / timing.period);
+        }
+    }
+
+    /// Works out the command and moves the feel computer on by a period.
+    #[inline(always)]
+    fn sample(
+        &self,
+        shared: &Shared,
+        timing: Timing,
+        state: &mut State<S>,
+        inputs: &Inputs,
+        now: &Now<S>,
+        [force, piston, base]: [S; SENSORS],
+    ) -> S {
+        let period = self.step.times(count(timing.period));
+        let (force, piston) = self.converters.read(force, piston);
+        // There is no tachometer: the velocity is the last period's difference.
+        let base_rate = (base - state.previous_base) / period;
+        state.previous_base = base;
+        let [delta, delta_rate] = state.slow.feel;
+        let e =
+            self.law.command(&[piston, force / self.balance.area, delta, delta_rate, base, base_rate, now.pilot_force]);
+        state.neutral = self.feel.trimmed(state.neutral, period.constant(inputs.trim[0]), period);
+        self.run_feel(shared, state, inputs, self.law.feel_torque(force), period);
+        let gain = self.law.gains[2];
+        let has_gain = gain.zero().less(gain.abs());
+        let excess = S::select(has_gain, self.converters.cut_off(e) / gain, gain.zero());
+        // delta' = ... - a_w (e - e_cut) / c_3: the computer gives way towards where the command is within reach.
+        state.slow.feel[0] = state.slow.feel[0] - self.converters.antiwindup * period * excess;
+        self.converters.write(e)
+    }
+
+    /// The feel computer over one period under a torque that stays: a Runge-Kutta step of its own.
+    #[inline(always)]
+    fn run_feel(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, torque: S, h: S) {
+        let around = self.around(state, inputs, Moment::Start);
+        let fade = inputs.fade[0];
+        let effects = &shared.effects;
+        let friction = effects.feel_friction;
+        let pull = |state: &State<S>, [delta, rate]: [S; 2]| {
+            let now = Now { delta, delta_rate: rate, ..Now::at(delta) };
+            let free = self.feel_acceleration(shared, &now, torque, &around, fade);
+            let held = S::select(state.feel.stuck, free.zero(), free + state.feel.drag);
+            (free, if friction { held } else { free })
+        };
+        if friction {
+            let (free, _) = pull(state, state.slow.feel);
+            let (settled, moved) = self.settle_feel(state, state.slow.feel[1], free, h);
+            state.slow.feel = [state.slow.feel[0] + moved, settled];
+        }
+        let start = state.slow.feel;
+        let moved = |[delta, rate]: [S; 2], by: S| [start[0] + by * delta, start[1] + by * rate];
+        let slope = |x: [S; 2]| [x[1], pull(state, x).1];
+        let k_1 = slope(start);
+        let k_2 = slope(moved(k_1, h.times(0.5)));
+        let k_3 = slope(moved(k_2, h.times(0.5)));
+        let k_4 = slope(moved(k_3, h));
+        let sum = |k: usize| (k_1[k] + k_4[k]) + (k_2[k] + k_3[k]).times(2.0);
+        let mut end = moved([sum(0), sum(1)], h.times(1.0 / 6.0));
+        if effects.feel_limits {
+            let (delta, rate) = self.feel.limited((start[0], start[1]), (end[0], end[1]), h);
+            end = [delta, rate];
+        }
+        state.slow.feel = end;
+        state.slider = self.dragged(effects, state);
+    }
+
+    /// Column angle in rad.
+    #[inline(always)]
+    pub fn angle(&self, now: &Now<S>) -> S {
+        now.base * self.per_base
+    }
+
+    /// Angular velocity of the column in rad/s.
+    #[inline(always)]
+    pub fn angular_velocity(&self, now: &Now<S>) -> S {
+        now.base_rate * self.per_base
+    }
+}
+
+impl<S: Scalar> Now<S> {
+    /// Everything at zero.
+    #[inline(always)]
+    fn at(like: S) -> Self {
+        let zero = like.zero();
+        Self {
+            base: zero,
+            base_rate: zero,
+            delta: zero,
+            delta_rate: zero,
+            piston: zero,
+            force: zero,
+            pressure: zero,
+            flow: zero,
+            current: zero,
+            pilot_force: zero,
+        }
+    }
+}
+
+/// Angle to either side within which a state of rest is looked for.
+const SEARCH_RAD: f64 = 1.5;
+
+/// The end of an interval between whose ends a residual changes sign, halved until the interval is below rounding.
+#[inline(always)]
+fn bisect<S: Scalar>((low, high): (S, S), residual: impl Fn(S) -> (S, Rest<S>)) -> Rest<S> {
+    let (mut low, mut high) = (low, high);
+    let at_low = residual(low).0;
+    for _ in 0..60 {
+        let middle = (low + high).times(0.5);
+        let same = low.zero().less(residual(middle).0 * at_low);
+        low = S::select(same, middle, low);
+        high = S::select(same, high, middle);
+    }
+    residual(high).1
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a number of steps in a period, far below 2^52")]
+#[inline(always)]
+fn count(steps: usize) -> f64 {
+    steps as f64
+}

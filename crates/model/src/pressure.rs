@@ -1,0 +1,249 @@
+//! Load pressure in balance: eqs. (1) or (4), (5) and (9) on the time scale of everything but the oil.
+//!
+//! `z = x_p + kappa p` piston displacement with the oil uncompressed, `kappa = V_E / (4 beta A)` · `I = c kappa p` impulse that the
+//! link's damper takes with the oil · `w = x_b' + b I` velocity of the base with that impulse given back, `b` its acceleration
+//! per newton of the link · `q_i` no-load flow · `s` sign of `q_i` · `a`, `d` see below
+//!
+//! The piston has no mass, so the oil pushes it against the link's damper with a pole near -3e4 rad/s, thousands of times faster than
+//! the feel. Eq. (5) is `A z' = q` exactly, and eq. (9) is exactly
+//!
+//! `A p + I' = k (z - kappa p - alpha x_b) + c (q / A - alpha x_b')`
+//!
+//! `I'` is what makes the pole. Whatever the link's force accelerates gains `A p = (A p + I') - I'`, so a velocity with `I`
+//! given back never sees `I'`; and where `A p` stands alone, leaving `I'` out is an error of the pole's time constant squared.
+//! What is left is one equation for `p` without a time derivative, `a p = d + (c / A) q(p)`, which is solved in closed form.
+
+use crate::Scalar;
+use crate::effects::Effects;
+use crate::parameters::{Parameters, Valve};
+
+/// Coefficients of the balance.
+#[derive(Debug, Clone, Copy)]
+pub struct Balance<S> {
+    /// `kappa` in m/Pa.
+    pub compressibility: S,
+    /// `c kappa` in N s/Pa.
+    pub impulse: S,
+    /// `A` in m².
+    pub area: S,
+    /// `alpha`.
+    pub ratio: S,
+    /// Half of the link's free play in m.
+    pub half_play: S,
+    stiffness: S,
+    damping_per_area: S,
+    supply_pressure: S,
+    pressure_gain: S,
+    relief_pressure: S,
+    relief_gain: S,
+    /// `c C_relief / A`.
+    relief_slope: S,
+    moving: Side<S>,
+    stuck: Side<S>,
+}
+
+/// The link's side of the balance: what depends on whether the base moves.
+#[derive(Debug, Clone, Copy)]
+pub struct Side<S> {
+    /// `c alpha` while the base moves, zero while it sticks.
+    base: S,
+    closed: Gains<S>,
+    relieved: Gains<S>,
+}
+
+/// `a` of `a p = d + (c / A) q(p)` in the forms that the solutions ask for.
+#[derive(Debug, Clone, Copy)]
+struct Gains<S> {
+    /// `1 / (a p_s)`.
+    per_supply: S,
+    /// `c / (2 A a p_s)`.
+    orifice: S,
+    /// `1 / (a + c C_p / A)`.
+    linear: S,
+    /// `A / a`.
+    area: S,
+}
+
+impl<S: Scalar> Gains<S> {
+    #[inline(always)]
+    fn new(a: S, area: S, damping_per_area: S, valve: &Valve<S>) -> Self {
+        let one = a.constant(1.0);
+        let per_supply = one / (a * valve.supply_pressure);
+        let linear = one / (a + damping_per_area * valve.pressure_gain);
+        Self { per_supply, orifice: damping_per_area.times(0.5) * per_supply, linear, area: area / a }
+    }
+
+    #[inline(always)]
+    fn select(mask: S::Mask, yes: &Self, no: &Self) -> Self {
+        Self {
+            per_supply: S::select(mask, yes.per_supply, no.per_supply),
+            orifice: S::select(mask, yes.orifice, no.orifice),
+            linear: S::select(mask, yes.linear, no.linear),
+            area: S::select(mask, yes.area, no.area),
+        }
+    }
+}
+
+/// The second order of the slaving. Where the pressure enters elsewhere than as the link's force, the lag behind its slaved value
+/// adds up to something proportional to the change of pressure.
+#[derive(Debug, Clone, Copy)]
+pub struct Lagging<S> {
+    /// Flow that the valve let by meanwhile, over the piston's area, in m.
+    pub piston: S,
+    /// Pressure whose impulse the link took meanwhile, in Pa.
+    pub pressure: S,
+}
+
+/// Pressure and flow in balance.
+#[derive(Debug, Clone, Copy)]
+pub struct Flow<S> {
+    /// Load pressure in Pa.
+    pub pressure: S,
+    /// Flow `A z'` in m³/s that moves piston and oil: through the valve, less what the relief valve lets by.
+    pub flow: S,
+}
+
+impl<S: Scalar> Balance<S> {
+    /// The balance of a loader whose base gains `b` m/s² per newton of the link's force.
+    #[inline(always)]
+    pub fn new(parameters: &Parameters<S>, b: S) -> Self {
+        let Parameters { actuator, linkage, valve, .. } = parameters;
+        let one = b.constant(1.0);
+        // (V_E / 4 beta) p' = q at standstill                                                              eq. (5)
+        let compressibility = one / (actuator.pressure_rate(one, one.zero()) * actuator.area);
+        let impulse = linkage.damping * compressibility;
+        let held = actuator.area + linkage.stiffness * compressibility;
+        let moving = held - linkage.damping * linkage.ratio * b * impulse;
+        let damping_per_area = linkage.damping / actuator.area;
+        let relief_slope = damping_per_area * actuator.relief_gain;
+        let gains = |a: S| Gains::new(a, actuator.area, damping_per_area, valve);
+        let side = |a: S, base: S| Side { base, closed: gains(a), relieved: gains(a + relief_slope) };
+        Self {
+            compressibility,
+            impulse,
+            area: actuator.area,
+            ratio: linkage.ratio,
+            half_play: linkage.backlash.times(0.5),
+            stiffness: linkage.stiffness,
+            damping_per_area,
+            supply_pressure: valve.supply_pressure,
+            pressure_gain: valve.pressure_gain,
+            relief_pressure: actuator.relief_pressure,
+            relief_gain: actuator.relief_gain,
+            relief_slope,
+            moving: side(moving, linkage.damping * linkage.ratio),
+            stuck: side(held, one.zero()),
+        }
+    }
+
+    /// The side where some bases are stuck.
+    #[inline(always)]
+    pub fn side(&self, effects: &Effects, stuck: S::Mask) -> Side<S> {
+        let (yes, no) = (&self.stuck, &self.moving);
+        Side {
+            base: S::select(stuck, yes.base, no.base),
+            closed: Gains::select(stuck, &yes.closed, &no.closed),
+            relieved: if effects.relief { Gains::select(stuck, &yes.relieved, &no.relieved) } else { no.relieved },
+        }
+    }
+
+    /// The side where every base moves.
+    #[inline(always)]
+    pub fn moving(&self) -> Side<S> {
+        self.moving
+    }
+
+    /// Pressure and flow at `z`, no-load flow `q_i`, base `x_b`, and `w` (of no account where the base is stuck).
+    #[inline(always)]
+    pub fn solve(&self, effects: &Effects, side: &Side<S>, z: S, q_i: S, x_b: S, w: S) -> Flow<S> {
+        let stretch = z - self.ratio * x_b;
+        let damping = side.base * w;
+        if !effects.backlash {
+            return self.against(effects, side, self.stiffness * stretch - damping, q_i);
+        }
+        // The link pushes at one end of its play, pulls at the other, and does neither between.
+        let zero = z.zero();
+        let without_play = !zero.less(self.half_play);
+        let pushed = self.against(effects, side, self.stiffness * (stretch - self.half_play) - damping, q_i);
+        let pulled = self.against(effects, side, self.stiffness * (stretch + self.half_play) - damping, q_i);
+        let pushes = zero.less(pushed.pressure) & (self.half_play.less(stretch) | without_play);
+        let pulls = pulled.pressure.less(zero) & (stretch.less(-self.half_play) | without_play);
+        let pick = |a: S, b: S, c: S| S::select(pushes, a, S::select(pulls, b, c));
+        Flow { pressure: pick(pushed.pressure, pulled.pressure, zero), flow: pick(pushed.flow, pulled.flow, q_i) }
+    }
+
+    /// `a p = d + (c / A) q(p)` for the given `d`.
+    #[inline(always)]
+    fn against(&self, effects: &Effects, side: &Side<S>, d: S, q_i: S) -> Flow<S> {
+        let valve = |gains: &Gains<S>, d: S| {
+            if effects.orifice { self.orifice(gains, d, q_i) } else { self.linear(gains, d, q_i) }
+        };
+        let closed = valve(&side.closed, d);
+        if !effects.relief {
+            return closed;
+        }
+        // Above p_relief: q - C_relief (p - p_relief) in place of q, so a grows by c C_relief / A and d along with it.
+        let limit = self.relief_pressure.times_sign(closed.pressure);
+        let over = self.relief_pressure.less(closed.pressure.abs());
+        let open = valve(&side.relieved, d + S::select(over, self.relief_slope * limit, d.zero()));
+        let escaping = self.relief_gain * (open.pressure - limit);
+        Flow {
+            pressure: S::select(over, open.pressure, closed.pressure),
+            flow: S::select(over, open.flow - escaping, closed.flow),
+        }
+    }
+
+    /// With eq. (1): `p = s p_s (1 - y |y|)`, `q = q_i y`.
+    #[inline(always)]
+    fn orifice(&self, gains: &Gains<S>, d: S, q_i: S) -> Flow<S> {
+        let one = d.constant(1.0);
+        // y |y| + 2 g y = r,  r = 1 - s d / (a p_s),  g = (c / A) |q_i| / (2 a p_s)
+        let r = one - (d * gains.per_supply).times_sign(q_i);
+        let g = q_i.abs() * gains.orifice;
+        let y = ((g * g + r.abs()).sqrt() - g).times_sign(r);
+        Flow { pressure: (self.supply_pressure * (one - y * y.abs())).times_sign(q_i), flow: q_i * y }
+    }
+
+    /// With eq. (4): `q = q_i - C_p p`.
+    #[inline(always)]
+    fn linear(&self, gains: &Gains<S>, d: S, q_i: S) -> Flow<S> {
+        let pressure = (d + self.damping_per_area * q_i) * gains.linear;
+        Flow { pressure, flow: q_i - self.pressure_gain * pressure }
+    }
+
+    /// What the lag `p - p_slaved = -(c kappa / a_eff) p'` adds up to over a change of pressure: see [`Lagging`].
+    #[inline(always)]
+    pub fn lagging(&self, effects: &Effects, side: &Side<S>, q_i: S, q: S, change: S) -> Lagging<S> {
+        let gains = &side.closed;
+        let one = change.constant(1.0);
+        // a_eff = a + (c / A) s_q,  s_q = -dq/dp;  share = (c / A) s_q / a_eff
+        let share = if effects.orifice {
+            let slope = q_i.abs() * gains.orifice * q_i.abs();
+            slope / (q.abs() + slope).max(one.constant(f64::MIN_POSITIVE))
+        } else {
+            self.damping_per_area * self.pressure_gain * gains.linear
+        };
+        Lagging { piston: self.compressibility * share * change, pressure: (one - (one - share) * gains.area) * change }
+    }
+
+    /// Length by which the link is stretched, less its play, at rest under the pressure `p`.
+    #[inline(always)]
+    pub fn stretch_at_rest(&self, p: S) -> S {
+        let play = S::select(p.zero().less(p.abs()), self.half_play.times_sign(p), p.zero());
+        // A p = k (x_p - alpha x_b -+ b / 2)                                                          eq. (9) at rest
+        self.area * p / self.stiffness + play
+    }
+
+    /// Flow that the valve loses to the load pressure.
+    #[inline(always)]
+    pub fn leakage(&self, effects: &Effects, p: S) -> S {
+        // C_p p                                                                                            eq. (4)
+        if effects.orifice { p.zero() } else { self.pressure_gain * p }
+    }
+
+    /// Piston displacement in m.
+    #[inline(always)]
+    pub fn piston(&self, z: S, p: S) -> S {
+        z - self.compressibility * p
+    }
+}

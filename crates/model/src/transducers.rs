@@ -1,0 +1,99 @@
+//! Sensors as they are: offset, lag, noise and resolution of load cell, potentiometer and column sensor.
+//!
+//! `x` what is measured · `f` what the sensor shows, `f' = w (x - f)` · `w` bandwidth · `h` time since `x` was `x_0`, `f` was `f_0`
+//!
+//! The lag is solved exactly for a measured value that changes evenly, so a sensor may be as fast as it likes:
+//! `f = x - m + (f_0 - x_0 + m) exp(-w h)`, `m = (x - x_0) / (w h)`.
+
+use crate::Scalar;
+use crate::parameters::Parameters;
+
+/// How many sensors there are: load cell (N), potentiometer (m), column sensor (m at the base).
+pub const SENSORS: usize = 3;
+
+/// The sensors of one loader.
+#[derive(Debug, Clone, Copy)]
+pub struct Transducers<S> {
+    /// Offsets.
+    pub offset: [S; SENSORS],
+    /// Noise of a sample, r.m.s.
+    pub noise: [S; SENSORS],
+    resolution: [S; SENSORS],
+    half: [Lag<S>; SENSORS],
+    whole: [Lag<S>; SENSORS],
+}
+
+/// A lag over a certain time.
+#[derive(Debug, Clone, Copy)]
+struct Lag<S> {
+    /// `1 / (w h)`.
+    per_time: S,
+    /// `exp(-w h)`.
+    kept: S,
+}
+
+impl<S: Scalar> Lag<S> {
+    #[inline(always)]
+    fn new(bandwidth: S, time: S) -> Self {
+        let decay = bandwidth * time;
+        Self { per_time: time.constant(1.0) / decay, kept: decay.decay() }
+    }
+
+    #[inline(always)]
+    fn shown(&self, f_0: S, x_0: S, x: S) -> S {
+        let m = (x - x_0) * self.per_time;
+        x - m + (f_0 - x_0 + m) * self.kept
+    }
+}
+
+/// What a sensor measured and showed at the start of a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen<S> {
+    /// Measured.
+    pub measured: [S; SENSORS],
+    /// Shown, without the offset.
+    pub shown: [S; SENSORS],
+}
+
+impl<S: Scalar> Transducers<S> {
+    /// The sensors of a loader in steps of `h` seconds.
+    #[inline(always)]
+    pub fn new(parameters: &Parameters<S>, h: f64) -> Self {
+        let Parameters { load_cell: f, potentiometer: x, column_sensor: c, column, .. } = parameters;
+        let arm = column.base_arm;
+        let step = arm.constant(h);
+        let bandwidths = [f.bandwidth, x.bandwidth, c.bandwidth];
+        Self {
+            offset: [f.offset, x.offset, c.offset * arm],
+            noise: [f.noise, x.noise, c.noise * arm],
+            resolution: [f.resolution, x.resolution, c.resolution * arm],
+            half: bandwidths.map(|bandwidth| Lag::new(bandwidth, step.times(0.5))),
+            whole: bandwidths.map(|bandwidth| Lag::new(bandwidth, step)),
+        }
+    }
+
+    /// What is shown after half a step in which the measured values changed evenly to `measured`.
+    #[inline(always)]
+    pub fn after_half(&self, before: &Seen<S>, measured: [S; SENSORS]) -> [S; SENSORS] {
+        shown(&self.half, before, measured)
+    }
+
+    /// What is shown after a whole step.
+    #[inline(always)]
+    pub fn after_whole(&self, before: &Seen<S>, measured: [S; SENSORS]) -> [S; SENSORS] {
+        shown(&self.whole, before, measured)
+    }
+
+    /// A sample: with offset, with noise (`normal` is standard normal), in steps of the resolution.
+    #[inline(always)]
+    pub fn sample(&self, shown: [S; SENSORS], normal: [S; SENSORS]) -> [S; SENSORS] {
+        let one = |k: usize| (shown[k] + self.offset[k] + self.noise[k] * normal[k]).quantized(self.resolution[k]);
+        [one(0), one(1), one(2)]
+    }
+}
+
+#[inline(always)]
+fn shown<S: Scalar>(lags: &[Lag<S>; SENSORS], before: &Seen<S>, measured: [S; SENSORS]) -> [S; SENSORS] {
+    let one = |k: usize| lags[k].shown(before.shown[k], before.measured[k], measured[k]);
+    [one(0), one(1), one(2)]
+}

@@ -1,0 +1,96 @@
+//! Eight runs at once: a number with a lane for each.
+//!
+//! The vector instructions are chosen when the program runs: AVX-512 or AVX2 where the machine has them, else what every
+//! machine has. Each lane is computed with correctly rounded operations and without fused ones, so it holds the same bits as the
+//! same run alone in double precision, on whatever machine.
+
+use core::ops::{Add, Div, Mul, Neg, Sub};
+use fearless_simd::prelude::*;
+use fearless_simd::{f64x8, mask64x8};
+use forcefeel_model::Scalar;
+
+/// How many runs stand side by side.
+pub const LANES: usize = 8;
+
+/// One number of eight runs.
+#[derive(Clone, Copy)]
+pub struct Lanes<S: Simd>(f64x8<S>);
+
+impl<S: Simd> Lanes<S> {
+    /// The same number in every lane.
+    #[inline(always)]
+    pub fn splat(simd: S, value: f64) -> Self {
+        Self(f64x8::splat(simd, value))
+    }
+    /// A number for each lane.
+    #[inline(always)]
+    pub fn new(simd: S, values: [f64; LANES]) -> Self {
+        Self(f64x8::simd_from(simd, values))
+    }
+    /// The numbers of the lanes.
+    #[inline(always)]
+    pub fn values(self) -> [f64; LANES] {
+        self.0.into()
+    }
+}
+
+macro_rules! operator {
+    ($Trait:ident, $method:ident) => {
+        impl<S: Simd> $Trait for Lanes<S> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self($Trait::$method(self.0, other.0))
+            }
+        }
+    };
+}
+
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl<S: Simd> Neg for Lanes<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl<S: Simd> Scalar for Lanes<S> {
+    type Mask = mask64x8<S>;
+    #[inline(always)]
+    fn constant(self, value: f64) -> Self {
+        Self::splat(self.0.simd, value)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt())
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs())
+    }
+    #[inline(always)]
+    fn round(self) -> Self {
+        Self(self.0.round_ties_even())
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(self.0.min(other.0))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(self.0.max(other.0))
+    }
+    #[inline(always)]
+    fn less(self, other: Self) -> Self::Mask {
+        self.0.simd_lt(other.0)
+    }
+    #[inline(always)]
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+        Self(mask.select(yes.0, no.0))
+    }
+}
