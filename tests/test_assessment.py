@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.parameters import TABLE
+from forcefeel.parameters import REQUIRED
 from forcefeel.studies import CHANGES, PLANT_PARAMETERS, best_of_each_count, droppable, worst
 
 US_STIFFNESS = 4.4482216152605 * 0.0254  # N m/rad in a lb in/rad
@@ -105,7 +105,7 @@ def test_a_new_parameter_is_varied_or_named_here():
         "valve.rated_flow", "valve.rated_current", "valve.supply_pressure", "load_cell.gain", "potentiometer.gain",
         "feel.inertia", "feel.damping", "feel.stiffness", "feel.maximum_stiffness", "pilot.force",
     }  # fmt: skip
-    assert set(TABLE) - set(PLANT_PARAMETERS) == not_of_the_compensated_plant
+    assert set(REQUIRED) - set(PLANT_PARAMETERS) == not_of_the_compensated_plant
 
 
 def test_every_gain_and_parameter_is_varied(deviations):

@@ -13,7 +13,19 @@ from hypothesis import strategies as st
 
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader, elevator
-from forcefeel.parameters import ALTERNATIVES, INDEX, PARTS, TABLE, in_range, limits_si, main_rows, range_text
+from forcefeel.parameters import (
+    ALTERNATIVES,
+    INDEX,
+    OFF,
+    PARTS,
+    TABLE,
+    in_range,
+    limits_si,
+    main_rows,
+    range_text,
+    stands,
+)
+from tests.optional_rows import companions
 
 ROUNDING = 4e-15  # relative; a conversion to SI multiplies about ten times, each good to 1.1e-16
 BEYOND = 1e-8  # relative; past a limit by more than the rounding of ten digits
@@ -36,8 +48,10 @@ def test_the_table_is_one_row_per_value_part_by_part() -> None:
     assert [name for part in PARTS for name in main_rows(part)] == [row.name for row in TABLE.values()]
     for row in (TABLE | ALTERNATIVES).values():
         low, high = limits_si(row)
-        assert 0 <= low < high < math.inf
+        assert -math.inf < low < high < math.inf
+        assert low >= 0 or row.off_si is not None
         assert in_range(row, row.default_si)
+        assert row.off_si is None or stands(row, row.off_si)
     for row in ALTERNATIVES.values():
         assert all(f"{row.part}.{name}" in TABLE for name in row.instead_of)
 
@@ -171,18 +185,23 @@ def test_unknown_parameters_are_refused(key: str, message: str) -> None:
 @pytest.mark.parametrize("key", TABLE)
 def test_a_loader_takes_its_limits_and_nothing_beyond(key: str) -> None:
     low, high = limits_si(TABLE[key])
-    for limit, beyond in ((low, low * (1 - BEYOND) - BEYOND * (low == 0)), (high, high * (1 + BEYOND))):
-        assert elevator().replace({key: limit})[key] == limit
+    others, loader = companions(key), elevator()
+    for limit, sign in ((low, -1), (high, 1)):
+        beyond = limit + sign * (BEYOND * abs(limit) or BEYOND)
+        assert loader.replace({**others, key: limit})[key] == limit
         with pytest.raises(InputError) as caught:
-            elevator().replace({key: beyond})
+            loader.replace({**others, key: beyond})
         assert str(caught.value).startswith(f"{key}: expected {range_text(TABLE[key])}, got ")
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, -1.0])
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, -1e12])
 @pytest.mark.parametrize("key", TABLE)
 def test_no_way_past_the_checks(key: str, value: float) -> None:
     values = elevator().values.copy()
     values[INDEX[key]] = value
+    if value == OFF.get(key):
+        assert Loader("off", "", values)[key] == value
+        return
     with pytest.raises(InputError, match=rf"^{key}: expected .+, got "):
         Loader("bad", "", values)
 

@@ -1,6 +1,8 @@
 """The loader file: round trips, other ways to state a part, and what a user reads when something is wrong."""
 
+import dataclasses
 import math
+import re
 import tomllib
 from pathlib import Path
 
@@ -10,10 +12,23 @@ import tomlkit
 from hypothesis import given
 from hypothesis import strategies as st
 
+from forcefeel.curves import CURVES
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader, elevator, load
-from forcefeel.parameters import ALTERNATIVES, PARTS, TABLE, limits_si, range_text, unit
+from forcefeel.parameters import (
+    ALTERNATIVES,
+    OFF,
+    PARTS,
+    REQUIRED,
+    TABLE,
+    is_switch,
+    limits_si,
+    range_text,
+    unit,
+    without,
+)
 from forcefeel.units import UnitSystem, to_text
+from tests.optional_rows import companions, going_together
 
 ROUNDING = 4e-15  # relative; a conversion to SI multiplies about ten times, each good to 1.1e-16
 TEN_DIGITS = 5e-10 + ROUNDING  # relative; half a unit of the tenth digit, at worst
@@ -84,14 +99,19 @@ def test_names_and_sources_come_back_letter_by_letter(path: Path, name: str) -> 
 def test_the_file_shows_every_row_with_meaning_unit_range_and_source(units: UnitSystem) -> None:
     text = elevator().to_toml(units)
     document = tomllib.loads(text)
-    assert list(document) == ["name", "source", *PARTS]
-    for row in TABLE.values():
+    assert list(document) == ["name", "source", *PARTS, "tolerances"]
+    for row in REQUIRED.values():
         assert document[row.part][row.name].endswith(unit(row).shown(units))
         assert f"# {row.symbol}: {row.meaning}\n# range " in text
         assert f" · source {row.source}\n{row.name} = " in text
+    for key in OFF:
+        row = TABLE[key]
+        assert row.name not in document[row.part]
+        assert re.search(rf"\n# {row.name} = .+  # {re.escape(f'{row.symbol}: {row.meaning}')} \(.+\)\n", text)
     for row in ALTERNATIVES.values():
         assert f"\n# {row.name} = " in text
-    longest = max(map(len, text.split('"')[5::2]))  # past name and source: the values
+    statements = text.replace("# ", "").split("[amplifier]")[1].splitlines()
+    longest = max(len(found[1]) for line in statements if (found := re.match(r'[a-z_]+ = "([^"]+)"', line)))
     assert longest <= len("0.0008896443231 N m s^2/rad")  # ten digits and a unit, never sixteen
 
 
@@ -102,7 +122,14 @@ def loader_at(name: str, source: str, shares: list[float]) -> Loader:
     """A loader with each value at a share of its range."""
     # The twelfth power spreads the values over the decades of a range.
     values = [low + (high - low) * share**12 for (low, high), share in zip(LIMITS, shares, strict=True)]
-    return Loader(name, source, np.array(values))
+    return loader_of(name, source, values)
+
+
+def loader_of(name: str, source: str, values: list[float]) -> Loader:
+    """A loader of these values; switches that are not off are on, optional rows that do not go together are off."""
+    by_key = dict(zip(TABLE, values, strict=True))
+    by_key |= {key: math.ceil(value) for key, value in by_key.items() if is_switch(TABLE[key])}
+    return Loader(name, source, np.array(list(going_together(by_key).values())))
 
 
 SHARES = st.lists(st.floats(0, 1), min_size=len(TABLE), max_size=len(TABLE))
@@ -119,22 +146,28 @@ def test_any_loader_comes_back_to_ten_digits(path: Path, loader: Loader, units: 
 @pytest.mark.parametrize("end", [0, 1], ids=["smallest", "largest"])
 @pytest.mark.parametrize("units", SYSTEMS)
 def test_limits_are_accepted_and_come_back_in_both_unit_systems(path: Path, units: UnitSystem, end: int) -> None:
-    loader = Loader("limit", "", np.array([limits[end] for limits in LIMITS]))
+    loader = loader_of("limit", "", [limits[end] for limits in LIMITS])
     assert read(path, loader.to_toml(units)).values == pytest.approx(loader.values, rel=TEN_DIGITS, abs=0)
 
 
+def document_with(key: str) -> dict[str, dict[str, object]]:
+    """The built-in loader's file without tolerances, and with what the row needs to have an effect."""
+    loader = dataclasses.replace(elevator(), tolerances={})
+    return tomllib.loads(loader.replace({**companions(key), key: TABLE[key].default_si}).to_toml())
+
+
 @pytest.mark.parametrize("units", SYSTEMS)
-@pytest.mark.parametrize("key", TABLE)
+@pytest.mark.parametrize("key", [key for key, row in TABLE.items() if not is_switch(row)])
 def test_a_limit_typed_as_the_message_shows_it_is_accepted(path: Path, key: str, units: UnitSystem) -> None:
     row = TABLE[key]
     shown = unit(row).shown(units)
-    document = tomllib.loads(BUILT_IN)
-    for limit, beyond in zip(limits_si(row), (-BEYOND, BEYOND), strict=True):
+    document = document_with(key)
+    for limit, sign in zip(limits_si(row), (-1, 1), strict=True):
         number = unit(row).from_si(limit, units)
         document[row.part][row.name] = typed = f"{to_text(number, 10)} {shown}".strip()
         assert typed.split()[0] in range_text(row)
         assert read(path, tomlkit.dumps(document))[key] == pytest.approx(limit, rel=TEN_DIGITS, abs=0)
-        document[row.part][row.name] = f"{number * (1 + beyond) + beyond * (number == 0):.12g} {shown}"
+        document[row.part][row.name] = f"{number + sign * (BEYOND * abs(number) or BEYOND):.12g} {shown}"
         assert "out of range" in complaints(path, tomlkit.dumps(document))[0]
 
 
@@ -268,6 +301,23 @@ def test_values_that_follow_are_held_to_their_range_too(path: Path) -> None:
     ]
 
 
+DOCUMENTATION = Path(__file__).parent.parent / "docs" / "loader-file.md"
+BLOCKS = re.findall(r"```toml\n(.+?)```", DOCUMENTATION.read_text(encoding="utf-8"), re.DOTALL)
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_what_the_documentation_shows_is_read(path: Path, block: str) -> None:
+    document = tomllib.loads(BUILT_IN)
+    for part, stated in tomllib.loads(block).items():
+        document[part] |= stated
+    assert read(path, tomlkit.dumps(document)).values.size == len(TABLE)
+
+
+def test_the_documentation_shows_curves_and_tolerances() -> None:
+    shown = [part for block in BLOCKS for part in tomllib.loads(block)]
+    assert {"column", "controller", "feel", "tolerances"} <= set(shown)
+
+
 # Bad values and keys
 
 WANTED = "actuator.area: expected a number with its unit such as '2.36 in^2', got"
@@ -329,17 +379,18 @@ def test_a_ratio_may_be_a_bare_number(path: Path, value: str) -> None:
     assert loader["linkage.ratio"] == pytest.approx(0.59, rel=ROUNDING)
 
 
-@pytest.mark.parametrize("key", TABLE)
+@pytest.mark.parametrize("key", [key for key, row in TABLE.items() if row.minimum_us >= 0 and not is_switch(row)])
 def test_zero_and_less_are_refused_where_the_physics_forbids_them(path: Path, key: str) -> None:
     row = TABLE[key]
-    document = tomllib.loads(BUILT_IN)
+    document = document_with(key)
     for number in ("0", "-1"):
         document[row.part][row.name] = f"{number} {row.unit_us}".strip()
         if number == "0" and row.minimum_us == 0:
             assert read(path, tomlkit.dumps(document))[key] == 0
         else:
             came = document[row.part][row.name]
-            message = f"{key}: out of range: expected {range_text(row)}, got '{came}'"
+            remedy = f"; {without(row)}" if number == "0" and row.off_us == 0 else ""
+            message = f"{key}: out of range: expected {range_text(row)}, got '{came}'{remedy}"
             assert complaints(path, tomlkit.dumps(document)) == [message]
 
 
@@ -353,7 +404,9 @@ def test_zero_and_less_are_refused_where_the_physics_forbids_them(path: Path, ke
         ),
         (
             [(AREA, f"{AREA}\nfoo = 3")],
-            ["actuator.foo: unknown key; known are area, oil_volume, bulk_modulus"],
+            [
+                "actuator.foo: unknown key; known are area, oil_volume, bulk_modulus, relief_pressure, relief_gain",
+            ],
         ),
         (
             [(AREA, f'{AREA}\ngrip_arm = "3 in"')],
@@ -372,7 +425,7 @@ def test_zero_and_less_are_refused_where_the_physics_forbids_them(path: Path, ke
             [("[pilot]", '["a.b\\nc"]\n"d e" = 1\n[pilot]')],
             [
                 r"'a.b\nc': unknown key; known are name, source, amplifier, valve, actuator, linkage, column, "
-                "load_cell, potentiometer, feel, pilot"
+                "load_cell, potentiometer, column_sensor, controller, feel, pilot, tolerances"
             ],
         ),
         ([('name = "elevator"', "")], ['name: missing value; add name = "elevator"']),
@@ -396,7 +449,7 @@ def test_several_mistakes_give_a_line_each(path: Path) -> None:
     )
     assert complaints(path, text) == [
         "valve.speed: unknown key; known are current_gain, pressure_gain, natural_frequency, damping_ratio, "
-        "rated_flow, rated_current, supply_pressure, operating_current, operating_pressure",
+        "rated_flow, rated_current, supply_pressure, orifice, flow_limit, operating_current, operating_pressure",
         f"{WANTED} '2 lb': 'lb' measures a force, not an area",
         'column.grip_arm: missing value; add grip_arm = "31.375 in"',
         "column.grib_arm: unknown key; did you mean grip_arm?",
@@ -407,7 +460,7 @@ def test_several_mistakes_give_a_line_each(path: Path) -> None:
 def test_an_empty_file_is_answered_with_all_that_it_needs(path: Path) -> None:
     assert complaints(path, "") == [
         'name: missing value; add name = "elevator"',
-        *(f"{part}: missing value; add the table [{part}]" for part in PARTS),
+        *(f"{part}: missing value; add the table [{part}]" for part in {row.part: None for row in REQUIRED.values()}),
     ]
 
 
@@ -501,7 +554,9 @@ VALUES = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
     max_leaves=6,
 )
-KEYS = st.sampled_from([*(row.name for row in (TABLE | ALTERNATIVES).values()), *PARTS, "name", "source"])
+KEYS = st.sampled_from(
+    [*(row.name for row in (TABLE | ALTERNATIVES).values()), *PARTS, *CURVES, "name", "source", "tolerances"]
+)
 TABLES = st.dictionaries(KEYS | st.text(max_size=8), VALUES, max_size=6)
 
 
@@ -519,7 +574,7 @@ def test_any_toml_is_read_or_refused(path: Path, changes: dict[str, object], kee
     assert good_or_refused(path, tomlkit.dumps((tomllib.loads(BUILT_IN) if keep else {}) | changes))
 
 
-@given(st.sampled_from(sorted(PARTS)), TABLES)
+@given(st.sampled_from([*PARTS, "tolerances"]), TABLES)
 def test_any_table_in_a_good_file_is_read_or_refused(path: Path, part: str, changes: dict[str, object]) -> None:
     document = tomllib.loads(BUILT_IN)
     document[part] |= changes

@@ -5,7 +5,7 @@ other row's stead. Matrices come as `(A, B, C, D)` of eqs. (14a), (14b).
 """
 
 from collections.abc import Sequence
-from typing import TypeAlias, final
+from typing import Self, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ __all__ = [
     "Compensator",
     "Parameter",
     "Recursion",
+    "Simulation",
     "compliant",
     "design_plant",
     "discretize",
@@ -27,6 +28,9 @@ __all__ = [
     "recursion",
     "rigid",
     "schedule",
+    "simulation_measure",
+    "simulation_measures",
+    "simulation_outputs",
     "valve_gains",
 ]
 
@@ -56,6 +60,10 @@ class Parameter:
     @property
     def default_si(self) -> float: ...
     @property
+    def off_us(self) -> float | None: ...
+    @property
+    def off_si(self) -> float | None: ...
+    @property
     def minimum_us(self) -> float: ...
     @property
     def maximum_us(self) -> float: ...
@@ -81,7 +89,7 @@ class Compensator:
     def __ne__(self, other: object, /) -> bool: ...
     def __getnewargs__(self) -> tuple[list[float], float, str]: ...
     @staticmethod
-    def none() -> Compensator: ...
+    def none(values: _Array) -> Compensator: ...
     @staticmethod
     def position_loop(values: _Array) -> Compensator: ...
     @staticmethod
@@ -110,6 +118,35 @@ class Recursion:
     @property
     def status(self) -> str: ...
 
+@final
+class Simulation:
+    """What stays the same over the runs of a simulation."""
+
+    def __new__(
+        cls,
+        inputs: _Array,
+        step_s: float,
+        *,
+        every: int = 1,
+        outputs: Sequence[int] = [],
+        start_force: float = 0.0,
+        held: tuple[float, int] | None = None,
+        timing: tuple[int, int] | None = None,
+        curve: tuple[_Array, _Array] | None = None,
+        changes: Sequence[tuple[int, int, _Array]] = [],
+    ) -> Self: ...
+    def run(
+        self,
+        values: _Array,
+        *,
+        law: Compensator | None = None,
+        gains: _Array | None = None,
+        force_scale: _Array | None = None,
+        seed: int = 0,
+        first_run: int = 0,
+        threads: int = 1,
+    ) -> tuple[_Array, _Array]: ...
+
 def parameters() -> list[Parameter]: ...
 def parts() -> list[tuple[str, str]]: ...
 def rigid(values: _Array, compensator: Compensator) -> _Matrices: ...
@@ -124,3 +161,6 @@ def feel_frequency(values: _Array) -> tuple[float, float]: ...
 def discretize(a: _Array, b: _Array, step: float) -> tuple[_Array, _Array]: ...
 def recursion(phi: _Array, h: _Array, q: _Array, r: _Array, steps: int, tolerance: float | None) -> Recursion: ...
 def schedule(closed: _Array, coupling: _Array, gain_row: _Array, period: float | None, settings: _Array) -> _Array: ...
+def simulation_outputs() -> list[tuple[str, str]]: ...
+def simulation_measures() -> list[tuple[str, str]]: ...
+def simulation_measure(outputs: _Array, dt: float) -> _Array: ...

@@ -7,8 +7,8 @@ from pathlib import Path
 from forcefeel.errors import InputError
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Writes ``text`` to ``path`` in UTF-8, so that nobody ever sees half of it.
+def write_whole(path: Path, contents: str | bytes) -> None:
+    """Writes ``contents``, text in UTF-8, to ``path``, so that nobody ever sees half of it.
 
     Raises:
         InputError: If the folder is not there or cannot be written.
@@ -20,8 +20,8 @@ def write_whole(path: Path, text: str) -> None:
             f"{path}: cannot be written ({error.strerror}); expected a writable folder {path.parent}"
         ) from error
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with os.fdopen(handle, "wb") as file:
+            file.write(contents.encode() if isinstance(contents, str) else contents)
         Path(name).chmod(0o644)
         Path(name).replace(path)
     except OSError as error:

@@ -10,6 +10,8 @@ valve    ``operating_current``, ``operating_pressure``     ``C_i``, ``C_p``     
 linkage  ``resonance_frequency``, ``..._damping_ratio``    ``k``, ``c``                eqs. (6), (9)
 feel     ``natural_frequency``, ``damping_ratio``          ``I``, ``B``                eq. (11)
 =======  ================================================  ==========================  ===================
+
+Curves are read in ``curve_text``, tolerances in ``tolerance_text``; ``loader_text`` writes the file.
 """
 
 import difflib
@@ -25,22 +27,27 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, create_model
 from pydantic_core import ErrorDetails
 
-from forcefeel import _core
+from forcefeel import _core, consistency, curve_text, tolerance_text
 from forcefeel._core import Parameter
+from forcefeel.curves import CURVES
 from forcefeel.errors import InputError
+from forcefeel.loader_text import Contents, toml_value
 from forcefeel.parameters import (
     INDEX,
+    OFF,
     PARTS,
     TABLE,
     alternatives,
     in_range,
-    limits_si,
+    is_switch,
     main_rows,
     range_text,
     replaced,
-    unit,
+    with_unit,
+    without,
 )
-from forcefeel.templating import environment
+from forcefeel.tolerances import Tolerance, beyond
+from forcefeel.tolerances import check as check_tolerances
 from forcefeel.units import UnitSystem, parse, show
 
 _STRICT = ConfigDict(extra="forbid", frozen=True, strict=True)
@@ -54,8 +61,8 @@ _DERIVE: Mapping[str, Callable[[NDArray[np.float64], Mapping[str, float]], tuple
 }
 
 
-def read(path: Path) -> tuple[str, str, dict[str, float]]:
-    """Name, source and SI values (by ``part.name``) of the loader file at ``path``.
+def read(path: Path) -> Contents:
+    """The loader file at ``path``.
 
     Raises:
         InputError: With a line for each thing that is wrong.
@@ -63,14 +70,36 @@ def read(path: Path) -> tuple[str, str, dict[str, float]]:
     document = _document(path)
     complaints = [found for part in PARTS if (found := _contradiction(part, document.get(part)))]
     try:
-        checked = _schema().model_validate(document).model_dump()
+        checked = _schema().model_validate(document)
     except ValidationError as error:
         complaints = [*map(_explain, error.errors()), *complaints]
-    if not complaints:
-        values, complaints = _derive(checked)
+    else:
+        if not complaints:
+            contents, complaints = _contents(checked)
     if complaints:
         raise InputError("\n".join(f"{path}: {complaint}" for complaint in complaints))
-    return checked["name"], checked["source"], values
+    return contents
+
+
+def _contents(checked: BaseModel) -> tuple[Contents, list[str]]:
+    """What follows from values that are good by themselves; and what is wrong with it."""
+    top = dict(checked)
+    parts = {part: dict(top[part]) for part in PARTS}
+    values, complaints = _derive(parts)
+    tolerances: dict[str, Tolerance] = {}
+    for key, given in top["tolerances"].items():
+        try:
+            tolerances[key] = tolerance_text.read(key, given, values.get(key, np.nan))
+        except InputError as error:
+            complaints.append(str(error))
+    curves = {name: curve for name in CURVES if (curve := parts["feel"][name]) is not None}
+    contents = Contents(top["name"], top["source"], values, curves, tolerances)
+    return contents, complaints or misfits(contents) or beyond(tolerances)
+
+
+def misfits(contents: Contents) -> list[str]:
+    """A line for each thing that is good by itself, but does not go with the rest."""
+    return [*consistency.complaints(contents.values), *check_tolerances(contents.tolerances, contents.values)]
 
 
 def _document(path: Path) -> dict[str, Any]:
@@ -88,43 +117,42 @@ def _document(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: cannot be read ({error}); expected a loader file") from error
 
 
-def write(name: str, source: str, values: Mapping[str, float], units: UnitSystem) -> str:
-    """A commented loader file with these SI values."""
-    templates = environment(html=False)
-    templates.filters["toml"] = _toml_string
-    return templates.get_template("loader.toml.j2").render(
-        name=name,
-        source=source,
-        parts=PARTS,
-        rows=main_rows,
-        alternatives=alternatives,
-        replaced=replaced,
-        value=lambda row: _with_unit(row, values[f"{row.part}.{row.name}"], units),
-        example=lambda row: _with_unit(row, row.default_si, units),
-        limits=lambda row: " to ".join(_with_unit(row, limit, units) for limit in limits_si(row)),
-    )
-
-
 @cache
 def _schema() -> type[BaseModel]:
     """The pydantic model of a loader file, made from the parameter table."""
     parts: dict[str, Any] = {}
     for part in PARTS:
-        optional = replaced(part)
         fields: dict[str, Any] = {}
         for row in (main_rows(part) | alternatives(part)).values():
-            kind = Annotated[float, BeforeValidator(partial(_quantity, row))]
-            fields[row.name] = (kind | None, None) if row.name in optional or row.instead_of else (kind, ...)
-        parts[part] = (create_model(part, __config__=_STRICT, **fields), ...)
+            kind = Annotated[float, BeforeValidator(partial(_switch if is_switch(row) else _quantity, row))]
+            fields[row.name] = (kind, ...) if _must_stand(row) else (kind | None, None)
+        for row_of_curve in CURVES.values() if part == "feel" else ():
+            fields[row_of_curve.name] = (Annotated[Any, BeforeValidator(partial(curve_text.read, row_of_curve))], None)
+        table = create_model(part, __config__=_STRICT, **fields)
+        parts[part] = (table, ... if any(map(_must_stand, main_rows(part).values())) else table())
+    parts["tolerances"] = (Annotated[dict[str, Any], BeforeValidator(tolerance_text.entries)], {})
     return create_model("LoaderFile", __config__=_STRICT, name=(str, ...), source=(str, ""), **parts)
+
+
+def _must_stand(row: Parameter) -> bool:
+    """Whether every file states the row by its own key."""
+    return row.off_si is None and row.name not in replaced(row.part) and not row.instead_of
 
 
 def _quantity(row: Parameter, given: object) -> float:
     """A value of the file in SI units, within the row's range."""
-    value = parse(given, row.unit_si, _with_unit(row, row.default_si, UnitSystem.US))
+    value = parse(given, row.unit_si, with_unit(row, row.default_si, UnitSystem.US))
     if not in_range(row, value):
-        raise InputError(f"out of range: expected {range_text(row)}, got {show(given)}")
+        remedy = f"; {without(row)}" if value == row.off_si else ""
+        raise InputError(f"out of range: expected {range_text(row)}, got {show(given)}{remedy}")
     return value
+
+
+def _switch(row: Parameter, given: object) -> float:
+    """A yes or a no of the file as 1 or 0."""
+    if not isinstance(given, bool):
+        raise InputError(f"expected {range_text(row)}, got {show(given)}")
+    return float(given)
 
 
 def _contradiction(part: str, given: object) -> str | None:
@@ -142,11 +170,12 @@ def _contradiction(part: str, given: object) -> str | None:
     return None
 
 
-def _derive(checked: Mapping[str, Any]) -> tuple[dict[str, float], list[str]]:
+def _derive(checked: Mapping[str, Mapping[str, Any]]) -> tuple[dict[str, float], list[str]]:
     """The table's values, with those stated in another way worked out by the model; and what is wrong with them."""
-    values = {key: checked[row.part][row.name] for key, row in TABLE.items()}
+    stated = {key: checked[row.part][row.name] for key, row in TABLE.items()}
     # The model's formulas read only rows that are given; the others stand as "not a number" until worked out.
-    array = np.array([np.nan if value is None else value for value in values.values()])
+    values: dict[str, float] = {key: OFF.get(key, np.nan) if it is None else it for key, it in stated.items()}
+    array = np.array(list(values.values()))
     complaints = []
     for part, derive in _DERIVE.items():
         given = {name: value for name in alternatives(part) if (value := checked[part][name]) is not None}
@@ -155,7 +184,7 @@ def _derive(checked: Mapping[str, Any]) -> tuple[dict[str, float], list[str]]:
             row = TABLE[f"{part}.{name}"]
             values[f"{part}.{name}"] = value
             if not in_range(row, value):
-                came = f"{name} = {_with_unit(row, value, UnitSystem.US)}"
+                came = f"{name} = {with_unit(row, value, UnitSystem.US)}"
                 complaints.append(f"{part}: {' and '.join(given)} lead to {came}; expected {range_text(row)}")
     return values, complaints
 
@@ -180,7 +209,8 @@ def _explain(error: ErrorDetails) -> str:
 def _hint(*place: str) -> str:
     """What may have been meant by an unknown key."""
     keys = {part: [*main_rows(part), *alternatives(part)] for part in PARTS}
-    known = keys[place[0]] if len(place) > 1 else ["name", "source", *PARTS]
+    keys["feel"] += CURVES
+    known = keys[place[0]] if len(place) > 1 else ["name", "source", *PARTS, "tolerances"]
     name = place[-1]
     if close := difflib.get_close_matches(name, known, n=1):
         return f"did you mean {close[0]}?"
@@ -192,20 +222,9 @@ def _hint(*place: str) -> str:
 def _example(part: str, name: str) -> str:
     """A line of the file, with the elevator's value."""
     row = (main_rows(part) | alternatives(part))[name]
-    return f'{name} = "{_with_unit(row, row.default_si, UnitSystem.US)}"'
+    return f"{name} = {toml_value(row, row.default_si, UnitSystem.US)}"
 
 
 def _key(name: str) -> str:
     """A key as the file has it: in quotes unless it is a plain word."""
     return name if re.fullmatch(r"[\w-]{1,60}", name) else show(name)
-
-
-def _with_unit(row: Parameter, value: float, units: UnitSystem) -> str:
-    """A SI value as text with the unit that people read; ten digits at most, so that it reads back to rounding."""
-    return f"{unit(row).from_si(value, units):.10g} {unit(row).shown(units)}".strip()
-
-
-def _toml_string(text: str) -> str:
-    """A TOML basic string."""
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'

@@ -99,7 +99,7 @@ def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpa
         linkage: Rigid or compliant link.
         closed: With the position loop of eq. (13) closed, or open.
     """
-    law = Compensator.position_loop(loader.values) if closed else Compensator.none()
+    law = Compensator.position_loop(loader.values) if closed else Compensator.none(loader.values)
     model = loader_model(loader, law, linkage)
     kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
     # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.

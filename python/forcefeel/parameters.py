@@ -1,10 +1,11 @@
 """The parameter table of the Rust model, indexed by ``part.name``."""
 
+from difflib import get_close_matches
 from types import MappingProxyType
 
 from forcefeel import _core
 from forcefeel._core import Parameter
-from forcefeel.units import Unit, UnitSystem, to_text
+from forcefeel.units import RATIO, Unit, UnitSystem, to_text
 
 PARTS = MappingProxyType(dict(_core.parts()))
 """Each part of a loader and what it is, in the order of figure 1."""
@@ -14,21 +15,35 @@ _ROWS = {f"{row.part}.{row.name}": row for row in _core.parameters()}
 TABLE = MappingProxyType({key: row for key, row in _ROWS.items() if not row.instead_of})
 """The rows that make a loader, in the order of its values."""
 
+REQUIRED = MappingProxyType({key: row for key, row in TABLE.items() if row.off_si is None})
+"""The rows that every loader states."""
+
+OFF = MappingProxyType({key: row.off_si for key, row in TABLE.items() if row.off_si is not None})
+"""The optional rows with the value, in SI units, that stands where a loader does not give them; some are infinite."""
+
 ALTERNATIVES = MappingProxyType({key: row for key, row in _ROWS.items() if row.instead_of})
 """The rows that a loader file may give instead of others of the same part."""
 
 INDEX = MappingProxyType({key: position for position, key in enumerate(TABLE)})
 """Position of each row's value."""
 
+_WITHOUT = {"controller.period": "for an analog controller"}
+
 _LIMIT_ROUNDING = 1e-9
 """Relative; a limit that a file states with ten digits, perhaps in the other unit system, is still the limit."""
 
-_LIMIT_DIGITS = 10
+DIGITS = 10
+"""What people read of a value that is not rounded for them."""
 
 
 def unit(row: Parameter) -> Unit:
-    """The row's units."""
-    return Unit(row.unit_si, row.unit_metric, row.unit_us)
+    """The row's units; a switch has none."""
+    return RATIO if is_switch(row) else Unit(row.unit_si, row.unit_metric, row.unit_us)
+
+
+def is_switch(row: Parameter) -> bool:
+    """Whether the row is a yes or a no, held as 1 or 0."""
+    return row.unit_si == "switch"
 
 
 def limits_si(row: Parameter) -> tuple[float, float]:
@@ -37,19 +52,43 @@ def limits_si(row: Parameter) -> tuple[float, float]:
 
 
 def in_range(row: Parameter, value: float) -> bool:
-    """Whether the row accepts ``value`` in SI units; "not a number" never is."""
+    """Whether the row may be given as ``value`` in SI units; "not a number" never may."""
     low, high = limits_si(row)
-    return low * (1 - _LIMIT_ROUNDING) <= value <= high * (1 + _LIMIT_ROUNDING)
+    if is_switch(row):
+        return value in limits_si(row)
+    return low - abs(low) * _LIMIT_ROUNDING <= value <= high + abs(high) * _LIMIT_ROUNDING
+
+
+def stands(row: Parameter, value: float) -> bool:
+    """Whether ``value`` in SI units is in the row's range or, for an optional row, the one that switches it off."""
+    return value == row.off_si or in_range(row, value)
 
 
 def range_text(row: Parameter) -> str:
     """The accepted range in U.S. customary units and, where they differ, in metric ones."""
+    if is_switch(row):
+        return "true or false"
     shown = [
-        " to ".join(to_text(unit(row).from_si(limit, system), _LIMIT_DIGITS) for limit in limits_si(row))
+        " to ".join(to_text(unit(row).from_si(limit, system), DIGITS) for limit in limits_si(row))
         + f" {unit(row).shown(system)}".rstrip()
         for system in (UnitSystem.US, UnitSystem.SI)
     ]
     return shown[0] if shown[0] == shown[1] else f"{shown[0]} ({shown[1]})"
+
+
+def with_unit(row: Parameter, value: float, system: UnitSystem, digits: int = DIGITS) -> str:
+    """A SI value as text with the unit that people read; ten digits at most, so that it reads back to rounding."""
+    return f"{unit(row).from_si(value, system):.{digits}g} {unit(row).shown(system)}".strip()
+
+
+def value_text(row: Parameter, value: float) -> str:
+    """A SI value as a message shows it."""
+    return with_unit(row, value, UnitSystem.US)
+
+
+def without(row: Parameter) -> str:
+    """What to do for a loader that has not what an optional row stands for."""
+    return f"leave the row out {_WITHOUT.get(f'{row.part}.{row.name}', 'to switch it off')}"
 
 
 def alternatives(part: str) -> dict[str, Parameter]:
@@ -65,3 +104,12 @@ def replaced(part: str) -> list[str]:
 def main_rows(part: str) -> dict[str, Parameter]:
     """The rows of ``part`` that make a loader."""
     return {row.name: row for row in TABLE.values() if row.part == part}
+
+
+def did_you_mean(key: str) -> str:
+    """What may have been meant by ``part.name`` that is no row."""
+    if key in ALTERNATIVES:
+        return f"a loader file may state it; a loader holds {' and '.join(ALTERNATIVES[key].instead_of)} instead"
+    if close := [known for known in TABLE if known.endswith(f".{key}")] or get_close_matches(key, TABLE, n=1):
+        return f"did you mean {' or '.join(close)}?"
+    return f"the parameters are {', '.join(TABLE)}"

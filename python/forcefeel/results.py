@@ -7,9 +7,11 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 import numpy as np
 
 from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation
+from forcefeel.curves import CURVES, Curve, CurveRow
 from forcefeel.loader import Loader
 from forcefeel.models import DESIGN_STATES
-from forcefeel.parameters import TABLE, unit
+from forcefeel.parameters import REQUIRED, TABLE, unit
+from forcefeel.tolerances import Tolerance
 from forcefeel.units import Unit, UnitSystem, to_text
 
 Plain = dict[str, Any] | list[Any] | str | float | int | bool | None
@@ -51,9 +53,25 @@ def plain(result: object, system: UnitSystem) -> Plain:
 
 
 def plain_loader(loader: Loader, system: UnitSystem) -> dict[str, Plain]:
-    """A loader's numbers by ``part.name``."""
-    values = {key: quantity(loader[key], unit(row), system) for key, row in TABLE.items()}
-    return {"name": loader.name, "source": loader.source, "values": values}
+    """A loader's numbers by ``part.name``; optional rows and curves only where given."""
+    shown = {*REQUIRED, *loader.given}
+    values = {key: quantity(loader[key], unit(row), system) for key, row in TABLE.items() if key in shown}
+    curves = {CURVES[name].key: _plain_curve(CURVES[name], curve, system) for name, curve in loader.curves.items()}
+    tolerances = {key: _plain_tolerance(it, unit(TABLE[key]), system) for key, it in loader.tolerances.items()}
+    parts = {"values": values, "curves": curves, "tolerances": tolerances}
+    return {"name": loader.name, "source": loader.source, **parts}
+
+
+def _plain_curve(row: CurveRow, curve: Curve, system: UnitSystem) -> dict[str, Plain]:
+    axes = zip((row.x.unit, row.y.unit), (curve.x, curve.y), strict=True)
+    columns = [[measured_in.from_si(value, system) for value in values] for measured_in, values in axes]
+    return {"units": list(row.units(system)), "points": [list(point) for point in zip(*columns, strict=True)]}
+
+
+def _plain_tolerance(tolerance: Tolerance, measured_in: Unit, system: UnitSystem) -> dict[str, Plain]:
+    numbers = {name: getattr(tolerance, name) for name in ("low", "high", "peak", "deviation")}
+    given = {name: quantity(value, measured_in, system) for name, value in numbers.items() if value is not None}
+    return {"distribution": str(tolerance.distribution), **given}
 
 
 def plain_gains(gains: np.ndarray[Any, np.dtype[np.float64]], system: UnitSystem) -> list[Plain]:

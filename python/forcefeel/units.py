@@ -42,8 +42,9 @@ _QUANTITIES = {
     "N m s/rad": "a rotary damping coefficient",
     "N m s^2": "a moment of inertia",
     "N m s^2/rad": "a moment of inertia",
+    "N m s^2/rad^2": "a quadratic damping coefficient",
     "rad": "an angle",
-    "1/s": "a bare rate (say rad/s or Hz)",
+    "1/s": "a rate",
     "rad/s": "a frequency",
     "A": "a current",
     "V": "a voltage",
@@ -56,7 +57,7 @@ _QUANTITIES = {
 }
 
 _NUMBER = r"[+-]?(?:(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|(?i:nan|inf(?:inity)?)\b)"
-_UNIT = r"%|[A-Za-zµμ°(](?:[A-Za-zµμ°() */·^.0-9⁰¹²³⁴⁵⁶⁷⁸⁹⁻]|(?<=[\^*])-){0,59}"
+_UNIT = r"%|(?:(?<= )1/)?[A-Za-zµμ°(](?:[A-Za-zµμ°() */·^.0-9⁰¹²³⁴⁵⁶⁷⁸⁹⁻]|(?<=[\^*])-){0,59}"
 _VALUE = re.compile(rf"(?P<number>{_NUMBER}) ?(?P<unit>{_UNIT})?")
 _LONGEST_SHOWN = 60
 
@@ -101,6 +102,7 @@ RATE = Unit("1/s", "1/s", "1/s", "per_s")
 LENGTH = Unit("m", "cm", "in", "m")
 ANGLE = Unit("rad", "deg", "deg", "rad")
 CURRENT = Unit("A", "mA", "mA", "a")
+PRESSURE = Unit("Pa", "MPa", "lb/in^2", "pa")
 FLOW = Unit("m^3/s", "cm^3/s", "in^3/s", "m3_per_s")
 ROTARY_STIFFNESS = Unit("N m/rad", "N m/rad", "lb in/rad", "n_m_per_rad")
 
@@ -151,6 +153,8 @@ def factor(source: str, target: str) -> float:
         given = given / radian  # what is per radian may leave it unsaid
     if given.dimensionality != wanted.dimensionality:
         name, other = _names().get(wanted.dimensionality), _names().get(_parse_unit(source).dimensionality)
+        if (name, other) == ("a frequency", "a rate"):
+            other = "a bare rate (say rad/s or Hz)"
         measures = f"measures {other}, not" if other else "does not measure"
         raise InputError(f"{source!r} {measures} {name or f'what {target!r} does'}")
     return float(_registry().Quantity(1.0, given).to(wanted).magnitude)

@@ -30,6 +30,18 @@ pub struct Compensator<S> {
     pub displacement: Displacement,
 }
 
+impl<S: Copy> Compensator<S> {
+    /// The same law in another number type.
+    #[inline(always)]
+    pub fn map<T>(&self, convert: impl Fn(S) -> T) -> Compensator<T> {
+        Compensator {
+            gains: self.gains.map(&convert),
+            load_cell_arm: convert(self.load_cell_arm),
+            displacement: self.displacement,
+        }
+    }
+}
+
 impl<S: Scalar> Compensator<S> {
     /// Servo alone: amplifier open, feel computer deaf.
     #[inline(always)]
@@ -71,8 +83,15 @@ impl<S: Scalar> Compensator<S> {
     /// Amplifier input `e` in V from `[x_p, p, delta, delta', x_b, x_b', F_p]`.
     #[inline(always)]
     pub fn command(&self, x: &[S; 7]) -> S {
+        let c = &self.gains;
         // e = c x                                                                        page of eq. (20)
-        self.gains.iter().zip(x).fold(x[0].zero(), |e, (&c, &x)| e + c * x)
+        c[0] * x[0] + c[1] * x[1] + c[2] * x[2] + c[3] * x[3] + c[4] * x[4] + c[5] * x[5] + c[6] * x[6]
+    }
+
+    /// The same for a law that feeds back piston and programmed displacement alone, as the original one.
+    #[inline(always)]
+    pub fn follow(&self, x_p: S, delta: S) -> S {
+        self.gains[0] * x_p + self.gains[2] * delta
     }
 
     /// Torque `T` that the feel computer sees.

@@ -88,15 +88,13 @@ fn step<S: Scalar>(range: S, bits: S) -> S {
 #[derive(Debug, Clone, Copy)]
 pub struct UnderWay<S> {
     commands: [S; MOST_UNDER_WAY],
-    /// Command that the amplifier holds.
-    pub held: S,
 }
 
 impl<S: Scalar> UnderWay<S> {
-    /// Nothing under way, `e` held.
+    /// Nothing under way but `e`.
     #[inline(always)]
     pub fn holding(e: S) -> Self {
-        Self { commands: [e; MOST_UNDER_WAY], held: e }
+        Self { commands: [e; MOST_UNDER_WAY] }
     }
 
     /// The command of sample number `sample` sets out.
@@ -105,9 +103,9 @@ impl<S: Scalar> UnderWay<S> {
         self.commands[sample % MOST_UNDER_WAY] = e;
     }
 
-    /// The command of sample number `sample` arrives.
+    /// The command of sample number `sample`, which arrives now.
     #[inline(always)]
-    pub fn arrive(&mut self, sample: usize) {
-        self.held = self.commands[sample % MOST_UNDER_WAY];
+    pub fn arriving(&self, sample: usize) -> S {
+        self.commands[sample % MOST_UNDER_WAY]
     }
 }

@@ -79,13 +79,14 @@ impl<S: Scalar> DryFriction<S> {
     }
 
     /// What holds where a step, under the drag of its start, ends with velocity `v`: past zero the part sticks or turns back.
+    /// `per_h` is `1 / h`.
     #[inline(always)]
-    pub fn passed_zero(&self, grip: &Grip<S>, v: S, h: S) -> Change<S> {
+    pub fn passed_zero(&self, grip: &Grip<S>, v: S, h: S, per_h: S) -> Change<S> {
         let v_0 = grip.velocity;
         // The drag points against the motion, so a velocity along it has turned round.
         let turned = v.zero().less(v * grip.drag) & !grip.stuck;
         let to_zero = S::select(turned, v_0 / (v_0 - v), v.zero()); // share of the step until the velocity is zero
-        let pull = (v - v_0) / h - grip.drag; // mean acceleration without friction
+        let pull = (v - v_0) * per_h - grip.drag; // mean acceleration without friction
         let sticks = !self.breakaway.less(pull.abs());
         let left = (v.constant(1.0) - to_zero) * h;
         let onward = (pull - self.kinetic.times_sign(pull)) * left;

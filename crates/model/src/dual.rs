@@ -88,6 +88,9 @@ impl Scalar for Dual {
     fn max(self, other: Self) -> Self {
         if self.value > other.value { self } else { other }
     }
+    fn times_sign(self, other: Self) -> Self {
+        if other.value.is_sign_negative() { -self } else { self }
+    }
     fn less(self, other: Self) -> bool {
         self.value < other.value
     }

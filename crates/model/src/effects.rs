@@ -35,12 +35,19 @@ pub struct Effects {
     pub feel_limits: bool,
     /// A digital controller.
     pub sampled: bool,
+    /// Noise of a sensor.
+    pub noise: bool,
+    /// Feedback of more than piston and programmed displacement.
+    pub feedback: bool,
+    /// Trim, a factor on the feel's spring, or the stick shaker.
+    pub surroundings: bool,
     /// Something that moves the column from neutral while nobody touches it.
     pub biased: bool,
 }
 
 impl Effects {
-    /// The effects of a loader with these values, in the order of the parameter table.
+    /// The effects of a loader with these values, in the order of the parameter table; of the law and of the inputs nothing is
+    /// known, so all that they may do is in play.
     pub fn of(values: &[f64; COUNT]) -> Self {
         let p = Parameters::from_values(values);
         let feel = &p.feel;
@@ -70,6 +77,9 @@ impl Effects {
                 || finite(&[feel.soft_stop_low, feel.soft_stop_high]),
             feel_limits: finite(&[feel.hard_stop_low, feel.hard_stop_high, feel.velocity_limit]),
             sampled: any(&[p.controller.period]),
+            noise: any(&[p.load_cell.noise, p.potentiometer.noise, p.column_sensor.noise]),
+            feedback: true,
+            surroundings: true,
             biased: any(&offsets) || any(&[p.column.gravity_torque, feel.preload, feel.detent_force]),
         }
     }
@@ -91,6 +101,9 @@ impl Effects {
             feel_damping_and_stops: self.feel_damping_and_stops | other.feel_damping_and_stops,
             feel_limits: self.feel_limits | other.feel_limits,
             sampled: self.sampled | other.sampled,
+            noise: self.noise | other.noise,
+            feedback: self.feedback | other.feedback,
+            surroundings: self.surroundings | other.surroundings,
             biased: self.biased | other.biased,
         }
     }

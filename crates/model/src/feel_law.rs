@@ -144,22 +144,24 @@ impl<S: Scalar> FeelLaw<S> {
         let resistance = self.damping * delta_rate
             + self.spring(effects, curve, delta, around)
             + self.resistance(effects, delta, delta_rate);
-        (torque + self.shaker * around.shaker - resistance) * self.per_torque
+        let torque = if effects.surroundings { torque + self.shaker * around.shaker } else { torque };
+        (torque - resistance) * self.per_torque
     }
 
     /// Torque of everything that depends on the displacement alone.
     #[inline(always)]
     pub fn spring(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &Surroundings<S>) -> S {
-        let x = delta - around.neutral;
+        let x = if effects.surroundings { delta - around.neutral } else { delta };
         let beyond = if effects.feel_spring { x - x.within(self.deadband) } else { x };
         let spring = match curve {
             None => self.stiffness * beyond,
             Some(curve) => self.grip_force * curve.at(beyond / self.per_angle),
         };
+        let spring = if effects.surroundings { around.stiffness_factor * spring } else { spring };
         if !effects.feel_spring {
-            return around.stiffness_factor * spring;
+            return spring;
         }
-        around.stiffness_factor * spring
+        spring
             + self.breakout.held(x)
             + self.preload
             + self.detent.passed(delta - self.detent_position)

@@ -79,9 +79,13 @@ pub struct Machine<S> {
     base_impulse: S,
     /// `r c kappa / I`: the same for the feel.
     feel_impulse: S,
+    /// One where the load cell is sampled or lags, zero where the feel computer hears it directly.
+    indirect: S,
     force_scale: S,
     per_base: S,
+    per_area: S,
     step: S,
+    per_step: S,
 }
 
 /// State between two steps.
@@ -93,14 +97,26 @@ pub struct State<S: Scalar> {
     seen: Seen<S>,
     neutral: S,
     slider: S,
-    under_way: UnderWay<S>,
-    previous_base: S,
+    /// Command that the amplifier holds under a digital controller.
+    held: S,
     /// Pilot force at the end of the last step.
     pilot_force: S,
     /// Load pressure at its start.
     pressure: S,
+    /// Force of a hand that holds the grip until it lets go, in N.
+    hand: S,
+    /// Share of a step by which the load cell is behind the slaved pressure.
+    behind: S,
     /// Steps since the start.
     steps: usize,
+}
+
+/// What a digital controller remembers from sample to sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Memory<S> {
+    under_way: UnderWay<S>,
+    /// Displacement of the base as sampled last.
+    base: S,
 }
 
 /// A loader at rest, from which a run starts.
@@ -183,30 +199,23 @@ impl Moment {
 impl<S: Scalar> Slow<S> {
     #[inline(always)]
     fn moved(&self, rates: &Self, by: S, with_feel: bool) -> Self {
-        let mut moved = *self;
-        for k in 0..5 {
-            moved.plant[k] = self.plant[k] + by * rates.plant[k];
-        }
-        if with_feel {
-            for k in 0..2 {
-                moved.feel[k] = self.feel[k] + by * rates.feel[k];
-            }
-        }
-        moved
+        let (a, b) = (&self.plant, &rates.plant);
+        let plant = [a[0] + by * b[0], a[1] + by * b[1], a[2] + by * b[2], a[3] + by * b[3], a[4] + by * b[4]];
+        let (a, b) = (&self.feel, &rates.feel);
+        let feel = if with_feel { [a[0] + by * b[0], a[1] + by * b[1]] } else { *a };
+        Self { plant, feel }
     }
 
     /// `k_1 + 2 k_2 + 2 k_3 + k_4`.
     #[inline(always)]
     fn weighted(k_1: &Self, k_2: &Self, k_3: &Self, k_4: &Self) -> Self {
-        let sum = |a: S, b: S, c: S, d: S| (a + d) + (b + c).times(2.0);
-        let mut total = *k_1;
-        for k in 0..5 {
-            total.plant[k] = sum(k_1.plant[k], k_2.plant[k], k_3.plant[k], k_4.plant[k]);
-        }
-        for k in 0..2 {
-            total.feel[k] = sum(k_1.feel[k], k_2.feel[k], k_3.feel[k], k_4.feel[k]);
-        }
-        total
+        let sum = |a: S, b: S, c: S, d: S| {
+            let twice = b + c;
+            (a + d) + (twice + twice)
+        };
+        let plant = |k: usize| sum(k_1.plant[k], k_2.plant[k], k_3.plant[k], k_4.plant[k]);
+        let feel = |k: usize| sum(k_1.feel[k], k_2.feel[k], k_3.feel[k], k_4.feel[k]);
+        Self { plant: [plant(0), plant(1), plant(2), plant(3), plant(4)], feel: [feel(0), feel(1)] }
     }
 }
 
@@ -241,9 +250,12 @@ impl<S: Scalar> Machine<S> {
             converters: Converters::new(parameters),
             base_impulse: column.per_link_force * balance.impulse,
             feel_impulse: heard * feel.per_torque * balance.impulse,
+            indirect: if shared.timing.is_none() { S::select(direct, one.zero(), one) } else { one },
             force_scale: one,
             per_base: parameters.column.angle(one),
+            per_area: one / balance.area,
             step: one.constant(shared.step_s),
+            per_step: one.constant(1.0 / shared.step_s),
         }
     }
 
@@ -305,7 +317,7 @@ impl<S: Scalar> Machine<S> {
         // S(delta) = T = -r (F_c + F_0)                                                           eq. (11) at rest
         let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around);
         let shown = -spring / self.law.load_cell_arm;
-        let p = (shown - force_offset) / self.balance.area;
+        let p = (shown - force_offset) * self.per_area;
         let x_p = self.balance.ratio * x_b + self.balance.stretch_at_rest(p);
         // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
         let pull = self.column.per_link_force * self.balance.area * p + self.column.loads(effects, x_b, zero);
@@ -318,6 +330,13 @@ impl<S: Scalar> Machine<S> {
             left_over,
             Rest { base: x_b, piston: x_p, delta, neutral: around.neutral, pressure: p, command: e, pilot_force },
         )
+    }
+
+    /// What a digital controller remembers of the rest.
+    #[inline(always)]
+    pub fn remember(&self, rest: &Rest<S>) -> Memory<S> {
+        let base = rest.base + self.transducers.offset[2];
+        Memory { under_way: UnderWay::holding(rest.command), base }
     }
 
     /// A run's first state.
@@ -336,10 +355,11 @@ impl<S: Scalar> Machine<S> {
             seen: Seen { measured, shown: measured },
             neutral: rest.neutral,
             slider: rest.delta,
-            under_way: UnderWay::holding(rest.command),
-            previous_base: rest.base + self.transducers.offset[2],
+            held: rest.command,
             pilot_force: rest.pilot_force,
             pressure: rest.pressure,
+            hand: zero,
+            behind: zero,
             steps: 0,
         }
     }
@@ -352,6 +372,7 @@ impl<S: Scalar> Machine<S> {
         &self,
         shared: &Shared,
         state: &mut State<S>,
+        memory: &mut Memory<S>,
         inputs: &Inputs,
         normal: impl FnOnce() -> [S; SENSORS],
     ) -> Begun<S> {
@@ -361,16 +382,16 @@ impl<S: Scalar> Machine<S> {
         } else {
             self.balance.moving()
         };
-        let mut now = self.look(effects, &side, &state.slow, state, self.pilot_force(inputs, Moment::Start));
+        let mut now = self.look(effects, &side, &state.slow, state, self.pilot_force(state, inputs, Moment::Start));
         self.catch_up(effects, &side, state, &mut now);
-        if effects.lags {
+        if effects.lags || shared.timing.is_some() {
             let measured = Self::measured(&now);
-            let shown = self.transducers.after_whole(&state.seen, measured);
+            let shown = self.transducers.after_whole(&state.seen, measured, state.behind);
             state.seen = Seen { measured, shown };
         }
         if let Some(timing) = shared.timing {
-            self.control(shared, timing, state, inputs, &now, normal);
-        } else {
+            self.control(shared, timing, (state, memory), inputs, &now, normal);
+        } else if effects.surroundings {
             state.neutral = self.feel.trimmed(state.neutral, now.base.constant(inputs.trim[0]), self.step);
         }
         let stage = Stage { shared, inputs, state, moment: Moment::Start };
@@ -395,7 +416,7 @@ impl<S: Scalar> Machine<S> {
             state.slow.feel = self.bounded(&shared.effects, begun, state.slow.feel);
             state.slider = self.dragged(&shared.effects, state);
         }
-        state.pilot_force = self.pilot_force(inputs, Moment::End);
+        state.pilot_force = self.pilot_force(state, inputs, Moment::End);
         state.steps += 1;
     }
 
@@ -409,10 +430,10 @@ impl<S: Scalar> Machine<S> {
         slow: &Slow<S>,
         moment: Moment,
     ) -> Slow<S> {
-        let mut now = self.look(&shared.effects, &begun.side, slow, state, self.pilot_force(inputs, moment));
+        let mut now = self.look(&shared.effects, &begun.side, slow, state, self.pilot_force(state, inputs, moment));
         let stage = Stage { shared, inputs, state, moment };
         let mut rates = self.rates(&stage, slow, &mut now);
-        self.hold(&shared.effects, state, &mut rates);
+        Self::resist(&shared.effects, state, &mut rates);
         rates
     }
 
@@ -423,8 +444,18 @@ impl<S: Scalar> Machine<S> {
     }
 
     #[inline(always)]
-    fn pilot_force(&self, inputs: &Inputs, moment: Moment) -> S {
-        self.force(moment.of(inputs.force))
+    fn pilot_force(&self, state: &State<S>, inputs: &Inputs, moment: Moment) -> S {
+        self.force(moment.of(inputs.force)) + state.hand
+    }
+
+    /// A hand holds the grip with the force of `rest`.
+    pub fn hold(state: &mut State<S>, rest: &Rest<S>) {
+        state.hand = rest.pilot_force;
+    }
+
+    /// The hand lets go.
+    pub fn let_go(state: &mut State<S>) {
+        state.hand = state.hand.zero();
     }
 
     /// What follows from the slow states: pressure, flow and velocities.
@@ -467,6 +498,7 @@ impl<S: Scalar> Machine<S> {
         let [_, q_i, ..] = state.slow.plant;
         let lagging = self.balance.lagging(effects, side, q_i, now.flow, now.pressure - state.pressure);
         let (base, feel) = (self.base_impulse * lagging.pressure, -self.feel_impulse * lagging.pressure);
+        state.behind = self.indirect * lagging.time * self.per_step;
         state.slow.plant[0] = state.slow.plant[0] + lagging.piston;
         state.slow.plant[4] = state.slow.plant[4] + base;
         state.slow.feel[1] = state.slow.feel[1] + feel;
@@ -483,22 +515,23 @@ impl<S: Scalar> Machine<S> {
 
     /// What the sensors show under the analog law.
     #[inline(always)]
-    fn shown(&self, stage: &Stage<'_, S>, now: &Now<S>) -> [S; SENSORS] {
+    fn shown(&self, stage: &Stage<'_, S>, now: &Now<S>) -> ([S; SENSORS], S) {
         let effects = &stage.shared.effects;
         let mut shown = Self::measured(now);
+        let mut base_rate = now.base_rate;
         if effects.lags {
             shown = match stage.moment {
                 Moment::Start => stage.state.seen.shown,
-                Moment::Half => self.transducers.after_half(&stage.state.seen, shown),
-                Moment::End => self.transducers.after_whole(&stage.state.seen, shown),
+                Moment::Half => self.transducers.after_half(&stage.state.seen, shown, stage.state.behind),
+                Moment::End => self.transducers.after_whole(&stage.state.seen, shown, stage.state.behind),
             };
+            base_rate = self.transducers.column_rate(now.base, base_rate, shown[2]);
         }
         if effects.offsets {
-            for (value, &offset) in shown.iter_mut().zip(&self.transducers.offset) {
-                *value = *value + offset;
-            }
+            let offset = &self.transducers.offset;
+            shown = [shown[0] + offset[0], shown[1] + offset[1], shown[2] + offset[2]];
         }
-        shown
+        (shown, base_rate)
     }
 
     /// Time derivatives, dry friction left out.
@@ -508,15 +541,14 @@ impl<S: Scalar> Machine<S> {
         let [_, q_i, q_i_rate, x_b, _] = slow.plant;
         let mut feel = slow.feel;
         let e = if stage.shared.timing.is_some() {
-            stage.state.under_way.held
+            stage.state.held
         } else {
-            let [force, piston, base] = self.shown(stage, now);
-            let around = self.around(stage.state, stage.inputs, stage.moment);
+            let ([force, piston, base], base_rate) = self.shown(stage, now);
+            let around = Self::around(stage.state, stage.inputs, stage.moment);
             let torque = self.law.feel_torque(force);
             let fade = stage.moment.of(stage.inputs.fade);
             feel = [now.delta_rate, self.feel_acceleration(stage.shared, now, torque, &around, fade)];
-            let x =
-                [piston, force / self.balance.area, now.delta, now.delta_rate, base, now.base_rate, now.pilot_force];
+            let x = [piston, force / self.balance.area, now.delta, now.delta_rate, base, base_rate, now.pilot_force];
             self.law.command(&x)
         };
         now.current = self.valve.current(effects, e);
@@ -524,7 +556,7 @@ impl<S: Scalar> Machine<S> {
             + self.column.per_pilot_force * now.pilot_force
             + self.column.loads(effects, x_b, now.base_rate);
         let flow_acceleration = self.valve.flow_acceleration(effects, q_i, q_i_rate, now.current);
-        Slow { plant: [now.flow / self.balance.area, q_i_rate, flow_acceleration, now.base_rate, pull], feel }
+        Slow { plant: [now.flow * self.per_area, q_i_rate, flow_acceleration, now.base_rate, pull], feel }
     }
 
     /// Acceleration of the programmed displacement, dry friction left out; while the feel changes, between the two feels'.
@@ -541,7 +573,7 @@ impl<S: Scalar> Machine<S> {
     }
 
     #[inline(always)]
-    fn around(&self, state: &State<S>, inputs: &Inputs, moment: Moment) -> Surroundings<S> {
+    fn around(state: &State<S>, inputs: &Inputs, moment: Moment) -> Surroundings<S> {
         let one = state.neutral.constant(1.0);
         Surroundings {
             neutral: state.neutral,
@@ -566,7 +598,7 @@ impl<S: Scalar> Machine<S> {
         if effects.column_friction {
             let friction = &self.column.friction;
             let (v, pull, h) = (now.base_rate, rates.plant[4], self.step);
-            let passed = friction.passed_zero(&state.column, v, h);
+            let passed = friction.passed_zero(&state.column, v, h, self.per_step);
             // What the force jumped between the steps did not pull in the last one.
             let jump = self.column.per_pilot_force * (now.pilot_force - state.pilot_force);
             let broken = friction.broken_away(passed.velocity, state.column.pull, pull - jump, h);
@@ -581,21 +613,21 @@ impl<S: Scalar> Machine<S> {
         }
         if effects.feel_friction && shared.timing.is_none() {
             let (rate, pull) = (now.delta_rate, rates.feel[1]);
-            let (settled, moved) = self.settle_feel(state, rate, pull, self.step);
+            let (settled, moved) = self.settle_feel(state, rate, pull, self.step, self.per_step);
             state.slow.feel[0] = state.slow.feel[0] + moved;
             state.slow.feel[1] = settled - self.feel_impulse * now.pressure;
             now.delta = state.slow.feel[0];
             now.delta_rate = settled;
             rates.feel[0] = settled;
         }
-        self.hold(effects, state, rates);
+        Self::resist(effects, state, rates);
         side
     }
 
     #[inline(always)]
-    fn settle_feel(&self, state: &mut State<S>, rate: S, pull: S, h: S) -> (S, S) {
+    fn settle_feel(&self, state: &mut State<S>, rate: S, pull: S, h: S, per_h: S) -> (S, S) {
         let friction = &self.feel.friction;
-        let passed = friction.passed_zero(&state.feel, rate, h);
+        let passed = friction.passed_zero(&state.feel, rate, h, per_h);
         let broken = friction.broken_away(passed.velocity, state.feel.pull, pull, h);
         state.feel = friction.grip(broken.velocity, pull);
         (broken.velocity, passed.displacement + broken.displacement)
@@ -603,7 +635,7 @@ impl<S: Scalar> Machine<S> {
 
     /// Adds dry friction to the rates.
     #[inline(always)]
-    fn hold(&self, effects: &Effects, state: &State<S>, rates: &mut Slow<S>) {
+    fn resist(effects: &Effects, state: &State<S>, rates: &mut Slow<S>) {
         if effects.column_friction {
             let pull = rates.plant[4] + state.column.drag;
             rates.plant[4] = S::select(state.column.stuck, pull.zero(), pull);
@@ -638,20 +670,20 @@ impl<S: Scalar> Machine<S> {
         &self,
         shared: &Shared,
         timing: Timing,
-        state: &mut State<S>,
+        (state, memory): (&mut State<S>, &mut Memory<S>),
         inputs: &Inputs,
         now: &Now<S>,
         normal: impl FnOnce() -> [S; SENSORS],
     ) {
         let steps = state.steps;
         if steps.is_multiple_of(timing.period) {
-            let shown = if shared.effects.lags { state.seen.shown } else { Self::measured(now) };
-            let sample = self.transducers.sample(shown, normal());
-            let e = self.sample(shared, timing, state, inputs, now, sample);
-            state.under_way.send(steps / timing.period, e);
+            let normal = if shared.effects.noise { normal() } else { [now.force.zero(); SENSORS] };
+            let sample = self.transducers.sample(state.seen.shown, normal);
+            let e = self.sample(shared, timing, (state, memory), inputs, now, sample);
+            memory.under_way.send(steps / timing.period, e);
         }
         if steps >= timing.delay && (steps - timing.delay).is_multiple_of(timing.period) {
-            state.under_way.arrive((steps - timing.delay) / timing.period);
+            state.held = memory.under_way.arriving((steps - timing.delay) / timing.period);
         }
     }
 
@@ -661,7 +693,7 @@ impl<S: Scalar> Machine<S> {
         &self,
         shared: &Shared,
         timing: Timing,
-        state: &mut State<S>,
+        (state, memory): (&mut State<S>, &mut Memory<S>),
         inputs: &Inputs,
         now: &Now<S>,
         [force, piston, base]: [S; SENSORS],
@@ -669,8 +701,8 @@ impl<S: Scalar> Machine<S> {
         let period = self.step.times(count(timing.period));
         let (force, piston) = self.converters.read(force, piston);
         // There is no tachometer: the velocity is the last period's difference.
-        let base_rate = (base - state.previous_base) / period;
-        state.previous_base = base;
+        let base_rate = (base - memory.base) / period;
+        memory.base = base;
         let [delta, delta_rate] = state.slow.feel;
         let e =
             self.law.command(&[piston, force / self.balance.area, delta, delta_rate, base, base_rate, now.pilot_force]);
@@ -687,7 +719,7 @@ impl<S: Scalar> Machine<S> {
     /// The feel computer over one period under a torque that stays: a Runge-Kutta step of its own.
     #[inline(always)]
     fn run_feel(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, torque: S, h: S) {
-        let around = self.around(state, inputs, Moment::Start);
+        let around = Self::around(state, inputs, Moment::Start);
         let fade = inputs.fade[0];
         let effects = &shared.effects;
         let friction = effects.feel_friction;
@@ -699,7 +731,7 @@ impl<S: Scalar> Machine<S> {
         };
         if friction {
             let (free, _) = pull(state, state.slow.feel);
-            let (settled, moved) = self.settle_feel(state, state.slow.feel[1], free, h);
+            let (settled, moved) = self.settle_feel(state, state.slow.feel[1], free, h, h.constant(1.0) / h);
             state.slow.feel = [state.slow.feel[0] + moved, settled];
         }
         let start = state.slow.feel;
@@ -719,16 +751,10 @@ impl<S: Scalar> Machine<S> {
         state.slider = self.dragged(effects, state);
     }
 
-    /// Column angle in rad.
+    /// Column angle in rad per displacement of the base in m.
     #[inline(always)]
-    pub fn angle(&self, now: &Now<S>) -> S {
-        now.base * self.per_base
-    }
-
-    /// Angular velocity of the column in rad/s.
-    #[inline(always)]
-    pub fn angular_velocity(&self, now: &Now<S>) -> S {
-        now.base_rate * self.per_base
+    pub fn per_base(&self) -> S {
+        self.per_base
     }
 }
 

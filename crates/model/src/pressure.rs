@@ -92,6 +92,8 @@ pub struct Lagging<S> {
     pub piston: S,
     /// Pressure whose impulse the link took meanwhile, in Pa.
     pub pressure: S,
+    /// Time by which the pressure is behind, in s.
+    pub time: S,
 }
 
 /// Pressure and flow in balance.
@@ -223,7 +225,12 @@ impl<S: Scalar> Balance<S> {
         } else {
             self.damping_per_area * self.pressure_gain * gains.linear
         };
-        Lagging { piston: self.compressibility * share * change, pressure: (one - (one - share) * gains.area) * change }
+        let kept = (one - share) * gains.area;
+        Lagging {
+            piston: self.compressibility * share * change,
+            pressure: (one - kept) * change,
+            time: kept * self.impulse / self.area,
+        }
     }
 
     /// Length by which the link is stretched, less its play, at rest under the pressure `p`.
@@ -234,11 +241,17 @@ impl<S: Scalar> Balance<S> {
         self.area * p / self.stiffness + play
     }
 
-    /// Flow that the valve loses to the load pressure.
+    /// No-load flow that stands against the pressure `p` at rest.
     #[inline(always)]
     pub fn leakage(&self, effects: &Effects, p: S) -> S {
-        // C_p p                                                                                            eq. (4)
-        if effects.orifice { p.zero() } else { self.pressure_gain * p }
+        let relieved = self.relief_gain * (p - p.within(self.relief_pressure));
+        if effects.orifice {
+            // q = q_i sqrt(1 - |p| / p_s) with q_i of the sign of p                                        eq. (1)
+            let share = p.constant(1.0) - p.abs() / self.supply_pressure;
+            S::select(p.zero().less(relieved.abs()), relieved / share.sqrt(), p.zero())
+        } else {
+            self.pressure_gain * p + relieved // eq. (4)
+        }
     }
 
     /// Piston displacement in m.

@@ -26,6 +26,8 @@ pub trait Scalar:
     fn min(self, other: Self) -> Self;
     /// The larger of two.
     fn max(self, other: Self) -> Self;
+    /// `self` with its sign reversed where that of `other` is negative.
+    fn times_sign(self, other: Self) -> Self;
     /// Whether `self < other`.
     fn less(self, other: Self) -> Self::Mask;
     /// `yes` where the mask holds, else `no`.
@@ -82,21 +84,15 @@ pub trait Scalar:
     fn quantized(self, step: Self) -> Self {
         Self::select(self.zero().less(step), (self / step).round() * step, self)
     }
-    /// `self` with its sign reversed where `other` is negative.
-    #[inline(always)]
-    fn times_sign(self, other: Self) -> Self {
-        Self::select(other.less(other.zero()), -self, self)
-    }
 }
 
 /// `1, -1/3!, 1/5!, ...`: the series of the sine.
 const SINE: [f64; 11] = {
     let mut terms = [1.0; 11];
-    let mut k = 1;
+    let (mut k, mut n) = (1, 2.0);
     while k < 11 {
-        let n = 2.0 * k as f64;
         terms[k] = -terms[k - 1] / (n * (n + 1.0));
-        k += 1;
+        (k, n) = (k + 1, n + 2.0);
     }
     terms
 };
@@ -128,6 +124,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn max(self, other: Self) -> Self {
                 if self > other { self } else { other }
+            }
+            #[inline(always)]
+            fn times_sign(self, other: Self) -> Self {
+                if other.is_sign_negative() { -self } else { self }
             }
             #[inline(always)]
             fn less(self, other: Self) -> bool {

@@ -19,6 +19,8 @@ pub struct Transducers<S> {
     /// Noise of a sample, r.m.s.
     pub noise: [S; SENSORS],
     resolution: [S; SENSORS],
+    /// Of the column's sensor, in rad/s.
+    column_bandwidth: S,
     half: [Lag<S>; SENSORS],
     whole: [Lag<S>; SENSORS],
 }
@@ -40,8 +42,8 @@ impl<S: Scalar> Lag<S> {
     }
 
     #[inline(always)]
-    fn shown(&self, f_0: S, x_0: S, x: S) -> S {
-        let m = (x - x_0) * self.per_time;
+    fn shown(&self, f_0: S, x_0: S, x: S, behind: S) -> S {
+        let m = (x - x_0) * (self.per_time + behind);
         x - m + (f_0 - x_0 + m) * self.kept
     }
 }
@@ -67,6 +69,7 @@ impl<S: Scalar> Transducers<S> {
             offset: [f.offset, x.offset, c.offset * arm],
             noise: [f.noise, x.noise, c.noise * arm],
             resolution: [f.resolution, x.resolution, c.resolution * arm],
+            column_bandwidth: c.bandwidth,
             half: bandwidths.map(|bandwidth| Lag::new(bandwidth, step.times(0.5))),
             whole: bandwidths.map(|bandwidth| Lag::new(bandwidth, step)),
         }
@@ -74,14 +77,22 @@ impl<S: Scalar> Transducers<S> {
 
     /// What is shown after half a step in which the measured values changed evenly to `measured`.
     #[inline(always)]
-    pub fn after_half(&self, before: &Seen<S>, measured: [S; SENSORS]) -> [S; SENSORS] {
-        shown(&self.half, before, measured)
+    pub fn after_half(&self, before: &Seen<S>, measured: [S; SENSORS], behind: S) -> [S; SENSORS] {
+        shown(&self.half, before, measured, behind + behind)
     }
 
     /// What is shown after a whole step.
     #[inline(always)]
-    pub fn after_whole(&self, before: &Seen<S>, measured: [S; SENSORS]) -> [S; SENSORS] {
-        shown(&self.whole, before, measured)
+    pub fn after_whole(&self, before: &Seen<S>, measured: [S; SENSORS], behind: S) -> [S; SENSORS] {
+        shown(&self.whole, before, measured, behind)
+    }
+
+    /// Rate of what the column's sensor shows, from the base's displacement and rate and from what is shown.
+    #[inline(always)]
+    pub fn column_rate(&self, base: S, base_rate: S, shown: S) -> S {
+        let w = self.column_bandwidth;
+        // f' = w (x - f)
+        S::select(w.less(w.constant(f64::INFINITY)), w * (base - shown), base_rate)
     }
 
     /// A sample: with offset, with noise (`normal` is standard normal), in steps of the resolution.
@@ -93,7 +104,8 @@ impl<S: Scalar> Transducers<S> {
 }
 
 #[inline(always)]
-fn shown<S: Scalar>(lags: &[Lag<S>; SENSORS], before: &Seen<S>, measured: [S; SENSORS]) -> [S; SENSORS] {
-    let one = |k: usize| lags[k].shown(before.shown[k], before.measured[k], measured[k]);
-    [one(0), one(1), one(2)]
+fn shown<S: Scalar>(lags: &[Lag<S>; SENSORS], before: &Seen<S>, measured: [S; SENSORS], behind: S) -> [S; SENSORS] {
+    let one = |k: usize, behind: S| lags[k].shown(before.shown[k], before.measured[k], measured[k], behind);
+    let zero = behind.zero();
+    [one(0, behind), one(1, zero), one(2, zero)]
 }

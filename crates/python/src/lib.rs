@@ -3,6 +3,7 @@
 
 mod arrays;
 mod model;
+mod simulate;
 mod solve;
 
 use pyo3::prelude::*;
@@ -12,6 +13,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Parameter>()?;
     module.add_class::<model::Compensator>()?;
     module.add_class::<solve::Recursion>()?;
+    module.add_class::<simulate::Simulation>()?;
+    module.add_function(wrap_pyfunction!(simulate::simulation_outputs, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate::simulation_measures, module)?)?;
+    module.add_function(wrap_pyfunction!(simulate::simulation_measure, module)?)?;
     module.add_function(wrap_pyfunction!(model::parameters, module)?)?;
     module.add_function(wrap_pyfunction!(model::parts, module)?)?;
     module.add_function(wrap_pyfunction!(model::rigid, module)?)?;

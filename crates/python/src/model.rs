@@ -79,9 +79,12 @@ fn loader(values: &Values<'_>) -> PyResult<Parameters<f64>> {
 pub struct Compensator(Law<f64>);
 
 impl Compensator {
+    pub fn law(&self) -> Law<f64> {
+        self.0
+    }
+
     fn dual(&self) -> Law<Dual> {
-        let Law { gains, load_cell_arm, displacement } = self.0;
-        Law { gains: gains.map(Dual::constant), load_cell_arm: Dual::constant(load_cell_arm), displacement }
+        self.0.map(Dual::constant)
     }
 }
 

@@ -34,6 +34,46 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
+/// A number that stands for several runs.
+pub trait Wide: Scalar {
+    /// What it takes to make one.
+    type Token: Copy;
+    /// How many runs.
+    const RUNS: usize;
+    /// Run `k`'s number is `of(k)`.
+    fn gather(token: Self::Token, of: impl Fn(usize) -> f64) -> Self;
+    /// Hands over each run's number.
+    fn scatter(self, to: impl FnMut(usize, f64));
+}
+
+impl Wide for f64 {
+    type Token = ();
+    const RUNS: usize = 1;
+    #[inline(always)]
+    fn gather((): (), of: impl Fn(usize) -> f64) -> Self {
+        of(0)
+    }
+    #[inline(always)]
+    fn scatter(self, mut to: impl FnMut(usize, f64)) {
+        to(0, self);
+    }
+}
+
+impl<S: Simd> Wide for Lanes<S> {
+    type Token = S;
+    const RUNS: usize = LANES;
+    #[inline(always)]
+    fn gather(simd: S, of: impl Fn(usize) -> f64) -> Self {
+        Self::new(simd, core::array::from_fn(of))
+    }
+    #[inline(always)]
+    fn scatter(self, mut to: impl FnMut(usize, f64)) {
+        for (lane, value) in self.values().into_iter().enumerate() {
+            to(lane, value);
+        }
+    }
+}
+
 macro_rules! operator {
     ($Trait:ident, $method:ident) => {
         impl<S: Simd> $Trait for Lanes<S> {
@@ -84,6 +124,11 @@ impl<S: Simd> Scalar for Lanes<S> {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         Self(self.0.max(other.0))
+    }
+    #[inline(always)]
+    fn times_sign(self, other: Self) -> Self {
+        let sign = f64x8::splat(self.0.simd, -0.0).to_bits();
+        Self((self.0.to_bits() ^ (other.0.to_bits() & sign)).bitcast())
     }
     #[inline(always)]
     fn less(self, other: Self) -> Self::Mask {

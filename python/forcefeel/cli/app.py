@@ -19,6 +19,7 @@ from forcefeel.cli.options import (
     Tolerance,
     Units,
 )
+from forcefeel.cli.scenario_options import ScenarioOptions, with_scenario
 from forcefeel.units import UnitSystem
 
 app = typer.Typer(
@@ -124,6 +125,27 @@ def compensate(
 
     chosen = commands.Options(horizon, converge, step, tolerance, position_weight, r1, r2, pilot_coupling, q)
     commands.compensate(loader, chosen, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel simulate my.toml --input release --angle '10 deg' --out run`")
+@with_scenario
+def simulate(
+    loader: LoaderFile = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="Folder for simulation.html, history.csv and results.json.")
+    ] = None,
+    units: Units = UnitSystem.US,
+    json: Json = False,
+    *,
+    scenario: ScenarioOptions,
+) -> None:
+    """Run the loader in time: nonlinear where its file says so.
+
+    Values are text with a unit, such as '20 lb'; times may go without, in seconds. Exit status 1 if the run diverged.
+    """
+    from forcefeel.cli import simulate_command  # noqa: PLC0415
+
+    simulate_command.run_simulate(loader, scenario, out, units, as_json=json)
 
 
 @app.command(epilog="Example: `forcefeel reproduce`")

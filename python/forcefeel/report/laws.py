@@ -1,14 +1,13 @@
-"""Tables of the law and what it bears: gains, dropped paths, sensitivity; and the loader's numbers."""
+"""Tables of the law and what it bears: gains, dropped paths, sensitivity."""
 
 import math
 
 from markupsafe import Markup
 
-from forcefeel._core import Parameter
 from forcefeel.analysis.boundary import StabilityBoundary
 from forcefeel.assessment import Assessment
 from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation, gains_in
-from forcefeel.parameters import PARTS, TABLE, main_rows, unit
+from forcefeel.parameters import TABLE
 from forcefeel.report.glance import edge, smallest
 from forcefeel.report.heat import heat
 from forcefeel.report.table import Cell, Table, heads, number, words
@@ -17,7 +16,6 @@ from forcefeel.report.typography import (
     change_text,
     number_text,
     percent_text,
-    prose_html,
     quantity_text,
     symbol_html,
     unit_text,
@@ -36,9 +34,6 @@ STATES = (
     ("F_p", "pilot force (not measured, so not fed back)"),
 )
 """What each gain acts on, in the order of ``GAIN_SYMBOLS``."""
-
-_SAME = 1e-9
-"""Relative; a value that was converted from the other unit system is still the same."""
 
 
 def gains(design: Design, system: UnitSystem) -> Table:
@@ -154,29 +149,3 @@ def _quantity(key: str) -> Cell:
         return Cell(Markup("{} <small>gain</small>").format(symbol_html(key)), "words")
     part, name = (word.replace("_", " ") for word in key.split("."))
     return Cell(Markup("{} <small>{} {}</small>").format(symbol_html(TABLE[key].symbol), part, name), "words")
-
-
-def parameters(design: Design, system: UnitSystem) -> Table:
-    """The loader's numbers."""
-    rows = []
-    for part in PARTS:
-        for name, row in main_rows(part).items():
-            value = unit(row).from_si(design.loader[f"{part}.{name}"], system)
-            rows.append(
-                (
-                    Cell(symbol_html(row.symbol)),
-                    words(prose_html(f"{part.replace('_', ' ')}: {row.meaning}")),
-                    number(number_text(value, 6)),
-                    Cell(unit_text(unit(row).shown(system))),
-                    Cell(_elevator(row, design.loader[f"{part}.{name}"], system)),
-                )
-            )
-    head = (Cell("Symbol"), Cell("Meaning"), Cell("Value", "number"), Cell("Unit"), Cell("Elevator of the 1974 report"))
-    return Table(head, tuple(rows))
-
-
-def _elevator(row: Parameter, value: float, system: UnitSystem) -> str:
-    """The 1974 elevator's value, or that it is the same."""
-    if math.isclose(value, row.default_si, rel_tol=_SAME):
-        return f"the same ({row.source})"
-    return f"{quantity_text(row.default_si, unit(row), system, 6)} ({row.source})"

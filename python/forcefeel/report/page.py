@@ -13,7 +13,7 @@ from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, gains_in
 from forcefeel.figure_data import Figure
 from forcefeel.findings import conclusions
 from forcefeel.parameters import TABLE
-from forcefeel.report import glance, laws, loops, splane
+from forcefeel.report import glance, laws, loops, machine, splane
 from forcefeel.report.canvas import html
 from forcefeel.report.captions import MEANINGS
 from forcefeel.report.plots import draw
@@ -120,7 +120,7 @@ def _tables(design: Design, units: UnitSystem) -> dict[str, Any]:
         "dropped": laws.dropped(design, units),
         "all_dropped": laws.all_dropped(design, units),
         "sensitivity": laws.sensitivity(design),
-        "parameters": laws.parameters(design, units),
+        "parameters": machine.parameters(design.loader, units),
     }
 
 

@@ -16,6 +16,10 @@ _GREEK = {
     "theta": "θ",
     "zeta": "ζ",
     "omega": "ω",
+    "phi": "φ",
+    "sigma": "σ",
+    "tau": "τ",
+    "dtheta": "Δθ",
     "w": "ω",
 }
 _RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
@@ -86,8 +90,8 @@ def parameter_text(loader: Loader, key: str, system: UnitSystem) -> str:
 
 
 def split_symbol(symbol: str) -> tuple[str, str, str]:
-    """``w_n`` as (``ω``, ``n``, no dashes); ``x_b'`` as (``x``, ``b``, one dash)."""
-    bare = symbol.rstrip("'")
+    """``w_n`` as (``ω``, ``n``, no dashes); ``x_b'`` and ``x'_b`` as (``x``, ``b``, one dash)."""
+    bare = symbol.replace("'", "")
     base, _, index = bare.partition("_")
     return _GREEK.get(base, base), index, "′" * (len(symbol) - len(bare))
 

@@ -1,0 +1,192 @@
+//! Runs in time.
+
+use crate::arrays::vector;
+use crate::model::Compensator;
+use forcefeel_model::controller::Timing;
+use forcefeel_model::curve::Curve;
+use forcefeel_model::effects::Effects;
+use forcefeel_model::machine::{Inputs, Shared};
+use forcefeel_model::parameters::COUNT;
+use forcefeel_solve::batch::{Change, Job, Law, OUTPUTS};
+use forcefeel_solve::measures::{MEASURES, Peaks, measure};
+use forcefeel_solve::simulate::Start;
+use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+type Names = Vec<(&'static str, &'static str)>;
+type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
+/// Begin, end and the values that hold afterwards.
+type ChangeOf<'py> = (usize, usize, PyReadonlyArray1<'py, f64>);
+
+/// Name and SI unit of each output of a run.
+#[pyfunction]
+pub fn simulation_outputs() -> Names {
+    OUTPUTS.to_vec()
+}
+
+/// Name and SI unit of each measure of a run.
+#[pyfunction]
+pub fn simulation_measures() -> Names {
+    MEASURES.to_vec()
+}
+
+/// The measures of one run from its outputs (outputs, samples), a sample every `dt` seconds.
+#[pyfunction]
+pub fn simulation_measure<'py>(
+    py: Python<'py>,
+    outputs: PyReadonlyArray2<'py, f64>,
+    dt: f64,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let outputs = outputs.as_array();
+    if outputs.nrows() != OUTPUTS.len() || outputs.ncols() < 2 {
+        return Err(PyValueError::new_err(format!(
+            "outputs: expected {} rows, got {:?}",
+            OUTPUTS.len(),
+            outputs.dim()
+        )));
+    }
+    let row = |name: &str| outputs.row(OUTPUTS.iter().position(|(output, _)| *output == name).unwrap_or(0));
+    let angle = row("column_angle").to_vec();
+    let demand = ["valve_current", "load_pressure", "actuator_flow"].map(row);
+    let mut peaks = Peaks::new(0.0);
+    for (k, &angle) in angle.iter().enumerate() {
+        #[expect(clippy::cast_precision_loss, reason = "a number of samples, far below 2^52")]
+        peaks.see(angle, [0, 1, 2].map(|j| demand[j][k]), k as f64 * dt);
+    }
+    Ok(PyArray1::from_slice(py, &measure(&angle, dt, &peaks).values()))
+}
+
+/// What stays the same over the runs of a simulation.
+#[pyclass(frozen, module = "forcefeel._core")]
+pub struct Simulation {
+    step_s: f64,
+    every: usize,
+    outputs: Vec<usize>,
+    inputs: Vec<Inputs>,
+    start: Start,
+    timing: Option<Timing>,
+    curve: Option<Curve>,
+    changes: Vec<Change>,
+    /// Trim, a factor on the spring, or the shaker is among the inputs.
+    stirred: bool,
+}
+
+#[pymethods]
+impl Simulation {
+    /// `inputs`: (steps, 5, 2): pilot force, trim, factor on the spring, shaker, fade, each at the start and the end of a step.
+    #[new]
+    #[pyo3(signature = (inputs, step_s, *, every = 1, outputs = vec![], start_force = 0.0, held = None, timing = None, curve = None, changes = vec![]))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
+    fn new(
+        inputs: PyReadonlyArray3<'_, f64>,
+        step_s: f64,
+        every: usize,
+        outputs: Vec<usize>,
+        start_force: f64,
+        held: Option<(f64, usize)>,
+        timing: Option<(usize, usize)>,
+        curve: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>)>,
+        changes: Vec<ChangeOf<'_>>,
+    ) -> PyResult<Self> {
+        let changes = changes.iter().map(|(begin, end, values)| {
+            Ok(Change { steps: (*begin, *end), values: vector::<COUNT>("changes", values)? })
+        });
+        let inputs = steps(&inputs)?;
+        let still = |step: &Inputs| (step.trim, step.stiffness_factor, step.shaker) == ([0.0; 2], [1.0; 2], [0.0; 2]);
+        Ok(Self {
+            stirred: !inputs.iter().all(still),
+            step_s,
+            every: every.max(1),
+            outputs: outputs.into_iter().map(|output| output.min(OUTPUTS.len() - 1)).collect(),
+            inputs,
+            start: held.map_or(Start::Under(start_force), |(angle, until)| Start::Held(angle, until)),
+            timing: timing.map(|(period, delay)| Timing { period: period.max(1), delay }),
+            curve: curve.map(|(knots, coefficients)| spring_curve(&knots, &coefficients)).transpose()?,
+            changes: changes.collect::<PyResult<_>>()?,
+        })
+    }
+
+    /// Measures (runs, measures) and histories (runs, outputs, samples) of the loaders with these values, a row each.
+    #[pyo3(signature = (values, *, law = None, gains = None, force_scale = None, seed = 0, first_run = 0, threads = 1))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of a Python method")]
+    fn run<'py>(
+        &self,
+        py: Python<'py>,
+        values: PyReadonlyArray2<'py, f64>,
+        law: Option<&Compensator>,
+        gains: Option<PyReadonlyArray2<'py, f64>>,
+        force_scale: Option<PyReadonlyArray1<'py, f64>>,
+        seed: u64,
+        first_run: u64,
+        threads: usize,
+    ) -> PyResult<Arrays<'py>> {
+        let values = rows::<COUNT>("values", &values)?;
+        let runs = values.len();
+        let gains = gains.map(|gains| rows::<7>("gains", &gains)).transpose()?;
+        let force_scale: Option<Vec<f64>> = force_scale.map(|scale| scale.as_array().iter().copied().collect());
+        check_runs("gains", gains.as_ref().map(Vec::len), runs)?;
+        check_runs("force_scale", force_scale.as_ref().map(Vec::len), runs)?;
+        let law = match (&gains, law) {
+            (Some(gains), _) => Law::Gains(gains),
+            (None, Some(law)) => Law::Fixed(law.law()),
+            (None, None) => Law::Original,
+        };
+        let all = self.changes.iter().map(|change| &change.values).chain(&values);
+        let mut effects = all.map(Effects::of).reduce(Effects::or).unwrap_or_default();
+        effects.feedback = law.feeds_back();
+        effects.surroundings = self.stirred;
+        let job = Job {
+            shared: Shared { effects, step_s: self.step_s, timing: self.timing, curve: self.curve },
+            start: self.start,
+            inputs: &self.inputs,
+            values: &values,
+            law,
+            force_scale: force_scale.as_deref(),
+            changes: &self.changes,
+            noise: (seed, first_run),
+            every: self.every,
+            outputs: &self.outputs,
+        };
+        let outcome = py.detach(|| job.run(threads.max(1)));
+        let measures = PyArray1::from_vec(py, outcome.measures.into_flattened()).reshape([runs, MEASURES.len()])?;
+        let shape = [runs, self.outputs.len(), job.samples()];
+        Ok((measures, PyArray1::from_vec(py, outcome.histories).reshape(shape)?))
+    }
+}
+
+fn steps(inputs: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<Inputs>> {
+    let inputs = inputs.as_array();
+    let (_, signals, ends) = inputs.dim();
+    if (signals, ends) != (5, 2) {
+        return Err(PyValueError::new_err(format!("inputs: expected shape (steps, 5, 2), got {:?}", inputs.dim())));
+    }
+    let step = |row: numpy::ndarray::ArrayView2<'_, f64>| {
+        let pair = |k: usize| [row[(k, 0)], row[(k, 1)]];
+        Inputs { force: pair(0), trim: pair(1), stiffness_factor: pair(2), shaker: pair(3), fade: pair(4) }
+    };
+    Ok(inputs.outer_iter().map(step).collect())
+}
+
+fn spring_curve(knots: &PyReadonlyArray1<'_, f64>, coefficients: &PyReadonlyArray2<'_, f64>) -> PyResult<Curve> {
+    let knots: Vec<f64> = knots.as_array().iter().copied().collect();
+    let coefficients = rows::<4>("curve", coefficients)?;
+    Curve::new(&knots, &coefficients).ok_or_else(|| PyValueError::new_err("curve: knots and coefficients do not fit"))
+}
+
+fn rows<const N: usize>(name: &str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<[f64; N]>> {
+    let array = array.as_array();
+    if array.ncols() != N || array.nrows() == 0 {
+        return Err(PyValueError::new_err(format!("{name}: expected rows of {N} values, got {:?}", array.dim())));
+    }
+    Ok(array.outer_iter().map(|row| core::array::from_fn(|k| row[k])).collect())
+}
+
+fn check_runs(name: &str, found: Option<usize>, runs: usize) -> PyResult<()> {
+    match found {
+        Some(found) if found != runs => {
+            Err(PyValueError::new_err(format!("{name}: expected {runs} rows, got {found}")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,270 @@
+//! Many runs: sixteen side by side in vector lanes, groups of sixteen over the cores.
+//!
+//! A run's numbers depend on its own parameters, its seed and its index alone, never on its neighbours or on the number of
+//! threads. A last group that is not full is filled up with copies of its last run.
+
+use crate::lanes::{LANES, Lanes, Wide};
+use crate::measures::{MEASURES, Peaks, measure};
+use crate::noise::Noise;
+use crate::pair::Pair;
+use crate::simulate::{FeelChange, Record, Start, run};
+use fearless_simd::{Level, Simd};
+use forcefeel_model::Scalar;
+use forcefeel_model::compensator::Compensator;
+use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
+use forcefeel_model::parameters::{COUNT, Parameters};
+use rayon::prelude::*;
+
+/// Runs of a group.
+const WIDTH: usize = 2 * LANES;
+
+/// The measures of one run, in the order of [`MEASURES`].
+pub type Values = [f64; MEASURES.len()];
+
+/// The law of each run.
+#[derive(Debug, Clone, Copy)]
+pub enum Law<'a> {
+    /// The original position loop, with each run's own parameters.
+    Original,
+    /// One law for all runs: what was designed for the nominal loader meets each.
+    Fixed(Compensator<f64>),
+    /// State feedback with gains `c_1 .. c_7` for each run, the load cell's arm by its own geometry.
+    Gains(&'a [[f64; 7]]),
+}
+
+impl Law<'_> {
+    /// Whether more than piston and programmed displacement is fed back.
+    pub fn feeds_back(&self) -> bool {
+        match self {
+            Self::Original => false,
+            Self::Fixed(law) => [1, 3, 4, 5, 6].iter().any(|&k| law.gains[k] != 0.0),
+            Self::Gains(_) => true,
+        }
+    }
+}
+
+/// Name of each output and its SI unit; `feel_position` is in the unit of the law's displacement.
+pub const OUTPUTS: &[(&str, &str)] = &[
+    ("column_angle", "rad"),
+    ("column_velocity", "rad/s"),
+    ("feel_position", ""),
+    ("feel_velocity", ""),
+    ("piston_position", "m"),
+    ("load_cell_force", "N"),
+    ("load_pressure", "Pa"),
+    ("actuator_flow", "m^3/s"),
+    ("valve_current", "A"),
+    ("pilot_force", "N"),
+];
+
+/// A change of the feel for all runs: the values of [`Feel`](forcefeel_model::parameters::Feel) among `values` count.
+#[derive(Debug, Clone, Copy)]
+pub struct Change {
+    /// Step at which it begins, and step at which it is done.
+    pub steps: (usize, usize),
+    /// Values of the parameter table that hold afterwards.
+    pub values: [f64; COUNT],
+}
+
+/// What is to be run.
+#[derive(Debug, Clone)]
+pub struct Job<'a> {
+    /// What all runs share.
+    pub shared: Shared,
+    /// Where each begins.
+    pub start: Start,
+    /// Inputs of every step.
+    pub inputs: &'a [Inputs],
+    /// Parameters of each run, in the order of the table.
+    pub values: &'a [[f64; COUNT]],
+    /// Laws.
+    pub law: Law<'a>,
+    /// Factor on the pilot's force for each run; none is one for all.
+    pub force_scale: Option<&'a [f64]>,
+    /// Changes of the feel, in order.
+    pub changes: &'a [Change],
+    /// Seed of the noise, and index of the first run.
+    pub noise: (u64, u64),
+    /// A sample of the outputs every so many steps.
+    pub every: usize,
+    /// Which outputs to keep.
+    pub outputs: &'a [usize],
+}
+
+/// What came of the runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Measures of each run.
+    pub measures: Vec<Values>,
+    /// Run by run, output by output, sample by sample; empty if no output was asked for.
+    pub histories: Vec<f64>,
+}
+
+impl Job<'_> {
+    /// Samples of a run.
+    pub fn samples(&self) -> usize {
+        self.inputs.len() / self.every + 1
+    }
+
+    /// Runs them all on so many threads.
+    ///
+    /// # Panics
+    /// If the threads cannot be had.
+    pub fn run(&self, threads: usize) -> Outcome {
+        let size = self.outputs.len() * self.samples();
+        let mut measures = vec![[0.0; MEASURES.len()]; self.values.len()];
+        let mut histories = vec![0.0; self.values.len() * size];
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the batch");
+        let level = Level::new();
+        pool.install(|| {
+            let groups = measures.par_chunks_mut(WIDTH).enumerate();
+            if size == 0 {
+                groups.for_each(|(group, measures)| self.dispatch(level, group * WIDTH, measures, &mut []));
+            } else {
+                let with_histories = groups.zip(histories.par_chunks_mut(WIDTH * size));
+                with_histories.for_each(|((group, measures), histories)| {
+                    self.dispatch(level, group * WIDTH, measures, histories);
+                });
+            }
+        });
+        Outcome { measures, histories }
+    }
+
+    /// A group on the widest instructions that the machine has; a run alone needs none.
+    fn dispatch(&self, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+        if self.values.len() > 1 {
+            #[cfg(target_arch = "x86_64")]
+            if let Some(simd) = level.as_avx512() {
+                return self.vectorized(simd, first, measures, histories);
+            } else if let Some(simd) = level.as_avx2() {
+                return self.vectorized(simd, first, measures, histories);
+            }
+            #[cfg(target_arch = "aarch64")]
+            if let Some(simd) = level.as_neon() {
+                return self.vectorized(simd, first, measures, histories);
+            }
+        }
+        let size = self.outputs.len() * self.samples();
+        for (k, measures) in measures.iter_mut().enumerate() {
+            let histories = &mut histories[k * size..(k + 1) * size];
+            self.group::<f64>((), first + k, core::slice::from_mut(measures), histories);
+        }
+    }
+
+    #[inline(always)]
+    fn vectorized<S: Simd>(&self, simd: S, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.group::<Pair<Lanes<S>>>(simd, first, measures, histories),
+        );
+    }
+
+    #[inline(always)]
+    fn group<T: Wide>(&self, token: T::Token, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+        let member = |lane: usize| (first + lane).min(self.values.len() - 1);
+        let wide = |of: &dyn Fn(usize) -> f64| T::gather(token, |lane| of(member(lane)));
+        let parameters = Parameters::from_values(&core::array::from_fn(|k| wide(&|run| self.values[run][k])));
+        let law = match self.law {
+            Law::Original => Compensator::original(&parameters),
+            Law::Gains(gains) => {
+                Compensator::state_feedback(&parameters, core::array::from_fn(|k| wide(&|run| gains[run][k])))
+            }
+            Law::Fixed(law) => law.map(|value| wide(&|_| value)),
+        };
+        let mut machine = Machine::new(&parameters, law, &self.shared);
+        if let Some(scale) = self.force_scale {
+            machine = machine.with_force_scale(wide(&|run| scale[run]));
+        }
+        let changes: Vec<FeelChange<T>> = self.changes.iter().map(|change| change.of(&parameters)).collect();
+        let (seed, first_run) = self.noise;
+        let mut noise = Noise::new(seed, (0..T::RUNS).map(|lane| first_run + member(lane) as u64));
+        let per_base = machine.per_base();
+        let mut recorder = Recorder {
+            job: self,
+            per_base,
+            peaks: Peaks::new(per_base),
+            angles: Vec::with_capacity(self.samples()),
+            histories,
+            members: measures.len(),
+        };
+        run(&mut machine, &self.shared, self.start, self.inputs, &changes, || noise.next(token), &mut recorder);
+        let Recorder { peaks, angles, .. } = recorder;
+        let dt = number(self.every) * self.shared.step_s;
+        for (k, found) in measure(&angles, dt, &peaks).values().into_iter().enumerate() {
+            found.scatter(|lane, value| {
+                if let Some(run) = measures.get_mut(lane) {
+                    run[k] = value;
+                }
+            });
+        }
+    }
+}
+
+/// Takes down what is asked of a group of runs.
+struct Recorder<'a, T> {
+    job: &'a Job<'a>,
+    per_base: T,
+    peaks: Peaks<T>,
+    angles: Vec<T>,
+    histories: &'a mut [f64],
+    members: usize,
+}
+
+impl<T: Wide> Record<T> for Recorder<'_, T> {
+    #[inline(always)]
+    fn see(&mut self, step: usize, now: &Now<T>) {
+        let angle = now.base * self.per_base;
+        let time = number(step) * self.job.shared.step_s;
+        self.peaks.see(angle, [now.current, now.pressure, now.flow], time);
+        if step.is_multiple_of(self.job.every) {
+            self.angles.push(angle);
+            if !self.job.outputs.is_empty() {
+                self.keep(step / self.job.every, *now);
+            }
+        }
+    }
+}
+
+impl<T: Wide> Recorder<'_, T> {
+    #[inline(never)]
+    fn keep(&mut self, sample: usize, now: Now<T>) {
+        let (kept, samples) = (self.job.outputs.len(), self.job.samples());
+        for (row, &output) in self.job.outputs.iter().enumerate() {
+            output_of(&now, self.per_base, output).scatter(|lane, value| {
+                if lane < self.members {
+                    self.histories[(lane * kept + row) * samples + sample] = value;
+                }
+            });
+        }
+    }
+}
+
+impl Change {
+    #[inline(always)]
+    fn of<S: Scalar>(&self, parameters: &Parameters<S>) -> FeelChange<S> {
+        let like = parameters.column.inertia;
+        let changed = Parameters::from_values(&self.values.map(|value| like.constant(value)));
+        FeelChange { steps: self.steps, parameters: Parameters { feel: changed.feel, ..*parameters } }
+    }
+}
+
+#[inline(always)]
+fn output_of<S: Scalar>(now: &Now<S>, per_base: S, output: usize) -> S {
+    match output {
+        0 => now.base * per_base,
+        1 => now.base_rate * per_base,
+        2 => now.delta,
+        3 => now.delta_rate,
+        4 => now.piston,
+        5 => now.force,
+        6 => now.pressure,
+        7 => now.flow,
+        8 => now.current,
+        _ => now.pilot_force,
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a number of steps, far below 2^52")]
+fn number(count: usize) -> f64 {
+    count as f64
+}

@@ -1,0 +1,26 @@
+"""Loaders with optional rows: what goes with what, for tests."""
+
+from forcefeel.consistency import ONLY_WITH, complaints
+from forcefeel.parameters import OFF, TABLE
+
+
+def companions(key: str) -> dict[str, float]:
+    """The rows, at their examples, without which the optional row ``key`` would have no effect."""
+    found: dict[str, float] = {}
+    wanted = [key]
+    while wanted:
+        row = wanted.pop()
+        for needed in (others[0] for name, others in ONLY_WITH if name == row):
+            if needed not in found and needed != key:
+                found[needed] = TABLE[needed].default_si
+                wanted.append(needed)
+    return found
+
+
+def going_together(values: dict[str, float]) -> dict[str, float]:
+    """``values`` without the optional rows that do not go with the others."""
+    values = dict(values)
+    while wrong := complaints(values):
+        for key in {line.split(":")[0] for line in wrong}:
+            values[key] = OFF[key]
+    return values
