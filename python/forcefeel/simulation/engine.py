@@ -1,0 +1,168 @@
+"""The Rust engine, asked for one run or for many."""
+
+import os
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel._core import Compensator
+from forcefeel.errors import InputError
+from forcefeel.loader import Loader
+from forcefeel.parameters import TABLE
+from forcefeel.simulation import linear
+from forcefeel.simulation.outcome import MEASURES, Measures, Run, RunStatus, history, outputs, statuses
+from forcefeel.simulation.scenario import Scenario, Steps
+
+MOST_HISTORY_BYTES = 4 * 2**30
+"""Largest histories that a batch keeps; more is refused before it starts."""
+
+_SINGLE = 1
+
+
+def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | None = None) -> Run:
+    """Runs a loader through a scenario.
+
+    Args:
+        loader: The loader, with whatever effects its rows give it.
+        scenario: What is done to it. The run begins at rest: hands off, under the first value of a recorded force, or held at the
+            angle of a release.
+        compensator: The law; the original position loop, eq. (13), if not given.
+
+    Returns:
+        The run. A loader without any optional row is linear, and its run is exact at the samples; any other is stepped, to
+        some 1e-5 of full travel at steps of 1 ms.
+
+    Raises:
+        InputError: If a time does not fall on a step, or the loader asks for an input that is not given.
+    """
+    law = compensator or Compensator.original(loader.values)
+    units = outputs(law.displacement_unit)
+    if linear.applies(loader, scenario):
+        values, measured = linear.run(loader, law, scenario)
+    else:
+        engine = _engine(loader, scenario, range(len(units)))
+        found, histories = engine.run(loader.values[np.newaxis], law=law, seed=scenario.seed, threads=_SINGLE)
+        values, measured = histories[0], found[0]
+    measures = Measures(*measured.tolist())
+    status = RunStatus(statuses(measured[np.newaxis])[0])
+    values = _cut(values, scenario.sample_s, measures.diverged_at_s)
+    about = {"loader": loader.name, "status": str(status)}
+    return Run(
+        loader=loader,
+        scenario=scenario,
+        status=status,
+        measures=measures,
+        history=history(values, units, scenario.sample_s, about),
+        method="exact" if linear.applies(loader, scenario) else "stepped",
+    )
+
+
+def simulate_batch(
+    loader: Loader,
+    scenario: Scenario,
+    values: NDArray[np.float64],
+    compensator: Compensator | NDArray[np.float64] | None = None,
+    *,
+    keep: Sequence[str] = (),
+    first_run: int = 0,
+    threads: int | None = None,
+) -> xr.Dataset:
+    """Runs many loaders through one scenario, eight side by side in vector lanes, on all cores.
+
+    Args:
+        loader: The nominal loader: its curves, controller and force hold for all.
+        scenario: What is done to each.
+        values: SI values, one row per run in the order of ``parameters.TABLE``; ``pilot.force`` scales the scenario's force.
+        compensator: One law for all, or state-feedback gains c_1 .. c_7 (runs, 7). Not given, each run has the original
+            position loop of its own parameters.
+        keep: Names of outputs whose histories are kept, such as ``column_angle_rad``.
+        first_run: Index of the first run, for the noise: a batch cut in pieces gives the same numbers.
+        threads: How many; all cores if not given. The numbers do not depend on it.
+
+    Returns:
+        Over ``run``: every measure of ``Measures``, ``status``, and the histories that were asked for over ``time_s``.
+
+    Raises:
+        InputError: As ``simulate``; if values have the wrong shape, vary what all runs must share, or the histories are too large.
+    """
+    values = np.ascontiguousarray(values, dtype=np.float64)
+    _check(loader, values)
+    law = None if compensator is None or isinstance(compensator, np.ndarray) else compensator
+    gains = compensator if isinstance(compensator, np.ndarray) else None
+    unit = law.displacement_unit if law else "V" if gains is None else "rad"
+    units = outputs(unit)
+    for name in keep:
+        if name not in units:
+            raise InputError(f"keep: expected names of outputs ({', '.join(units)}), got {name!r}")
+    order = list(units)
+    engine = _engine(loader, scenario, [order.index(name) for name in keep])
+    samples = round(scenario.duration_s / scenario.sample_s) + 1
+    if len(values) * len(keep) * samples * 8 > MOST_HISTORY_BYTES:
+        raise InputError(
+            f"keep: histories of {len(values)} runs take more than {MOST_HISTORY_BYTES >> 30} GiB; keep fewer outputs or none"
+        )
+    measured, histories = engine.run(
+        values,
+        law=law,
+        gains=None if gains is None else np.ascontiguousarray(gains, dtype=np.float64),
+        force_scale=values[:, list(TABLE).index("pilot.force")] / loader["pilot.force"],
+        seed=scenario.seed,
+        first_run=first_run,
+        threads=threads or cores(),
+    )
+    data = {name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(MEASURES.items())}
+    data["status"] = ("run", statuses(measured), {})
+    coordinates = {"run": np.arange(first_run, first_run + len(values))}
+    if keep:
+        coordinates["time_s"] = np.arange(samples) * scenario.sample_s
+        for k, name in enumerate(keep):
+            cut = _cut_all(histories[:, k], scenario.sample_s, measured[:, -1])
+            data[name] = (("run", "time_s"), cut, {"units": units[name]})  # type: ignore[assignment]
+    return xr.Dataset(data, coordinates, {"loader": loader.name})
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _engine(loader: Loader, scenario: Scenario, keep: Sequence[int]) -> _core.Simulation:
+    steps = Steps.of(scenario, loader)
+    curve = loader.force_curve
+    return _core.Simulation(
+        steps.inputs,
+        steps.step_s,
+        every=steps.every,
+        outputs=list(keep),
+        start_force=steps.start_force_n,
+        held=steps.held,
+        timing=steps.timing,
+        curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
+        changes=steps.changes,
+    )
+
+
+SHARED = ("valve.orifice", "controller.period", "controller.delay", "feel.shaker_frequency")
+"""What all runs of a batch have in common."""
+
+
+def _check(loader: Loader, values: NDArray[np.float64]) -> None:
+    if values.ndim != 2 or values.shape[1] != len(TABLE) or not len(values):
+        raise InputError(f"values: expected a row of {len(TABLE)} values for each run, got shape {values.shape}")
+    keys = list(TABLE)
+    for key in SHARED:
+        if np.any(values[:, keys.index(key)] != loader[key]):
+            raise InputError(f"{key}: is the same for all runs of a batch; run a batch for each value")
+
+
+def _cut(values: NDArray[np.float64], sample_s: float, diverged_at_s: float) -> NDArray[np.float64]:
+    """The outputs of a run, not a number from where it diverged."""
+    return _cut_all(values, sample_s, np.full(len(values), diverged_at_s))
+
+
+def _cut_all(values: NDArray[np.float64], sample_s: float, diverged_at_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    time = np.arange(values.shape[1]) * sample_s
+    return np.where(time < diverged_at_s[:, np.newaxis], values, np.nan)

@@ -1,0 +1,145 @@
+"""What comes of a run."""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Annotated, Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel.loader import Loader
+from forcefeel.simulation.scenario import Scenario
+from forcefeel.units import ANGLE, CURRENT, FLOW, PRESSURE, RATIO, SECONDS
+
+_SUFFIX = {
+    "": "",
+    "rad": "_rad",
+    "rad/s": "_rad_per_s",
+    "s": "_s",
+    "m": "_m",
+    "N": "_n",
+    "Pa": "_pa",
+    "A": "_a",
+    "m^3/s": "_m3_per_s",
+    "V": "_v",
+    "V/s": "_v_per_s",
+}
+
+BAND = 0.05
+"""A run has settled when its last swing is within this share of its whole swing: the residual band of the rules."""
+
+
+def named(name: str, unit: str) -> str:
+    """``name`` with the ending that tells its unit."""
+    return name + _SUFFIX[unit]
+
+
+MEASURES = {named(name, unit): unit for name, unit in _core.simulation_measures()}
+"""The measures of a run and their SI units, in the engine's order."""
+
+
+class RunStatus(StrEnum):
+    """How a run ended."""
+
+    SETTLED = "settled"
+    MOVING = "moving"
+    DIVERGED = "diverged"
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What a run is judged by.
+
+    Attributes:
+        maximum_angle_rad: Largest column angle.
+        time_of_maximum_s: When.
+        minimum_angle_rad: Smallest column angle.
+        time_of_minimum_s: When.
+        final_angle_rad: Mean over the last tenth of the run.
+        overshoot: How far beyond the final angle, as a share of the way to it.
+        settling_time_s: From then on within 5 % of the way.
+        period_s: Mean time between two passes of the final angle upwards; not a number with fewer than two.
+        passes: How many such passes.
+        last_swing_rad: Lowest to highest angle over the last tenth of the run.
+        peak_current_a: Largest magnitude of the valve current.
+        peak_pressure_pa: Largest magnitude of the load pressure.
+        peak_flow_m3_per_s: Largest magnitude of the flow.
+        diverged_at_s: When the run left every bound; infinite if it did not.
+    """
+
+    maximum_angle_rad: Annotated[float, ANGLE]
+    time_of_maximum_s: Annotated[float, SECONDS]
+    minimum_angle_rad: Annotated[float, ANGLE]
+    time_of_minimum_s: Annotated[float, SECONDS]
+    final_angle_rad: Annotated[float, ANGLE]
+    overshoot: Annotated[float, RATIO]
+    settling_time_s: Annotated[float, SECONDS]
+    period_s: Annotated[float, SECONDS]
+    passes: Annotated[float, RATIO]
+    last_swing_rad: Annotated[float, ANGLE]
+    peak_current_a: Annotated[float, CURRENT]
+    peak_pressure_pa: Annotated[float, PRESSURE]
+    peak_flow_m3_per_s: Annotated[float, FLOW]
+    diverged_at_s: Annotated[float, SECONDS]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One run.
+
+    Attributes:
+        loader: The loader.
+        scenario: What was done to it.
+        status: How it ended.
+        measures: What it is judged by.
+        history: Every output over ``time_s``, SI units; not a number once the run has diverged.
+        method: ``exact`` where everything is linear, ``stepped`` otherwise.
+    """
+
+    loader: Loader
+    scenario: Scenario
+    status: RunStatus
+    measures: Measures
+    history: xr.Dataset = field(repr=False)
+    method: str = "stepped"
+
+    @property
+    def note(self) -> str:
+        """How the run ended, in words."""
+        match self.status:
+            case RunStatus.DIVERGED:
+                return f"diverged at {self.measures.diverged_at_s:.3f} s: the column left every bound"
+            case RunStatus.MOVING:
+                return f"still moving after {self.scenario.duration_s:g} s"
+            case RunStatus.SETTLED:
+                return f"settled at {self.measures.settling_time_s:.3f} s"
+
+
+def statuses(measures: NDArray[np.float64]) -> NDArray[np.str_]:
+    """The status of each run from its measures, rows in the order of ``MEASURES``."""
+    column = {name: measures[:, k] for k, name in enumerate(MEASURES)}
+    swing = column["maximum_angle_rad"] - column["minimum_angle_rad"]
+    settled = column["last_swing_rad"] <= BAND * swing
+    status = np.where(settled, RunStatus.SETTLED, RunStatus.MOVING)
+    return np.where(np.isfinite(column["diverged_at_s"]), RunStatus.DIVERGED, status)
+
+
+def outputs(displacement_unit: str) -> dict[str, str]:
+    """The outputs of a run and their SI units; the feel's displacement is a voltage or an angle."""
+    feel = {"feel_position": displacement_unit, "feel_velocity": f"{displacement_unit}/s"}
+    return {
+        named(name, found): found
+        for name, unit in _core.simulation_outputs()
+        if (found := feel.get(name, unit)) is not None
+    }
+
+
+def history(
+    values: NDArray[np.float64], units: dict[str, str], sample_s: float, attributes: dict[str, Any]
+) -> xr.Dataset:
+    """One run's outputs (outputs, samples) over time; not a number once the column has left every bound."""
+    time = np.arange(values.shape[1]) * sample_s
+    data = {name: ("time_s", row, {"units": unit}) for (name, unit), row in zip(units.items(), values, strict=True)}
+    return xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})}, attributes)

@@ -1,0 +1,198 @@
+"""What is done to a loader in a run: forces, trim, dynamic pressure, shaker, changes of the feel."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isfinite, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.inputs import Force, HandsOff, Recorded, Release, Sampled, Schedule
+from forcefeel.inputs.sampled import Grid
+from forcefeel.loader import Loader
+
+SHORTEST_STEP_S, LONGEST_STEP_S = 1e-5, 2e-3
+"""Steps that the engine takes; beyond, the column on its linkage is no longer followed well."""
+
+MOST_UNDER_WAY = 7
+"""Longest delay of the digital controller, in periods."""
+
+_MOST_STEPS_IN_PERIOD = 64
+_WHOLE = 1e-9
+"""Relative; a quotient of two decimal numbers that is whole but for rounding."""
+
+
+@dataclass(frozen=True)
+class FeelChange:
+    """The feel is programmed anew while the column moves.
+
+    The acceleration that the feel asks for goes over from the old to the new smoothly, as 3 s^2 - 2 s^3, so that neither the force
+    nor its rate jumps.
+
+    Attributes:
+        at_s: When it begins.
+        changes: New values of ``feel.`` rows, as ``Loader.replace`` takes them.
+        over_s: How long it takes.
+    """
+
+    at_s: float
+    changes: Mapping[str, str | float | bool | None]
+    over_s: float = 0.5
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """One run, but for the loader.
+
+    Attributes:
+        force: The pilot's force over time, or a release.
+        duration_s: Length of the run.
+        step_s: Longest step of the engine; with a digital controller the step divides its period.
+        sample_s: Time between two samples of the history.
+        trim_rad: Commanded neutral of the feel over time; it is followed at ``feel.trim_rate``.
+        dynamic_pressure_pa: Dynamic pressure over time, for a feel whose stiffness depends on it.
+        shaker: How far the stick shaker is on over time, 0 to 1.
+        feel_changes: Changes of the feel, in order, none beginning before the last is done.
+        seed: Seed of the sensors' noise.
+
+    Raises:
+        InputError: If a time is out of range.
+    """
+
+    force: Force = field(default_factory=HandsOff)
+    duration_s: float = 2.0
+    step_s: float = 1e-3
+    sample_s: float = 1e-3
+    trim_rad: Schedule | None = None
+    dynamic_pressure_pa: Schedule | None = None
+    shaker: Schedule | None = None
+    feel_changes: tuple[FeelChange, ...] = ()
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not SHORTEST_STEP_S <= self.step_s <= LONGEST_STEP_S:
+            raise InputError(f"step_s: expected {SHORTEST_STEP_S:g} to {LONGEST_STEP_S:g} s, got {self.step_s:g}")
+        for name in ("duration_s", "sample_s"):
+            value = getattr(self, name)
+            if not (isfinite(value) and value > 0):
+                raise InputError(f"{name}: expected a time above 0, got {value:g}")
+        if self.seed < 0:
+            raise InputError(f"seed: expected a whole number of 0 or more, got {self.seed}")
+        end = 0.0
+        for change in self.feel_changes:
+            if change.over_s <= 0 or change.at_s < end:
+                raise InputError(
+                    f"feel_changes: expected changes that take time and do not overlap, got {change.over_s:g} s from "
+                    f"{change.at_s:g} s on, where {end:g} s is the earliest"
+                )
+            end = change.at_s + change.over_s
+
+
+@dataclass(frozen=True)
+class Steps:
+    """A scenario on the engine's steps.
+
+    Attributes:
+        step_s: The step.
+        every: Steps between two samples of the history.
+        inputs: (steps, 5, 2): force, trim, factor on the spring, shaker and fade, at start and end of each step.
+        timing: Steps in the controller's period and in its delay; ``None`` for an analog law.
+        start_force_n: Force under which the run begins at rest.
+        held: Angle in rad at which the grip is held, and the step at which it is let go; ``None`` but for a release.
+        changes: For each change of the feel its first step, the step at which it is done, and the values afterwards.
+    """
+
+    step_s: float
+    every: int
+    inputs: NDArray[np.float64]
+    timing: tuple[int, int] | None
+    start_force_n: float
+    held: tuple[float, int] | None
+    changes: list[tuple[int, int, NDArray[np.float64]]]
+
+    @classmethod
+    def of(cls, scenario: Scenario, loader: Loader) -> "Steps":
+        """Puts the scenario on steps for a loader and its controller.
+
+        Raises:
+            InputError: If a time does not fall on a step, or the feel asks for a dynamic pressure that is not given.
+        """
+        step_s, timing = _step(scenario, loader)
+        grid = Grid.of(scenario.duration_s, step_s)
+        every = round(scenario.sample_s / step_s)
+        if every < 1 or abs(scenario.sample_s / step_s - every) > _WHOLE * max(every, 1):
+            raise InputError(f"sample_s: expected a multiple of the step of {step_s:g} s, got {scenario.sample_s:g} s")
+        if grid.steps % every:
+            raise InputError(
+                f"duration_s: expected a multiple of the {scenario.sample_s:g} s between samples, got {scenario.duration_s:g} s"
+            )
+        inputs = np.zeros((grid.steps, 5, 2))
+        span = scenario.duration_s, step_s
+        _fill(inputs, 0, scenario.force.sample(*span))
+        if scenario.trim_rad is not None:
+            _fill(inputs, 1, scenario.trim_rad.sample(*span))
+        inputs[:, 2] = _stiffness_factor(scenario, loader, span)
+        if scenario.shaker is not None:
+            on, angle = (
+                scenario.shaker.sample(*span),
+                2 * pi * (loader["feel.shaker_frequency"] / (2 * pi)) * grid.times_s,
+            )
+            _fill(inputs, 3, Sampled(on.start * np.sin(angle[:-1]), on.end * np.sin(angle[1:])))
+        changes = []
+        changed = loader
+        for change in scenario.feel_changes:
+            changed = changed.replace(_only_feel(change.changes))
+            begin, end = (grid.index("feel change", time) for time in (change.at_s, change.at_s + change.over_s))
+            share = np.clip((np.arange(grid.steps + 1) - begin) / (end - begin), 0.0, 1.0)
+            fade = share**2 * (3 - 2 * share)
+            inputs[begin:end, 4] = np.column_stack([fade[:-1], fade[1:]])[begin:end]
+            changes.append((begin, end, changed.values))
+        force = scenario.force
+        held = (force.angle_rad, grid.index("release", force.start_s)) if isinstance(force, Release) else None
+        start_force = float(inputs[0, 0, 0]) if isinstance(force, Recorded) else 0.0
+        return cls(step_s, every, inputs, timing, start_force, held, changes)
+
+
+def _fill(inputs: NDArray[np.float64], signal: int, sampled: Sampled) -> None:
+    inputs[:, signal, 0], inputs[:, signal, 1] = sampled
+
+
+def _only_feel(changes: Mapping[str, str | float | bool | None]) -> Mapping[str, str | float | bool | None]:
+    for key in changes:
+        if not key.startswith("feel."):
+            raise InputError(f"feel change: expected rows of the feel such as feel.stiffness, got {key!r}")
+    return changes
+
+
+def _stiffness_factor(scenario: Scenario, loader: Loader, span: tuple[float, float]) -> NDArray[np.float64] | float:
+    curve, pressure = loader.stiffness_factor, scenario.dynamic_pressure_pa
+    if curve is None:
+        if pressure is not None:
+            raise InputError(
+                "dynamic pressure: the loader has no feel.stiffness_factor that depends on it; leave it out"
+            )
+        return 1.0
+    if pressure is None:
+        raise InputError("dynamic pressure: the loader's feel.stiffness_factor depends on it; give it")
+    sampled = pressure.sample(*span)
+    return np.column_stack([curve.held(sampled.start), curve.held(sampled.end)])
+
+
+def _step(scenario: Scenario, loader: Loader) -> tuple[float, tuple[int, int] | None]:
+    """The engine's step, and the controller's period and delay in steps."""
+    period, delay = loader["controller.period"], loader["controller.delay"]
+    if period == 0:
+        return scenario.step_s, None
+    if delay > MOST_UNDER_WAY * period * (1 + _WHOLE):
+        raise InputError(
+            f"controller.delay: expected at most {MOST_UNDER_WAY} periods of {period:g} s, got {delay:g} s"
+        )
+    fewest = int(np.ceil(period / scenario.step_s * (1 - _WHOLE)))
+    for steps in range(fewest, max(fewest, _MOST_STEPS_IN_PERIOD) + 1):
+        share = delay / period * steps
+        if abs(share - round(share)) < _WHOLE * max(steps, 1):
+            return period / steps, (steps, round(share))
+    raise InputError(
+        f"controller.delay: expected a simple share of the period of {period:g} s, such as a half or a tenth, got {delay:g} s"
+    )
