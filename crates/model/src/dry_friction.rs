@@ -33,16 +33,18 @@ pub struct Grip<S: Scalar> {
 
 impl<S: Scalar> Grip<S> {
     /// A part that has come to rest, and not just now broken away.
-    #[inline(always)]
-    pub fn resting(like: S) -> Self {
-        let zero = like.zero();
-        Self { stuck: zero.less(like.constant(1.0)), drag: zero, velocity: zero, pull: like.constant(f64::INFINITY) }
+    pub fn resting(friction: &DryFriction<S>) -> Self {
+        let zero = friction.breakaway.zero();
+        let stuck = zero.less(friction.breakaway);
+        Self { stuck, drag: zero, velocity: zero, pull: zero.constant(f64::INFINITY) }
     }
 }
 
 /// Changes of velocity and displacement.
 #[derive(Debug, Clone, Copy)]
-pub struct Change<S> {
+pub struct Change<S: Scalar> {
+    /// Where anything happened, or the part was stuck.
+    pub settled: S::Mask,
     /// New velocity.
     pub velocity: S,
     /// To be added to the displacement.
@@ -65,35 +67,36 @@ impl<S: Scalar> DryFriction<S> {
         Grip { stuck, drag, velocity: v, pull: a }
     }
 
-    /// A part that broke away during the last step: its velocity now, and how far it came. `before` is the friction-free
-    /// acceleration at the start of that step, `a` that of now; both hold while `v` is zero.
+    /// What happened inside a step that began under `grip` and would end with velocity `v`: past zero the part sticks or turns
+    /// back, and what stuck may have broken away. `a` is the friction-free acceleration at the end, `per_h` is `1 / h`.
     #[inline(always)]
-    pub fn broken_away(&self, v: S, before: S, a: S, h: S) -> Change<S> {
-        let (was, is) = (before.abs(), a.abs());
-        let breaks = at_rest(v) & self.breakaway.less(is) & !self.breakaway.less(was);
-        // Share of the step that was left when |a| passed f_s, were it to grow evenly.
-        let left = S::select(breaks, (is - self.breakaway) / (is - was), v.zero()) * h;
-        let gained = ((self.breakaway + is).times(0.5) - self.kinetic) * left;
-        let velocity = S::select(breaks, gained.times_sign(a), v);
-        Change { velocity, displacement: (velocity * left).times(0.5) }
-    }
-
-    /// What holds where a step, under the drag of its start, ends with velocity `v`: past zero the part sticks or turns back.
-    /// `per_h` is `1 / h`.
-    #[inline(always)]
-    pub fn passed_zero(&self, grip: &Grip<S>, v: S, h: S, per_h: S) -> Change<S> {
+    pub fn settled(&self, grip: &Grip<S>, v: S, a: S, (h, per_h): (S, S)) -> Change<S> {
         let v_0 = grip.velocity;
+        let (was, is) = (grip.pull.abs(), a.abs());
         // The drag points against the motion, so a velocity along it has turned round.
         let turned = v.zero().less(v * grip.drag) & !grip.stuck;
-        let to_zero = S::select(turned, v_0 / (v_0 - v), v.zero()); // share of the step until the velocity is zero
+        let breaks = grip.stuck & self.breakaway.less(is) & !self.breakaway.less(was);
+        // Share of the step until the velocity is zero; or share that was left when |a| passed f_s, were it to grow evenly.
+        let over = S::select(turned, v_0, is - self.breakaway);
+        let share = over / S::select(turned, v_0 - v, is - was);
+        let part = share * h;
+
+        let left = h - part;
         let pull = (v - v_0) * per_h - grip.drag; // mean acceleration without friction
         let sticks = !self.breakaway.less(pull.abs());
-        let left = (v.constant(1.0) - to_zero) * h;
-        let onward = (pull - self.kinetic.times_sign(pull)) * left;
-        let velocity = S::select(turned, S::select(sticks, v.zero(), onward), v);
+        let onward = S::select(sticks, v.zero(), (pull - self.kinetic.times_sign(pull)) * left);
         // Areas under the two straight pieces of the velocity, less the area under the one that was taken.
-        let moved = v_0 * (h - left) + velocity * left - (v_0 + v) * h;
-        Change { velocity, displacement: S::select(turned, moved.times(0.5), v.zero()) }
+        let moved = v_0 * part + onward * left - (v_0 + v) * h;
+
+        let freed = (((self.breakaway + is).times(0.5) - self.kinetic) * part).times_sign(a);
+        let pick = |turned_value: S, freed_value: S, otherwise: S| {
+            S::select(turned, turned_value, S::select(breaks, freed_value, otherwise))
+        };
+        Change {
+            settled: turned | grip.stuck,
+            velocity: pick(onward, freed, v),
+            displacement: pick(moved, freed * part, v.zero()).times(0.5),
+        }
     }
 }
 

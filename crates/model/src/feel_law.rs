@@ -170,7 +170,7 @@ impl<S: Scalar> FeelLaw<S> {
 
     /// Torque of quadratic damping and soft stops.
     #[inline(always)]
-    fn resistance(&self, effects: &Effects, delta: S, delta_rate: S) -> S {
+    pub fn resistance(&self, effects: &Effects, delta: S, delta_rate: S) -> S {
         if effects.feel_damping_and_stops {
             self.quadratic_damping * delta_rate * delta_rate.abs() - self.soft_stops.force(delta, delta_rate)
         } else {
@@ -185,10 +185,22 @@ impl<S: Scalar> FeelLaw<S> {
         slider.clamp(delta - travel, delta + travel)
     }
 
+    /// `(delta, delta')` inside a step from `before`, held within hard stops and velocity limit.
+    #[inline(always)]
+    pub fn held_within(&self, before: (S, S), (delta, delta_rate): (S, S)) -> (S, S) {
+        let rate = delta_rate.within(self.velocity_limit.max(before.1.abs()));
+        let (low, high) = (self.low.min(before.0), self.high.max(before.0));
+        let held = delta.clamp(low, high);
+        let rate = S::select(high.less(delta) | !held.less(self.high), rate.min(rate.zero()), rate);
+        (held, S::select(delta.less(low) | !self.low.less(held), rate.max(rate.zero()), rate))
+    }
+
     /// The trimmed neutral after `h` seconds of following the command, an angle.
     #[inline(always)]
     pub fn trimmed(&self, neutral: S, command: S, h: S) -> S {
-        neutral + (command * self.per_angle - neutral).within(self.trim_rate * h)
+        let unlimited = !self.trim_rate.less(h.constant(f64::INFINITY));
+        let most = S::select(unlimited, self.trim_rate, self.trim_rate * h);
+        neutral + (command * self.per_angle - neutral).within(most)
     }
 
     /// `(delta, delta')` after a step from `before`, held within hard stops and velocity limit.
@@ -199,11 +211,9 @@ impl<S: Scalar> FeelLaw<S> {
     pub fn limited(&self, before: (S, S), (delta, delta_rate): (S, S), h: S) -> (S, S) {
         let slowed = before.1.abs() * (h.constant(1.0) - h.times(1.0 / LIMIT_TAKES_HOLD_S));
         let rate = delta_rate.within(self.velocity_limit.max(slowed));
-        // What the limit took off the velocity at the end of an even step, it took off the displacement by half.
-        let delta = delta + ((rate - delta_rate) * h).times(0.5);
         let (low, high) = (self.low.min(before.0), self.high.max(before.0));
-        let at_low = delta.less(low);
-        let at_high = high.less(delta);
+        let at_low = !low.less(delta);
+        let at_high = !delta.less(high);
         let stopped = S::select(at_low, rate.max(rate.zero()), S::select(at_high, rate.min(rate.zero()), rate));
         (delta.clamp(low, high), stopped)
     }

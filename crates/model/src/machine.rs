@@ -315,7 +315,8 @@ impl<S: Scalar> Machine<S> {
         let [force_offset, piston_offset, base_offset] = self.transducers.offset;
         let zero = delta.zero();
         // S(delta) = T = -r (F_c + F_0)                                                           eq. (11) at rest
-        let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around);
+        let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around)
+            + self.feel.resistance(effects, delta, zero);
         let shown = -spring / self.law.load_cell_arm;
         let p = (shown - force_offset) * self.per_area;
         let x_p = self.balance.ratio * x_b + self.balance.stretch_at_rest(p);
@@ -350,8 +351,8 @@ impl<S: Scalar> Machine<S> {
         let measured = [self.balance.area * rest.pressure, rest.piston, rest.base];
         State {
             slow: Slow { plant: [z, q_i, zero, rest.base, w], feel: [rest.delta, u] },
-            column: Grip::resting(zero),
-            feel: Grip::resting(zero),
+            column: Grip::resting(&self.column.friction),
+            feel: Grip::resting(&self.feel.friction),
             seen: Seen { measured, shown: measured },
             neutral: rest.neutral,
             slider: rest.delta,
@@ -391,10 +392,12 @@ impl<S: Scalar> Machine<S> {
         }
         if let Some(timing) = shared.timing {
             self.control(shared, timing, (state, memory), inputs, &now, normal);
-        } else if effects.surroundings {
-            state.neutral = self.feel.trimmed(state.neutral, now.base.constant(inputs.trim[0]), self.step);
         }
         let stage = Stage { shared, inputs, state, moment: Moment::Start };
+        if effects.feel_limits && shared.timing.is_none() {
+            let limited = self.feel.held_within((now.delta, now.delta_rate), (now.delta, now.delta_rate));
+            (now.delta, now.delta_rate) = limited;
+        }
         let mut rates = self.rates(&stage, &state.slow, &mut now);
         let side = self.settle(shared, state, &mut now, &mut rates, side);
         Begun { now, rates, side }
@@ -415,6 +418,9 @@ impl<S: Scalar> Machine<S> {
         if analog {
             state.slow.feel = self.bounded(&shared.effects, begun, state.slow.feel);
             state.slider = self.dragged(&shared.effects, state);
+            if shared.effects.surroundings {
+                state.neutral = self.feel.trimmed(state.neutral, h.constant(inputs.trim[1]), h);
+            }
         }
         state.pilot_force = self.pilot_force(state, inputs, Moment::End);
         state.steps += 1;
@@ -431,6 +437,10 @@ impl<S: Scalar> Machine<S> {
         moment: Moment,
     ) -> Slow<S> {
         let mut now = self.look(&shared.effects, &begun.side, slow, state, self.pilot_force(state, inputs, moment));
+        if shared.effects.feel_limits && shared.timing.is_none() {
+            let before = (begun.now.delta, begun.now.delta_rate);
+            (now.delta, now.delta_rate) = self.feel.held_within(before, (now.delta, now.delta_rate));
+        }
         let stage = Stage { shared, inputs, state, moment };
         let mut rates = self.rates(&stage, slow, &mut now);
         Self::resist(&shared.effects, state, &mut rates);
@@ -544,7 +554,7 @@ impl<S: Scalar> Machine<S> {
             stage.state.held
         } else {
             let ([force, piston, base], base_rate) = self.shown(stage, now);
-            let around = Self::around(stage.state, stage.inputs, stage.moment);
+            let around = self.around(effects, stage.state, stage.inputs, stage.moment);
             let torque = self.law.feel_torque(force);
             let fade = stage.moment.of(stage.inputs.fade);
             feel = [now.delta_rate, self.feel_acceleration(stage.shared, now, torque, &around, fade)];
@@ -573,10 +583,19 @@ impl<S: Scalar> Machine<S> {
     }
 
     #[inline(always)]
-    fn around(state: &State<S>, inputs: &Inputs, moment: Moment) -> Surroundings<S> {
+    fn around(&self, effects: &Effects, state: &State<S>, inputs: &Inputs, moment: Moment) -> Surroundings<S> {
         let one = state.neutral.constant(1.0);
+        let share = match moment {
+            Moment::Start => 0.0,
+            Moment::Half => 0.5,
+            Moment::End => 1.0,
+        };
         Surroundings {
-            neutral: state.neutral,
+            neutral: if effects.surroundings {
+                self.feel.trimmed(state.neutral, one.constant(moment.of(inputs.trim)), self.step.times(share))
+            } else {
+                state.neutral
+            },
             stiffness_factor: one.constant(moment.of(inputs.stiffness_factor)),
             shaker: one.constant(moment.of(inputs.shaker)),
             slider: state.slider,
@@ -597,40 +616,32 @@ impl<S: Scalar> Machine<S> {
         let mut side = side;
         if effects.column_friction {
             let friction = &self.column.friction;
-            let (v, pull, h) = (now.base_rate, rates.plant[4], self.step);
-            let passed = friction.passed_zero(&state.column, v, h, self.per_step);
+            let (v, pull) = (now.base_rate, rates.plant[4]);
             // What the force jumped between the steps did not pull in the last one.
             let jump = self.column.per_pilot_force * (now.pilot_force - state.pilot_force);
-            let broken = friction.broken_away(passed.velocity, state.column.pull, pull - jump, h);
-            let moved = passed.displacement + broken.displacement;
-            state.column = friction.grip(broken.velocity, pull);
-            state.slow.plant[3] = state.slow.plant[3] + moved;
-            state.slow.plant[4] = broken.velocity + self.base_impulse * now.pressure;
+            let found = friction.settled(&state.column, v, pull - jump, (self.step, self.per_step));
+            state.column = friction.grip(found.velocity, pull);
+            state.slow.plant[3] = state.slow.plant[3] + found.displacement;
+            let w = found.velocity + self.base_impulse * now.pressure;
+            state.slow.plant[4] = S::select(found.settled, w, state.slow.plant[4]);
             now.base = state.slow.plant[3];
-            now.base_rate = broken.velocity;
-            rates.plant[3] = broken.velocity;
+            now.base_rate = found.velocity;
+            rates.plant[3] = found.velocity;
             side = self.balance.side(effects, state.column.stuck);
         }
         if effects.feel_friction && shared.timing.is_none() {
             let (rate, pull) = (now.delta_rate, rates.feel[1]);
-            let (settled, moved) = self.settle_feel(state, rate, pull, self.step, self.per_step);
-            state.slow.feel[0] = state.slow.feel[0] + moved;
-            state.slow.feel[1] = settled - self.feel_impulse * now.pressure;
+            let found = self.feel.friction.settled(&state.feel, rate, pull, (self.step, self.per_step));
+            state.feel = self.feel.friction.grip(found.velocity, pull);
+            state.slow.feel[0] = state.slow.feel[0] + found.displacement;
+            let u = found.velocity - self.feel_impulse * now.pressure;
+            state.slow.feel[1] = S::select(found.settled, u, state.slow.feel[1]);
             now.delta = state.slow.feel[0];
-            now.delta_rate = settled;
-            rates.feel[0] = settled;
+            now.delta_rate = found.velocity;
+            rates.feel[0] = found.velocity;
         }
         Self::resist(effects, state, rates);
         side
-    }
-
-    #[inline(always)]
-    fn settle_feel(&self, state: &mut State<S>, rate: S, pull: S, h: S, per_h: S) -> (S, S) {
-        let friction = &self.feel.friction;
-        let passed = friction.passed_zero(&state.feel, rate, h, per_h);
-        let broken = friction.broken_away(passed.velocity, state.feel.pull, pull, h);
-        state.feel = friction.grip(broken.velocity, pull);
-        (broken.velocity, passed.displacement + broken.displacement)
     }
 
     /// Adds dry friction to the rates.
@@ -706,8 +717,11 @@ impl<S: Scalar> Machine<S> {
         let [delta, delta_rate] = state.slow.feel;
         let e =
             self.law.command(&[piston, force / self.balance.area, delta, delta_rate, base, base_rate, now.pilot_force]);
-        state.neutral = self.feel.trimmed(state.neutral, period.constant(inputs.trim[0]), period);
+        // The neutral moves through the period: half of it before the feel runs, half after.
+        let trim = period.constant(inputs.trim[0]);
+        state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
         self.run_feel(shared, state, inputs, self.law.feel_torque(force), period);
+        state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
         let gain = self.law.gains[2];
         let has_gain = gain.zero().less(gain.abs());
         let excess = S::select(has_gain, self.converters.cut_off(e) / gain, gain.zero());
@@ -719,7 +733,7 @@ impl<S: Scalar> Machine<S> {
     /// The feel computer over one period under a torque that stays: a Runge-Kutta step of its own.
     #[inline(always)]
     fn run_feel(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, torque: S, h: S) {
-        let around = Self::around(state, inputs, Moment::Start);
+        let around = self.around(&shared.effects, state, inputs, Moment::Start);
         let fade = inputs.fade[0];
         let effects = &shared.effects;
         let friction = effects.feel_friction;
@@ -731,12 +745,21 @@ impl<S: Scalar> Machine<S> {
         };
         if friction {
             let (free, _) = pull(state, state.slow.feel);
-            let (settled, moved) = self.settle_feel(state, state.slow.feel[1], free, h, h.constant(1.0) / h);
-            state.slow.feel = [state.slow.feel[0] + moved, settled];
+            // The torque jumped to its value at the sample: what broke away, did so now.
+            let before = state.feel.pull;
+            let per_h = h.constant(1.0) / h;
+            let found = self.feel.friction.settled(&state.feel, state.slow.feel[1], before, (h, per_h));
+            state.feel = self.feel.friction.grip(found.velocity, free);
+            state.slow.feel = [state.slow.feel[0] + found.displacement, found.velocity];
         }
         let start = state.slow.feel;
         let moved = |[delta, rate]: [S; 2], by: S| [start[0] + by * delta, start[1] + by * rate];
-        let slope = |x: [S; 2]| [x[1], pull(state, x).1];
+        let limits = (start[0], start[1]);
+        let slope = |x: [S; 2]| {
+            let (delta, rate) =
+                if effects.feel_limits { self.feel.held_within(limits, (x[0], x[1])) } else { (x[0], x[1]) };
+            [rate, pull(state, [delta, rate]).1]
+        };
         let k_1 = slope(start);
         let k_2 = slope(moved(k_1, h.times(0.5)));
         let k_3 = slope(moved(k_2, h.times(0.5)));
@@ -788,8 +811,11 @@ fn bisect<S: Scalar>((low, high): (S, S), residual: impl Fn(S) -> (S, Rest<S>)) 
     let at_low = residual(low).0;
     for _ in 0..60 {
         let middle = (low + high).times(0.5);
-        let same = low.zero().less(residual(middle).0 * at_low);
-        low = S::select(same, middle, low);
+        let found = residual(middle).0;
+        let (zero, same) = (low.zero(), low.zero().less(found * at_low));
+        // An exact root is kept from below, so that a symmetric loader rests at zero.
+        let exact = !zero.less(found.abs());
+        low = S::select(same | exact, middle, low);
         high = S::select(same, high, middle);
     }
     residual(high).1

@@ -246,9 +246,9 @@ impl<S: Scalar> Balance<S> {
     pub fn leakage(&self, effects: &Effects, p: S) -> S {
         let relieved = self.relief_gain * (p - p.within(self.relief_pressure));
         if effects.orifice {
-            // q = q_i sqrt(1 - |p| / p_s) with q_i of the sign of p                                        eq. (1)
+            // q = q_i sqrt(1 - |p| / p_s) with q_i of the sign of p; beyond p_s, an enormous flow               eq. (1)
             let share = p.constant(1.0) - p.abs() / self.supply_pressure;
-            S::select(p.zero().less(relieved.abs()), relieved / share.sqrt(), p.zero())
+            S::select(p.zero().less(relieved.abs()), relieved / share.max(p.constant(1e-12)).sqrt(), p.zero())
         } else {
             self.pressure_gain * p + relieved // eq. (4)
         }

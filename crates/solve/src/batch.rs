@@ -184,10 +184,10 @@ impl Job<'_> {
             per_base,
             peaks: Peaks::new(per_base),
             angles: Vec::with_capacity(self.samples()),
-            histories,
-            members: measures.len(),
+            kept: Vec::with_capacity(self.samples() * self.outputs.len()),
         };
         run(&mut machine, &self.shared, self.start, self.inputs, &changes, || noise.next(token), &mut recorder);
+        recorder.write(histories);
         let Recorder { peaks, angles, .. } = recorder;
         let dt = number(self.every) * self.shared.step_s;
         for (k, found) in measure(&angles, dt, &peaks).values().into_iter().enumerate() {
@@ -206,8 +206,8 @@ struct Recorder<'a, T> {
     per_base: T,
     peaks: Peaks<T>,
     angles: Vec<T>,
-    histories: &'a mut [f64],
-    members: usize,
+    /// Sample by sample the outputs that are kept.
+    kept: Vec<T>,
 }
 
 impl<T: Wide> Record<T> for Recorder<'_, T> {
@@ -218,26 +218,34 @@ impl<T: Wide> Record<T> for Recorder<'_, T> {
         self.peaks.see(angle, [now.current, now.pressure, now.flow], time);
         if step.is_multiple_of(self.job.every) {
             self.angles.push(angle);
-            if !self.job.outputs.is_empty() {
-                self.keep(step / self.job.every, *now);
+            for &output in self.job.outputs {
+                self.kept.push(output_of(now, self.per_base, output));
             }
         }
     }
 }
 
 impl<T: Wide> Recorder<'_, T> {
-    #[inline(never)]
-    fn keep(&mut self, sample: usize, now: Now<T>) {
-        let (kept, samples) = (self.job.outputs.len(), self.job.samples());
-        for (row, &output) in self.job.outputs.iter().enumerate() {
-            output_of(&now, self.per_base, output).scatter(|lane, value| {
-                if lane < self.members {
-                    self.histories[(lane * kept + row) * samples + sample] = value;
+    /// Writes run by run what was taken down sample by sample, a cache line at a time.
+    fn write(&self, histories: &mut [f64]) {
+        let (outputs, samples) = (self.job.outputs.len(), self.job.samples());
+        let members = histories.len() / (outputs * samples).max(1);
+        for row in 0..outputs {
+            for block in (0..samples).step_by(CACHE_LINE) {
+                for sample in block..samples.min(block + CACHE_LINE) {
+                    self.kept[sample * outputs + row].scatter(|lane, value| {
+                        if lane < members {
+                            histories[(lane * outputs + row) * samples + sample] = value;
+                        }
+                    });
                 }
-            });
+            }
         }
     }
 }
+
+/// Numbers in a cache line.
+const CACHE_LINE: usize = 8;
 
 impl Change {
     #[inline(always)]
