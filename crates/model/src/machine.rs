@@ -8,18 +8,27 @@
 //! load pressure solved at every stage: fixed cost, no iteration, and no step so long that the oil makes it unstable. Dry
 //! friction holds its direction through a step; what it did inside the last step is settled at the start of the next.
 
+mod digital;
+mod feel;
+mod rest;
+mod slow;
+
+pub use digital::Memory;
+pub use rest::Rest;
+
 use crate::Scalar;
 use crate::column_motion::ColumnMotion;
 use crate::compensator::Compensator;
-use crate::controller::{Converters, Timing, UnderWay};
+use crate::controller::{Converters, Timing};
 use crate::curve::Curve;
 use crate::dry_friction::Grip;
 use crate::effects::Effects;
-use crate::feel_law::{FeelLaw, Surroundings};
+use crate::feel_law::FeelLaw;
 use crate::parameters::Parameters;
 use crate::pressure::{Balance, Side};
 use crate::transducers::{SENSORS, Seen, Transducers};
 use crate::valve_motion::ValveMotion;
+use slow::Slow;
 
 /// What all runs of a batch share.
 #[derive(Debug, Clone)]
@@ -111,38 +120,6 @@ pub struct State<S: Scalar> {
     steps: usize,
 }
 
-/// What a digital controller remembers from sample to sample.
-#[derive(Debug, Clone, Copy)]
-pub struct Memory<S> {
-    under_way: UnderWay<S>,
-    /// Displacement of the base as sampled last.
-    base: S,
-}
-
-/// A loader at rest, from which a run starts.
-#[derive(Debug, Clone, Copy)]
-pub struct Rest<S> {
-    /// Base, piston, programmed displacement, trimmed neutral and load pressure.
-    base: S,
-    piston: S,
-    delta: S,
-    neutral: S,
-    pressure: S,
-    /// Command that holds them.
-    command: S,
-    /// Pilot force that holds the column.
-    pub pilot_force: S,
-}
-
-/// What the Runge-Kutta step carries.
-#[derive(Debug, Clone, Copy)]
-struct Slow<S> {
-    /// `z, q_i, q_i', x_b, w`.
-    plant: [S; 5],
-    /// `delta, u`.
-    feel: [S; 2],
-}
-
 /// What there is at one instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Now<S> {
@@ -196,29 +173,6 @@ impl Moment {
     }
 }
 
-impl<S: Scalar> Slow<S> {
-    #[inline(always)]
-    fn moved(&self, rates: &Self, by: S, with_feel: bool) -> Self {
-        let (a, b) = (&self.plant, &rates.plant);
-        let plant = [a[0] + by * b[0], a[1] + by * b[1], a[2] + by * b[2], a[3] + by * b[3], a[4] + by * b[4]];
-        let (a, b) = (&self.feel, &rates.feel);
-        let feel = if with_feel { [a[0] + by * b[0], a[1] + by * b[1]] } else { *a };
-        Self { plant, feel }
-    }
-
-    /// `k_1 + 2 k_2 + 2 k_3 + k_4`.
-    #[inline(always)]
-    fn weighted(k_1: &Self, k_2: &Self, k_3: &Self, k_4: &Self) -> Self {
-        let sum = |a: S, b: S, c: S, d: S| {
-            let twice = b + c;
-            (a + d) + (twice + twice)
-        };
-        let plant = |k: usize| sum(k_1.plant[k], k_2.plant[k], k_3.plant[k], k_4.plant[k]);
-        let feel = |k: usize| sum(k_1.feel[k], k_2.feel[k], k_3.feel[k], k_4.feel[k]);
-        Self { plant: [plant(0), plant(1), plant(2), plant(3), plant(4)], feel: [feel(0), feel(1)] }
-    }
-}
-
 /// What a step needs at every stage.
 struct Stage<'a, S: Scalar> {
     shared: &'a Shared,
@@ -263,106 +217,6 @@ impl<S: Scalar> Machine<S> {
     #[inline(always)]
     pub fn with_force_scale(self, force_scale: S) -> Self {
         Self { force_scale, ..self }
-    }
-
-    /// Begins to change the feel to that of `parameters`; how far it is, the inputs' `fade` says.
-    #[inline(always)]
-    pub fn fade_to(&mut self, parameters: &Parameters<S>) {
-        self.next_feel = FeelLaw::new(parameters, &self.law);
-    }
-
-    /// The next feel is the feel from now on.
-    #[inline(always)]
-    pub fn faded(&mut self, shared: &Shared, state: &mut State<S>) {
-        let before = self.feel_impulse;
-        self.feel_impulse = before * self.next_feel.per_torque / self.feel.per_torque;
-        self.feel = self.next_feel;
-        if shared.timing.is_none() {
-            // The velocity stays; what is given back to it with the oil's impulse does not.
-            let side = self.balance.side(&shared.effects, state.column.stuck);
-            let [z, q_i, _, x_b, w] = state.slow.plant;
-            let p = self.balance.solve(&shared.effects, &side, z, q_i, x_b, w).pressure;
-            state.slow.feel[1] = state.slow.feel[1] + (before - self.feel_impulse) * p;
-        }
-    }
-
-    /// The loader at rest with the column held at the angle `theta` and the neutral trimmed to `trim`, both in rad.
-    #[inline(always)]
-    pub fn held_at(&self, shared: &Shared, theta: S, trim: S, stiffness_factor: S) -> Rest<S> {
-        let x_b = theta / self.per_base;
-        let neutral = trim * self.feel.per_angle;
-        let centre = theta * self.feel.per_angle;
-        let reach = self.feel.per_angle.times(SEARCH_RAD);
-        bisect((centre - reach, centre + reach), |delta| {
-            self.rest(shared, x_b, delta, &Surroundings::at_rest(neutral, stiffness_factor, delta))
-        })
-    }
-
-    /// The loader at rest under the pilot's force.
-    #[inline(always)]
-    pub fn held_by(&self, shared: &Shared, force: S, trim: S, stiffness_factor: S) -> Rest<S> {
-        let reach = force.constant(SEARCH_RAD);
-        bisect((-reach, reach), |theta| {
-            let rest = self.held_at(shared, theta, trim, stiffness_factor);
-            (rest.pilot_force - force, rest)
-        })
-    }
-
-    /// What holds at rest for a column at `x_b` and a programmed displacement `delta`, and the flow that is then left over.
-    #[inline(always)]
-    fn rest(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, Rest<S>) {
-        let effects = &shared.effects;
-        let [force_offset, piston_offset, base_offset] = self.transducers.offset;
-        let zero = delta.zero();
-        // S(delta) = T = -r (F_c + F_0)                                                           eq. (11) at rest
-        let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around)
-            + self.feel.resistance(effects, delta, zero);
-        let shown = -spring / self.law.load_cell_arm;
-        let p = (shown - force_offset) * self.per_area;
-        let x_p = self.balance.ratio * x_b + self.balance.stretch_at_rest(p);
-        // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
-        let pull = self.column.per_link_force * self.balance.area * p + self.column.loads(effects, x_b, zero);
-        let pilot_force = -pull / self.column.per_pilot_force;
-        let x = [x_p + piston_offset, shown / self.balance.area, delta, zero, x_b + base_offset, zero, pilot_force];
-        let e = self.law.command(&x);
-        let flow = self.valve.flow_per_current * self.valve.current(effects, e);
-        let left_over = flow - self.balance.leakage(effects, p);
-        (
-            left_over,
-            Rest { base: x_b, piston: x_p, delta, neutral: around.neutral, pressure: p, command: e, pilot_force },
-        )
-    }
-
-    /// What a digital controller remembers of the rest.
-    #[inline(always)]
-    pub fn remember(&self, rest: &Rest<S>) -> Memory<S> {
-        let base = rest.base + self.transducers.offset[2];
-        Memory { under_way: UnderWay::holding(rest.command), base }
-    }
-
-    /// A run's first state.
-    #[inline(always)]
-    pub fn start(&self, shared: &Shared, rest: &Rest<S>) -> State<S> {
-        let zero = rest.base.zero();
-        let z = rest.piston + self.balance.compressibility * rest.pressure;
-        let w = self.base_impulse * rest.pressure;
-        let u = if shared.timing.is_some() { zero } else { -self.feel_impulse * rest.pressure };
-        let q_i = self.balance.leakage(&shared.effects, rest.pressure);
-        let measured = [self.balance.area * rest.pressure, rest.piston, rest.base];
-        State {
-            slow: Slow { plant: [z, q_i, zero, rest.base, w], feel: [rest.delta, u] },
-            column: Grip::resting(&self.column.friction),
-            feel: Grip::resting(&self.feel.friction),
-            seen: Seen { measured, shown: measured },
-            neutral: rest.neutral,
-            slider: rest.delta,
-            held: rest.command,
-            pilot_force: rest.pilot_force,
-            pressure: rest.pressure,
-            hand: zero,
-            behind: zero,
-            steps: 0,
-        }
     }
 
     /// The start of a step: settles what friction did in the last one, samples if it is time to, and looks.
@@ -569,39 +423,6 @@ impl<S: Scalar> Machine<S> {
         Slow { plant: [now.flow * self.per_area, q_i_rate, flow_acceleration, now.base_rate, pull], feel }
     }
 
-    /// Acceleration of the programmed displacement, dry friction left out; while the feel changes, between the two feels'.
-    #[inline(always)]
-    fn feel_acceleration(&self, shared: &Shared, now: &Now<S>, torque: S, around: &Surroundings<S>, fade: f64) -> S {
-        let at = (now.delta, now.delta_rate);
-        let curve = shared.curve.as_ref();
-        let acceleration = self.feel.acceleration(&shared.effects, curve, at, torque, around);
-        if fade == 0.0 {
-            return acceleration;
-        }
-        let next = self.next_feel.acceleration(&shared.effects, curve, at, torque, around);
-        acceleration + (next - acceleration).times(fade)
-    }
-
-    #[inline(always)]
-    fn around(&self, effects: &Effects, state: &State<S>, inputs: &Inputs, moment: Moment) -> Surroundings<S> {
-        let one = state.neutral.constant(1.0);
-        let share = match moment {
-            Moment::Start => 0.0,
-            Moment::Half => 0.5,
-            Moment::End => 1.0,
-        };
-        Surroundings {
-            neutral: if effects.surroundings {
-                self.feel.trimmed(state.neutral, one.constant(moment.of(inputs.trim)), self.step.times(share))
-            } else {
-                state.neutral
-            },
-            stiffness_factor: one.constant(moment.of(inputs.stiffness_factor)),
-            shaker: one.constant(moment.of(inputs.shaker)),
-            slider: state.slider,
-        }
-    }
-
     /// Dry friction at the start of a step: first what it did inside the last step, then what it does in this one.
     #[inline(always)]
     fn settle(
@@ -657,172 +478,9 @@ impl<S: Scalar> Machine<S> {
         }
     }
 
-    /// Hard stops and velocity limit of the feel at the end of a step.
-    #[inline(always)]
-    fn bounded(&self, effects: &Effects, begun: &Begun<S>, [delta, u]: [S; 2]) -> [S; 2] {
-        if !effects.feel_limits {
-            return [delta, u];
-        }
-        // The oil's impulse is a thousandth of the velocity, and its pressure at the end of the step is not known yet.
-        let impulse = self.feel_impulse * begun.now.pressure;
-        let before = (begun.now.delta, begun.now.delta_rate);
-        let (delta, rate) = self.feel.limited(before, (delta, u + impulse), self.step);
-        [delta, rate - impulse]
-    }
-
-    #[inline(always)]
-    fn dragged(&self, effects: &Effects, state: &State<S>) -> S {
-        if effects.feel_spring { self.feel.dragged(state.slider, state.slow.feel[0]) } else { state.slider }
-    }
-
-    /// The digital controller's share of a step.
-    #[inline(always)]
-    fn control(
-        &self,
-        shared: &Shared,
-        timing: Timing,
-        (state, memory): (&mut State<S>, &mut Memory<S>),
-        inputs: &Inputs,
-        now: &Now<S>,
-        normal: impl FnOnce() -> [S; SENSORS],
-    ) {
-        let steps = state.steps;
-        if steps.is_multiple_of(timing.period) {
-            let normal = if shared.effects.noise { normal() } else { [now.force.zero(); SENSORS] };
-            let sample = self.transducers.sample(state.seen.shown, normal);
-            let e = self.sample(shared, timing, (state, memory), inputs, now, sample);
-            memory.under_way.send(steps / timing.period, e);
-        }
-        if steps >= timing.delay && (steps - timing.delay).is_multiple_of(timing.period) {
-            state.held = memory.under_way.arriving((steps - timing.delay) / timing.period);
-        }
-    }
-
-    /// Works out the command and moves the feel computer on by a period.
-    #[inline(always)]
-    fn sample(
-        &self,
-        shared: &Shared,
-        timing: Timing,
-        (state, memory): (&mut State<S>, &mut Memory<S>),
-        inputs: &Inputs,
-        now: &Now<S>,
-        [force, piston, base]: [S; SENSORS],
-    ) -> S {
-        let period = self.step.times(count(timing.period));
-        let (force, piston) = self.converters.read(force, piston);
-        // There is no tachometer: the velocity is the last period's difference.
-        let base_rate = (base - memory.base) / period;
-        memory.base = base;
-        let [delta, delta_rate] = state.slow.feel;
-        let e =
-            self.law.command(&[piston, force / self.balance.area, delta, delta_rate, base, base_rate, now.pilot_force]);
-        // The neutral moves through the period: half of it before the feel runs, half after.
-        let trim = period.constant(inputs.trim[0]);
-        state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
-        self.run_feel(shared, state, inputs, self.law.feel_torque(force), period);
-        state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
-        let gain = self.law.gains[2];
-        let has_gain = gain.zero().less(gain.abs());
-        let excess = S::select(has_gain, self.converters.cut_off(e) / gain, gain.zero());
-        // delta' = ... - a_w (e - e_cut) / c_3: the computer gives way towards where the command is within reach.
-        state.slow.feel[0] = state.slow.feel[0] - self.converters.antiwindup * period * excess;
-        self.converters.write(e)
-    }
-
-    /// The feel computer over one period under a torque that stays: a Runge-Kutta step of its own.
-    #[inline(always)]
-    fn run_feel(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, torque: S, h: S) {
-        let around = self.around(&shared.effects, state, inputs, Moment::Start);
-        let fade = inputs.fade[0];
-        let effects = &shared.effects;
-        let friction = effects.feel_friction;
-        let pull = |state: &State<S>, [delta, rate]: [S; 2]| {
-            let now = Now { delta, delta_rate: rate, ..Now::at(delta) };
-            let free = self.feel_acceleration(shared, &now, torque, &around, fade);
-            let held = S::select(state.feel.stuck, free.zero(), free + state.feel.drag);
-            (free, if friction { held } else { free })
-        };
-        if friction {
-            let (free, _) = pull(state, state.slow.feel);
-            // The torque jumped to its value at the sample: what broke away, did so now.
-            let before = state.feel.pull;
-            let per_h = h.constant(1.0) / h;
-            let found = self.feel.friction.settled(&state.feel, state.slow.feel[1], before, (h, per_h));
-            state.feel = self.feel.friction.grip(found.velocity, free);
-            state.slow.feel = [state.slow.feel[0] + found.displacement, found.velocity];
-        }
-        let start = state.slow.feel;
-        let moved = |[delta, rate]: [S; 2], by: S| [start[0] + by * delta, start[1] + by * rate];
-        let limits = (start[0], start[1]);
-        let slope = |x: [S; 2]| {
-            let (delta, rate) =
-                if effects.feel_limits { self.feel.held_within(limits, (x[0], x[1])) } else { (x[0], x[1]) };
-            [rate, pull(state, [delta, rate]).1]
-        };
-        let k_1 = slope(start);
-        let k_2 = slope(moved(k_1, h.times(0.5)));
-        let k_3 = slope(moved(k_2, h.times(0.5)));
-        let k_4 = slope(moved(k_3, h));
-        let sum = |k: usize| (k_1[k] + k_4[k]) + (k_2[k] + k_3[k]).times(2.0);
-        let mut end = moved([sum(0), sum(1)], h.times(1.0 / 6.0));
-        if effects.feel_limits {
-            let (delta, rate) = self.feel.limited((start[0], start[1]), (end[0], end[1]), h);
-            end = [delta, rate];
-        }
-        state.slow.feel = end;
-        state.slider = self.dragged(effects, state);
-    }
-
     /// Column angle in rad per displacement of the base in m.
     #[inline(always)]
     pub fn per_base(&self) -> S {
         self.per_base
     }
-}
-
-impl<S: Scalar> Now<S> {
-    /// Everything at zero.
-    #[inline(always)]
-    fn at(like: S) -> Self {
-        let zero = like.zero();
-        Self {
-            base: zero,
-            base_rate: zero,
-            delta: zero,
-            delta_rate: zero,
-            piston: zero,
-            force: zero,
-            pressure: zero,
-            flow: zero,
-            current: zero,
-            pilot_force: zero,
-        }
-    }
-}
-
-/// Angle to either side within which a state of rest is looked for.
-const SEARCH_RAD: f64 = 1.5;
-
-/// The end of an interval between whose ends a residual changes sign, halved until the interval is below rounding.
-#[inline(always)]
-fn bisect<S: Scalar>((low, high): (S, S), residual: impl Fn(S) -> (S, Rest<S>)) -> Rest<S> {
-    let (mut low, mut high) = (low, high);
-    let at_low = residual(low).0;
-    for _ in 0..60 {
-        let middle = (low + high).times(0.5);
-        let found = residual(middle).0;
-        let (zero, same) = (low.zero(), low.zero().less(found * at_low));
-        // An exact root is kept from below, so that a symmetric loader rests at zero.
-        let exact = !zero.less(found.abs());
-        low = S::select(same | exact, middle, low);
-        high = S::select(same, high, middle);
-    }
-    residual(high).1
-}
-
-#[expect(clippy::cast_precision_loss, reason = "a number of steps in a period, far below 2^52")]
-#[inline(always)]
-fn count(steps: usize) -> f64 {
-    steps as f64
 }

@@ -1,0 +1,150 @@
+//! The digital controller's share of a step.
+//!
+//! `T` period · `e` command · `a_w` anti-windup · see `controller.rs`
+
+use super::{Inputs, Machine, Moment, Now, Rest, Shared, State};
+use crate::Scalar;
+use crate::controller::{Timing, UnderWay};
+use crate::transducers::SENSORS;
+
+/// What a digital controller remembers from sample to sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Memory<S> {
+    under_way: UnderWay<S>,
+    /// Displacement of the base as sampled last.
+    base: S,
+}
+
+impl<S: Scalar> Machine<S> {
+    /// What a digital controller remembers of the rest.
+    #[inline(always)]
+    pub fn remember(&self, rest: &Rest<S>) -> Memory<S> {
+        let base = rest.base + self.transducers.offset[2];
+        Memory { under_way: UnderWay::holding(rest.command), base }
+    }
+
+    /// The digital controller's share of a step.
+    #[inline(always)]
+    pub(super) fn control(
+        &self,
+        shared: &Shared,
+        timing: Timing,
+        (state, memory): (&mut State<S>, &mut Memory<S>),
+        inputs: &Inputs,
+        now: &Now<S>,
+        normal: impl FnOnce() -> [S; SENSORS],
+    ) {
+        let steps = state.steps;
+        if steps.is_multiple_of(timing.period) {
+            let normal = if shared.effects.noise { normal() } else { [now.force.zero(); SENSORS] };
+            let sample = self.transducers.sample(state.seen.shown, normal);
+            let e = self.sample(shared, timing, (state, memory), inputs, now, sample);
+            memory.under_way.send(steps / timing.period, e);
+        }
+        if steps >= timing.delay && (steps - timing.delay).is_multiple_of(timing.period) {
+            state.held = memory.under_way.arriving((steps - timing.delay) / timing.period);
+        }
+    }
+
+    /// Works out the command and moves the feel computer on by a period.
+    #[inline(always)]
+    fn sample(
+        &self,
+        shared: &Shared,
+        timing: Timing,
+        (state, memory): (&mut State<S>, &mut Memory<S>),
+        inputs: &Inputs,
+        now: &Now<S>,
+        [force, piston, base]: [S; SENSORS],
+    ) -> S {
+        let period = self.step.times(count(timing.period));
+        let (force, piston) = self.converters.read(force, piston);
+        // There is no tachometer: the velocity is the last period's difference.
+        let base_rate = (base - memory.base) / period;
+        memory.base = base;
+        let [delta, delta_rate] = state.slow.feel;
+        let e =
+            self.law.command(&[piston, force / self.balance.area, delta, delta_rate, base, base_rate, now.pilot_force]);
+        // The neutral moves through the period: half of it before the feel runs, half after.
+        let trim = period.constant(inputs.trim[0]);
+        state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
+        self.run_feel(shared, state, inputs, self.law.feel_torque(force), period);
+        state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
+        let gain = self.law.gains[2];
+        let has_gain = gain.zero().less(gain.abs());
+        let excess = S::select(has_gain, self.converters.cut_off(e) / gain, gain.zero());
+        // delta' = ... - a_w (e - e_cut) / c_3: the computer gives way towards where the command is within reach.
+        state.slow.feel[0] = state.slow.feel[0] - self.converters.antiwindup * period * excess;
+        self.converters.write(e)
+    }
+
+    /// The feel computer over one period under a torque that stays: a Runge-Kutta step of its own.
+    #[inline(always)]
+    fn run_feel(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, torque: S, h: S) {
+        let around = self.around(&shared.effects, state, inputs, Moment::Start);
+        let fade = inputs.fade[0];
+        let effects = &shared.effects;
+        let friction = effects.feel_friction;
+        let pull = |state: &State<S>, [delta, rate]: [S; 2]| {
+            let now = Now { delta, delta_rate: rate, ..Now::at(delta) };
+            let free = self.feel_acceleration(shared, &now, torque, &around, fade);
+            let held = S::select(state.feel.stuck, free.zero(), free + state.feel.drag);
+            (free, if friction { held } else { free })
+        };
+        if friction {
+            let (free, _) = pull(state, state.slow.feel);
+            // The torque jumped to its value at the sample: what broke away, did so now.
+            let before = state.feel.pull;
+            let per_h = h.constant(1.0) / h;
+            let found = self.feel.friction.settled(&state.feel, state.slow.feel[1], before, (h, per_h));
+            state.feel = self.feel.friction.grip(found.velocity, free);
+            state.slow.feel = [state.slow.feel[0] + found.displacement, found.velocity];
+        }
+        let start = state.slow.feel;
+        let moved = |[delta, rate]: [S; 2], by: S| [start[0] + by * delta, start[1] + by * rate];
+        let limits = (start[0], start[1]);
+        let slope = |x: [S; 2]| {
+            let (delta, rate) =
+                if effects.feel_limits { self.feel.held_within(limits, (x[0], x[1])) } else { (x[0], x[1]) };
+            [rate, pull(state, [delta, rate]).1]
+        };
+        let k_1 = slope(start);
+        let k_2 = slope(moved(k_1, h.times(0.5)));
+        let k_3 = slope(moved(k_2, h.times(0.5)));
+        let k_4 = slope(moved(k_3, h));
+        let sum = |k: usize| (k_1[k] + k_4[k]) + (k_2[k] + k_3[k]).times(2.0);
+        let mut end = moved([sum(0), sum(1)], h.times(1.0 / 6.0));
+        if effects.feel_limits {
+            let (delta, rate) = self.feel.limited((start[0], start[1]), (end[0], end[1]), h);
+            end = [delta, rate];
+        }
+        state.slow.feel = end;
+        state.slider = self.dragged(effects, state);
+    }
+}
+
+impl<S: Scalar> Now<S> {
+    /// Everything at zero.
+    #[inline(always)]
+    fn at(like: S) -> Self {
+        let zero = like.zero();
+        Self {
+            base: zero,
+            base_rate: zero,
+            delta: zero,
+            delta_rate: zero,
+            piston: zero,
+            force: zero,
+            pressure: zero,
+            flow: zero,
+            current: zero,
+            pilot_force: zero,
+        }
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a number of steps in a period, far below 2^52")]
+#[inline(always)]
+fn count(steps: usize) -> f64 {
+    steps as f64
+}

@@ -1,0 +1,94 @@
+//! The feel computer's share of a step.
+
+use super::{Begun, Inputs, Machine, Moment, Now, Shared, State};
+use crate::Scalar;
+use crate::effects::Effects;
+use crate::feel_law::{FeelLaw, Surroundings};
+use crate::parameters::Parameters;
+
+impl<S: Scalar> Machine<S> {
+    /// Begins to change the feel to that of `parameters`; how far it is, the inputs' `fade` says.
+    #[inline(always)]
+    pub fn fade_to(&mut self, parameters: &Parameters<S>) {
+        self.next_feel = FeelLaw::new(parameters, &self.law);
+    }
+
+    /// The next feel is the feel from now on.
+    #[inline(always)]
+    pub fn faded(&mut self, shared: &Shared, state: &mut State<S>) {
+        let before = self.feel_impulse;
+        self.feel_impulse = before * self.next_feel.per_torque / self.feel.per_torque;
+        self.feel = self.next_feel;
+        if shared.timing.is_none() {
+            // The velocity stays; what is given back to it with the oil's impulse does not.
+            let side = self.balance.side(&shared.effects, state.column.stuck);
+            let [z, q_i, _, x_b, w] = state.slow.plant;
+            let p = self.balance.solve(&shared.effects, &side, z, q_i, x_b, w).pressure;
+            state.slow.feel[1] = state.slow.feel[1] + (before - self.feel_impulse) * p;
+        }
+    }
+
+    /// Acceleration of the programmed displacement, dry friction left out; while the feel changes, between the two feels'.
+    #[inline(always)]
+    pub(super) fn feel_acceleration(
+        &self,
+        shared: &Shared,
+        now: &Now<S>,
+        torque: S,
+        around: &Surroundings<S>,
+        fade: f64,
+    ) -> S {
+        let at = (now.delta, now.delta_rate);
+        let curve = shared.curve.as_ref();
+        let acceleration = self.feel.acceleration(&shared.effects, curve, at, torque, around);
+        if fade == 0.0 {
+            return acceleration;
+        }
+        let next = self.next_feel.acceleration(&shared.effects, curve, at, torque, around);
+        acceleration + (next - acceleration).times(fade)
+    }
+
+    #[inline(always)]
+    pub(super) fn around(
+        &self,
+        effects: &Effects,
+        state: &State<S>,
+        inputs: &Inputs,
+        moment: Moment,
+    ) -> Surroundings<S> {
+        let one = state.neutral.constant(1.0);
+        let share = match moment {
+            Moment::Start => 0.0,
+            Moment::Half => 0.5,
+            Moment::End => 1.0,
+        };
+        Surroundings {
+            neutral: if effects.surroundings {
+                self.feel.trimmed(state.neutral, one.constant(moment.of(inputs.trim)), self.step.times(share))
+            } else {
+                state.neutral
+            },
+            stiffness_factor: one.constant(moment.of(inputs.stiffness_factor)),
+            shaker: one.constant(moment.of(inputs.shaker)),
+            slider: state.slider,
+        }
+    }
+
+    /// Hard stops and velocity limit of the feel at the end of a step.
+    #[inline(always)]
+    pub(super) fn bounded(&self, effects: &Effects, begun: &Begun<S>, [delta, u]: [S; 2]) -> [S; 2] {
+        if !effects.feel_limits {
+            return [delta, u];
+        }
+        // The oil's impulse is a thousandth of the velocity, and its pressure at the end of the step is not known yet.
+        let impulse = self.feel_impulse * begun.now.pressure;
+        let before = (begun.now.delta, begun.now.delta_rate);
+        let (delta, rate) = self.feel.limited(before, (delta, u + impulse), self.step);
+        [delta, rate - impulse]
+    }
+
+    #[inline(always)]
+    pub(super) fn dragged(&self, effects: &Effects, state: &State<S>) -> S {
+        if effects.feel_spring { self.feel.dragged(state.slider, state.slow.feel[0]) } else { state.slider }
+    }
+}

@@ -1,0 +1,123 @@
+//! Loaders at rest, from which a run starts: eqs. (6), (9), (11), (13) without motion.
+//!
+//! `theta` column angle · `x_b` base · `delta` programmed displacement · `S` spring of the feel · `r` load cell's arm · `p` pressure
+//!
+//! Given `theta` and `delta`, everything at rest follows in turn: the feel's spring gives the load cell's force, that gives the
+//! stretch of the link and so the piston, and the law the command. `delta` is where the flow that the command asks for is the
+//! one that is lost; for a given pilot force, `theta` is where that force holds the column.
+
+use super::{Machine, Shared, State};
+use crate::Scalar;
+use crate::dry_friction::Grip;
+use crate::feel_law::Surroundings;
+use crate::machine::slow::Slow;
+use crate::transducers::Seen;
+
+/// A loader at rest, from which a run starts.
+#[derive(Debug, Clone, Copy)]
+pub struct Rest<S> {
+    /// Base, piston, programmed displacement, trimmed neutral and load pressure.
+    pub(super) base: S,
+    piston: S,
+    delta: S,
+    neutral: S,
+    pressure: S,
+    /// Command that holds them.
+    pub(super) command: S,
+    /// Pilot force that holds the column.
+    pub pilot_force: S,
+}
+
+impl<S: Scalar> Machine<S> {
+    /// The loader at rest with the column held at the angle `theta` and the neutral trimmed to `trim`, both in rad.
+    #[inline(always)]
+    pub fn held_at(&self, shared: &Shared, theta: S, trim: S, stiffness_factor: S) -> Rest<S> {
+        let x_b = theta / self.per_base;
+        let neutral = trim * self.feel.per_angle;
+        let centre = theta * self.feel.per_angle;
+        let reach = self.feel.per_angle.times(SEARCH_RAD);
+        bisect((centre - reach, centre + reach), |delta| {
+            self.rest(shared, x_b, delta, &Surroundings::at_rest(neutral, stiffness_factor, delta))
+        })
+    }
+
+    /// The loader at rest under the pilot's force.
+    #[inline(always)]
+    pub fn held_by(&self, shared: &Shared, force: S, trim: S, stiffness_factor: S) -> Rest<S> {
+        let reach = force.constant(SEARCH_RAD);
+        bisect((-reach, reach), |theta| {
+            let rest = self.held_at(shared, theta, trim, stiffness_factor);
+            (rest.pilot_force - force, rest)
+        })
+    }
+
+    /// What holds at rest for a column at `x_b` and a programmed displacement `delta`, and the flow that is then left over.
+    #[inline(always)]
+    fn rest(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, Rest<S>) {
+        let effects = &shared.effects;
+        let [force_offset, piston_offset, base_offset] = self.transducers.offset;
+        let zero = delta.zero();
+        // S(delta) = T = -r (F_c + F_0)                                                           eq. (11) at rest
+        let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around)
+            + self.feel.resistance(effects, delta, zero);
+        let shown = -spring / self.law.load_cell_arm;
+        let p = (shown - force_offset) * self.per_area;
+        let x_p = self.balance.ratio * x_b + self.balance.stretch_at_rest(p);
+        // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
+        let pull = self.column.per_link_force * self.balance.area * p + self.column.loads(effects, x_b, zero);
+        let pilot_force = -pull / self.column.per_pilot_force;
+        let x = [x_p + piston_offset, shown / self.balance.area, delta, zero, x_b + base_offset, zero, pilot_force];
+        let e = self.law.command(&x);
+        let flow = self.valve.flow_per_current * self.valve.current(effects, e);
+        let left_over = flow - self.balance.leakage(effects, p);
+        (
+            left_over,
+            Rest { base: x_b, piston: x_p, delta, neutral: around.neutral, pressure: p, command: e, pilot_force },
+        )
+    }
+
+    /// A run's first state.
+    #[inline(always)]
+    pub fn start(&self, shared: &Shared, rest: &Rest<S>) -> State<S> {
+        let zero = rest.base.zero();
+        let z = rest.piston + self.balance.compressibility * rest.pressure;
+        let w = self.base_impulse * rest.pressure;
+        let u = if shared.timing.is_some() { zero } else { -self.feel_impulse * rest.pressure };
+        let q_i = self.balance.leakage(&shared.effects, rest.pressure);
+        let measured = [self.balance.area * rest.pressure, rest.piston, rest.base];
+        State {
+            slow: Slow { plant: [z, q_i, zero, rest.base, w], feel: [rest.delta, u] },
+            column: Grip::resting(&self.column.friction),
+            feel: Grip::resting(&self.feel.friction),
+            seen: Seen { measured, shown: measured },
+            neutral: rest.neutral,
+            slider: rest.delta,
+            held: rest.command,
+            pilot_force: rest.pilot_force,
+            pressure: rest.pressure,
+            hand: zero,
+            behind: zero,
+            steps: 0,
+        }
+    }
+}
+
+/// Angle to either side within which a state of rest is looked for.
+const SEARCH_RAD: f64 = 1.5;
+
+/// The end of an interval between whose ends a residual changes sign, halved until the interval is below rounding.
+#[inline(always)]
+fn bisect<S: Scalar>((low, high): (S, S), residual: impl Fn(S) -> (S, Rest<S>)) -> Rest<S> {
+    let (mut low, mut high) = (low, high);
+    let at_low = residual(low).0;
+    for _ in 0..60 {
+        let middle = (low + high).times(0.5);
+        let found = residual(middle).0;
+        let (zero, same) = (low.zero(), low.zero().less(found * at_low));
+        // An exact root is kept from below, so that a symmetric loader rests at zero.
+        let exact = !zero.less(found.abs());
+        low = S::select(same | exact, middle, low);
+        high = S::select(same, high, middle);
+    }
+    residual(high).1
+}

@@ -1,0 +1,36 @@
+//! What the Runge-Kutta step carries, and its sums.
+
+use crate::Scalar;
+
+/// What the Runge-Kutta step carries.
+#[derive(Debug, Clone, Copy)]
+pub struct Slow<S> {
+    /// `z, q_i, q_i', x_b, w`.
+    pub plant: [S; 5],
+    /// `delta, u`.
+    pub feel: [S; 2],
+}
+
+impl<S: Scalar> Slow<S> {
+    /// `self + by rates`; without the feel, which a digital controller runs by itself.
+    #[inline(always)]
+    pub fn moved(&self, rates: &Self, by: S, with_feel: bool) -> Self {
+        let (a, b) = (&self.plant, &rates.plant);
+        let plant = [a[0] + by * b[0], a[1] + by * b[1], a[2] + by * b[2], a[3] + by * b[3], a[4] + by * b[4]];
+        let (a, b) = (&self.feel, &rates.feel);
+        let feel = if with_feel { [a[0] + by * b[0], a[1] + by * b[1]] } else { *a };
+        Self { plant, feel }
+    }
+
+    /// `k_1 + 2 k_2 + 2 k_3 + k_4`.
+    #[inline(always)]
+    pub fn weighted(k_1: &Self, k_2: &Self, k_3: &Self, k_4: &Self) -> Self {
+        let sum = |a: S, b: S, c: S, d: S| {
+            let twice = b + c;
+            (a + d) + (twice + twice)
+        };
+        let plant = |k: usize| sum(k_1.plant[k], k_2.plant[k], k_3.plant[k], k_4.plant[k]);
+        let feel = |k: usize| sum(k_1.feel[k], k_2.feel[k], k_3.feel[k], k_4.feel[k]);
+        Self { plant: [plant(0), plant(1), plant(2), plant(3), plant(4)], feel: [feel(0), feel(1)] }
+    }
+}
