@@ -128,12 +128,12 @@ class Simulation:
         step_s: float,
         *,
         every: int = 1,
-        outputs: Sequence[int] = [],
+        outputs: Sequence[int] = ...,
         start_force: float = 0.0,
         held: tuple[float, int] | None = None,
         timing: tuple[int, int] | None = None,
         curve: tuple[_Array, _Array] | None = None,
-        changes: Sequence[tuple[int, int, _Array]] = [],
+        changes: Sequence[tuple[int, int, _Array]] = ...,
     ) -> Self: ...
     def run(
         self,

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -113,14 +114,16 @@ def simulate_batch(
         first_run=first_run,
         threads=threads or cores(),
     )
-    data = {name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(MEASURES.items())}
+    data: dict[str, Any] = {
+        name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(MEASURES.items())
+    }
     data["status"] = ("run", statuses(measured), {})
-    coordinates = {"run": np.arange(first_run, first_run + len(values))}
+    coordinates: dict[str, Any] = {"run": np.arange(first_run, first_run + len(values))}
     if keep:
-        coordinates["time_s"] = np.arange(samples) * scenario.sample_s
+        coordinates["time_s"] = ("time_s", np.arange(samples) * scenario.sample_s, {"units": "s"})
         for k, name in enumerate(keep):
             cut = _cut_all(histories[:, k], scenario.sample_s, measured[:, -1])
-            data[name] = (("run", "time_s"), cut, {"units": units[name]})  # type: ignore[assignment]
+            data[name] = (("run", "time_s"), cut, {"units": units[name]})
     return xr.Dataset(data, coordinates, {"loader": loader.name})
 
 
@@ -164,5 +167,8 @@ def _cut(values: NDArray[np.float64], sample_s: float, diverged_at_s: float) -> 
 
 
 def _cut_all(values: NDArray[np.float64], sample_s: float, diverged_at_s: NDArray[np.float64]) -> NDArray[np.float64]:
-    time = np.arange(values.shape[1]) * sample_s
-    return np.where(time < diverged_at_s[:, np.newaxis], values, np.nan)
+    gone = np.isfinite(diverged_at_s)
+    if np.any(gone):
+        time = np.arange(values.shape[1]) * sample_s
+        values[gone] = np.where(time < diverged_at_s[gone, np.newaxis], values[gone], np.nan)
+    return values
