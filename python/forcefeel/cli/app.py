@@ -20,6 +20,7 @@ from forcefeel.cli.options import (
     Units,
 )
 from forcefeel.cli.scenario_options import ScenarioOptions, with_scenario
+from forcefeel.cli.sweep_options import Grid, Runs, Scheduler, Threads, Vary
 from forcefeel.units import UnitSystem
 
 app = typer.Typer(
@@ -146,6 +147,36 @@ def simulate(
     from forcefeel.cli import simulate_command  # noqa: PLC0415
 
     simulate_command.run_simulate(loader, scenario, out, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel sweep my.toml --runs 100000 --out sweep`")
+@with_scenario
+def sweep(
+    loader: LoaderFile = None,
+    runs: Runs = None,
+    vary: Vary = None,
+    grid: Grid = None,
+    out: Annotated[Path, typer.Option("--out", help="Folder for sweep.html, summary.json and runs.nc.")] = Path(
+        "forcefeel-sweep"
+    ),
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with what is finished in the folder.")] = False,
+    replace: Annotated[bool, typer.Option("--replace", help="Replace a sweep that is in the folder.")] = False,
+    threads: Threads = None,
+    scheduler: Scheduler = None,
+    units: Units = UnitSystem.US,
+    json: Json = False,
+    *,
+    scenario: ScenarioOptions,
+) -> None:
+    """Run many loaders: drawn from the tolerances of the loader file, or over a grid of settings.
+
+    The same seed gives the same numbers, whatever the threads or workers. Ctrl-C keeps what is finished and says how to go on
+    (exit status 130). Exit status 1 if a loader within the tolerances diverged.
+    """
+    from forcefeel.cli import sweep_command  # noqa: PLC0415
+
+    chosen = sweep_command.SweepOptions(runs, vary, grid, out, resume, replace, scheduler, threads)
+    sweep_command.run_sweep_command(loader, chosen, scenario, units, as_json=json)
 
 
 @app.command(epilog="Example: `forcefeel reproduce`")

@@ -31,7 +31,8 @@ _MIDDLE_DOT = "\N{MIDDLE DOT}"
 
 _SYMBOL_IN_PROSE = re.compile(r"(?<![\w.])(?:[A-Za-z]_(?:\d|max|[A-Za-z])|[GIBJ])(?![\w.])")
 _PARAMETER_IN_PROSE = re.compile("|".join(re.escape(key) for key in sorted(TABLE, key=len, reverse=True)))
-_PRODUCT_IN_PROSE = re.compile(r"\b(lb|N|V|mA) (in|m|cm|s)\b")
+_PRODUCT_IN_PROSE = re.compile(r"\b(?:lb|N|V|mA) (?:in|m|cm|s)\b(?: s\b)?")
+_POWER_IN_PROSE = re.compile(r"(?<=[a-z])\^(\d)")
 
 
 def unit_text(written: str) -> str:
@@ -121,7 +122,8 @@ def prose_html(text: str) -> Markup:
         .replace(" -", f" {_MINUS}")
         .replace(" %", "\N{NO-BREAK SPACE}%")
     )
-    html = _PRODUCT_IN_PROSE.sub(rf"\1{_MIDDLE_DOT}\2", html)
+    html = _PRODUCT_IN_PROSE.sub(lambda found: found[0].replace(" ", _MIDDLE_DOT), html)
+    html = _POWER_IN_PROSE.sub(lambda found: found[1].translate(_RAISED), html)
     html = _SYMBOL_IN_PROSE.sub(lambda found: str(symbol_html(found[0])), html)
     return Markup(_PARAMETER_IN_PROSE.sub(lambda found: parameter_name(found[0]), html))
 

@@ -14,7 +14,16 @@ from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.parameters import TABLE
 from forcefeel.simulation import linear
-from forcefeel.simulation.outcome import MEASURES, Measures, Run, RunStatus, history, outputs, statuses
+from forcefeel.simulation.outcome import (
+    MEASURES,
+    Measures,
+    Run,
+    RunStatus,
+    history,
+    outputs,
+    statuses,
+    without_diverged,
+)
 from forcefeel.simulation.scenario import Scenario, Steps
 
 MOST_HISTORY_BYTES = 4 * 2**30
@@ -47,8 +56,8 @@ def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | None
         engine = _engine(loader, scenario, range(len(units)))
         found, histories = engine.run(loader.values[np.newaxis], law=law, seed=scenario.seed, threads=_SINGLE)
         values, measured = histories[0], found[0]
-    measures = Measures(*measured.tolist())
     status = RunStatus(statuses(measured[np.newaxis])[0])
+    measures = Measures(*without_diverged(measured[np.newaxis])[0].tolist())
     values = _cut(values, scenario.sample_s, measures.diverged_at_s)
     about = {"loader": loader.name, "status": str(status)}
     return Run(
@@ -117,7 +126,7 @@ def simulate_batch(
     data: dict[str, Any] = {
         name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(MEASURES.items())
     }
-    data["status"] = ("run", statuses(measured), {})
+    data["status"] = ("run", status, {})
     coordinates: dict[str, Any] = {"run": np.arange(first_run, first_run + len(values))}
     if keep:
         coordinates["time_s"] = ("time_s", np.arange(samples) * scenario.sample_s, {"units": "s"})

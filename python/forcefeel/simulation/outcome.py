@@ -126,6 +126,14 @@ def statuses(measures: NDArray[np.float64]) -> NDArray[np.str_]:
     return np.where(np.isfinite(column["diverged_at_s"]), RunStatus.DIVERGED, status)
 
 
+def without_diverged(measures: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The same, but of a run that diverged only when; its other measures are not a number."""
+    kept = np.array(measures)
+    gone = np.isfinite(measures[:, -1])
+    kept[gone, :-1] = np.nan
+    return kept
+
+
 def outputs(displacement_unit: str) -> dict[str, str]:
     """The outputs of a run and their SI units; the feel's displacement is a voltage or an angle."""
     feel = {"feel_position": displacement_unit, "feel_velocity": f"{displacement_unit}/s"}

@@ -15,6 +15,9 @@ from forcefeel.loader import Loader
 SHORTEST_STEP_S, LONGEST_STEP_S = 1e-5, 2e-3
 """Steps that the engine takes; beyond, the column on its linkage is no longer followed well."""
 
+MOST_STEPS = 5_000_000
+"""Longest run, in steps: some five seconds of computing, and 400 MB of inputs."""
+
 MOST_UNDER_WAY = 7
 """Longest delay of the digital controller, in periods."""
 
@@ -120,6 +123,10 @@ class Steps:
         """
         step_s, timing = _step(scenario, loader)
         grid = Grid.of(scenario.duration_s, step_s)
+        if grid.steps > MOST_STEPS:
+            raise InputError(
+                f"duration_s: expected at most {MOST_STEPS} steps of {step_s:g} s, got {scenario.duration_s:g} s"
+            )
         every = round(scenario.sample_s / step_s)
         if every < 1 or abs(scenario.sample_s / step_s - every) > _WHOLE * max(every, 1):
             raise InputError(f"sample_s: expected a multiple of the step of {step_s:g} s, got {scenario.sample_s:g} s")

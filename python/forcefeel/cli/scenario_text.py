@@ -1,0 +1,87 @@
+"""What the options of a scenario say, read: values, lists over time, assignments."""
+
+from math import isfinite
+
+from forcefeel.errors import InputError
+from forcefeel.units import parse, show
+
+Value = str | float | bool | None
+"""What ``Loader.replace`` takes."""
+
+_WORDS: dict[str, Value] = {"true": True, "false": False, "off": None}
+
+
+def value(option: str, text: str, unit_si: str, example: str) -> float:
+    """``text`` in SI units.
+
+    Raises:
+        InputError: Naming the option, if it is no number with a unit of the right kind.
+    """
+    try:
+        return parse(text, unit_si, example)
+    except InputError as error:
+        raise InputError(f"{option}: {error}") from error
+
+
+def seconds(option: str, text: str) -> float:
+    """A time; a number without a unit is in seconds."""
+    return value(option, f"{text} s" if _is_number(text) else text, "s", "0.5 s")
+
+
+def values(option: str, text: str, unit_si: str, example: str) -> tuple[float, ...]:
+    """Values that commas part, in SI units."""
+    return tuple(value(option, part, unit_si, example) for part in text.split(","))
+
+
+def over_time(option: str, text: str, unit_si: str, example: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Times and values of ``0 s: 0 deg, 1 s: 5 deg``; one value without a time holds all the run.
+
+    Raises:
+        InputError: If a point is not a time, a colon and a value.
+    """
+    if ":" not in text and "," not in text:
+        return (0.0,), (value(option, text, unit_si, example),)
+    points = []
+    for point in text.split(","):
+        time, colon, height = point.partition(":")
+        if not colon:
+            raise InputError(
+                f"{option}: expected times and values such as '0 s: {example}, 1 s: {example}', got {show(point.strip())}"
+            )
+        points.append((seconds(option, time.strip()), value(option, height, unit_si, example)))
+    times, heights = zip(*points, strict=True)
+    if len(times) == 1 and times[0] != 0:
+        raise InputError(
+            f"{option}: one point holds for all the run, got {show(text)}; leave its time out, or give the point before it too"
+        )
+    return times, heights
+
+
+def assignments(option: str, texts: tuple[str, ...]) -> dict[str, Value]:
+    """Values of ``part.name=value``, by key, as ``Loader.replace`` takes them.
+
+    Raises:
+        InputError: If one is not a name, an equals sign and a value, or a name stands twice.
+    """
+    from forcefeel.parameters import REQUIRED  # noqa: PLC0415  the Rust model, which help need not wait for
+
+    found: dict[str, Value] = {}
+    for text in texts:
+        key, equals, given = (part.strip() for part in text.partition("="))
+        if not (key and equals and given):
+            raise InputError(
+                f"{option}: expected a parameter and its value such as 'linkage.stiffness=7000 lb/in', got {show(text)}"
+            )
+        if key in found:
+            raise InputError(f"{option}: {key} is given twice; give it once")
+        found[key] = _WORDS.get(given.lower(), given)
+        if found[key] is None and key in REQUIRED:
+            raise InputError(f"{option}: {key} is what every loader has; expected a value, got {show(given)}")
+    return found
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return isfinite(float(text))
+    except ValueError:
+        return False

@@ -1,0 +1,64 @@
+"""What ``forcefeel simulate`` does."""
+
+import json
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.scenario_options import Law, ScenarioOptions
+from forcefeel.findings import Conclusions
+from forcefeel.loader import elevator, load
+from forcefeel.run_findings import input_in_words, run_conclusions
+from forcefeel.run_limits import known_measures
+from forcefeel.run_results import measure_rows, plain_run
+from forcefeel.simulation import Run, RunStatus, simulate
+from forcefeel.units import UnitSystem
+
+
+def run_simulate(
+    path: Path | None, options: ScenarioOptions, out: Path | None, units: UnitSystem, *, as_json: bool
+) -> None:
+    """Runs one simulation and shows it, or writes it to a folder."""
+    if out is not None:
+        from forcefeel.report.simulation_folder import check_simulation_folder  # noqa: PLC0415  Plotly
+
+        check_simulation_folder(out)  # before the work, not after it
+    loader = options.changed(elevator() if path is None else load(path))
+    run = simulate(loader, options.scenario(loader), options.compensator(loader))
+    law = str(options.law or Law.ORIGINAL)
+    page = None
+    if out is not None:
+        from forcefeel.report.simulation_folder import write_simulation  # noqa: PLC0415
+
+        page = write_simulation(run, out, units, law)
+    if as_json:
+        report = {} if page is None else {"page": str(page)}
+        print(json.dumps({**report, **plain_run(run, units, law)}, indent=2, allow_nan=False))
+    else:
+        _show(Console(), run, units)
+        if page is not None:
+            print(f"page: {page}")
+    if run.status is RunStatus.DIVERGED:
+        raise typer.Exit(1)
+
+
+def _show(console: Console, run: Run, units: UnitSystem) -> None:
+    found = run_conclusions(run, units)
+    console.print(f"{run.loader.name}, {input_in_words(run.scenario.force, units)}", highlight=False)
+    console.print(_measures(run, units))
+    _say(console, found)
+
+
+def _measures(run: Run, units: UnitSystem) -> Table:
+    table = Table("measure", "value", title="Measures", title_justify="left", title_style="bold")
+    for name, value, unit in measure_rows(known_measures(run), units):
+        table.add_row(name, f"{value} {unit}".rstrip())
+    return table
+
+
+def _say(console: Console, found: Conclusions) -> None:
+    console.print(found.verdict, style="bold" if found.good else "bold red", highlight=False)
+    for finding in found.findings:
+        console.print(f"- {finding}", highlight=False)

@@ -1,0 +1,62 @@
+"""The programmed feel alone, I, B and G of eq. (11), with the pilot's arm where there is one, under the force of a run."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel.inputs import Doublet, Pulse, Recorded, Release, Step
+from forcefeel.loader import Loader
+from forcefeel.parameters import INDEX
+from forcefeel.simulation import Run
+from forcefeel.simulation.scenario import Steps
+
+_ARM = {
+    "feel.inertia": "pilot.arm_mass",
+    "feel.damping": "pilot.arm_damping",
+    "feel.stiffness": "pilot.arm_stiffness",
+}
+
+
+def has_arm(loader: Loader) -> bool:
+    """Whether there is an arm at the grip."""
+    return any(loader[row] != 0 for row in _ARM.values())
+
+
+def programmed(loader: Loader) -> NDArray[np.float64]:
+    """The loader's values with the arm, times ``R_p^2``, added to I, B and G."""
+    values = loader.values.copy()
+    for feel, arm in _ARM.items():
+        values[INDEX[feel]] += loader["column.grip_arm"] ** 2 * loader[arm]
+    return values
+
+
+def ideal_angle(run: Run) -> NDArray[np.float64] | None:
+    """Column angle of the ideal feel at the run's samples, rad; ``None`` where it says nothing of the run.
+
+    It does where the spring is G about a neutral that stays, and the input is one that the eye can follow.
+
+    ``x_{k+1} = Phi x_k + Gamma_0 u_k + Gamma_1 (u_{k+1} - u_k)``, exact for a force that changes evenly within each step.
+    """
+    scenario, loader = run.scenario, run.loader
+    reprogrammed = loader.curves or scenario.trim_rad is not None or scenario.feel_changes
+    if reprogrammed or not isinstance(scenario.force, Step | Pulse | Doublet | Recorded | Release):
+        return None
+    steps = Steps.of(scenario, loader)
+    a, b, c, _ = _core.ideal_feel(programmed(loader))
+    n = len(a)
+    at_rest = -np.linalg.solve(a, b[:, 0])  # under a force of 1 N
+    angle, until = steps.held or (0.0, 0)
+    hand = angle / float(c[0] @ at_rest)
+    force = steps.inputs[:, 0].copy()
+    force[:until] += hand
+    # The force is one more state, whose rate is the input.
+    whole = np.zeros((n + 1, n + 1))
+    whole[:n] = np.column_stack([a, b])
+    phi, ramp = _core.discretize(whole, np.eye(n + 1)[:, n:], steps.step_s)
+    x = np.append(at_rest * (hand + steps.start_force_n), 0.0)
+    states = np.empty((len(force) + 1, n))
+    for k, (now, then) in enumerate(force):
+        states[k], x[n] = x[:n], now
+        x = phi @ x + ramp[:, 0] * ((then - now) / steps.step_s)
+    states[-1] = x[:n]
+    return np.asarray(states @ c[0])[:: steps.every]

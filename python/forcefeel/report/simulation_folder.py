@@ -1,0 +1,71 @@
+"""The folder of a simulation: its page, its history and its numbers, whole or not at all."""
+
+import csv
+import io
+import json
+from pathlib import Path
+
+from forcefeel.errors import InputError
+from forcefeel.report.simulation_page import simulation_page
+from forcefeel.report.staging import write_together
+from forcefeel.run_results import Column, columns, plain_run
+from forcefeel.simulation import Run
+from forcefeel.units import UnitSystem
+
+SIMULATION, HISTORY, NUMBERS = "simulation.html", "history.csv", "results.json"
+"""Names in the folder."""
+
+
+def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "original") -> Path:
+    """Writes ``simulation.html``, ``history.csv`` and ``results.json``.
+
+    What is there stays until the new files are complete; other files in the folder are left alone.
+
+    Args:
+        run: What to report.
+        out: The folder; made if it is not there.
+        units: The units of every number.
+        law: What the law that drove the servo is called.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, or cannot be made or written.
+    """
+    check_simulation_folder(out)
+    found = columns(run, units)
+    heads = [f"{column.name} ({column.unit})" for column in found]
+    document = plain_run(run, units, law) | {"history": {"file": HISTORY, "columns": heads}}
+    contents = {
+        HISTORY: _csv(heads, found),
+        NUMBERS: json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        SIMULATION: simulation_page(run, units, law),
+    }
+    write_together(out, contents)
+    return out / SIMULATION
+
+
+def check_simulation_folder(out: Path) -> None:
+    """Refuses what would fail halfway: a file where a folder is wanted, or a folder where a file is.
+
+    Raises:
+        InputError: If so.
+    """
+    if out.exists() and not out.is_dir():
+        raise InputError(
+            f"{out}: is a file; expected a folder for the simulation; name another one, or move the file away"
+        )
+    for name in (SIMULATION, HISTORY, NUMBERS):
+        if (out / name).is_dir():
+            raise InputError(f"{out / name}: is a folder; expected to write a file of that name; move the folder away")
+
+
+def _csv(heads: list[str], found: tuple[Column, ...]) -> str:
+    """The history with nine significant digits; its header as ``read_recorded`` asks for."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(heads)
+    rows = zip(*(column.values.tolist() for column in found), strict=True)
+    writer.writerows([f"{value:.9g}" for value in row] for row in rows)
+    return text.getvalue()

@@ -1,0 +1,56 @@
+"""A piece of a sweep, computed: the same numbers wherever that happens."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from forcefeel.simulation import simulate_batch
+from forcefeel.simulation.outcome import MEASURES
+from forcefeel.sweep.members import impossible
+from forcefeel.sweep.plan import Sweep
+
+
+def measure(sweep: Sweep, runs: range, threads: int | None = None) -> NDArray[np.float64]:
+    """Measures of some runs of a sweep.
+
+    Args:
+        sweep: The sweep.
+        runs: Which runs.
+        threads: How many threads; all cores if not given.
+
+    Returns:
+        A row for each run, in the order of ``MEASURES``; nothing but "not a number" for a machine that cannot be.
+    """
+    found = histories(sweep, runs, (), threads)
+    measured = np.full((len(runs), len(MEASURES)), np.nan)
+    measured[found["run"].values - runs.start] = columns(found)
+    return measured
+
+
+def nominal(sweep: Sweep) -> NDArray[np.float64]:
+    """Measures of the nominal loader."""
+    values = sweep.loader.values[np.newaxis]
+    return np.asarray(columns(simulate_batch(sweep.loader, sweep.scenario, values, sweep.compensator, threads=1))[0])
+
+
+def histories(sweep: Sweep, runs: range, keep: Sequence[str], threads: int | None = None) -> xr.Dataset:
+    """Some runs of a sweep with the histories of some outputs, as ``simulate_batch`` gives them.
+
+    Machines that cannot be are left out.
+    """
+    values = sweep.values(runs)
+    failed = np.zeros(len(runs), dtype=bool)
+    for which in impossible(values).values():
+        failed |= which
+    values[failed] = (
+        sweep.loader.values
+    )  # something must run in their place, so that the noise of the others stays theirs
+    options = {"keep": keep, "first_run": runs.start, "threads": threads}
+    return simulate_batch(sweep.loader, sweep.scenario, values, sweep.compensator, **options).isel(run=~failed)  # type: ignore[arg-type]
+
+
+def columns(found: xr.Dataset) -> NDArray[np.float64]:
+    """The measures as rows, in the order of ``MEASURES``."""
+    return np.column_stack([found[name].values for name in MEASURES])

@@ -1,0 +1,206 @@
+"""What to conclude from a sweep, in words."""
+
+from math import isfinite
+
+import numpy as np
+
+from forcefeel.findings import Conclusions
+from forcefeel.parameters import TABLE, unit
+from forcefeel.run_limits import goes_to_a_place, keeps_moving
+from forcefeel.simulation import RunStatus
+from forcefeel.sweep.result import IMPOSSIBLE, SweepResult
+from forcefeel.sweep.summary import Spread, Summary, measure_name, measure_unit
+from forcefeel.units import UnitSystem, to_text
+
+_PEAKS = ("peak_current_a", "peak_flow_m3_per_s", "peak_pressure_pa")
+_DEMAND = 2
+"""Measures of the motion that the findings go through."""
+
+_LISTED = 3
+"""Parameters that a sentence names."""
+
+_WEAK = 0.1
+"""Rank correlation that a sentence leaves out: the parameter accounts for a hundredth of the spread."""
+
+_NOTHING = 1e-9
+"""What a measure in SI units is less than if it is zero but for rounding."""
+
+_FEW = 1e-6
+"""Spread, as a share of the value, that is none."""
+
+
+def main_measures(result: SweepResult, summary: Summary) -> tuple[str, ...]:
+    """The measures that mean something under the sweep's input and differ between its runs, the most telling first."""
+    force = result.sweep.scenario.force
+    if goes_to_a_place(force):
+        motion: tuple[str, ...] = ("overshoot", "final_angle_rad", "settling_time_s", "period_s")
+    elif keeps_moving(force):
+        motion = ("maximum_angle_rad", "minimum_angle_rad")
+    else:
+        motion = ("maximum_angle_rad", "minimum_angle_rad", "final_angle_rad", "last_swing_rad")
+    return tuple(name for name in (*motion, *_PEAKS) if _differs(summary.spreads[name]))
+
+
+def _differs(spread: Spread) -> bool:
+    width = spread.highest - spread.lowest
+    return spread.runs > 1 and width > _FEW * max(abs(spread.lowest), abs(spread.highest))
+
+
+def sweep_conclusions(result: SweepResult, summary: Summary, units: UnitSystem) -> Conclusions:
+    """The conclusions of a sweep, with numbers in ``units``."""
+    measures = main_measures(result, summary)
+    words = _Words(result, summary, units)
+    sentences = [
+        words.ended(),
+        *(words.spread(name) for name in measures[: _DEMAND + 1] if not result.sweep.axes),
+        *(words.extremes(name) for name in measures[:_DEMAND] if result.sweep.axes),
+        words.demand(),
+        words.impossible(),
+    ]
+    good = bool(result.sweep.axes) or summary.share(RunStatus.DIVERGED).runs == 0
+    return Conclusions(good, words.verdict(measures), tuple(filter(None, sentences)))
+
+
+def share_text(share: float) -> str:
+    """A share in percent; what is not all never reads as 100 %."""
+    missing = float(f"{100 * (1 - share):.2g}")
+    return f"{to_text(100 - missing, 7) if 0 < missing < 1 else to_text(100 * share, 3)} %"
+
+
+def value_with_unit(measure: str, value: float, units: UnitSystem) -> str:
+    """A measure's SI value as people read it."""
+    return f"{number_of(measure, value, units)} {measure_unit(measure).shown(units)}".rstrip()
+
+
+def number_of(measure: str, value: float, units: UnitSystem) -> str:
+    """A measure's SI value in the unit that people read; rounding errors are zero."""
+    return to_text(measure_unit(measure).from_si(value, units) if abs(value) > _NOTHING else 0.0, 3)
+
+
+def correlation_text(rho: float) -> str:
+    """A correlation with its sign."""
+    return f"{rho:+.2f}".replace("-", "\N{MINUS SIGN}")
+
+
+class _Words:
+    """Sentences about a sweep."""
+
+    def __init__(self, result: SweepResult, summary: Summary, units: UnitSystem) -> None:
+        self._result, self._summary, self._units = result, summary, units
+        self._grid = bool(result.sweep.axes)
+        self._noun = "loaders" if not self._grid else "settings" if result.sweep.machines == 1 else "runs"
+
+    def verdict(self, measures: tuple[str, ...]) -> str:
+        parts = [self._settling()]
+        if measures:
+            spread = self._summary.spreads[measures[0]]
+            low, high = (
+                (spread.lowest, spread.highest) if self._grid else (spread.quantile(0.05), spread.quantile(0.95))
+            )
+            share = "" if self._grid else " (5 to 95 % of them)"
+            parts.append(f"{measure_name(measures[0])} {self._range(measures[0], low, high)}{share}")
+            ranking = self._summary.ranking(measures[0])
+            if ranking and not self._grid:
+                parts.append(f"{ranking[0][0]} matters most for it")
+        return f"{'; '.join(parts)}."
+
+    def _settling(self) -> str:
+        total = self._result.sweep.total
+        settled, diverged = (self._summary.share(str(status)) for status in (RunStatus.SETTLED, RunStatus.DIVERGED))
+        what = f"{total:,} {self._noun}"
+        if keeps_moving(self._result.sweep.scenario.force):
+            moved = total - diverged.runs - self._summary.share(IMPOSSIBLE).runs
+            found = f"All {what} stay" if moved == total else f"{share_text(moved / total)} of {what} stay"
+            found = f"{found} within bounds"
+        else:
+            found = f"All {what} settle" if settled.runs == total else f"{share_text(settled.share)} of {what} settle"
+        return f"{found}, {share_text(diverged.share)} diverge" if diverged.runs else found
+
+    def ended(self) -> str:
+        """How many moved on or diverged, and how sure that is."""
+        total, time = self._result.sweep.total, to_text(self._result.sweep.scenario.duration_s)
+        sentences = []
+        moving, diverged = (self._summary.share(str(status)) for status in (RunStatus.MOVING, RunStatus.DIVERGED))
+        if moving.runs and not keeps_moving(self._result.sweep.scenario.force):
+            sentences.append(
+                f"{share_text(moving.share)} still move after {time} s{self._sure(moving.low, moving.high)}."
+            )
+        if diverged.runs:
+            sentences.append(f"{share_text(diverged.share)} diverge{self._sure(diverged.low, diverged.high)}.")
+        elif isfinite(diverged.high):
+            limit = to_text(100 * diverged.high, 2)
+            sentences.append(
+                f"None of {total:,} diverges, so fewer than {limit} % of all loaders within these tolerances do (95 % sure)."
+            )
+        return " ".join(sentences)
+
+    def _sure(self, low: float, high: float) -> str:
+        if not isfinite(low):
+            return ""
+        return f" ({to_text(100 * low, 2)} to {to_text(100 * high, 2)} % of all loaders within these tolerances, 95 % sure)"
+
+    def spread(self, name: str) -> str:
+        """How a measure is spread, and what makes it differ."""
+        found = self._summary.spreads[name]
+        nominal = value_with_unit(name, found.nominal, self._units) if isfinite(found.nominal) else "none"
+        middle = self._range(name, found.quantile(0.05), found.quantile(0.95))
+        whole = self._range(name, found.lowest, found.highest)
+        ranking = [one for one in self._summary.ranking(name) if abs(one[1]) >= _WEAK][:_LISTED]
+        of = ", ".join(f"{key} ({correlation_text(rho)})" for key, rho in ranking)
+        goes = f" It goes with {of.replace('(', '(rank correlation ', 1)}." if of else ""
+        return f"{_capital(measure_name(name))}: nominal {nominal}; {middle} for nine of ten, {whole} in all.{goes}"
+
+    def extremes(self, name: str) -> str:
+        """Where on the grid a measure is smallest and largest."""
+        over = self._result.map(name)
+        if not np.isfinite(over.values).any():
+            return ""
+        places = []
+        for what, find in (("smallest", np.nanargmin), ("largest", np.nanargmax)):
+            spot = np.unravel_index(int(find(over.values)), over.shape)
+            at = " and ".join(
+                f"{key} = {_setting(key, float(over[key].values[k]), self._units)}"
+                for key, k in zip(self._result.sweep.axes, spot, strict=True)
+            )
+            places.append(f"{what} with {value_with_unit(name, float(over.values[spot]), self._units)} at {at}")
+        of = "" if self._result.sweep.machines == 1 else ", median of the machines at a setting"
+        return f"{_capital(measure_name(name))}{of}: {', '.join(places)}."
+
+    def demand(self) -> str:
+        """How far the valve is used, nine of ten and at most."""
+        ratings = (
+            ("peak_current_a", "valve.rated_current", "rated current"),
+            ("peak_flow_m3_per_s", "valve.rated_flow", "rated flow"),
+            ("peak_pressure_pa", "valve.supply_pressure", "supply pressure"),
+        )
+        loader = self._result.sweep.loader
+        parts = [
+            f"{to_text(100 * found.highest / loader[key], 3)} % of the {name}"
+            for measure, key, name in ratings
+            if (found := self._summary.spreads[measure]).runs
+        ]
+        return (
+            f"At most {', '.join(parts[:-1])} and {parts[-1]} are used; the ratings are the nominal ones."
+            if parts
+            else ""
+        )
+
+    def impossible(self) -> str:
+        """Which machines cannot be."""
+        if not self._summary.share(IMPOSSIBLE).runs:
+            return ""
+        reasons = ", ".join(f"in {count:,} {sentence}" for sentence, count in self._result.reasons.items())
+        count = self._summary.share(IMPOSSIBLE).runs
+        return f"{count:,} {self._noun} cannot be, and were not run: {reasons}. Bounds that do not overlap avoid it."
+
+    def _range(self, name: str, low: float, high: float) -> str:
+        ends = (number_of(name, value, self._units) for value in (low, high))
+        return f"{' to '.join(ends)} {measure_unit(name).shown(self._units)}".rstrip()
+
+
+def _setting(key: str, value: float, units: UnitSystem) -> str:
+    return f"{to_text(unit(TABLE[key]).from_si(value, units))} {unit(TABLE[key]).shown(units)}".rstrip()
+
+
+def _capital(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}"

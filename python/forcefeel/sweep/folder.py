@@ -1,0 +1,160 @@
+"""A sweep's folder: ``plan.json`` first, then each finished chunk, whole; at the end ``runs.nc``, and the chunks go."""
+
+import io
+import json
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.files import write_whole
+from forcefeel.simulation.outcome import MEASURES
+from forcefeel.sweep.identity import differences, digest, identity
+from forcefeel.sweep.plan import Sweep
+
+PLAN, CHUNKS, RUNS = "plan.json", "chunks", "runs.nc"
+"""Names in the folder."""
+
+REPORT = ("sweep.html", "summary.json", "envelope.csv")
+"""What the report adds to it."""
+
+_SHOWN = 5
+"""Differences between two plans that a message lists."""
+
+
+@dataclass(frozen=True)
+class Folder:
+    """The folder of one sweep.
+
+    Attributes:
+        path: Where.
+        sweep: The sweep that it holds, or will.
+    """
+
+    path: Path
+    sweep: Sweep
+
+    @cached_property
+    def plan(self) -> dict[str, Any]:
+        """What ``plan.json`` holds of this sweep."""
+        document = identity(self.sweep)
+        return {"sweep": digest(document), **document}
+
+    def open(self, *, resume: bool, replace: bool) -> None:
+        """Makes the folder ready for the sweep: new, or with what is finished of this very one.
+
+        Args:
+            resume: Go on with what is there.
+            replace: Begin anew: the sweep that is there goes.
+
+        Raises:
+            InputError: If the folder cannot be made or written, or holds a sweep that is not to go on or another one.
+        """
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            what = "is a file" if self.path.is_file() else f"cannot be made ({error.strerror})"
+            raise InputError(f"{self.path}: {what}; expected a folder for the sweep; name another one") from error
+        there = self._stored_plan() if not replace else None
+        if there is not None:
+            self._check(there, resume=resume)
+            return
+        self._clear()
+        write_whole(self.path / PLAN, json.dumps(self.plan, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+        (self.path / CHUNKS).mkdir(exist_ok=True)
+
+    def _check(self, there: Mapping[str, Any], *, resume: bool) -> None:
+        """Refuses a folder whose plan is another one, or this one if it is not to go on."""
+        if there.get("sweep") != self.plan["sweep"]:
+            found = differences(there, self.plan)
+            more = f", and {len(found) - _SHOWN} more" if len(found) > _SHOWN else ""
+            raise InputError(
+                f"{self.path}: holds another sweep ({'; '.join(found[:_SHOWN])}{more}); name another folder with --out, or "
+                "--replace to replace it"
+            )
+        if not resume:
+            state = "all" if self.finished else f"{self.kept_runs():,} of"
+            what = f"{state} {self.sweep.total:,} runs of this very sweep"
+            go_on = "write its page anew" if self.finished else "go on with it"
+            raise InputError(f"{self.path}: holds {what}; --resume to {go_on}, --replace to begin anew")
+
+    def _stored_plan(self) -> dict[str, Any] | None:
+        """The plan in the folder; nothing if there is none."""
+        place = self.path / PLAN
+        try:
+            found = json.loads(place.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError) as error:
+            raise InputError(f"{place}: cannot be read ({error}); --replace to begin anew") from error
+        if not isinstance(found, dict):
+            raise InputError(f"{place}: is no plan of a sweep; --replace to begin anew")
+        return found
+
+    def _clear(self) -> None:
+        """Removes a sweep, its plan first: chunks without a plan belong to none."""
+        try:
+            for name in (PLAN, RUNS, *REPORT):
+                (self.path / name).unlink(missing_ok=True)
+            if (self.path / CHUNKS).exists():
+                shutil.rmtree(self.path / CHUNKS)
+        except OSError as error:
+            raise InputError(f"{error.filename}: cannot be removed ({error.strerror}); name another folder") from error
+
+    def _chunk(self, index: int) -> Path:
+        return self.path / CHUNKS / f"{index:05d}.npy"
+
+    def keep(self, index: int, measured: NDArray[np.float64]) -> None:
+        """Writes a finished chunk, whole."""
+        data = io.BytesIO()
+        np.save(data, measured)
+        write_whole(self._chunk(index), data.getvalue())
+
+    def kept(self) -> dict[int, NDArray[np.float64]]:
+        """The finished chunks by their index; one that is damaged is not finished."""
+        if self.finished:
+            return self._all_kept()
+        found = {}
+        for index, runs in enumerate(self.sweep.chunks):
+            try:
+                measured = np.load(self._chunk(index), allow_pickle=False)
+            except (OSError, ValueError, EOFError):
+                continue
+            if measured.shape == (len(runs), len(MEASURES)) and measured.dtype == np.float64:
+                found[index] = measured
+        return found
+
+    def _all_kept(self) -> dict[int, NDArray[np.float64]]:
+        """The chunks of a sweep that is done, from its results."""
+        place = self.path / RUNS
+        try:
+            with xr.open_dataset(io.BytesIO(place.read_bytes()), engine="scipy") as stored:
+                measured = np.column_stack([stored[name].values for name in MEASURES])
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise InputError(f"{place}: cannot be read ({error}); --replace to begin anew") from error
+        if measured.shape != (self.sweep.total, len(MEASURES)):
+            raise InputError(
+                f"{place}: holds {len(measured):,} runs, not {self.sweep.total:,}; --replace to begin anew"
+            )
+        return {index: measured[runs.start : runs.stop] for index, runs in enumerate(self.sweep.chunks)}
+
+    @property
+    def finished(self) -> bool:
+        """Whether the results of all runs are there."""
+        return (self.path / RUNS).exists()
+
+    def kept_runs(self) -> int:
+        """How many runs are finished."""
+        return sum(map(len, self.kept().values()))
+
+    def finish(self, runs: xr.Dataset) -> None:
+        """Writes the results; the chunks, which are all in them, go."""
+        write_whole(self.path / RUNS, bytes(runs.to_netcdf(None, engine="scipy", format="NETCDF3_64BIT")))
+        shutil.rmtree(self.path / CHUNKS, ignore_errors=True)

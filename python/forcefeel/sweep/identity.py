@@ -1,0 +1,99 @@
+"""What makes a sweep this sweep and no other, as plain data: ``plan.json``."""
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import fields, is_dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from forcefeel._core import Compensator
+from forcefeel.parameters import TABLE
+from forcefeel.simulation.outcome import MEASURES
+from forcefeel.sweep.chunk import nominal
+from forcefeel.sweep.plan import Sweep
+
+FORMAT = 1
+"""Version of the plan and of the chunks beside it; a new one where either changes."""
+
+_NOMINAL, _DERIVED = "nominal.", ("sweep",)
+"""Where the plan holds what follows from the rest."""
+
+_LONG = 64
+"""Numbers of a row that is written out; a longer one is told by its hash."""
+
+
+def identity(sweep: Sweep) -> dict[str, Any]:
+    """The sweep as plain data, every number in SI units and to the last bit.
+
+    ``nominal`` is what the engine gives for the nominal loader: another engine, or a processor on which it gives other
+    numbers, makes another sweep.
+    """
+    loader = sweep.loader
+    document = {
+        "format": FORMAT,
+        "forcefeel": version("forcefeel"),
+        "loader": {
+            "name": loader.name,
+            "values": dict(zip(TABLE, loader.values.tolist(), strict=True)),
+            **loader.curves,
+        },
+        "scenario": sweep.scenario,
+        "law": sweep.compensator or "original",
+        "runs": {"total": sweep.total, "machines": sweep.machines, "chunk": len(sweep.chunks[0])},
+        "seed": sweep.seed,
+        "varied": sweep.varied,
+        "grid": sweep.axes,
+        "nominal": dict(zip(MEASURES, nominal(sweep).tolist(), strict=True)),
+    }
+    found: dict[str, Any] = json.loads(json.dumps(_exact(document), allow_nan=False))
+    return found
+
+
+def digest(document: Mapping[str, Any]) -> str:
+    """A name for a plan that no other has."""
+    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    """What of two plans differs: ``runs.total: 1000 there, 500 here``."""
+    there, here = dict(_leaves(old)), dict(_leaves(new))
+    keys = [key for key in {**there, **here} if there.get(key) != here.get(key) and key not in _DERIVED]
+    asked = [key for key in keys if not key.startswith(_NOMINAL)]
+    found = [f"{key}: {there.get(key, 'nothing')} there, {here.get(key, 'nothing')} here" for key in asked]
+    return found or ["the engine here gives other numbers for the nominal loader than the one that began it"]
+
+
+def _leaves(document: Any, place: str = "") -> Iterator[tuple[str, str]]:
+    if isinstance(document, Mapping):
+        for key, value in document.items():
+            yield from _leaves(value, f"{place}.{key}" if place else key)
+    else:
+        yield place, json.dumps(document)
+
+
+def _exact(value: Any) -> Any:
+    """``value`` as JSON can hold it, nothing lost."""
+    match value:
+        case Compensator():
+            return dict(zip(("gains", "load_cell_arm", "displacement_unit"), value.__getnewargs__(), strict=True))
+        case float():
+            return value if math.isfinite(value) else str(value)
+        case Mapping():
+            return {str(key): _exact(item) for key, item in value.items()}
+        case np.ndarray() | list() | tuple():
+            return _row(value)
+    if is_dataclass(value):
+        shown = {field.name: _exact(getattr(value, field.name)) for field in fields(value)}
+        return {"kind": type(value).__name__, **shown}
+    return value
+
+
+def _row(row: Any) -> Any:
+    if len(row) <= _LONG:
+        return [_exact(item) for item in (row.tolist() if isinstance(row, np.ndarray) else row)]
+    numbers = np.asarray(row, dtype=np.float64)
+    return {"numbers": len(row), "sha256": hashlib.sha256(numbers.tobytes()).hexdigest()}

@@ -1,0 +1,29 @@
+"""Which machines of a sweep can be: a loader's rows ask something of one another, and draws need not heed it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.consistency import AT_LEAST, BELOW
+from forcefeel.parameters import INDEX, OFF
+
+_ROUNDING = 1e-9
+"""Relative; as the check of a loader."""
+
+
+def impossible(values: NDArray[np.float64]) -> dict[str, NDArray[np.bool_]]:
+    """What is wrong with which machines: a sentence, and for each row of ``values`` (SI) whether it holds.
+
+    The same relations that a loader file must keep: a lower stop below the upper one, static friction no smaller than
+    Coulomb's.
+    """
+    found: dict[str, NDArray[np.bool_]] = {}
+    for low_key, high_key in BELOW:
+        low, high = values[:, INDEX[low_key]], values[:, INDEX[high_key]]
+        with np.errstate(invalid="ignore"):  # both ends may be infinite, which is far apart
+            close = np.isfinite(low) & np.isfinite(high) & (np.abs(high - low) <= _ROUNDING * np.abs(low))
+        found[f"{low_key} is not below {high_key}"] = ~(low < high) | close
+    for key, least in AT_LEAST:
+        value = values[:, INDEX[key]]
+        given = value != OFF[key]
+        found[f"{key} is below {least}"] = given & (value < values[:, INDEX[least]] * (1 - _ROUNDING))
+    return {sentence: which for sentence, which in found.items() if which.any()}

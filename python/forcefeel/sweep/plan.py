@@ -1,0 +1,213 @@
+"""What is swept: a loader, a scenario, what varies and how often. From it alone follow the values of every run."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import prod
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel._core import Compensator
+from forcefeel.errors import InputError
+from forcefeel.loader import Loader
+from forcefeel.parameters import INDEX
+from forcefeel.simulation import Scenario
+from forcefeel.simulation.scenario import Steps
+from forcefeel.sweep import text
+from forcefeel.sweep.numbers import shares
+from forcefeel.tolerances import Tolerance
+from forcefeel.units import show
+
+MOST_RUNS = 10_000_000
+"""Most runs of a sweep: their measures take a gigabyte and a half."""
+
+MONTE_CARLO_RUNS = 10_000
+"""Runs of a sweep over tolerances that does not say how many: a share of 1 % is then known to a fifth of it."""
+
+_CHUNK_STEPS = 6_000_000
+"""Steps of the engine in a chunk, about a second of work."""
+
+_CHUNKS, _LANES = 16, 8
+"""Pieces that even a short sweep has, so that it shows progress; runs side by side."""
+
+_MOST_AXES = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """A sweep: machines drawn from tolerances (Monte Carlo), a grid over settings, or such machines at each of its points.
+
+    The numbers of a machine depend on the seed, the parameter and the machine's index alone (``sweep.numbers``). At every
+    point of a grid stand the same machines, so that what differs between points is the setting.
+
+    Attributes:
+        loader: The nominal loader; its tolerances say how the machines differ.
+        scenario: What is done to each.
+        compensator: One law for all; not given, each has the original position loop of its own parameters.
+        runs: Machines; with ``grids`` machines at each point, and not given the nominal one alone. Without ``grids`` 10,000
+            if not given.
+        seed: Seed of the draw, 0 or more. The noise of sensors has its own, in the scenario.
+        vary: Tolerances by ``part.name`` beside those of the loader, or in their place: as ``Loader.with_tolerances`` takes
+            them, or ``"1 lb..5 lb"`` for uniform between these; ``None`` keeps the loader's value.
+        grids: One or two parameters by ``part.name`` with their values: SI numbers, or text such as
+            ``"288..28800 lb in/rad:40:log"``. Such a parameter has no tolerance.
+
+    Raises:
+        InputError: If a parameter is unknown, shared by all runs, out of its range or both varied and a grid; if nothing
+            varies; if the scenario does not go with the loader.
+
+    Example:
+        ``Sweep(loader, Scenario(Step(400.0, 0.1)), vary={"linkage.stiffness": "20 %"}, runs=100_000)``
+    """
+
+    loader: Loader
+    scenario: Scenario
+    compensator: Compensator | None = None
+    runs: int | None = None
+    seed: int = 0
+    vary: Mapping[str, Any] = field(default_factory=dict)
+    grids: Mapping[str, str | Sequence[float]] = field(default_factory=dict)
+    varied: Mapping[str, Tolerance] = field(init=False)
+    axes: Mapping[str, tuple[float, ...]] = field(init=False)
+    steps: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        _check_whole("runs", self.runs, 1, MOST_RUNS)
+        _check_whole("seed", self.seed, 0, 2**63 - 1)
+        axes = {key: _axis(key, given) for key, given in self.grids.items()}
+        if len(axes) > _MOST_AXES:
+            raise InputError(
+                f"grid: expected one or two parameters, got {len(axes)}; vary the others, --vary and --runs"
+            )
+        for key in axes:
+            if key in self.vary:
+                raise InputError(f"{key}: given as a grid and to vary; leave one out")
+        if self.vary and axes and self.runs is None:
+            raise InputError("vary: at a grid say how many machines stand at each point (--runs), or leave it out")
+        drawn = not axes or self.runs is not None
+        varied = {key: it for key, it in _tolerances(self.loader, self.vary).items() if drawn and key not in axes}
+        object.__setattr__(self, "axes", MappingProxyType(axes))
+        object.__setattr__(self, "varied", MappingProxyType(varied))
+        if not varied and not axes:
+            raise InputError(
+                f"nothing varies: {self.loader.name} has no tolerances; add a section [tolerances] to the loader file, or "
+                'say what varies, such as --vary "linkage.stiffness=20 %" or --grid "feel.stiffness=1000..9000 lb in/rad:20"'
+            )
+        if drawn and axes and not varied:
+            raise InputError(
+                "runs: no tolerances, so all machines at a point are the same; leave --runs out, or add --vary"
+            )
+        if self.total > MOST_RUNS:
+            raise InputError(
+                f"runs: expected at most {MOST_RUNS:,} in all, got {self.total:,}; take fewer at each point"
+            )
+        self._check_scenario()
+
+    def _check_scenario(self) -> None:
+        if self.scenario.feel_changes and any(key.startswith("feel.") for key in (*self.axes, *self.varied)):
+            raise InputError(
+                "feel_changes: give every machine the nominal feel; leave them out, or vary no row of the feel"
+            )
+        object.__setattr__(self, "steps", len(Steps.of(self.scenario, self.loader).inputs))
+
+    def __reduce__(self) -> tuple[type["Sweep"], tuple[Any, ...]]:
+        given = (self.loader, self.scenario, self.compensator, self.runs, self.seed)
+        return Sweep, (*given, dict(self.vary), dict(self.axes))
+
+    @property
+    def machines(self) -> int:
+        """Runs at each point of the grid, or in all where there is none."""
+        return 1 if not self.varied else self.runs or MONTE_CARLO_RUNS
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Values along each parameter of the grid."""
+        return tuple(map(len, self.axes.values()))
+
+    @property
+    def total(self) -> int:
+        """Runs in all."""
+        return prod(self.shape) * self.machines
+
+    @cached_property
+    def chunks(self) -> tuple[range, ...]:
+        """The runs in pieces, which are computed and kept whole."""
+        size = max(_LANES, min(_CHUNK_STEPS // self.steps, -(-self.total // _CHUNKS)))
+        size = -(-size // _LANES) * _LANES
+        return tuple(range(first, min(first + size, self.total)) for first in range(0, self.total, size))
+
+    def drawn(self, runs: range) -> dict[str, NDArray[np.float64]]:
+        """The SI values of what varies, in some runs: of the grid's parameters, then of those with a tolerance."""
+        found: dict[str, NDArray[np.float64]] = {}
+        points = np.arange(runs.start, runs.stop) // self.machines
+        for (key, values), places in zip(self.axes.items(), _unravel(points, self.shape), strict=True):
+            found[key] = np.array(values)[places]
+        for key, tolerance in self.varied.items():
+            found[key] = tolerance.quantile(
+                self._of_machines(lambda *span, key=key: shares(self.seed, key, *span), runs)
+            )
+        return found
+
+    def values(self, runs: range) -> NDArray[np.float64]:
+        """The SI values of all parameters, a row for each of some runs."""
+        rows = np.repeat(self.loader.values[np.newaxis], len(runs), axis=0)
+        for key, column in self.drawn(runs).items():
+            rows[:, INDEX[key]] = column
+        return rows
+
+    def _of_machines(self, draw: Callable[[int, int], NDArray[np.float64]], runs: range) -> NDArray[np.float64]:
+        """What ``draw(first, count)`` gives for the machines of some runs: the same ones at each point."""
+        if len(runs) >= self.machines:
+            return draw(0, self.machines)[np.arange(runs.start, runs.stop) % self.machines]
+        first = runs.start % self.machines
+        head = min(len(runs), self.machines - first)
+        return np.concatenate([draw(first, head), draw(0, len(runs) - head)])
+
+
+def _unravel(points: NDArray[np.int64], shape: tuple[int, ...]) -> tuple[NDArray[np.int64], ...]:
+    return tuple(np.unravel_index(points, shape)) if shape else ()
+
+
+def _check_whole(name: str, given: object, least: int, most: int) -> None:
+    if given is None:
+        return
+    if not isinstance(given, int) or isinstance(given, bool) or not least <= given <= most:
+        raise InputError(f"{name}: expected a whole number from {least:,} to {most:,}, got {show(given)}")
+
+
+def _axis(key: str, given: str | Sequence[float]) -> tuple[float, ...]:
+    """The values (SI) of a grid's parameter."""
+    try:
+        text.check_key(key)
+        if isinstance(given, str):
+            return text.grid(key, given)
+        values = tuple(map(float, given))
+        for value in values:
+            text.check_in_range(key, value)
+    except InputError as error:
+        raise InputError(f"grid: {error}") from error
+    except (TypeError, ValueError) as error:
+        raise InputError(f"grid: {key}: expected text or numbers, got {show(given)}") from error
+    if not 2 <= len(values) <= text.MOST_STEPS or list(values) != sorted(set(values)):
+        raise InputError(f"grid: {key}: expected 2 to {text.MOST_STEPS:,} rising values, got {len(values)}")
+    return values
+
+
+def _tolerances(loader: Loader, vary: Mapping[str, Any]) -> Mapping[str, Tolerance]:
+    """The loader's tolerances, changed as asked."""
+    wanted: dict[str, Any] = {}
+    try:
+        for key in {**loader.tolerances, **vary}:
+            if vary.get(key, key) is not None:
+                text.check_key(key)
+        for key, given in vary.items():
+            wanted[key] = text.tolerance(key, given) if isinstance(given, str) else given
+    except InputError as error:
+        raise InputError(f"vary: {error}") from error
+    try:
+        return loader.with_tolerances(wanted).tolerances
+    except InputError as error:
+        raise InputError(str(error).replace("tolerances.", "vary: ")) from error

@@ -1,0 +1,126 @@
+"""What comes of a sweep: every run, and what they say together."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from importlib.metadata import version
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from forcefeel.parameters import TABLE
+from forcefeel.simulation.outcome import MEASURES, Measures, RunStatus, statuses
+from forcefeel.sweep.chunk import histories, nominal
+from forcefeel.sweep.members import impossible
+from forcefeel.sweep.plan import Sweep
+
+IMPOSSIBLE = "impossible"
+"""Status of a run whose machine cannot be: its values do not go together."""
+
+STATUSES = (*map(str, RunStatus), IMPOSSIBLE)
+"""How a run of a sweep can end."""
+
+ENVELOPE_RUNS = 400
+"""Runs whose histories make the band of the column's angle over time."""
+
+BANDS = {"lowest": 0.0, "5 %": 0.05, "median": 0.5, "95 %": 0.95, "highest": 1.0}
+"""The edges of the band, as shares of the runs below."""
+
+_ANGLE = "column_angle_rad"
+
+
+@dataclass(frozen=True, eq=False)
+class SweepResult:
+    """Every run of a sweep.
+
+    Attributes:
+        sweep: What was swept.
+        runs: Over ``run``: the measures, ``status`` (settled, moving, diverged or impossible), and as coordinates the values of
+            what varied, by ``part.name``; SI units, named in ``units``.
+    """
+
+    sweep: Sweep
+    runs: xr.Dataset = field(repr=False)
+
+    @classmethod
+    def of(cls, sweep: Sweep, measured: NDArray[np.float64]) -> "SweepResult":
+        """The result from the measures of all runs, a row each."""
+        data = {name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(MEASURES.items())}
+        failed = np.isnan(measured[:, -1])  # a run that took place diverged at some time, or at infinity
+        status = np.where(failed, IMPOSSIBLE, statuses(measured))
+        coordinates = {
+            key: ("run", values, {"units": TABLE[key].unit_si, "long_name": TABLE[key].meaning})
+            for key, values in sweep.drawn(range(sweep.total)).items()
+        }
+        attributes = {
+            "title": "forcefeel sweep",
+            "loader": sweep.loader.name,
+            "seed": sweep.seed,
+            "forcefeel": version("forcefeel"),
+        }
+        runs = xr.Dataset(data, {"run": np.arange(sweep.total), **coordinates}, attributes)
+        return cls(sweep, runs.assign(status=("run", status)))
+
+    @cached_property
+    def nominal(self) -> Measures:
+        """Measures of the nominal loader."""
+        return Measures(*nominal(self.sweep).tolist())
+
+    @cached_property
+    def envelope(self) -> xr.Dataset:
+        """The column's angle over time: edges of the band of the first 400 runs that did not diverge, and the nominal.
+
+        The machines are random, so the first ones are a fair sample. With a grid it is that of its first point.
+        """
+        first = range(min(ENVELOPE_RUNS, self.sweep.machines))
+        found = histories(self.sweep, first, [_ANGLE])
+        stayed = found.isel(run=~np.isfinite(found["diverged_at_s"].values))
+        angle = stayed[_ANGLE].values
+        edges = (
+            np.quantile(angle, list(BANDS.values()), axis=0)
+            if len(angle)
+            else np.full((len(BANDS), angle.shape[1]), np.nan)
+        )
+        data = {"column_angle_rad": (("edge", "time_s"), edges, {"units": "rad"})}
+        times = ("time_s", found["time_s"].values, {"units": "s"})
+        return xr.Dataset(data, {"edge": list(BANDS), "time_s": times}, {"runs": len(angle)})
+
+    @cached_property
+    def reasons(self) -> Mapping[str, int]:
+        """Why machines cannot be, and how many."""
+        values = self.sweep.values(range(self.sweep.total))
+        return {sentence: int(which.sum()) for sentence, which in impossible(values).items()}
+
+    def map(self, measure: str, share: float = 0.5) -> xr.DataArray:
+        """A measure over the grid.
+
+        Args:
+            measure: Name of a measure.
+            share: Which quantile of the machines at each point that did not diverge; the median if not given.
+
+        Returns:
+            Over the parameters of the grid; not a number where every machine diverged.
+        """
+        gone = ~self.runs["status"].isin([RunStatus.SETTLED, RunStatus.MOVING])
+        return self._over_grid(self.runs[measure].where(~gone).values, share).assign_attrs(self.runs[measure].attrs)
+
+    def share_map(self, status: str) -> xr.DataArray:
+        """The share of the machines at each point of the grid that ended with ``status``."""
+        is_so = (self.runs["status"].values == status).astype(float)
+        points = is_so.reshape(*self.sweep.shape, self.sweep.machines)
+        return xr.DataArray(points.mean(axis=-1), self._coordinates, tuple(self.sweep.axes))
+
+    def _over_grid(self, values: NDArray[np.float64], share: float) -> xr.DataArray:
+        points = values.reshape(*self.sweep.shape, self.sweep.machines)
+        here = np.isfinite(points).any(axis=-1)
+        found = np.full(self.sweep.shape, np.nan)
+        found[here] = np.nanquantile(np.where(np.isfinite(points[here]), points[here], np.nan), share, axis=-1)
+        return xr.DataArray(found, self._coordinates, tuple(self.sweep.axes))
+
+    @property
+    def _coordinates(self) -> dict[str, xr.Variable]:
+        return {
+            key: xr.Variable(key, np.array(values), {"units": TABLE[key].unit_si})
+            for key, values in self.sweep.axes.items()
+        }

@@ -1,0 +1,176 @@
+"""What the runs of a sweep say together: how they ended, how their measures spread, what makes them differ."""
+
+import math
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, get_type_hints
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.special import ndtri
+from scipy.stats import rankdata
+
+from forcefeel.run_results import NAMES
+from forcefeel.simulation.outcome import MEASURES, Measures, RunStatus
+from forcefeel.sweep.result import STATUSES, SweepResult
+from forcefeel.units import PERCENT, RATIO, Unit
+
+QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+"""Shares of the runs below each value of a spread."""
+
+CONFIDENCE = 0.95
+"""Of the interval of a share, and of the level above which a correlation is more than chance."""
+
+_NAMES = {"settling_time_s": "settling time"}
+"""Of measures whose common name is a sentence's beginning."""
+
+FEWEST = 3
+"""Runs below which nothing is said of a correlation."""
+
+SPREAD = tuple(name for name in MEASURES if name != "diverged_at_s")
+"""The measures whose spread is summed up."""
+
+
+@dataclass(frozen=True)
+class Share:
+    """How many runs ended in one way.
+
+    Attributes:
+        status: How.
+        runs: How many.
+        share: As a share of all.
+        low, high: Between these lies the share of all machines that tolerances allow, with a confidence of 95 %: Wilson's
+            interval. Of a grid, whose runs are no random sample, not a number.
+    """
+
+    status: str
+    runs: int
+    share: Annotated[float, PERCENT]
+    low: Annotated[float, PERCENT]
+    high: Annotated[float, PERCENT]
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How a measure is spread over the runs that did not diverge.
+
+    Attributes:
+        measure: Name of the measure, in SI units as all numbers here.
+        nominal: Its value for the nominal loader.
+        runs: How many runs have it.
+        lowest, highest: Over these.
+        quantiles: At the shares ``QUANTILES``.
+    """
+
+    measure: str
+    nominal: float
+    runs: int
+    lowest: float
+    highest: float
+    quantiles: tuple[float, ...]
+
+    def quantile(self, share: float) -> float:
+        """The value below which ``share``, one of ``QUANTILES``, of the runs lie."""
+        return self.quantiles[QUANTILES.index(share)]
+
+
+@dataclass(frozen=True, eq=False)
+class Summary:
+    """What the runs say together.
+
+    Attributes:
+        shares: How they ended, every way in the order of ``STATUSES``.
+        spreads: How their measures are spread, by measure.
+        correlations: Spearman's rank correlation of each ``measure`` with each ``parameter`` that varied: +1 or -1 where the
+            measure only rises or only falls with the parameter, 0 where it knows nothing of it. Not a number where the
+            measure is the same for all.
+        chance: Size that a correlation of what has nothing to do with each other stays below in 95 of 100 sweeps.
+    """
+
+    shares: tuple[Share, ...]
+    spreads: dict[str, Spread]
+    correlations: xr.DataArray
+    chance: float
+
+    def share(self, status: str) -> Share:
+        """How many ended with ``status``."""
+        return next(one for one in self.shares if one.status == status)
+
+    def ranking(self, measure: str) -> list[tuple[str, float]]:
+        """The parameters that ``measure`` depends on beyond chance, the most important first, with their correlation."""
+        row = self.correlations.sel(measure=measure)
+        found = [(str(key), float(rho)) for key, rho in zip(row["parameter"].values, row.values, strict=True)]
+        return sorted((one for one in found if abs(one[1]) > self.chance), key=lambda one: -abs(one[1]))
+
+
+def summarize(result: SweepResult) -> Summary:
+    """Sums up the runs of a sweep."""
+    runs = result.runs
+    ended = ~np.isin(runs["status"].values, [RunStatus.DIVERGED, "impossible"])
+    measured = {name: np.where(ended, runs[name].values, np.nan) for name in SPREAD}
+    counts = {status: int((runs["status"].values == status).sum()) for status in STATUSES}
+    random = bool(result.sweep.varied) and not result.sweep.axes
+    return Summary(
+        shares=tuple(_share(status, count, result.sweep.total, random) for status, count in counts.items()),
+        spreads={name: _spread(name, values, getattr(result.nominal, name)) for name, values in measured.items()},
+        correlations=_correlations(
+            measured, {key: runs[key].values for key in (*result.sweep.axes, *result.sweep.varied)}
+        ),
+        chance=float(ndtri((1 + CONFIDENCE) / 2)) / math.sqrt(max(result.sweep.total - 1, 1)),
+    )
+
+
+@cache
+def measure_unit(measure: str) -> Unit:
+    """The units of a measure; a share is shown in percent."""
+    hint = get_type_hints(Measures, include_extras=True)[measure]
+    found: Unit = hint.__metadata__[0]
+    return PERCENT if found is RATIO and measure == "overshoot" else found
+
+
+def measure_name(measure: str) -> str:
+    """What a measure is called."""
+    return _NAMES.get(measure) or NAMES[measure].partition(" (")[0]
+
+
+def _share(status: str, count: int, total: int, random: bool) -> Share:
+    share = count / total
+    if not random:
+        return Share(status, count, share, math.nan, math.nan)
+    z = float(ndtri((1 + CONFIDENCE) / 2))
+    middle, width = share + z**2 / (2 * total), z * math.sqrt(share * (1 - share) / total + (z / (2 * total)) ** 2)
+    low, high = ((middle + side * width) / (1 + z**2 / total) for side in (-1, 1))
+    return Share(status, count, share, max(low, 0.0) if count else 0.0, min(high, 1.0) if count < total else 1.0)
+
+
+def _spread(name: str, values: NDArray[np.float64], nominal: float) -> Spread:
+    known = values[np.isfinite(values)]
+    if not len(known):
+        return Spread(name, nominal, 0, math.nan, math.nan, (math.nan,) * len(QUANTILES))
+    lowest, *quantiles, highest = np.quantile(known, (0.0, *QUANTILES, 1.0)).tolist()
+    return Spread(name, nominal, len(known), lowest, highest, tuple(quantiles))
+
+
+def _correlations(measured: dict[str, NDArray[np.float64]], parameters: dict[str, NDArray[np.float64]]) -> xr.DataArray:
+    """Spearman's rank correlations, of the runs that have the measure."""
+    ranks: dict[bytes, NDArray[np.float64]] = {}
+    table = np.full((len(measured), len(parameters)), np.nan)
+    columns = np.array(list(parameters.values()))
+    for row, values in zip(table, measured.values(), strict=True):
+        known = np.isfinite(values)
+        if known.sum() < FEWEST or np.ptp(values[known]) == 0:
+            continue
+        same = np.packbits(known).tobytes()
+        if same not in ranks:
+            ranks[same] = _standard(rankdata(columns[:, known], axis=1))
+        row[:] = ranks[same] @ _standard(rankdata(values[known]))
+    return xr.DataArray(table, {"measure": list(measured), "parameter": list(parameters)}, ("measure", "parameter"))
+
+
+def _standard(ranks: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rows of mean zero and length one; a row that is all the same is not a number."""
+    centred = ranks - ranks.mean(axis=-1, keepdims=True)
+    length = np.sqrt((centred**2).sum(axis=-1, keepdims=True))
+    with np.errstate(invalid="ignore"):
+        return np.asarray(centred / length)
