@@ -123,6 +123,8 @@ def simulate_batch(
         first_run=first_run,
         threads=threads or cores(),
     )
+    status = statuses(measured)
+    measured = without_diverged(measured)
     data: dict[str, Any] = {
         name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(MEASURES.items())
     }
