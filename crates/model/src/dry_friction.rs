@@ -58,6 +58,13 @@ impl<S: Scalar> DryFriction<S> {
         Self { kinetic: kinetic * per_force, breakaway: breakaway.max(kinetic) * per_force }
     }
 
+    /// Friction on its way to `next`.
+    #[inline(always)]
+    pub fn towards(&self, next: &Self, share: f64) -> Self {
+        let between = |a: S, b: S| a + (b - a).times(share);
+        Self { kinetic: between(self.kinetic, next.kinetic), breakaway: between(self.breakaway, next.breakaway) }
+    }
+
     /// The friction of a step that begins with velocity `v` and friction-free acceleration `a`.
     #[inline(always)]
     pub fn grip(&self, v: S, a: S) -> Grip<S> {

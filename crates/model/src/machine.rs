@@ -253,7 +253,7 @@ impl<S: Scalar> Machine<S> {
             (now.delta, now.delta_rate) = limited;
         }
         let mut rates = self.rates(&stage, &state.slow, &mut now);
-        let side = self.settle(shared, state, &mut now, &mut rates, side);
+        let side = self.settle(shared, state, inputs, &mut now, &mut rates, side);
         Begun { now, rates, side }
     }
 
@@ -429,6 +429,7 @@ impl<S: Scalar> Machine<S> {
         &self,
         shared: &Shared,
         state: &mut State<S>,
+        inputs: &Inputs,
         now: &mut Now<S>,
         rates: &mut Slow<S>,
         side: Side<S>,
@@ -452,8 +453,9 @@ impl<S: Scalar> Machine<S> {
         }
         if effects.feel_friction && shared.timing.is_none() {
             let (rate, pull) = (now.delta_rate, rates.feel[1]);
-            let found = self.feel.friction.settled(&state.feel, rate, pull, (self.step, self.per_step));
-            state.feel = self.feel.friction.grip(found.velocity, pull);
+            let friction = self.feel_friction(inputs);
+            let found = friction.settled(&state.feel, rate, pull, (self.step, self.per_step));
+            state.feel = friction.grip(found.velocity, pull);
             state.slow.feel[0] = state.slow.feel[0] + found.displacement;
             let u = found.velocity - self.feel_impulse * now.pressure;
             state.slow.feel[1] = S::select(found.settled, u, state.slow.feel[1]);

@@ -88,7 +88,8 @@ impl<S: Scalar> Peaks<S> {
         self.current = self.current.max(current.abs());
         self.pressure = self.pressure.max(pressure.abs());
         self.flow = self.flow.max(flow.abs());
-        let within = angle.abs().less(angle.constant(BOUND_RAD)); // no number is not within
+        // What is no number is not within; a stuck column keeps its angle, so the pressure is asked too.
+        let within = angle.abs().less(angle.constant(BOUND_RAD)) & pressure.abs().less(angle.constant(f64::INFINITY));
         let now = angle.constant(time).min(self.diverged_at);
         self.diverged_at = S::select(within, self.diverged_at, now);
     }

@@ -43,7 +43,7 @@ def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | None
 
     Returns:
         The run. A loader without any optional row is linear, and its run is exact at the samples; any other is stepped, to
-        some 1e-5 of full travel at steps of 1 ms.
+        some 1e-5 of full travel at steps of 1 ms. Peaks of an exact run are those of its samples.
 
     Raises:
         InputError: If a time does not fall on a step, or the loader asks for an input that is not given.

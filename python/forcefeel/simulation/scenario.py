@@ -31,7 +31,8 @@ class FeelChange:
     """The feel is programmed anew while the column moves.
 
     The acceleration that the feel asks for goes over from the old to the new smoothly, as 3 s^2 - 2 s^3, so that neither the force
-    nor its rate jumps.
+    nor its rate jumps. Hard stops, the velocity limit and the trim rate hold from the end of the change on: a stop lets a control
+    beyond it come back, and a limit takes hold over some hundredths of a second.
 
     Attributes:
         at_s: When it begins.

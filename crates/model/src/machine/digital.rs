@@ -96,8 +96,9 @@ impl<S: Scalar> Machine<S> {
             // The torque jumped to its value at the sample: what broke away, did so now.
             let before = state.feel.pull;
             let per_h = h.constant(1.0) / h;
-            let found = self.feel.friction.settled(&state.feel, state.slow.feel[1], before, (h, per_h));
-            state.feel = self.feel.friction.grip(found.velocity, free);
+            let friction = self.feel_friction(inputs);
+            let found = friction.settled(&state.feel, state.slow.feel[1], before, (h, per_h));
+            state.feel = friction.grip(found.velocity, free);
             state.slow.feel = [state.slow.feel[0] + found.displacement, found.velocity];
         }
         let start = state.slow.feel;

@@ -2,6 +2,7 @@
 
 use super::{Begun, Inputs, Machine, Moment, Now, Shared, State};
 use crate::Scalar;
+use crate::dry_friction::DryFriction;
 use crate::effects::Effects;
 use crate::feel_law::{FeelLaw, Surroundings};
 use crate::parameters::Parameters;
@@ -90,5 +91,12 @@ impl<S: Scalar> Machine<S> {
     #[inline(always)]
     pub(super) fn dragged(&self, effects: &Effects, state: &State<S>) -> S {
         if effects.feel_spring { self.feel.dragged(state.slider, state.slow.feel[0]) } else { state.slider }
+    }
+
+    /// Dry friction of the feel; while the feel changes, between the two feels'.
+    #[inline(always)]
+    pub(super) fn feel_friction(&self, inputs: &Inputs) -> DryFriction<S> {
+        let fade = inputs.fade[0];
+        if fade == 0.0 { self.feel.friction } else { self.feel.friction.towards(&self.next_feel.friction, fade) }
     }
 }
