@@ -29,8 +29,8 @@ _DAMPING_VIEW = 0.3
 
 _SQUARE = 400
 
-_FINE_DECADES = 1.6
-"""Decades of a logarithmic axis up to which 2 and 5 are labelled too."""
+_FINE_DECADES = 1.2
+"""Decades of a logarithmic axis up to which 2 and 5 are labelled too, and not only marked."""
 
 _FAR = 0.5
 """Extremes farther beyond the middle nine of ten, as a share of its width, are beyond the ends of the colours."""
@@ -235,16 +235,11 @@ def _setting(update: Callable[..., Any], result: SweepResult, key: str, system: 
         update(title_text=title, range=edges[[0, -1]].tolist())
         return
     low, high = np.log10(edges[[0, -1]]).tolist()
-    steps = (1, 2, 5) if high - low < _FINE_DECADES else (1, 3) if high - low < 2 * _FINE_DECADES else (1,)
-    ticks = [step * 10.0**power for power in range(math.floor(low), math.ceil(high)) for step in steps]
-    ticks = [tick for tick in ticks if low <= math.log10(tick) <= high]
-    update(
-        title_text=title,
-        range=[low, high],
-        type="log",
-        tickvals=ticks,
-        ticktext=[number_text(tick, 3) for tick in ticks],
-    )
+    named = (1, 2, 5) if high - low < _FINE_DECADES else (1,)
+    ticks = [(step, step * 10.0**power) for power in range(math.floor(low), math.ceil(high) + 1) for step in (1, 2, 5)]
+    ticks = [(step, tick) for step, tick in ticks if low <= math.log10(tick) <= high]
+    texts = [number_text(tick, 3) if step in named else "" for step, tick in ticks]
+    update(title_text=title, range=[low, high], type="log", tickvals=[tick for _, tick in ticks], ticktext=texts)
 
 
 def _axis(result: SweepResult, key: str, system: UnitSystem) -> NDArray[np.float64]:

@@ -11,14 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
+from forcefeel.consistency import without_effect
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
-from forcefeel.parameters import INDEX
+from forcefeel.parameters import INDEX, TABLE
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.scenario import Steps
 from forcefeel.sweep import text
 from forcefeel.sweep.numbers import shares
-from forcefeel.tolerances import Tolerance
+from forcefeel.tolerances import Tolerance, beyond
 from forcefeel.units import show
 
 MOST_RUNS = 10_000_000
@@ -91,6 +92,8 @@ class Sweep:
         varied = {key: it for key, it in _tolerances(self.loader, self.vary).items() if drawn and key not in axes}
         object.__setattr__(self, "axes", MappingProxyType(axes))
         object.__setattr__(self, "varied", MappingProxyType(varied))
+        if wrong := [*beyond(varied), *_without_effect(self.loader, axes)]:
+            raise InputError("\n".join(wrong))
         if not varied and not axes:
             raise InputError(
                 f"nothing varies: {self.loader.name} has no tolerances; add a section [tolerances] to the loader file, or "
@@ -194,6 +197,12 @@ def _axis(key: str, given: str | Sequence[float]) -> tuple[float, ...]:
     if not 2 <= len(values) <= text.MOST_STEPS or list(values) != sorted(set(values)):
         raise InputError(f"grid: {key}: expected 2 to {text.MOST_STEPS:,} rising values, got {len(values)}")
     return values
+
+
+def _without_effect(loader: Loader, axes: Mapping[str, tuple[float, ...]]) -> list[str]:
+    """A line for each parameter of a grid that does nothing without another."""
+    values = {key: loader[key] for key in TABLE} | {key: axis[-1] for key, axis in axes.items()}
+    return [f"grid: {line}" for key, line in without_effect(values).items() if key in axes]
 
 
 def _tolerances(loader: Loader, vary: Mapping[str, Any]) -> Mapping[str, Tolerance]:

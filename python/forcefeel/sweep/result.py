@@ -1,5 +1,6 @@
 """What comes of a sweep: every run, and what they say together."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -89,8 +90,12 @@ class SweepResult:
     @cached_property
     def reasons(self) -> Mapping[str, int]:
         """Why machines cannot be, and how many."""
-        values = self.sweep.values(range(self.sweep.total))
-        return {sentence: int(which.sum()) for sentence, which in impossible(values).items()}
+        found: Counter[str] = Counter()
+        for runs in self.sweep.chunks:  # all at once may not fit in memory
+            found.update(
+                {sentence: int(which.sum()) for sentence, which in impossible(self.sweep.values(runs)).items()}
+            )
+        return found
 
     def map(self, measure: str, share: float = 0.5) -> xr.DataArray:
         """A measure over the grid.

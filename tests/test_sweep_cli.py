@@ -1,0 +1,220 @@
+"""``forcefeel sweep`` as a user types it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import xarray as xr
+
+import forcefeel as ff
+from forcefeel.cli import main
+from forcefeel.errors import InputError
+from tests.sweeps import PUSH_WORDS, nonlinear
+
+PATIENCE_S = 60
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Runs ``forcefeel sweep ...`` beside a loader file; gives exit status, output and error output."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    (tmp_path / "my.toml").write_text(nonlinear().to_toml(), encoding="utf-8")
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["forcefeel", "sweep", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        printed = capsys.readouterr()
+        return ended.value.code or 0, printed.out, " ".join(printed.err.split())
+
+    return call
+
+
+def small(*words: str) -> tuple[str, ...]:
+    return ("my.toml", "--runs", "64", *PUSH_WORDS, *words)
+
+
+def test_help_has_an_example_and_every_option(run):
+    status, out, _ = run("--help")
+    assert status == 0
+    assert "Example:" in out
+    for option in (
+        "--runs",
+        "--vary",
+        "--grid",
+        "--out",
+        "--resume",
+        "--replace",
+        "--scheduler",
+        "--threads",
+        "--units",
+        "--json",
+    ):
+        assert option in out
+
+
+def test_a_monte_carlo_sweep_says_what_it_found(run, tmp_path):
+    status, out, err = run(
+        *small("--vary", "column.coulomb_friction=1 lb..3 lb", "--vary", "column.static_friction=none")
+    )
+    assert (status, err) == (0, "")
+    assert "of 64 loaders" in out or "All 64 loaders" in out
+    assert "overshoot, %" in out
+    assert out.endswith("page: forcefeel-sweep/sweep.html\n")
+    there = {path.name for path in (tmp_path / "forcefeel-sweep").iterdir()}
+    assert there == {"plan.json", "runs.nc", "summary.json", "envelope.csv", "sweep.html"}
+
+
+def test_json_alone_is_printed(run, tmp_path):
+    status, out, err = run(*small("--json", "--units", "si", "--out", "mc"))
+    found = json.loads(out)
+    assert (status, err) == (0, "")
+    assert found["page"] == "mc/sweep.html"
+    assert found["runs"] == sum(one["runs"] for one in found["statuses"]) == 64
+    assert found["measures"]["peak_flow_m3_per_s"]["unit"] == "cm^3/s"
+    assert found == {
+        "page": "mc/sweep.html",
+        **json.loads((tmp_path / "mc" / "summary.json").read_text(encoding="utf-8")),
+    }
+
+
+def test_units_are_those_asked_for_but_runs_are_si(run, tmp_path):
+    us, si = (json.loads(run(*small("--json", "--units", units, "--out", units))[1]) for units in ("us", "si"))
+    flow = [found["measures"]["peak_flow_m3_per_s"]["quantiles"]["0.5"] for found in (us, si)]
+    assert flow[1] / flow[0] == pytest.approx(2.54**3)
+    assert (tmp_path / "us" / "runs.nc").read_bytes() == (tmp_path / "si" / "runs.nc").read_bytes()
+
+
+def test_a_grid_makes_a_map(run, tmp_path):
+    grid = ("--grid", "feel.stiffness=2000..20000 lb in/rad:5:log", "--grid", "feel.damping=100..400 lb in s/rad:4")
+    status, out, _ = run("my.toml", *PUSH_WORDS, *grid, "--out", "map")
+    assert status == 0
+    assert "of 20 settings" in out or "All 20 settings" in out
+    assert "lb in/rad and feel.damping" in out
+    page = (tmp_path / "map" / "sweep.html").read_text(encoding="utf-8")
+    assert 'id="map-stability"' in page
+    assert not (tmp_path / "map" / "envelope.csv").exists()
+    assert xr.load_dataset(tmp_path / "map" / "runs.nc", engine="scipy").sizes == {"run": 20}
+
+
+def test_machines_at_each_point(run):
+    status, out, _ = run(*small("--grid", "feel.stiffness=8000..12000 lb in/rad:3", "--json"))
+    assert status == 0
+    assert json.loads(out)["runs"] == 192
+
+
+def test_the_seed_is_the_sweep_s(run, tmp_path):
+    for seed in ("0", "1"):
+        assert run(*small("--seed", seed, "--out", seed))[0] == 0
+    runs = [xr.load_dataset(tmp_path / seed / "runs.nc", engine="scipy") for seed in ("0", "1")]
+    assert not runs[0]["linkage.stiffness"].equals(runs[1]["linkage.stiffness"])
+
+
+def test_a_diverging_loader_is_a_bad_answer(run):
+    words = ("--set", "feel.inertia=2 lb in s^2/rad", "--runs", "16")
+    status, out, _ = run(*words)  # the built-in loader, which is linear
+    assert status == 1
+    assert "diverge" in out
+    assert "page:" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--runs", "0"], "runs: expected a whole number from 1 to 10,000,000, got 0"),
+        (["--vary", "linkage.stifness=20 %"], "did you mean linkage.stiffness?"),
+        (["--vary", "linkage.stiffness"], "--vary: expected part.name=value such as 'linkage.stiffness=20 %'"),
+        (["--vary", "feel.damping=5 %", "--vary", "feel.damping=6 %"], "--vary: feel.damping is given twice"),
+        (["--vary", "valve.orifice=20 %"], "valve.orifice: all runs of a sweep share it"),
+        (["--vary", "linkage.ratio=0.5..3"], "linkage.ratio: out of range"),
+        (["--grid", "feel.stiffness=1..2"], "grid: feel.stiffness: expected from..to:how many"),
+        (["--grid", "feel.stiffness"], "--grid: expected part.name=value"),
+        (["--scheduler", "nowhere"], "--scheduler: nowhere cannot be reached"),
+        (["--threads", "0"], "threads: expected 1 or more"),
+        (["--seed", "-1"], "seed: expected a whole number of 0 or more"),
+        (["--out", "my.toml"], "my.toml: is a file; expected a folder for the sweep"),
+    ],
+)
+def test_bad_options_are_named(run, words, said):
+    status, out, err = run(*small(*words))
+    assert (status, out) == (2, "")
+    assert said in err
+    assert "Traceback" not in err
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root writes everywhere")
+def test_a_folder_that_cannot_be_written_is_named(run, tmp_path):
+    (tmp_path / "locked").mkdir(mode=0o500)
+    status, _, err = run(*small("--out", "locked/sweep"))
+    assert status == 2
+    assert "locked/sweep: cannot be made (Permission denied)" in err
+
+
+def test_a_loader_file_without_tolerances_says_what_to_do(run, tmp_path):
+    bare = ff.elevator().with_tolerances(dict.fromkeys(ff.elevator().tolerances))
+    (tmp_path / "bare.toml").write_text(bare.to_toml(), encoding="utf-8")
+    status, _, err = run("bare.toml")
+    assert status == 2
+    assert "add a section [tolerances] to the loader file, or say what varies, such as --vary" in err
+    assert not (tmp_path / "forcefeel-sweep").exists()
+
+
+def test_a_folder_with_a_sweep_is_refused_and_kept(run, tmp_path):
+    assert run(*small())[0] == 0
+    before = (tmp_path / "forcefeel-sweep" / "runs.nc").read_bytes()
+    assert "holds all 64 runs of this very sweep; --resume" in run(*small())[2]
+    assert "seed: 0 there, 5 here" in run(*small("--seed", "5"))[2]
+    assert (tmp_path / "forcefeel-sweep" / "runs.nc").read_bytes() == before
+    assert run(*small("--resume", "--units", "si"))[0] == 0
+    assert run(*small("--seed", "5", "--replace"))[0] == 0
+    assert (tmp_path / "forcefeel-sweep" / "runs.nc").read_bytes() != before
+
+
+def test_a_page_that_cannot_be_written_loses_no_run(run, tmp_path, monkeypatch):
+    def fail(*_):
+        raise InputError("out: cannot be written (No space left on device)")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("forcefeel.report.sweep_folder.write_together", fail)
+        status, _, err = run(*small("--replace"))
+    assert status == 2
+    assert "64 of 64 runs are kept in forcefeel-sweep; go on with: forcefeel sweep my.toml" in err
+    assert "--replace" not in err
+    assert run(*small("--resume"))[0] == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals as on Unix")
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
+def test_ctrl_c_keeps_what_is_finished(run, tmp_path, number, status):
+    """A real process: interrupted, or killed, once some pieces are there; then it goes on to the same end."""
+    words = ("my.toml", "--runs", "40000", *PUSH_WORDS, "--out", "mc")
+    process = subprocess.Popen(
+        [sys.executable, "-c", "from forcefeel.cli import main; main()", "sweep", *words, "--threads", "1"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    end = time.monotonic() + PATIENCE_S
+    while len(list((tmp_path / "mc" / "chunks").glob("*.npy"))) < 2 and time.monotonic() < end:
+        time.sleep(0.005)
+    process.send_signal(number)
+    _, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == status
+    pieces = len(list((tmp_path / "mc" / "chunks").glob("*.npy")))
+    assert 2 <= pieces < 16
+    if number is signal.SIGINT:
+        assert "forcefeel: interrupted;" in err
+        assert "of 40,000 runs are kept in mc; go on with: forcefeel sweep my.toml --runs 40000" in err
+        assert err.rstrip().endswith("--resume")
+        assert "Traceback" not in err
+    assert not (tmp_path / "mc" / "runs.nc").exists()
+    assert run(*words, "--resume")[0] == 0
+    assert run(*words[:-1], "whole")[0] == 0
+    kept, whole = ((tmp_path / name / "runs.nc").read_bytes() for name in ("mc", "whole"))
+    assert kept == whole

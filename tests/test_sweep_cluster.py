@@ -1,0 +1,115 @@
+"""The same sweep on a real Dask cluster: worker processes, one of them killed half-way."""
+
+import os
+import signal
+from importlib.metadata import PackageNotFoundError
+
+import numpy as np
+import pytest
+from distributed import LocalCluster
+
+from forcefeel.errors import InputError
+from forcefeel.sweep import cluster, run_sweep
+from tests.sweeps import small
+
+RUNS = 20_000
+
+
+@pytest.fixture(scope="module")
+def workers():
+    with LocalCluster(n_workers=2, processes=True, threads_per_worker=1, dashboard_address=":0") as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def here():
+    return run_sweep(small(RUNS)).runs
+
+
+def test_a_killed_worker_costs_nothing(workers, here, tmp_path):
+    """Nothing is counted twice and nothing lost: the result is the embedded one, bit for bit."""
+    victim = next(iter(workers.workers.values())).pid
+    told, killed = [], []
+
+    def kill_half_way(done, total):
+        told.append(done)
+        if done >= total / 2 and not killed:
+            os.kill(victim, signal.SIGKILL)
+            killed.append(done)
+
+    found = run_sweep(small(RUNS), tmp_path, scheduler=workers.scheduler_address, progress=kill_half_way)
+    assert killed
+    assert killed[0] < RUNS
+    assert found.runs.identical(here)
+    assert len(told) == 1 + len(small(RUNS).chunks)
+    assert sorted(np.diff(told)) == sorted(map(len, small(RUNS).chunks))
+
+
+def test_a_sweep_begun_here_goes_on_there(workers, here, tmp_path):
+    def stop(done, total):
+        if done > total / 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(small(RUNS), tmp_path, progress=stop)
+    found = run_sweep(small(RUNS), tmp_path, resume=True, scheduler=workers.scheduler_address)
+    assert found.runs.identical(here)
+
+
+def test_an_interruption_keeps_what_came_back(workers, here, tmp_path):
+    def stop(done, total):
+        if done > total / 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(small(RUNS), tmp_path, scheduler=workers.scheduler_address, progress=stop)
+    kept = len(list((tmp_path / "chunks").iterdir()))
+    assert 0 < kept < len(small(RUNS).chunks)
+    assert run_sweep(small(RUNS), tmp_path, resume=True).runs.identical(here)
+
+
+def test_another_engine_on_a_worker_is_named(workers, monkeypatch):
+    right = cluster.nominal(small(64))
+    monkeypatch.setattr(cluster, "nominal", lambda sweep: np.nextafter(right, np.inf))
+    with pytest.raises(InputError, match="a worker's engine gives other numbers than the one here"):
+        run_sweep(small(64), scheduler=workers.scheduler_address)
+
+
+@pytest.mark.parametrize(
+    ("found", "said"),
+    [("0.0.1", "has forcefeel 0.0.1, here is"), (PackageNotFoundError("forcefeel"), "has no forcefeel; install")],
+)
+def test_a_worker_with_another_forcefeel_or_none_is_named(workers, monkeypatch, found, said):
+    monkeypatch.setattr("distributed.Client.run", lambda self, *args, **options: {"tcp://far:1": found})
+    with pytest.raises(InputError, match=said):
+        run_sweep(small(64), scheduler=workers.scheduler_address)
+
+
+def test_a_scheduler_without_workers_is_named(monkeypatch):
+    monkeypatch.setattr(cluster, "CONNECT_S", 0.5)
+    with (
+        LocalCluster(n_workers=0, processes=False, protocol="tcp", dashboard_address=":0") as empty,
+        pytest.raises(InputError, match="has no workers; start some"),
+    ):
+        run_sweep(small(64), scheduler=empty.scheduler_address)
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "http://127.0.0.1:8786", ""])
+def test_an_unreachable_scheduler_is_named_and_nothing_is_lost(monkeypatch, tmp_path, address):
+    monkeypatch.setattr(cluster, "CONNECT_S", 0.5)
+
+    def stop(done, total):
+        if done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(small(64), tmp_path, progress=stop)
+    with pytest.raises(InputError, match=r"cannot be reached .*expected the address of a running Dask scheduler"):
+        run_sweep(small(64), tmp_path, resume=True, scheduler=address)
+    assert len(list((tmp_path / "chunks").iterdir())) == 1
+
+
+def test_without_dask_it_is_said_what_to_install(monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "distributed", None)
+    with pytest.raises(InputError, match=r"--scheduler: needs Dask .*pip install 'forcefeel\[cluster\]'"):
+        run_sweep(small(64), scheduler="tcp://127.0.0.1:8786")

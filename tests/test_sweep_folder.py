@@ -1,0 +1,264 @@
+"""A sweep's folder: what is finished stays, nothing is half written, and no two sweeps get mixed."""
+
+import dataclasses
+import io
+import json
+import os
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from forcefeel.errors import InputError
+from forcefeel.inputs import Recorded, Step
+from forcefeel.simulation import Scenario
+from forcefeel.sweep import Sweep, chunk, folder, identity, run_sweep
+from tests.sweeps import PUSH, nonlinear, small
+
+
+class Interrupted:
+    """Ctrl-C after so many pieces; notes what it was told."""
+
+    def __init__(self, after: int = 10**9) -> None:
+        self.after, self.told = after, []
+
+    def __call__(self, done: int, total: int) -> None:
+        self.told.append(done)
+        if len(self.told) > self.after:
+            raise KeyboardInterrupt
+
+
+def interrupt(sweep: Sweep, place, after: int = 3) -> Interrupted:
+    progress = Interrupted(after)
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(sweep, place, progress=progress, resume=True)
+    return progress
+
+
+def names(place) -> set[str]:
+    return {path.name for path in place.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return run_sweep(small()).runs
+
+
+def test_a_finished_sweep_leaves_plan_and_runs(tmp_path, whole):
+    progress = Interrupted()
+    found = run_sweep(small(), tmp_path / "new" / "sweep", progress=progress)
+    assert names(tmp_path / "new" / "sweep") == {"plan.json", "runs.nc"}
+    assert found.runs.identical(whole)
+    assert progress.told == [0, *np.cumsum([len(chunk) for chunk in small().chunks])]
+
+
+def test_units_and_coordinates_survive_the_file(tmp_path, whole):
+    run_sweep(small(), tmp_path)
+    stored = xr.load_dataset(io.BytesIO((tmp_path / "runs.nc").read_bytes()), engine="scipy")
+    assert set(stored.coords) == set(whole.coords)
+    for name, values in whole.variables.items():
+        assert stored[name].attrs == values.attrs, name
+        assert np.array_equal(stored[name].values, values.values, equal_nan=values.dtype.kind == "f"), name
+    assert stored.attrs["loader"] == "elevator"
+
+
+def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path, whole):
+    first = interrupt(small(), tmp_path)
+    assert names(tmp_path) == {"plan.json", "chunks"}
+    assert len(names(tmp_path / "chunks")) == 3
+    progress = Interrupted()
+    found = run_sweep(small(), tmp_path, resume=True, progress=progress)
+    assert progress.told[0] == first.told[-1]
+    assert len(progress.told) == 1 + len(small().chunks) - 3
+    assert found.runs.identical(whole)
+    assert names(tmp_path) == {"plan.json", "runs.nc"}
+
+
+def test_going_on_often_gives_the_same(tmp_path, whole):
+    for _ in range(3):
+        interrupt(small(), tmp_path, after=2)
+    assert run_sweep(small(), tmp_path, resume=True, threads=1).runs.identical(whole)
+
+
+def test_a_finished_sweep_is_read_not_run_again(tmp_path, whole, monkeypatch):
+    run_sweep(small(), tmp_path)
+    monkeypatch.setattr("forcefeel.sweep.run.measure", None)
+    progress = Interrupted()
+    assert run_sweep(small(), tmp_path, resume=True, progress=progress).runs.identical(whole)
+    assert progress.told == [400]
+
+
+def test_an_interruption_before_the_results_loses_nothing(tmp_path, whole, monkeypatch):
+    def fail(self, runs):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(folder.Folder, "finish", fail)
+        with pytest.raises(KeyboardInterrupt):
+            run_sweep(small(), tmp_path)
+    monkeypatch.setattr("forcefeel.sweep.run.measure", None)
+    assert run_sweep(small(), tmp_path, resume=True).runs.identical(whole)
+    assert names(tmp_path) == {"plan.json", "runs.nc"}
+
+
+@pytest.mark.parametrize("damage", ["cut", "empty", "foreign", "pickle", "shape"])
+def test_a_damaged_piece_is_computed_again(tmp_path, whole, damage):
+    interrupt(small(), tmp_path)
+    piece = tmp_path / "chunks" / "00001.npy"
+    other = io.BytesIO()
+    match damage:
+        case "cut":
+            piece.write_bytes(piece.read_bytes()[:-100])
+        case "empty":
+            piece.write_bytes(b"")
+        case "foreign":
+            piece.write_bytes(b"not an array")
+        case "pickle":
+            np.save(other, np.array([{}]), allow_pickle=True)
+            piece.write_bytes(other.getvalue())
+        case "shape":
+            np.save(other, np.load(piece)[:-1])
+            piece.write_bytes(other.getvalue())
+    progress = Interrupted()
+    assert run_sweep(small(), tmp_path, resume=True, progress=progress).runs.identical(whole)
+    assert len(progress.told) == 1 + len(small().chunks) - 2
+
+
+def test_a_piece_is_written_whole(tmp_path, monkeypatch):
+    """A full disk in the midst of a piece: it is named, and no part of the piece is there."""
+    interrupt(small(), tmp_path)
+    before = names(tmp_path / "chunks")
+
+    really = os.fdopen
+    monkeypatch.setattr("forcefeel.files.os.fdopen", lambda *args: _Full(really(*args)))
+    with pytest.raises(InputError, match=r"00003\.npy: cannot be written \(No space left on device\)"):
+        run_sweep(small(), tmp_path, resume=True)
+    assert names(tmp_path / "chunks") == before
+
+
+class _Full:
+    """A file on a full disk."""
+
+    def __init__(self, file) -> None:
+        self.file = file
+
+    def write(self, contents):
+        self.file.write(contents[: len(contents) // 2])
+        raise OSError(28, "No space left on device")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.file.close()
+
+
+OTHERS = {
+    "runs": (lambda: small(401), "runs.total: 400 there, 401 here"),
+    "seed": (lambda: small(seed=1), "seed: 0 there, 1 here"),
+    "vary": (lambda: small(vary={"feel.damping": "1 %"}), "varied.feel.damping"),
+    "bounds": (lambda: small(vary={"linkage.stiffness": "19 %"}), "varied.linkage.stiffness.low"),
+    "value": (
+        lambda: Sweep(nonlinear().replace({"column.coulomb_friction": "1 lb"}), PUSH, runs=400),
+        "loader.values.column",
+    ),
+    "scenario": (
+        lambda: Sweep(nonlinear(), Scenario(Step(426.0, 0.1), 0.5), runs=400),
+        "scenario.force.force_n: 427.0 there",
+    ),
+}
+
+
+@pytest.mark.parametrize("other", OTHERS)
+@pytest.mark.parametrize("resume", [True, False])
+def test_a_folder_with_another_sweep_is_refused(tmp_path, other, resume):
+    interrupt(small(), tmp_path)
+    make, said = OTHERS[other]
+    with pytest.raises(InputError) as refused:
+        run_sweep(make(), tmp_path, resume=resume)
+    assert "holds another sweep" in str(refused.value)
+    assert said in str(refused.value)
+    assert "--replace" in str(refused.value)
+    assert len(names(tmp_path / "chunks")) == 3
+
+
+def test_the_same_sweep_goes_on_only_if_told(tmp_path):
+    interrupt(small(), tmp_path)
+    kept = sum(map(len, small().chunks[:3]))
+    with pytest.raises(InputError, match=f"holds {kept} of 400 runs of this very sweep; --resume to go on with it"):
+        run_sweep(small(), tmp_path)
+    run_sweep(small(), tmp_path, resume=True)
+    with pytest.raises(InputError, match="holds all 400 runs of this very sweep; --resume to write its page anew"):
+        run_sweep(small(), tmp_path)
+
+
+def test_another_engine_is_another_sweep(tmp_path, monkeypatch):
+    interrupt(small(), tmp_path)
+    right = chunk.nominal(small())
+    monkeypatch.setattr(identity, "nominal", lambda sweep: np.nextafter(right, np.inf))
+    with pytest.raises(InputError, match="the engine here gives other numbers for the nominal loader"):
+        run_sweep(small(), tmp_path, resume=True)
+
+
+def test_replace_begins_anew_and_leaves_other_files_alone(tmp_path, whole):
+    run_sweep(small(30), tmp_path)
+    for name in ("sweep.html", "mine.txt"):
+        (tmp_path / name).write_text("there", encoding="utf-8")
+    interrupt(small(31), tmp_path / "other")
+    found = run_sweep(small(), tmp_path, replace=True)
+    assert found.runs.identical(whole)
+    assert names(tmp_path) == {"plan.json", "runs.nc", "mine.txt", "other"}
+
+
+@pytest.mark.parametrize("plan", ["", "[1]", "{", "\xff"])
+def test_a_plan_that_is_none_is_refused(tmp_path, plan):
+    (tmp_path / "plan.json").write_bytes(plan.encode("latin-1"))
+    with pytest.raises(InputError, match=r"plan\.json: (cannot be read|is no plan)"):
+        run_sweep(small(), tmp_path, resume=True)
+
+
+def test_results_that_cannot_be_read_are_named(tmp_path):
+    run_sweep(small(), tmp_path)
+    (tmp_path / "runs.nc").write_bytes((tmp_path / "runs.nc").read_bytes()[:1000])
+    with pytest.raises(InputError, match=r"runs\.nc: cannot be read .*; --replace to begin anew"):
+        run_sweep(small(), tmp_path, resume=True)
+
+
+def test_a_file_where_the_folder_should_be(tmp_path):
+    (tmp_path / "sweep").write_text("mine", encoding="utf-8")
+    with pytest.raises(InputError, match="sweep: is a file; expected a folder"):
+        run_sweep(small(), tmp_path / "sweep")
+    with pytest.raises(InputError, match="cannot be made"):
+        run_sweep(small(), tmp_path / "sweep" / "deeper")
+    assert (tmp_path / "sweep").read_text(encoding="utf-8") == "mine"
+
+
+def test_options_without_a_folder_are_refused():
+    for options in ({"resume": True}, {"replace": True}):
+        with pytest.raises(InputError, match="there is none; name it"):
+            run_sweep(small(8), **options)
+    with pytest.raises(InputError, match="threads: expected 1 or more"):
+        run_sweep(small(8), threads=0)
+    with pytest.raises(InputError, match="a cluster has its own"):
+        run_sweep(small(8), threads=2, scheduler="tcp://127.0.0.1:1")
+
+
+def test_the_plan_holds_every_number_and_its_version(tmp_path):
+    sweep = small(16, grids={"feel.damping": [20.0, 30.0]})
+    interrupt(sweep, tmp_path, after=1)
+    plan = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
+    assert plan["format"] == identity.FORMAT
+    assert plan["loader"]["values"]["linkage.stiffness"] == nonlinear()["linkage.stiffness"]
+    assert plan["loader"]["values"]["valve.flow_limit"] == "inf"
+    assert plan["grid"] == {"feel.damping": [20.0, 30.0]}
+    assert plan["varied"]["linkage.stiffness"]["distribution"] == "uniform"
+    assert plan["sweep"] == identity.digest(identity.identity(sweep))
+
+
+def test_a_long_recording_is_told_by_its_hash():
+    time = np.linspace(0.0, 0.5, 500)
+    forces = [Recorded(time, np.sin(time)), Recorded(time, np.sin(time) + 1e-15)]
+    plans = [identity.identity(Sweep(nonlinear(), dataclasses.replace(PUSH, force=force), runs=8)) for force in forces]
+    assert plans[0]["scenario"]["force"]["force_n"]["numbers"] == 500
+    found = identity.differences(*plans)
+    assert [line.partition(":")[0] for line in found] == ["scenario.force.force_n.sha256"]
