@@ -16,6 +16,8 @@ from forcefeel.errors import InputError
 from tests.sweeps import PUSH_WORDS, nonlinear
 
 PATIENCE_S = 60
+PIECES = 16  # of a sweep that is not long
+PROGRAM = (sys.executable, "-c", "from forcefeel.cli import main; main()")
 
 
 @pytest.fixture
@@ -189,32 +191,31 @@ def test_a_page_that_cannot_be_written_loses_no_run(run, tmp_path, monkeypatch):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals as on Unix")
-@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)])
-def test_ctrl_c_keeps_what_is_finished(run, tmp_path, number, status):
-    """A real process: interrupted, or killed, once some pieces are there; then it goes on to the same end."""
-    words = ("my.toml", "--runs", "40000", *PUSH_WORDS, "--out", "mc")
-    process = subprocess.Popen(
-        [sys.executable, "-c", "from forcefeel.cli import main; main()", "sweep", *words, "--threads", "1"],
-        cwd=tmp_path,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    end = time.monotonic() + PATIENCE_S
-    while len(list((tmp_path / "mc" / "chunks").glob("*.npy"))) < 2 and time.monotonic() < end:
-        time.sleep(0.005)
-    process.send_signal(number)
-    _, err = process.communicate(timeout=PATIENCE_S)
-    assert process.returncode == status
-    pieces = len(list((tmp_path / "mc" / "chunks").glob("*.npy")))
-    assert 2 <= pieces < 16
-    if number is signal.SIGINT:
-        assert "forcefeel: interrupted;" in err
-        assert "of 40,000 runs are kept in mc; go on with: forcefeel sweep my.toml --runs 40000" in err
-        assert err.rstrip().endswith("--resume")
-        assert "Traceback" not in err
-    assert not (tmp_path / "mc" / "runs.nc").exists()
-    assert run(*words, "--resume")[0] == 0
-    assert run(*words[:-1], "whole")[0] == 0
-    kept, whole = ((tmp_path / name / "runs.nc").read_bytes() for name in ("mc", "whole"))
-    assert kept == whole
+def test_ctrl_c_and_kill_keep_what_is_finished(run, tmp_path):
+    """Real processes, interrupted or killed once some pieces are there; then they go on to the same end."""
+    words = ("my.toml", "--runs", "60000", *PUSH_WORDS)
+    assert run(*words, "--out", "whole")[0] == 0
+    for number, status in ((signal.SIGINT, 130), (signal.SIGKILL, -signal.SIGKILL)):
+        place = tmp_path / number.name
+        process = subprocess.Popen(
+            [*PROGRAM, "sweep", *words, "--out", number.name, "--threads", "1"],
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        end = time.monotonic() + PATIENCE_S
+        while len(list((place / "chunks").glob("0*.npy"))) < 2 and time.monotonic() < end:
+            time.sleep(0.005)
+        process.send_signal(number)
+        _, err = process.communicate(timeout=PATIENCE_S)
+        assert process.returncode == status
+        assert 2 <= len(list((place / "chunks").glob("0*.npy"))) < PIECES
+        assert not (place / "runs.nc").exists()
+        if number is signal.SIGINT:
+            assert "forcefeel: interrupted;" in err
+            assert f"of 60,000 runs are kept in SIGINT; go on with: forcefeel sweep {' '.join(words[:3])}" in err
+            assert err.rstrip().endswith("--resume")
+            assert "Traceback" not in err
+        assert run(*words, "--out", number.name, "--resume")[0] == 0
+        assert (place / "runs.nc").read_bytes() == (tmp_path / "whole" / "runs.nc").read_bytes()

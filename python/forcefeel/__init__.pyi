@@ -48,6 +48,7 @@ from forcefeel.models import servo as servo
 from forcefeel.models import state_feedback as state_feedback
 from forcefeel.report import write_report as write_report
 from forcefeel.report.simulation_folder import write_simulation as write_simulation
+from forcefeel.report.sweep_folder import write_sweep as write_sweep
 from forcefeel.reproduction import reproduce as reproduce
 from forcefeel.run_findings import run_conclusions as run_conclusions
 from forcefeel.run_limits import Limits as Limits
@@ -65,6 +66,11 @@ from forcefeel.studies import Deviation as Deviation
 from forcefeel.studies import DroppedPaths as DroppedPaths
 from forcefeel.studies import drop_paths as drop_paths
 from forcefeel.studies import sensitivity as sensitivity
+from forcefeel.sweep import Sweep as Sweep
+from forcefeel.sweep import SweepResult as SweepResult
+from forcefeel.sweep import run_sweep as run_sweep
+from forcefeel.sweep.summary import Summary as Summary
+from forcefeel.sweep.summary import summarize as summarize
 from forcefeel.tolerances import Distribution as Distribution
 from forcefeel.tolerances import Tolerance as Tolerance
 from forcefeel.units import UnitSystem as UnitSystem

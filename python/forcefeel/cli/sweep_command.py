@@ -153,7 +153,7 @@ class Bar:
             TimeRemainingColumn(),
         )
         self._bar = Progress(*columns, console=console, transient=True, disable=silent or not console.is_terminal)
-        self._task = self._bar.add_task("sweep", total=1, start=False)
+        self._task = self._bar.add_task("sweep", total=1, start=False, visible=False)
         self.done = self.total = 0
 
     def show(self, done: int, total: int) -> None:
@@ -161,7 +161,7 @@ class Bar:
         if not self.total:
             self._bar.start_task(self._task)
         self.done, self.total = done, total
-        self._bar.update(self._task, completed=done, total=total)
+        self._bar.update(self._task, completed=done, total=total, visible=True)
 
     def describe(self, what: str) -> None:
         """What is being done."""

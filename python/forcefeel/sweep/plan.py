@@ -28,8 +28,8 @@ MOST_RUNS = 10_000_000
 MONTE_CARLO_RUNS = 10_000
 """Runs of a sweep over tolerances that does not say how many: a share of 1 % is then known to a fifth of it."""
 
-_CHUNK_STEPS = 6_000_000
-"""Steps of the engine in a chunk, about a second of work."""
+_CHUNK_STEPS = 30_000_000
+"""Steps of the engine in a chunk, about a second of work for a core."""
 
 _CHUNKS, _LANES = 16, 8
 """Pieces that even a short sweep has, so that it shows progress; runs side by side."""
@@ -76,38 +76,40 @@ class Sweep:
     steps: int = field(init=False)
 
     def __post_init__(self) -> None:
-        _check_whole("runs", self.runs, 1, MOST_RUNS)
+        if self.runs is not None:
+            _check_whole("runs", self.runs, 1, MOST_RUNS)
         _check_whole("seed", self.seed, 0, 2**63 - 1)
         axes = {key: _axis(key, given) for key, given in self.grids.items()}
         if len(axes) > _MOST_AXES:
-            raise InputError(
-                f"grid: expected one or two parameters, got {len(axes)}; vary the others, --vary and --runs"
-            )
+            remedy = "vary the others, --vary and --runs"
+            raise InputError(f"grid: expected one or two parameters, got {len(axes)}; {remedy}")
         for key in axes:
             if key in self.vary:
                 raise InputError(f"{key}: given as a grid and to vary; leave one out")
         if self.vary and axes and self.runs is None:
             raise InputError("vary: at a grid say how many machines stand at each point (--runs), or leave it out")
-        drawn = not axes or self.runs is not None
-        varied = {key: it for key, it in _tolerances(self.loader, self.vary).items() if drawn and key not in axes}
+        drawn = _tolerances(self.loader, self.vary) if not axes or self.runs is not None else {}
+        varied = {key: it for key, it in drawn.items() if key not in axes}
         object.__setattr__(self, "axes", MappingProxyType(axes))
         object.__setattr__(self, "varied", MappingProxyType(varied))
         if wrong := [*beyond(varied), *_without_effect(self.loader, axes)]:
             raise InputError("\n".join(wrong))
-        if not varied and not axes:
+        self._check_varied()
+        self._check_scenario()
+
+    def _check_varied(self) -> None:
+        """Refuses a sweep in which nothing varies, and one that is too long."""
+        if not self.varied and not self.axes:
             raise InputError(
                 f"nothing varies: {self.loader.name} has no tolerances; add a section [tolerances] to the loader file, or "
                 'say what varies, such as --vary "linkage.stiffness=20 %" or --grid "feel.stiffness=1000..9000 lb in/rad:20"'
             )
-        if drawn and axes and not varied:
-            raise InputError(
-                "runs: no tolerances, so all machines at a point are the same; leave --runs out, or add --vary"
-            )
+        if self.runs is not None and not self.varied:
+            same = "no tolerances, so all machines at a point are the same"
+            raise InputError(f"runs: {same}; leave --runs out, or add --vary")
         if self.total > MOST_RUNS:
-            raise InputError(
-                f"runs: expected at most {MOST_RUNS:,} in all, got {self.total:,}; take fewer at each point"
-            )
-        self._check_scenario()
+            most = f"at most {MOST_RUNS:,} in all, got {self.total:,}"
+            raise InputError(f"runs: expected {most}; take fewer at each point")
 
     def _check_scenario(self) -> None:
         if self.scenario.feel_changes and any(key.startswith("feel.") for key in (*self.axes, *self.varied)):
@@ -175,8 +177,6 @@ def _unravel(points: NDArray[np.int64], shape: tuple[int, ...]) -> tuple[NDArray
 
 
 def _check_whole(name: str, given: object, least: int, most: int) -> None:
-    if given is None:
-        return
     if not isinstance(given, int) or isinstance(given, bool) or not least <= given <= most:
         raise InputError(f"{name}: expected a whole number from {least:,} to {most:,}, got {show(given)}")
 

@@ -1,0 +1,124 @@
+"""Batches: the same bits on any number of threads, in any lane, in pieces; members that fail; the measures."""
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.inputs import Step
+from forcefeel.loader import Loader
+from forcefeel.parameters import INDEX
+from forcefeel.simulation import Scenario, simulate, simulate_batch
+from forcefeel.simulation.outcome import MEASURES, outputs
+from tests.side_by_side import LB
+
+LOADER = ff.elevator().replace({"valve.orifice": True, "column.coulomb_friction": "2 lb"})
+NOISY = LOADER.replace({"controller.period": 1e-3, "load_cell.noise": 0.5, "potentiometer.noise": 1e-5})
+SCENARIO = Scenario(Step(96 * LB, 0.1), 1.0)
+KEEP = tuple(outputs("V"))
+
+
+def draws(loader, count, seed=1):
+    rng = np.random.default_rng(seed)
+    values = np.repeat(loader.values[np.newaxis], count, axis=0)
+    for key, tolerance in loader.tolerances.items():
+        values[:, INDEX[key]] = tolerance.sample(rng, count)
+    return values
+
+
+def assert_same(one, other, runs=slice(None), others=slice(None)):
+    for name in one.data_vars:
+        np.testing.assert_array_equal(one[name].values[runs], other[name].values[others], err_msg=name)
+
+
+@pytest.fixture(scope="module")
+def values():
+    return draws(LOADER, 21)
+
+
+@pytest.fixture(scope="module")
+def batch(values):
+    return simulate_batch(LOADER, SCENARIO, values, keep=KEEP, threads=1)
+
+
+@pytest.mark.parametrize("threads", [2, 3])
+def test_bits_do_not_depend_on_threads(batch, values, threads):
+    assert_same(batch, simulate_batch(LOADER, SCENARIO, values, keep=KEEP, threads=threads))
+
+
+def test_bits_do_not_depend_on_the_lane(batch, values):
+    order = np.random.default_rng(2).permutation(21)
+    assert_same(batch, simulate_batch(LOADER, SCENARIO, values[order], keep=KEEP), order)
+    for run in (0, 3, 8, 20):
+        assert_same(batch, simulate_batch(LOADER, SCENARIO, values[[run]], keep=KEEP), [run])
+        single = simulate(Loader("one", "here", values[run]), SCENARIO)
+        for name in KEEP:
+            np.testing.assert_array_equal(batch[name].values[run], single.history[name].values)
+        for name in MEASURES:
+            np.testing.assert_array_equal(batch[name].values[run], getattr(single.measures, name))
+
+
+@pytest.mark.parametrize("cut", [3, 8, 11])
+def test_noise_belongs_to_the_run(cut):
+    values = np.repeat(NOISY.values[np.newaxis], 20, axis=0)
+    whole = simulate_batch(NOISY, SCENARIO, values, keep=KEEP)
+    first = simulate_batch(NOISY, SCENARIO, values[:cut], keep=KEEP)
+    rest = simulate_batch(NOISY, SCENARIO, values[cut:], keep=KEEP, first_run=cut)
+    assert_same(whole, first, slice(cut))
+    assert_same(whole, rest, slice(cut, None))
+    assert len({row.tobytes() for row in whole.column_angle_rad.values}) == 20
+    np.testing.assert_array_equal(whole.column_angle_rad[0], simulate(NOISY, SCENARIO).history.column_angle_rad)
+
+
+def test_member_that_diverges_leaves_the_others_alone(batch, values):
+    broken = values.copy()
+    broken[5, INDEX["load_cell.gain"]] *= 1000
+    broken[5, INDEX["feel.stiffness"]] *= 1e-4
+    found = simulate_batch(LOADER, SCENARIO, broken, keep=KEEP)
+    others = np.arange(21) != 5
+    assert_same(batch, found, others, others)
+    assert found.status.values[5] == "diverged"
+    at = found.diverged_at_s.values[5]
+    angle = found.column_angle_rad.values[5]
+    assert np.all(np.isfinite(angle[found.time_s.values < at - 1e-9]))
+    assert np.all(np.isnan(angle[found.time_s.values > at + 1e-9]))
+    assert np.abs(angle[round(at * 1000) - 1]) < 10
+
+
+def test_run_of_not_a_numbers_is_no_settled_run(batch, values):
+    broken = values.copy()
+    broken[7, INDEX["linkage.stiffness"]] = np.nan
+    found = simulate_batch(LOADER, SCENARIO, broken, keep=KEEP)
+    others = np.arange(21) != 7
+    assert_same(batch, found, others, others)
+    assert found.status.values[7] == "diverged"
+
+
+def test_measures_are_those_of_the_histories(batch):
+    time = batch.time_s.values
+    for run in range(21):
+        angle = batch.column_angle_rad.values[run]
+        end = angle[-(len(angle) // 10) :].mean()
+        way = end - angle[0]
+        off = angle - end
+        ups = np.flatnonzero((off[:-1] < 0) & (off[1:] >= 0))
+        passes = time[ups + 1] - off[ups + 1] / (off[ups + 1] - off[ups]) * 1e-3
+        expected = {
+            "maximum_angle_rad": angle.max(),
+            "time_of_maximum_s": time[angle.argmax()],
+            "minimum_angle_rad": angle.min(),
+            "time_of_minimum_s": time[angle.argmin()],
+            "final_angle_rad": end,
+            "overshoot": (angle.max() - end) / abs(way) if way > 0 else (end - angle.min()) / abs(way),
+            "settling_time_s": time[np.flatnonzero(np.abs(off) > 0.05 * abs(way))[-1]],
+            "passes": len(passes),
+            "period_s": np.diff(passes).mean() if len(passes) > 1 else np.nan,
+            "last_swing_rad": np.ptp(angle[-(len(angle) // 10) :]),
+            "peak_current_a": np.abs(batch.valve_current_a.values[run]).max(),
+            "peak_pressure_pa": np.abs(batch.load_pressure_pa.values[run]).max(),
+            "peak_flow_m3_per_s": np.abs(batch.actuator_flow_m3_per_s.values[run]).max(),
+            "diverged_at_s": np.inf,
+        }
+        assert set(expected) == set(MEASURES)
+        for name, value in expected.items():
+            # Sums in another order, and times k h of one product or another.
+            np.testing.assert_allclose(batch[name].values[run], value, rtol=1e-9, atol=1e-12, err_msg=name)

@@ -1,0 +1,87 @@
+"""The digital controller against the witness: delays, converters, limits, noise, and its analog limit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from forcefeel.inputs import HandsOff, Step
+from forcefeel.simulation import Scenario, simulate
+from tests.nonlinear_witness import Machine
+from tests.side_by_side import GAINS, LB, TRAVEL, Case, law_of, loader_of
+
+FORCE = ([(0.05, 96.0)], Step(96 * LB, 0.05), 0.4)
+FLOOR = 1.5e-5
+"""The slaving, and what the feel computer's one step per period leaves."""
+
+
+@pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0, 2.5])
+def test_delay_is_the_witness_s(share, gains):
+    case = Case(Machine(gains=gains, orifice=True, period=1e-3, delay=share * 1e-3), *FORCE)
+    assert max(case.errors(case.witness(), 1e-3, 2.5e-4)) < FLOOR
+
+
+@pytest.mark.parametrize("period", [1e-3, 5e-4, 2e-4])
+def test_period_is_the_witness_s(period):
+    case = Case(
+        Machine(gains=GAINS, orifice=True, period=period, coulomb_friction=2.0, feel_coulomb_friction=1.0), *FORCE
+    )
+    assert max(case.errors(case.witness(), 1e-3)) < FLOOR
+
+
+def test_converters_and_limits_are_the_witness_s():
+    """Ten bits: a reading within rounding of a step's middle may go the other way, so a step or two of the converters apart."""
+    machine = Machine(
+        period=1e-3, orifice=True, input_range=10.0, input_bits=14, output_range=1.0, output_bits=12, current_limit=1.2
+    )
+    case = Case(machine, *FORCE)
+    assert max(case.errors(case.witness(), 1e-3)) < 2e-3 / TRAVEL
+
+
+def test_command_stands_on_the_converter_s_steps():
+    machine = Machine(period=2e-3, orifice=True, output_range=0.5, output_bits=8)
+    run = simulate(loader_of(machine), Scenario(FORCE[1], 0.4))
+    steps = run.history.valve_current_a.values / 1.56e-3 / (2 * 0.5 / 2**8)
+    np.testing.assert_allclose(steps, np.round(steps), rtol=0, atol=1e-9)
+    assert np.abs(steps).max() == pytest.approx(2**7, abs=1e-9)
+
+
+@pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
+def test_short_period_tends_to_the_analog_loop(gains):
+    machine = Machine(gains=gains, orifice=True)
+    scenario = Scenario(FORCE[1], 0.4)
+    analog = simulate(loader_of(machine), scenario, law_of(machine)).history.column_angle_rad.values
+    errors = []
+    for period in (1e-3, 5e-4, 2.5e-4):
+        run = simulate(loader_of(replace(machine, period=period)), scenario, law_of(machine))
+        errors.append(np.abs(run.history.column_angle_rad.values - analog).max())
+    assert 1.7 < errors[0] / errors[1] < 2.3
+    assert 1.7 < errors[1] / errors[2] < 2.3
+
+
+def test_antiwindup_shortens_the_overshoot():
+    machine = Machine(period=1e-3, orifice=True, current_limit=0.3)
+    runs = [
+        simulate(loader_of(replace(machine, antiwindup=rate)), Scenario(FORCE[1], 2.0)).measures
+        for rate in (0.0, 100.0)
+    ]
+    assert runs[1].maximum_angle_rad < runs[0].maximum_angle_rad
+
+
+def test_noise_has_its_spread_and_belongs_to_its_seed():
+    """The load cell's noise seen in c_2 p of a law that does nothing else, through the amplifier to the current."""
+    sigma, loader = 2.0, loader_of(Machine(period=1e-3, coulomb_friction=1e3)).replace({"load_cell.noise": 2.0})
+    gain = 1e-9
+    law = law_of(Machine(gains=(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
+    law = type(law)([0.0, gain, 0.0, 0.0, 0.0, 0.0, 0.0], law.load_cell_arm, "rad")
+    one, again, other = (
+        simulate(loader, Scenario(HandsOff(), 5.0, seed=seed), law).history.valve_current_a.values for seed in (1, 1, 2)
+    )
+    np.testing.assert_array_equal(one, again)
+    assert not np.any(one[1:] == other[1:])
+    seen = one[1:] / loader["amplifier.admittance"] / gain * loader["actuator.area"]
+    seen = seen - np.mean(seen)
+    # 5000 samples: the spread is known to one part in a hundred (1 / sqrt(2 n)), four of them allowed.
+    assert np.std(seen) == pytest.approx(sigma, rel=0.04)
+    assert abs(np.corrcoef(seen[1:], seen[:-1])[0, 1]) < 4 / np.sqrt(len(seen))
