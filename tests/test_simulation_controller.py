@@ -8,7 +8,7 @@ import pytest
 from forcefeel.inputs import HandsOff, Step
 from forcefeel.simulation import Scenario, simulate
 from tests.nonlinear_witness import Machine
-from tests.side_by_side import GAINS, LB, TRAVEL, Case, law_of, loader_of
+from tests.side_by_side import GAINS, LB, Case, law_of, loader_of
 
 FORCE = ([(0.05, 96.0)], Step(96 * LB, 0.05), 0.4)
 FLOOR = 1.5e-5
@@ -31,12 +31,11 @@ def test_period_is_the_witness_s(period):
 
 
 def test_converters_and_limits_are_the_witness_s():
-    """Ten bits: a reading within rounding of a step's middle may go the other way, so a step or two of the converters apart."""
     machine = Machine(
         period=1e-3, orifice=True, input_range=10.0, input_bits=14, output_range=1.0, output_bits=12, current_limit=1.2
     )
     case = Case(machine, *FORCE)
-    assert max(case.errors(case.witness(), 1e-3)) < 2e-3 / TRAVEL
+    assert max(case.errors(case.witness(), 1e-3)) < FLOOR
 
 
 def test_command_stands_on_the_converter_s_steps():
@@ -60,13 +59,15 @@ def test_short_period_tends_to_the_analog_loop(gains):
     assert 1.7 < errors[1] / errors[2] < 2.3
 
 
-def test_antiwindup_shortens_the_overshoot():
-    machine = Machine(period=1e-3, orifice=True, current_limit=0.3)
-    runs = [
-        simulate(loader_of(replace(machine, antiwindup=rate)), Scenario(FORCE[1], 2.0)).measures
-        for rate in (0.0, 100.0)
-    ]
-    assert runs[1].maximum_angle_rad < runs[0].maximum_angle_rad
+@pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
+def test_antiwindup_is_the_witness_s(gains):
+    machine = Machine(gains=gains, period=1e-3, orifice=True, current_limit=0.3)
+    case = Case(replace(machine, antiwindup=100.0), *FORCE[:2], 1.5)
+    reference = case.witness()
+    assert np.abs(Case(machine, *FORCE[:2], 1.5).witness()["theta"] - reference["theta"]).max() > 1e-3
+    # First order in the period (5.5e-4, 2.8e-4, 1.4e-4 at 1, 0.5, 0.25 ms, original loop): the witness lets delta drift through the
+    # period, the engine moves it at the sample.
+    assert max(case.errors(reference, 1e-3)) < 1e-3
 
 
 def test_noise_has_its_spread_and_belongs_to_its_seed():

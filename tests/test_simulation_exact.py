@@ -30,7 +30,7 @@ def test_linear_run_is_forced_response(feedback):
         row = on[model.output_labels.index(name)]
         expected = np.concatenate([np.zeros(100), row[:901]]) - np.concatenate([np.zeros(400), row[:601]])
         scale = np.abs(row).max()
-        np.testing.assert_allclose(run.history[name].values, expected, rtol=0, atol=1e-9 * scale)
+        np.testing.assert_allclose(run.history[name].values, expected, rtol=0, atol=1e-10 * scale)
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])

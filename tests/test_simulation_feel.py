@@ -37,7 +37,7 @@ def test_change_does_not_bump_and_then_is_the_new_feel(name):
     # At the ends of the fade, where a feel swapped at once would jump.
     for at in (1200, 1700):
         natural = max(jump[at - 20 : at + 20].max() for jump in jumps[1:])
-        assert jumps[0][at - 3 : at + 3].max() < 2 * natural + 0.1
+        assert jumps[0][at - 3 : at + 3].max() < 2 * natural + 0.5  # V/s^2 per step; friction at once: 30
     theta = [run.history.column_angle_rad.values for run in (changed, before, after)]
     np.testing.assert_array_equal(theta[0][:1200], theta[1][:1200])
     assert np.abs(theta[1] - theta[2]).max() > 1e-3

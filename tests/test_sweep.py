@@ -148,7 +148,7 @@ def test_pieces_cover_every_run_once_and_depend_on_the_sweep_alone():
     for runs in (1, 9, 400, 100_003):
         chunks = small(runs).chunks
         assert [run for chunk in chunks for run in chunk] == list(range(runs))
-        assert all(len(chunk) % 8 == 0 for chunk in chunks[:-1])
+        assert all(len(chunk) % 16 == 0 for chunk in chunks[:-1])
     assert len(small(400).chunks) > 8
 
 

@@ -18,6 +18,7 @@ from forcefeel.run_findings import input_in_words
 from forcefeel.simulation import Run, simulate
 from forcefeel.sweep import SweepResult
 from forcefeel.sweep.findings import main_measures, number_of, sweep_conclusions
+from forcefeel.sweep.result import ENVELOPE_RUNS
 from forcefeel.sweep.stability import damping_map
 from forcefeel.sweep.summary import Spread, Summary, measure_unit
 from forcefeel.templating import environment
@@ -98,7 +99,13 @@ def _responses(result: SweepResult, nominal: Run, law: str) -> Picture | None:
         return None
     ideal = ideal_angle(nominal)
     drawn = sweep_plots.band(result, nominal.history["column_angle_rad"].values, ideal, sweep_plots.color(law))
-    sample = f"The first {count:,} runs that did not diverge" if count < result.sweep.total else f"All {count:,} runs"
+    asked = min(ENVELOPE_RUNS, result.sweep.total)
+    whole = "All" if asked == result.sweep.total else "The first"
+    sample = (
+        f"{whole} {count:,} runs"
+        if count == asked
+        else f"The {count:,} of the first {asked:,} runs that did not diverge"
+    )
     meaning = f"{sample}, at each time by themselves: no single loader need follow an edge of the band."
     if ideal is not None:
         meaning += " Dotted: what I, B and G alone would do under the same force."

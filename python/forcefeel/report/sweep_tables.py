@@ -17,7 +17,7 @@ from forcefeel.report.typography import (
 )
 from forcefeel.simulation import RunStatus
 from forcefeel.sweep import SweepResult
-from forcefeel.sweep.findings import correlation_text, number_of, share_text
+from forcefeel.sweep.findings import correlation_text, interval_text, number_of, share_text
 from forcefeel.sweep.result import IMPOSSIBLE
 from forcefeel.sweep.summary import QUANTILES, Summary
 from forcefeel.tolerances import Distribution, Tolerance
@@ -38,7 +38,7 @@ def statuses(summary: Summary) -> Table:
     sure = any(isfinite(one.low) for one in shown)
     rows = []
     for one in shown:
-        interval = number(f"{number_text(100 * one.low, 3)} to {number_text(100 * one.high, 3)} %")
+        interval = number(interval_text(one.low, one.high))
         count = number(f"{one.runs:,}", bad=one.status == RunStatus.DIVERGED and one.runs > 0)
         cells = (words(one.status.capitalize()), count, number(share_text(one.share)), *([interval] if sure else []))
         rows.append((*cells, words(_MEANINGS[one.status])))
@@ -52,13 +52,9 @@ def spreads(summary: Summary, measures: tuple[str, ...], system: UnitSystem) -> 
     for name in measures:
         spread = summary.spreads[name]
         values = (spread.nominal, spread.lowest, *spread.quantiles, spread.highest)
-        rows.append((words(axis_title(name, system)), *(number(_value(name, value, system)) for value in values)))
+        rows.append((words(axis_title(name, system)), *(number(number_of(name, value, system)) for value in values)))
     marks = (f"{100 * share:g} %" for share in QUANTILES)
     return Table(heads("Measure", "Nominal", "Lowest", *marks, "Highest"), tuple(rows))
-
-
-def _value(measure: str, value: float, system: UnitSystem) -> str:
-    return number_of(measure, value, system).replace("-", "\N{MINUS SIGN}") if isfinite(value) else NONE
 
 
 def correlations(summary: Summary, measures: tuple[str, ...], system: UnitSystem) -> Table:

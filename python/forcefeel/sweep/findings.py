@@ -67,14 +67,22 @@ def share_text(share: float) -> str:
     return f"{to_text(100 - missing, 7) if 0 < missing < 1 else to_text(100 * share, 3)} %"
 
 
+def interval_text(low: float, high: float) -> str:
+    """From one share to another in percent."""
+    return f"{share_text(low).removesuffix(' %')} to {share_text(high)}"
+
+
 def value_with_unit(measure: str, value: float, units: UnitSystem) -> str:
     """A measure's SI value as people read it."""
     return f"{number_of(measure, value, units)} {measure_unit(measure).shown(units)}".rstrip()
 
 
 def number_of(measure: str, value: float, units: UnitSystem) -> str:
-    """A measure's SI value in the unit that people read; rounding errors are zero."""
-    return to_text(measure_unit(measure).from_si(value, units) if abs(value) > _NOTHING else 0.0, 3)
+    """A measure's SI value in the unit that people read, a dash where there is none; rounding errors are zero."""
+    if not isfinite(value):
+        return "–"
+    shown = measure_unit(measure).from_si(value, units) if abs(value) > _NOTHING else 0.0
+    return to_text(shown, 3).replace("-", "\N{MINUS SIGN}")
 
 
 def correlation_text(rho: float) -> str:
@@ -137,7 +145,7 @@ class _Words:
     def _sure(self, low: float, high: float) -> str:
         if not isfinite(low):
             return ""
-        return f" ({to_text(100 * low, 2)} to {to_text(100 * high, 2)} % of all loaders within these tolerances, 95 % sure)"
+        return f" ({interval_text(low, high)} of all loaders within these tolerances, 95 % sure)"
 
     def spread(self, name: str) -> str:
         """How a measure is spread, and what makes it differ."""

@@ -31,7 +31,7 @@ MONTE_CARLO_RUNS = 10_000
 _CHUNK_STEPS = 30_000_000
 """Steps of the engine in a chunk, about a second of work for a core."""
 
-_CHUNKS, _LANES = 16, 8
+_CHUNKS, _LANES = 16, 16
 """Pieces that even a short sweep has, so that it shows progress; runs side by side."""
 
 _MOST_AXES = 2
@@ -207,13 +207,11 @@ def _without_effect(loader: Loader, axes: Mapping[str, tuple[float, ...]]) -> li
 
 def _tolerances(loader: Loader, vary: Mapping[str, Any]) -> Mapping[str, Tolerance]:
     """The loader's tolerances, changed as asked."""
-    wanted: dict[str, Any] = {}
     try:
-        for key in {**loader.tolerances, **vary}:
-            if vary.get(key, key) is not None:
+        wanted = {key: text.tolerance(key, it) if isinstance(it, str) else it for key, it in vary.items()}
+        for key in {**loader.tolerances, **wanted}:
+            if wanted.get(key, key) is not None:
                 text.check_key(key)
-        for key, given in vary.items():
-            wanted[key] = text.tolerance(key, given) if isinstance(given, str) else given
     except InputError as error:
         raise InputError(f"vary: {error}") from error
     try:
