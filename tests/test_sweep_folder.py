@@ -204,7 +204,7 @@ def test_replace_begins_anew_and_leaves_other_files_alone(tmp_path, whole):
     run_sweep(small(30), tmp_path)
     for name in ("sweep.html", "mine.txt"):
         (tmp_path / name).write_text("there", encoding="utf-8")
-    interrupt(small(31), tmp_path / "other")
+    interrupt(small(31), tmp_path / "other", after=1)
     found = run_sweep(small(), tmp_path, replace=True)
     assert found.runs.identical(whole)
     assert names(tmp_path) == {"plan.json", "runs.nc", "mine.txt", "other"}
