@@ -34,6 +34,8 @@ lint: $(VENV)/built
 bench: $(VENV)/built
 	$(BIN)/python benchmarks/schedule.py
 	$(BIN)/python benchmarks/simulation.py
+	$(BIN)/python benchmarks/linear.py
+	$(BIN)/python benchmarks/stability.py
 
 docs: $(VENV)/built
 	$(BIN)/python docs/make.py

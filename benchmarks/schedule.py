@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import control
 import numpy as np
+from core_peak import peak_flops
 
 from forcefeel.compensation import DesignSettings, SampledProblem
 from forcefeel.loader import elevator
@@ -37,7 +38,6 @@ PROMISED_RATIO = 1000
 CONTINUOUS_FLOPS = 36 + 32 + 34 + 28 + 14 + 10
 # And the exponential of a 2 by 2 (30, its exp, sqrt, sin and cos as one each) and the gains times it (6).
 SAMPLED_FLOPS = CONTINUOUS_FLOPS + 36
-PEAK_SIZE = 2000
 
 
 @dataclass(frozen=True)
@@ -85,12 +85,6 @@ def seconds(run):
 
 def median_seconds(run):
     return float(np.median([seconds(run) for _ in range(REPEATS)]))
-
-
-def peak_flops():
-    """Floating-point operations per second of this core in double precision: a large matrix product's."""
-    a = np.random.default_rng(0).random((PEAK_SIZE, PEAK_SIZE))
-    return 2 * PEAK_SIZE**3 / min(seconds(lambda: a @ a) for _ in range(REPEATS))
 
 
 def compete(contest, loader, settings, peak):

@@ -495,7 +495,7 @@ class Feel:
     def __init__(self, machine):
         m = self.m = machine
         self.neutral = self.shaker = self.dynamic_pressure = lambda _: 0.0
-        self.drift = 0.0
+        self.drift = self.slowing = 0.0
         self.per_angle, self.scale = m.volts_per_angle, m.torque_scale
         self.per_force = self.scale * m.grip_arm
         self.coulomb = self.per_force * m.feel_coulomb_friction
@@ -561,7 +561,7 @@ class Feel:
             return [0.0 if self.wall else self.drift, 0.0]
         if self.capped:
             return [rate + self.drift, 0.0]
-        return [rate + self.drift, (self.torque(t, y, given) - self.friction()) / self.m.feel_inertia]
+        return [rate + self.drift, (self.torque(t, y, given) - self.friction()) / self.m.feel_inertia + self.slowing]
 
     # Modes
 
@@ -936,7 +936,7 @@ class Controller:
         self.last_angle = None
 
     def sample(self, t, y, z):
-        """(e, T, drift of delta) from the state at a sample."""
+        """(e, T) from the state at a sample; sets how the feel gives way."""
         m, c = self.m, self.m.law
         force, x_p, theta, _ = self.plant.measured(y)
         force = self._read(force, m.load_cell_resolution, m.load_cell_gain)
@@ -948,8 +948,9 @@ class Controller:
         asked = sum(gain * value for gain, value in zip(c, measured, strict=True))
         given = _convert(asked, m.output_range, m.output_bits)
         possible = _clamp(_clamp(asked, m.output_range), m.current_limit / m.admittance)
-        drift = m.antiwindup * (possible - asked) / c[2] if m.antiwindup else 0.0
-        return given, -m.load_cell_arm * force + self.feel.shake(t), drift
+        short = m.antiwindup * (possible - asked) / c[2] if m.antiwindup else 0.0
+        self.feel.drift, self.feel.slowing = 2 * short, m.antiwindup * short
+        return given, -m.load_cell_arm * force + self.feel.shake(t)
 
     def _read(self, value, resolution, gain):
         """A sensor's value through its resolution and the converter behind its gain."""
@@ -977,7 +978,7 @@ def _digital(parts, inputs, duration, options, initial):
     for k in range(math.ceil(duration / m.period - 1e-9)):
         start, end = k * m.period, min((k + 1) * m.period, duration)
         _connect(plant, feel, inputs, start, _merge([t for t in jumps if start < t < end], start, end)[1])
-        e, computer.system.given, feel.drift = controller.sample(start, y, z)
+        e, computer.system.given = controller.sample(start, y, z)
         if k == 0:
             body.system.e = e
         waiting.append((start + m.delay, e))

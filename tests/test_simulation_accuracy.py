@@ -89,13 +89,17 @@ def release_case(machine):
     return Case(machine, [], Release(8 * DEG), 2.0, held(machine, 8 * DEG, SIGNALS), SIGNALS)
 
 
-LEFT = {"median": (2e-4, CLAIM, 0.6 * CLAIM), "worst": (6e-4, 5e-4, 2.5e-4)}
-"""Of machines around the full one, at 1, 0.5 and 0.25 ms; found 1.5e-4, 6e-5, 4e-5 and 4e-4, 4e-4, 1.4e-4."""
+LEFT = {"median": (6e-5, 3e-5, 1.5e-5), "worst": (2e-4, 2e-4, 2e-4)}
+"""Of machines around the full one, at 1, 0.5 and 0.25 ms; found 3e-5, 2e-5, 5e-6 at most, and 1.5e-4 at every step."""
 
 
 @pytest.mark.parametrize("case_of", [step_case, release_case])
 def test_everything_at_once(case_of):
-    """A touch or a slip that comes a moment early is amplified by what follows, so single runs scatter: median and worst."""
+    """The full machine is within the claim at every step, and so are most around it.
+
+    Where static friction all but holds, a force that is a millionth larger frees the column a moment earlier: such single runs
+    scatter, at any step.
+    """
     errors, events = [], []
     for machine in machines(8):
         case = case_of(machine)
@@ -108,10 +112,11 @@ def test_everything_at_once(case_of):
     else:
         wanted |= {"contact"}
     assert wanted <= {name for _, name in events}
+    assert max(errors[0]) < CLAIM
     assert np.all(np.median(errors, axis=0) < LEFT["median"])
     assert np.all(np.max(errors, axis=0) < LEFT["worst"])
-    coarse, _, fine = np.mean(errors, axis=0)
-    assert fine < 0.6 * coarse  # a quarter were first order, but the slaving and single slips stay
+    coarse, _, fine = np.median(errors, axis=0)
+    assert fine < 0.5 * coarse  # a quarter were first order, but the floor of the slaving is near
 
 
 PULL = Recorded(

@@ -99,6 +99,10 @@ def test_measures_are_those_of_the_histories(batch):
         angle = batch.column_angle_rad.values[run]
         end = angle[-(len(angle) // 10) :].mean()
         way = end - angle[0]
+        excursion = np.abs(angle - angle[0]).max()
+        assert (
+            abs(way) > 0.05 * excursion
+        )  # none of these comes back to where it began; test_measures.py has some that do
         off = angle - end
         ups = np.flatnonzero((off[:-1] < 0) & (off[1:] >= 0))
         passes = time[ups + 1] - off[ups + 1] / (off[ups + 1] - off[ups]) * 1e-3

@@ -22,20 +22,14 @@ FORCE = {
 SMOOTH = (1.5e-5, 6e-6)
 """Largest error at 1 ms and at 0.25 ms, share of the travel, where forces have kinks at most: the slaving hides the step."""
 
-SWITCHED = (3.5e-5, 3.5e-5)
-"""The slaving costs more, at every step, where the oil's pole changes: open relief valve, column broken away."""
-
 LIMIT = (3.5e-5, 6e-6)
 """A velocity is held from some moment within a step on: second order, acceleration h^2 / 8, or a bit more behind the servo."""
 
 LAG = (6e-5, 6e-6)
 """A lag sees what changes over a step as a straight line: second order, most where the law differentiates the column's sensor."""
 
-CONTACT = (3e-4, 8e-5)
-"""A force comes in at contact, its moment known to a share of the step: (jump / inertia) h^2, or h times a jump of speed."""
-
-IMPACT = (2e-3, 4e-4)
-"""At a hard stop delta' drops to zero, and state feedback passes that on: first order, c_4 delta' h / 2 on the command."""
+CONTACT = (4e-5, 1.2e-5)
+"""A force comes in at contact. Its moment within the step is found to second order, and what it did is made good after the step."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +43,6 @@ class Effect:
     allowed: tuple[float, float] = SMOOTH
     events: tuple[str, ...] = ()
     signals: Signals | None = None
-    allowed_with_feedback: tuple[float, float] | None = None
     by: float = 2e-3
 
 
@@ -64,15 +57,13 @@ EFFECTS = {
     "orifice overpowered": Effect({"orifice": True, "supply_pressure": 120.0}, LIMIT),
     "current limit": Effect({"orifice": True, "current_limit": 0.5}, events=("current",)),
     "flow limit": Effect({"orifice": True, "flow_limit": 4.0}, events=("flow",)),
-    "relief": Effect({"relief_pressure": 250.0}, SWITCHED, events=("relief",)),
-    "relief with orifice": Effect(
-        {"orifice": True, "relief_pressure": 150.0, "relief_gain": 0.02}, SWITCHED, events=("relief",)
-    ),
+    "relief": Effect({"relief_pressure": 250.0}, events=("relief",)),
+    "relief with orifice": Effect({"orifice": True, "relief_pressure": 150.0, "relief_gain": 0.02}, events=("relief",)),
     "backlash": Effect({"backlash": 0.02}, CONTACT, ("contact",)),
     "backlash with orifice": Effect({"orifice": True, "backlash": 0.02}, CONTACT, ("contact",)),
     "viscous friction": Effect({"viscous_friction": 100.0}),
     "Coulomb friction": Effect({"coulomb_friction": 4.0, "static_friction": 4.0}, events=("rest",)),
-    "static friction": Effect({"coulomb_friction": 2.0, "static_friction": 3.0}, SWITCHED, events=("rest",)),
+    "static friction": Effect({"coulomb_friction": 2.0, "static_friction": 3.0}, events=("rest",)),
     "gravity": Effect({"gravity_torque": 300.0, "gravity_angle": 30 * DEG}),
     "stops": Effect({"stop_low": -8 * DEG, "stop_high": 6 * DEG}, CONTACT, ("stop",)),
     "pilot's arm": Effect({"arm_mass": 4.0, "arm_damping": 0.1, "arm_stiffness": 2.0}),
@@ -97,7 +88,6 @@ EFFECTS = {
         {"feel_hard_stop_low": -8 * DEG, "feel_hard_stop_high": 6 * DEG},
         CONTACT,
         ("hard stop",),
-        allowed_with_feedback=IMPACT,
     ),
     "velocity limit": Effect({"feel_velocity_limit": 50 * DEG}, LIMIT, events=("velocity limit", "slower")),
     "trim rate": Effect({"feel_trim_rate": 20 * DEG}, signals=TRIMMED),
@@ -137,7 +127,7 @@ def test_effect_is_the_witness_s(name, gains, without):
     if gains or name != "column sensor lag":  # the original loop has no use for that sensor
         other = without[case.machine.orifice and name != "orifice", gains]
         assert np.abs(reference["theta"] - other).max() > effect.by
-    coarse, fine = (effect.allowed_with_feedback if gains else None) or effect.allowed
+    coarse, fine = effect.allowed
     errors = case.errors(reference, 1e-3, 2.5e-4)
     assert errors[0] < coarse
     assert errors[1] < fine

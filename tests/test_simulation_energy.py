@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from forcefeel.inputs import Chirp, Sweep
+from forcefeel.inputs import Chirp, StopToStop
 from forcefeel.simulation import Scenario, simulate
 from tests.nonlinear_witness import Machine
 from tests.side_by_side import DEG, LB, law_of, loader_of
@@ -100,7 +100,7 @@ def test_contact_makes_no_energy(name):
 def test_force_displacement_loop_is_run_through_the_lossy_way(effect):
     """Up and down once, slowly: the loop's area is the work lost, and 4 F times the travel at the most."""
     machine = Machine(orifice=True, **effect)
-    run = simulate(loader_of(machine), Scenario(Sweep(40 * LB, 16.0), 16.0))
+    run = simulate(loader_of(machine), Scenario(StopToStop(40 * LB, 16.0), 16.0))
     theta, force = run.history.column_angle_rad.values, run.history.pilot_force_n.values
     area = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(theta)))
     travel = 0.5 * np.ptp(theta)

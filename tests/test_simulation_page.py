@@ -16,7 +16,7 @@ import forcefeel as ff
 from forcefeel.arms import ARM_ROWS, ARMS, Arm
 from forcefeel.errors import InputError
 from forcefeel.ideal_run import ideal_angle
-from forcefeel.inputs import Sweep
+from forcefeel.inputs import StopToStop
 from forcefeel.report import simulation_folder
 from forcefeel.report.simulation_plots import MOST_POINTS, _kept
 from forcefeel.run_findings import input_in_words
@@ -58,7 +58,7 @@ def _run(changes=None, force=None, duration_s=2.0, compensated=False, **scenario
 RUNS = {
     "stops": lambda: _run(STOPS),
     "release": lambda: _run({"column.coulomb_friction": "3 lb"}, ff.Release(math.radians(10)), compensated=True),
-    "sweep": lambda: _run(STOPS, Sweep(150 * LB, 20.0), 20.0, compensated=True),
+    "sweep": lambda: _run(STOPS, StopToStop(150 * LB, 20.0), 20.0, compensated=True),
     "chirp": lambda: _run({"feel.hysteresis": "1 lb"}, ff.Chirp(10 * LB, 0.2, 20.0, 10.0), 10.0),
     "diverged": lambda: _run(UNSTABLE),
 }
@@ -257,6 +257,7 @@ def test_measures_that_mean_nothing_are_left_out():
     doublet = known_measures(_run(force=ff.Doublet(50.0, 0.1, 0.3)))
     assert math.isnan(doublet.overshoot)
     assert math.isfinite(doublet.final_angle_rad)
+    assert math.isfinite(doublet.settling_time_s)
     assert math.isnan(known_measures(_run(force=ff.Chirp(10.0, 1.0, 2.0, 2.0))).final_angle_rad)
     step = _run()
     assert known_measures(step).overshoot == step.measures.overshoot
@@ -269,7 +270,7 @@ def test_measures_that_mean_nothing_are_left_out():
         (lambda: _run(force=ff.HandsOff()), "The column did not move."),
         (
             lambda: _run(force=ff.Doublet(50.0, 0.1, 0.3), duration_s=4.0),
-            r"between -[\d.]+ and [\d.]+ deg and came to rest\.",
+            r"between -[\d.]+ and [\d.]+ deg and settled at 1\.\d+ s\.",
         ),
         (lambda: _run(force=ff.Pulse(50.0, 0.1, 0.3), duration_s=0.5), "was still moving after 0.5 s"),
         (lambda: _run(force=ff.Chirp(10.0, 1.0, 2.0, 2.0)), r"The column moved between -[\d.]+ and [\d.]+ deg\.$"),
@@ -291,7 +292,14 @@ def test_findings():
     assert "The pilot's arm is the firm one, whose numbers are unverified." in told(firm)
     assert "unverified" not in told(dict(zip(ARM_ROWS, ARMS[Arm.LOOSE], strict=True)))
     assert "never reached the amplifier's limit of 10 mA" in told({"amplifier.current_limit": "10 mA"})
-    sweep = told({"column.stop_high": "20 deg"}, Sweep(10 * LB, 2.0))
+    changed = told(force=ff.Step(50 * LB, 0.1), duration_s=2.0, trim_rad=ff.Schedule((0.0,), (0.01,)))
+    assert "It swings at" in changed
+    assert "alone" not in changed  # G about zero is not what is programmed
+    assert "leave out" not in told({"valve.orifice": True})
+    assert "Gains are designed on the linear models, which leave out valve.orifice;" in told(
+        {"valve.orifice": True}, compensated=True
+    )
+    sweep = told({"column.stop_high": "20 deg"}, StopToStop(10 * LB, 2.0))
     assert "It reached no stop: the force is too small." in sweep
     assert "Dry friction never held the column once it moved." in told(
         {"column.coulomb_friction": "0.01 lb"}, ff.Step(50 * LB, 0.1), 0.3
@@ -308,7 +316,7 @@ def test_findings():
         (ff.Step(20 * LB, 0.1), "a step of 20 lb at 0.1 s"),
         (ff.Pulse(20 * LB, 0.1, 0.5), "a pulse of 20 lb from 0.1 s on, 0.5 s long"),
         (ff.Doublet(20 * LB, 0.1, 0.5), "a doublet of ±20 lb from 0.1 s on, 0.5 s each way"),
-        (Sweep(60 * LB, 100.0), "a sweep to 60 lb either way and back, 100 s long"),
+        (StopToStop(60 * LB, 100.0), "a stop-to-stop sweep to 60 lb either way and back, 100 s long"),
         (ff.Chirp(10 * LB, 0.2, 20.0, 20.0), "a linear chirp of ±10 lb from 0.2 to 20 Hz, 20 s long"),
         (ff.Multisine(10 * LB, (0.5, 1.0), 2.0), "a multisine of ±10 lb, 2 lines from 0.5 to 1 Hz, period 2 s"),
         (ff.Recorded([0, 1], [-3 * LB, 5 * LB], "bench"), "the recording bench, -3 lb to 5 lb"),

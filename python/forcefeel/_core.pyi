@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Compensator",
+    "Loops",
     "Parameter",
     "Recursion",
+    "ReleaseMeasuring",
     "Simulation",
     "compliant",
     "design_plant",
@@ -26,6 +28,8 @@ __all__ = [
     "parameters",
     "parts",
     "recursion",
+    "release_feature_groups",
+    "released",
     "rigid",
     "schedule",
     "simulation_measure",
@@ -104,6 +108,38 @@ class Compensator:
     def displacement_unit(self) -> str: ...
 
 @final
+class Loops:
+    """Closed loops of eq. (17) that share ``common`` but for the parameters at ``columns``: a row of ``varied`` for each.
+
+    One ``law`` for all, or state-feedback ``gains`` (loops, 7); neither is the original loop of each one's parameters.
+    """
+
+    def __new__(
+        cls,
+        common: _Array,
+        columns: Sequence[int],
+        varied: _Array,
+        *,
+        law: Compensator | None = None,
+        gains: _Array | None = None,
+    ) -> Self: ...
+    def stability(self, threads: int) -> NDArray[np.uint8]: ...
+    def poles(self, threads: int) -> _Array: ...
+    def run(
+        self,
+        histories: _Array,
+        force: _Array,
+        step_s: float,
+        *,
+        every: int,
+        outputs: Sequence[int],
+        force_scale: _Array | None,
+        start_force: float,
+        held: tuple[float, int] | None,
+        threads: int,
+    ) -> None: ...
+
+@final
 class Recursion:
     """How recursion (22) ended, and its gains."""
 
@@ -117,6 +153,24 @@ class Recursion:
     def change(self) -> float: ...
     @property
     def status(self) -> str: ...
+
+@final
+class ReleaseMeasuring:
+    """How releases are measured: residual band, upper and lower share of the way; see ``forcefeel.qualification``."""
+
+    def __new__(
+        cls,
+        time: _Array,
+        shares: Sequence[float],
+        *,
+        tail: int,
+        held: int = 1,
+        free: int = 0,
+        reach: float = 0.0,
+        hysteresis: float = 0.0,
+    ) -> Self: ...
+    def features(self, position: _Array, threads: int = 1) -> _Array: ...
+    def details(self, position: _Array) -> _Array: ...
 
 @final
 class Simulation:
@@ -149,6 +203,12 @@ class Simulation:
 
 def parameters() -> list[Parameter]: ...
 def parts() -> list[tuple[str, str]]: ...
+def released(loops: Loops, angles: _Array, angle: float, step_s: float, threads: int) -> NDArray[np.uint8]:
+    """Fills `angles` (loops, samples) with the column's angle from a release at `angle` on, the pilot's arm at the grip.
+
+    Returns a code for each loop, as `Loops.stability`; where it is not stable its angles are not numbers.
+    """
+
 def rigid(values: _Array, compensator: Compensator) -> _Matrices: ...
 def compliant(values: _Array, compensator: Compensator) -> _Matrices: ...
 def design_plant(values: _Array, pilot_arm: float) -> _Matrices: ...
@@ -161,6 +221,7 @@ def feel_frequency(values: _Array) -> tuple[float, float]: ...
 def discretize(a: _Array, b: _Array, step: float) -> tuple[_Array, _Array]: ...
 def recursion(phi: _Array, h: _Array, q: _Array, r: _Array, steps: int, tolerance: float | None) -> Recursion: ...
 def schedule(closed: _Array, coupling: _Array, gain_row: _Array, period: float | None, settings: _Array) -> _Array: ...
+def release_feature_groups() -> list[tuple[str, int, str]]: ...
 def simulation_outputs() -> list[tuple[str, str]]: ...
 def simulation_measures() -> list[tuple[str, str]]: ...
 def simulation_measure(outputs: _Array, dt: float) -> _Array: ...

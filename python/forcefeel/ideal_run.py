@@ -8,7 +8,7 @@ from forcefeel.inputs import Doublet, Pulse, Recorded, Release, Step
 from forcefeel.loader import Loader
 from forcefeel.parameters import INDEX
 from forcefeel.simulation import Run
-from forcefeel.simulation.scenario import Steps
+from forcefeel.simulation.scenario import Steps, on_samples
 
 _ARM = {
     "feel.inertia": "pilot.arm_mass",
@@ -30,6 +30,12 @@ def programmed(loader: Loader) -> NDArray[np.float64]:
     return values
 
 
+def spring_is_g(run: Run) -> bool:
+    """Whether the programmed spring is G about zero all through the run: no curve in its place, no trim, no change of the feel."""
+    scenario = run.scenario
+    return not (run.loader.curves or scenario.trim_rad is not None or scenario.feel_changes)
+
+
 def ideal_angle(run: Run) -> NDArray[np.float64] | None:
     """Column angle of the ideal feel at the run's samples, rad; ``None`` where it says nothing of the run.
 
@@ -38,10 +44,9 @@ def ideal_angle(run: Run) -> NDArray[np.float64] | None:
     ``x_{k+1} = Phi x_k + Gamma_0 u_k + Gamma_1 (u_{k+1} - u_k)``, exact for a force that changes evenly within each step.
     """
     scenario, loader = run.scenario, run.loader
-    reprogrammed = loader.curves or scenario.trim_rad is not None or scenario.feel_changes
-    if reprogrammed or not isinstance(scenario.force, Step | Pulse | Doublet | Recorded | Release):
+    if not spring_is_g(run) or not isinstance(scenario.force, Step | Pulse | Doublet | Recorded | Release):
         return None
-    steps = Steps.of(scenario, loader)
+    steps = Steps.of(on_samples(scenario), loader)
     a, b, c, _ = _core.ideal_feel(programmed(loader))
     n = len(a)
     at_rest = -np.linalg.solve(a, b[:, 0])  # under a force of 1 N

@@ -26,7 +26,8 @@ pub struct ColumnMotion<S> {
     gravity: S,
     gravity_angle: S,
     per_base: S,
-    stops: Stops<S>,
+    /// End stops.
+    pub stops: Stops<S>,
     /// Dry friction.
     pub friction: DryFriction<S>,
 }
@@ -63,9 +64,9 @@ impl<S: Scalar> ColumnMotion<S> {
         }
     }
 
-    /// Acceleration by all but the link, the pilot's force and dry friction.
+    /// Acceleration by all but the link, the pilot's force and dry friction, in a step that began at `start`.
     #[inline(always)]
-    pub fn loads(&self, effects: &Effects, x_b: S, v: S) -> S {
+    pub fn loads(&self, effects: &Effects, start: S, x_b: S, v: S) -> S {
         let mut sum = x_b.zero();
         if effects.column_loads {
             let lean = self.gravity_angle + x_b * self.per_base;
@@ -73,7 +74,7 @@ impl<S: Scalar> ColumnMotion<S> {
             sum = self.gravity * lean.sin() - self.drag * v - self.spring * x_b;
         }
         if effects.column_stops {
-            sum = sum + self.stops.force(x_b, v);
+            sum = sum + self.stops.force(self.stops.touch(start), x_b, v);
         }
         sum
     }

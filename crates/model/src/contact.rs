@@ -1,6 +1,10 @@
 //! One-sided springs and dampers: stops.
 //!
-//! `x`, `x'` position and velocity · `d` depth of penetration, with its sign · `k`, `c` spring rate and damping
+//! `x`, `x'` position and velocity · `d` depth of penetration, with its sign · `k`, `c` spring rate and damping · `h` step ·
+//! `T` time from the touch to the end of the step
+//!
+//! Whether something touches is settled at the start of a step and holds through it, as dry friction does: a force that came in
+//! between two stages would be weighted by the stages and not by its time. What a touch inside a step did is made good after it.
 
 use crate::Scalar;
 
@@ -17,13 +21,65 @@ pub struct Stops<S> {
     pub damping: S,
 }
 
+/// A touch inside a step: to be added to what the step found without it.
+#[derive(Debug, Clone, Copy)]
+pub struct Push<S> {
+    /// Change of velocity.
+    pub velocity: S,
+    /// Change of displacement.
+    pub displacement: S,
+}
+
 impl<S: Scalar> Stops<S> {
-    /// Force of the stops on what moves; zero between them. A stop pushes and never pulls.
+    /// Whether `x` lies in one of the stops.
     #[inline(always)]
-    pub fn force(&self, x: S, x_rate: S) -> S {
+    pub fn touch(&self, x: S) -> S::Mask {
+        x.less(self.low) | self.high.less(x)
+    }
+
+    /// Force of the stops on what touches them; zero elsewhere. A stop pushes and never pulls.
+    #[inline(always)]
+    pub fn force(&self, touches: S::Mask, x: S, x_rate: S) -> S {
         let depth = x - x.clamp(self.low, self.high);
         // F = -(k d + c x'), as long as it points out of the stop
         let push = self.stiffness * depth + self.damping * x_rate;
-        S::select(x.zero().less(push * depth), -push, x.zero())
+        S::select(touches & x.zero().less(push * depth), -push, x.zero())
     }
+
+    /// What a stop did from the touch to the end of a step that went from `x_0` to `x`, `x'` as if there were none. `per_force`
+    /// is the acceleration per force; zero for what did not touch.
+    #[inline(always)]
+    pub fn push(&self, (x_0, x): (S, S), x_rate: S, h: S, per_force: S) -> Push<S> {
+        let touched = self.touch(x) & !self.touch(x_0);
+        if !S::any(touched) {
+            return Push { velocity: x.zero(), displacement: x.zero() };
+        }
+        let depth = x - x.clamp(self.low, self.high);
+        let (time, at_touch) = since_touch(depth, x - x_0, x_rate, h);
+        let (k, c) = (self.stiffness * per_force, self.damping * per_force);
+        // The force without the stop's own effect on the velocity, a straight line over T; that effect to first order.
+        let (first, last) = (c * at_touch, k * depth + c * x_rate);
+        let damped = time * c;
+        let one = x.constant(1.0);
+        let velocity = (first + last).times(0.5) * time / (one + damped.times(0.5));
+        let displacement = (first.times(2.0) + last).times(1.0 / 6.0) * time * time / (one + damped.times(1.0 / 3.0));
+        Push {
+            velocity: S::select(touched, -velocity, x.zero()),
+            displacement: S::select(touched, -displacement, x.zero()),
+        }
+    }
+}
+
+/// Time since a touch, and velocity at it, of what went `way` in the last step, is now `depth` beyond and has the velocity
+/// `x_rate`; its velocity a straight line over the step.
+#[inline(always)]
+pub fn since_touch<S: Scalar>(depth: S, way: S, x_rate: S, h: S) -> (S, S) {
+    let share = (depth / way).clamp(way.zero(), way.constant(1.0));
+    // x'_0 = 2 (x - x_0) / h - x'
+    let at_touch = x_rate - (x_rate - way / h).times(2.0) * share;
+    let mean = (at_touch + x_rate).times(0.5);
+    let straight = share * h;
+    // Where the velocity turns about inside the step, the straight line is as good as any.
+    let time = S::select(way.zero().less(mean * depth), (depth / mean).clamp(way.zero(), h), straight);
+    (time, at_touch)
 }

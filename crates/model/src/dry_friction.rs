@@ -74,6 +74,12 @@ impl<S: Scalar> DryFriction<S> {
         Grip { stuck, drag, velocity: v, pull: a }
     }
 
+    /// Acceleration of what rests, under the friction-free acceleration `a`.
+    #[inline(always)]
+    pub fn from_rest(&self, a: S) -> S {
+        S::select(!self.breakaway.less(a.abs()), a.zero(), a - self.kinetic.times_sign(a))
+    }
+
     /// What happened inside a step that began under `grip` and would end with velocity `v`: past zero the part sticks or turns
     /// back, and what stuck may have broken away. `a` is the friction-free acceleration at the end, `per_h` is `1 / h`.
     #[inline(always)]
@@ -83,6 +89,9 @@ impl<S: Scalar> DryFriction<S> {
         // The drag points against the motion, so a velocity along it has turned round.
         let turned = v.zero().less(v * grip.drag) & !grip.stuck;
         let breaks = grip.stuck & self.breakaway.less(is) & !self.breakaway.less(was);
+        if !S::any(turned | grip.stuck) {
+            return Change { settled: turned, velocity: v, displacement: v.zero() };
+        }
         // Share of the step until the velocity is zero; or share that was left when |a| passed f_s, were it to grow evenly.
         let over = S::select(turned, v_0, is - self.breakaway);
         let share = over / S::select(turned, v_0 - v, is - was);
@@ -90,8 +99,7 @@ impl<S: Scalar> DryFriction<S> {
 
         let left = h - part;
         let pull = (v - v_0) * per_h - grip.drag; // mean acceleration without friction
-        let sticks = !self.breakaway.less(pull.abs());
-        let onward = S::select(sticks, v.zero(), (pull - self.kinetic.times_sign(pull)) * left);
+        let onward = self.from_rest(pull) * left;
         // Areas under the two straight pieces of the velocity, less the area under the one that was taken.
         let moved = v_0 * part + onward * left - (v_0 + v) * h;
 

@@ -94,6 +94,9 @@ impl Scalar for Dual {
     fn less(self, other: Self) -> bool {
         self.value < other.value
     }
+    fn any(mask: bool) -> bool {
+        mask
+    }
     fn select(mask: bool, yes: Self, no: Self) -> Self {
         if mask { yes } else { no }
     }

@@ -34,7 +34,8 @@ pub struct FeelLaw<S> {
     detent: Ramp<S>,
     detent_position: S,
     hysteresis: Ramp<S>,
-    soft_stops: Stops<S>,
+    /// Soft stops.
+    pub soft_stops: Stops<S>,
     shaker: S,
     /// Dry friction.
     pub friction: DryFriction<S>,
@@ -83,13 +84,15 @@ pub struct Surroundings<S> {
     pub shaker: S,
     /// Where the slider of the hysteresis was last left, in the unit of `delta`.
     pub slider: S,
+    /// Displacement at the start of the step: what a soft stop does, it does from there on.
+    pub start: S,
 }
 
 impl<S: Scalar> Surroundings<S> {
     /// Nothing stirs: shaker off, the slider of the hysteresis where `delta` is.
     #[inline(always)]
     pub fn at_rest(neutral: S, stiffness_factor: S, delta: S) -> Self {
-        Self { neutral, stiffness_factor, shaker: delta.zero(), slider: delta }
+        Self { neutral, stiffness_factor, shaker: delta.zero(), slider: delta, start: delta }
     }
 }
 
@@ -143,7 +146,7 @@ impl<S: Scalar> FeelLaw<S> {
     ) -> S {
         let resistance = self.damping * delta_rate
             + self.spring(effects, curve, delta, around)
-            + self.resistance(effects, delta, delta_rate);
+            + self.resistance(effects, around.start, delta, delta_rate);
         let torque = if effects.surroundings { torque + self.shaker * around.shaker } else { torque };
         (torque - resistance) * self.per_torque
     }
@@ -170,9 +173,10 @@ impl<S: Scalar> FeelLaw<S> {
 
     /// Torque of quadratic damping and soft stops.
     #[inline(always)]
-    pub fn resistance(&self, effects: &Effects, delta: S, delta_rate: S) -> S {
+    pub fn resistance(&self, effects: &Effects, start: S, delta: S, delta_rate: S) -> S {
         if effects.feel_damping_and_stops {
-            self.quadratic_damping * delta_rate * delta_rate.abs() - self.soft_stops.force(delta, delta_rate)
+            let touches = self.soft_stops.touch(start);
+            self.quadratic_damping * delta_rate * delta_rate.abs() - self.soft_stops.force(touches, delta, delta_rate)
         } else {
             delta.zero()
         }
@@ -185,14 +189,23 @@ impl<S: Scalar> FeelLaw<S> {
         slider.clamp(delta - travel, delta + travel)
     }
 
-    /// `(delta, delta')` inside a step from `before`, held within hard stops and velocity limit.
+    /// `(delta, delta')` inside a step from `before`, held within hard stops and velocity limit. A stop that is met inside the
+    /// step takes the velocity at its end.
     #[inline(always)]
     pub fn held_within(&self, before: (S, S), (delta, delta_rate): (S, S)) -> (S, S) {
         let rate = delta_rate.within(self.velocity_limit.max(before.1.abs()));
-        let (low, high) = (self.low.min(before.0), self.high.max(before.0));
-        let held = delta.clamp(low, high);
-        let rate = S::select(high.less(delta) | !held.less(self.high), rate.min(rate.zero()), rate);
-        (held, S::select(delta.less(low) | !self.low.less(held), rate.max(rate.zero()), rate))
+        let at_high = !before.0.less(self.high) & !self.high.less(before.0);
+        let at_low = !before.0.less(self.low) & !self.low.less(before.0);
+        let rate = S::select(at_high, rate.min(rate.zero()), S::select(at_low, rate.max(rate.zero()), rate));
+        let (low, high) = self.bounds(before.0, delta);
+        (delta.clamp(low, high), rate)
+    }
+
+    /// Where a step from `before` to `delta` may end: anywhere beyond a stop that it began beyond.
+    #[inline(always)]
+    fn bounds(&self, before: S, delta: S) -> (S, S) {
+        let low = S::select(before.less(self.low), delta, self.low);
+        (low, S::select(self.high.less(before), delta, self.high))
     }
 
     /// The trimmed neutral after `h` seconds of following the command, an angle.
@@ -205,17 +218,19 @@ impl<S: Scalar> FeelLaw<S> {
 
     /// `(delta, delta')` after a step from `before`, held within hard stops and velocity limit.
     ///
-    /// A stop that has just been programmed where the control already is lets it come back, but does not throw it; a velocity
-    /// limit takes hold over some hundredths of a second.
+    /// A velocity limit that has just been programmed takes hold over some hundredths of a second, and so does a stop behind a
+    /// control that moves on outwards; it lets the control come back and does not throw it.
     #[inline(always)]
     pub fn limited(&self, before: (S, S), (delta, delta_rate): (S, S), h: S) -> (S, S) {
-        let slowed = before.1.abs() * (h.constant(1.0) - h.times(1.0 / LIMIT_TAKES_HOLD_S));
+        let kept = (h.constant(1.0) - h.times(1.0 / LIMIT_TAKES_HOLD_S)).max(h.zero());
+        let slowed = before.1.abs() * kept;
         let rate = delta_rate.within(self.velocity_limit.max(slowed));
-        let (low, high) = (self.low.min(before.0), self.high.max(before.0));
-        let at_low = !low.less(delta);
-        let at_high = !delta.less(high);
-        let stopped = S::select(at_low, rate.max(rate.zero()), S::select(at_high, rate.min(rate.zero()), rate));
-        (delta.clamp(low, high), stopped)
+        let zero = rate.zero();
+        let (low, high) = self.bounds(before.0, delta);
+        let outwards = |beyond: S::Mask| S::select(beyond, slowed, zero);
+        let rate = S::select(delta.less(high), rate, rate.min(outwards(self.high.less(before.0))));
+        let rate = S::select(low.less(delta), rate, rate.max(-outwards(before.0.less(self.low))));
+        (delta.clamp(low, high), rate)
     }
 }
 

@@ -65,6 +65,7 @@ struct Servo<S> {
 }
 
 impl<S: Scalar> Servo<S> {
+    #[inline(always)]
     fn at(parameters: &Parameters<S>, e: S, q_i: S, p: S) -> Self {
         Self {
             current: parameters.amplifier.current(e),
@@ -75,6 +76,7 @@ impl<S: Scalar> Servo<S> {
 }
 
 impl<S: Scalar> Rigid<S> {
+    #[inline(always)]
     fn servo(&self, x: &[S; 7], u: &[S; 2]) -> Servo<S> {
         let &[x_p, x_p_rate, p, q_i, _, delta, delta_rate] = x;
         let &[pilot_force, test_signal] = u;
@@ -111,6 +113,7 @@ impl<S: Scalar> System<S, 7, 2, OUTPUTS> for Rigid<S> {
 }
 
 impl<S: Scalar> Compliant<S> {
+    #[inline(always)]
     fn servo(&self, x: &[S; 8], u: &[S; 2]) -> Servo<S> {
         let &[x_p, p, q_i, _, delta, delta_rate, x_b, x_b_rate] = x;
         let &[pilot_force, test_signal] = u;
@@ -120,6 +123,7 @@ impl<S: Scalar> Compliant<S> {
 }
 
 impl<S: Scalar> System<S, 8, 2, OUTPUTS> for Compliant<S> {
+    #[inline(always)]
     fn derivative(&self, x: &[S; 8], u: &[S; 2]) -> [S; 8] {
         let Parameters { valve, actuator, linkage, column, feel, .. } = &self.parameters;
         let &[x_p, _, q_i, q_i_rate, delta, delta_rate, x_b, x_b_rate] = x;
@@ -137,6 +141,7 @@ impl<S: Scalar> System<S, 8, 2, OUTPUTS> for Compliant<S> {
         ]
     }
 
+    #[inline(always)]
     fn outputs(&self, x: &[S; 8], u: &[S; 2]) -> [S; OUTPUTS] {
         let Servo { current, flow, force } = self.servo(x, u);
         let theta = self.parameters.column.angle(x[6]); // eq. (18)

@@ -12,6 +12,7 @@ mod digital;
 mod feel;
 mod rest;
 mod slow;
+mod touch;
 
 pub use digital::Memory;
 pub use rest::Rest;
@@ -25,7 +26,7 @@ use crate::dry_friction::Grip;
 use crate::effects::Effects;
 use crate::feel_law::FeelLaw;
 use crate::parameters::Parameters;
-use crate::pressure::{Balance, Side};
+use crate::pressure::{Balance, Flow, Side};
 use crate::transducers::{SENSORS, Seen, Transducers};
 use crate::valve_motion::ValveMotion;
 use slow::Slow;
@@ -116,6 +117,8 @@ pub struct State<S: Scalar> {
     hand: S,
     /// Share of a step by which the load cell is behind the slaved pressure.
     behind: S,
+    /// Share of the last step by which a force on the load cell came later than a straight line.
+    late: S,
     /// Steps since the start.
     steps: usize,
 }
@@ -150,6 +153,7 @@ pub struct Now<S> {
 pub struct Begun<S: Scalar> {
     /// What there is now.
     pub now: Now<S>,
+    slow: Slow<S>,
     rates: Slow<S>,
     side: Side<S>,
 }
@@ -241,7 +245,7 @@ impl<S: Scalar> Machine<S> {
         self.catch_up(effects, &side, state, &mut now);
         if effects.lags || shared.timing.is_some() {
             let measured = Self::measured(&now);
-            let shown = self.transducers.after_whole(&state.seen, measured, state.behind);
+            let shown = self.transducers.after_whole(&state.seen, measured, state.behind + state.late);
             state.seen = Seen { measured, shown };
         }
         if let Some(timing) = shared.timing {
@@ -254,7 +258,46 @@ impl<S: Scalar> Machine<S> {
         }
         let mut rates = self.rates(&stage, &state.slow, &mut now);
         let side = self.settle(shared, state, inputs, &mut now, &mut rates, side);
-        Begun { now, rates, side }
+        Begun { now, slow: state.slow, rates, side }
+    }
+
+    /// Displacement of the base half-way between the starts of two steps.
+    #[inline(always)]
+    pub fn middle_base(&self, before: &Begun<S>, after: &Begun<S>) -> S {
+        let (a, b) = (&before.now, &after.now);
+        slow::cubic((a.base, a.base_rate), (b.base, b.base_rate), self.step.times(0.125))
+    }
+
+    /// What there was half-way between the starts of two steps: of the third order where nothing was switched between them.
+    #[inline(always)]
+    pub fn middle(&self, shared: &Shared, inputs: &Inputs, before: &Begun<S>, after: &Begun<S>) -> Now<S> {
+        let (a, b) = (&before.now, &after.now);
+        let eighth = self.step.times(0.125);
+        // The rate of the same cubic.
+        let rate = |x_0: S, x_1: S, rate_0: S, rate_1: S| {
+            ((x_1 - x_0) * self.per_step).times(1.5) - (rate_0 + rate_1).times(0.25)
+        };
+        let slow = Slow::middle((&before.slow, &before.rates), (&after.slow, &after.rates), self.step);
+        let touches = self.link_touches(&before.slow) | self.link_touches(&after.slow);
+        let oil = self.balance.solve(&shared.effects, &before.side, touches, slow.plant);
+        let digital = shared.timing.is_some();
+        let force = Moment::Half.of(inputs.force) - inputs.force[0];
+        Now {
+            base: self.middle_base(before, after),
+            base_rate: rate(a.base, b.base, a.base_rate, b.base_rate),
+            delta: if digital {
+                a.delta
+            } else {
+                slow::cubic((a.delta, a.delta_rate), (b.delta, b.delta_rate), eighth)
+            },
+            delta_rate: if digital { a.delta_rate } else { rate(a.delta, b.delta, a.delta_rate, b.delta_rate) },
+            piston: self.balance.piston(slow.plant[0], oil.pressure),
+            force: self.balance.area * oil.pressure,
+            pressure: oil.pressure,
+            flow: oil.flow,
+            current: if digital { a.current } else { (a.current + b.current).times(0.5) },
+            pilot_force: a.pilot_force + self.force(force),
+        }
     }
 
     /// The rest of a step.
@@ -269,8 +312,8 @@ impl<S: Scalar> Machine<S> {
         let k_4 = self.stage(shared, state, inputs, begun, &start.moved(&k_3, h, analog), Moment::End);
         let total = Slow::weighted(&k_1, &k_2, &k_3, &k_4);
         state.slow = start.moved(&total, self.step.times(1.0 / 6.0), analog);
+        self.touch(shared, state, inputs, &start, begun);
         if analog {
-            state.slow.feel = self.bounded(&shared.effects, begun, state.slow.feel);
             state.slider = self.dragged(&shared.effects, state);
             if shared.effects.surroundings {
                 state.neutral = self.feel.trimmed(state.neutral, h.constant(inputs.trim[1]), h);
@@ -325,9 +368,9 @@ impl<S: Scalar> Machine<S> {
     /// What follows from the slow states: pressure, flow and velocities.
     #[inline(always)]
     fn look(&self, effects: &Effects, side: &Side<S>, slow: &Slow<S>, state: &State<S>, pilot_force: S) -> Now<S> {
-        let [z, q_i, _, x_b, w] = slow.plant;
+        let [z, _, _, x_b, w] = slow.plant;
         let [delta, u] = slow.feel;
-        let oil = self.balance.solve(effects, side, z, q_i, x_b, w);
+        let oil = self.balance.solve(effects, side, self.link_touches(&state.slow), slow.plant);
         let p = oil.pressure;
         let moving = w - self.base_impulse * p;
         let base_rate = if effects.column_friction { S::select(state.column.stuck, w.zero(), moving) } else { moving };
@@ -351,6 +394,12 @@ impl<S: Scalar> Machine<S> {
         }
     }
 
+    /// Whether the link is beyond its play at the start of the step.
+    #[inline(always)]
+    fn link_touches(&self, start: &Slow<S>) -> S::Mask {
+        self.balance.touch(self.balance.stretch(start.plant[0], start.plant[3]))
+    }
+
     #[inline(always)]
     fn measured(now: &Now<S>) -> [S; SENSORS] {
         [now.force, now.piston, now.base]
@@ -360,7 +409,8 @@ impl<S: Scalar> Machine<S> {
     #[inline(always)]
     fn catch_up(&self, effects: &Effects, side: &Side<S>, state: &mut State<S>, now: &mut Now<S>) {
         let [_, q_i, ..] = state.slow.plant;
-        let lagging = self.balance.lagging(effects, side, q_i, now.flow, now.pressure - state.pressure);
+        let flow = Flow { pressure: now.pressure, flow: now.flow };
+        let lagging = self.balance.lagging(effects, side, q_i, &flow, now.pressure - state.pressure);
         let (base, feel) = (self.base_impulse * lagging.pressure, -self.feel_impulse * lagging.pressure);
         state.behind = self.indirect * lagging.time * self.per_step;
         state.slow.plant[0] = state.slow.plant[0] + lagging.piston;
@@ -418,7 +468,7 @@ impl<S: Scalar> Machine<S> {
         now.current = self.valve.current(effects, e);
         let pull = self.column.per_link_force * now.force
             + self.column.per_pilot_force * now.pilot_force
-            + self.column.loads(effects, x_b, now.base_rate);
+            + self.column.loads(effects, stage.state.slow.plant[3], x_b, now.base_rate);
         let flow_acceleration = self.valve.flow_acceleration(effects, q_i, q_i_rate, now.current);
         Slow { plant: [now.flow * self.per_area, q_i_rate, flow_acceleration, now.base_rate, pull], feel }
     }

@@ -121,6 +121,7 @@ macro_rules! parameter_table {
 
         impl<S: Copy> Parameters<S> {
             /// From values in the order of [`TABLE`], SI units.
+            #[inline(always)]
             pub fn from_values(values: &[S; COUNT]) -> Self {
                 let mut next = 0;
                 let mut take = || { next += 1; values[next - 1] };

@@ -155,23 +155,47 @@ impl<S: Scalar> Balance<S> {
         self.moving
     }
 
-    /// Pressure and flow at `z`, no-load flow `q_i`, base `x_b`, and `w` (of no account where the base is stuck).
+    /// Stretch of the link in m, its play included.
     #[inline(always)]
-    pub fn solve(&self, effects: &Effects, side: &Side<S>, z: S, q_i: S, x_b: S, w: S) -> Flow<S> {
-        let stretch = z - self.ratio * x_b;
-        let damping = side.base * w;
+    pub fn stretch(&self, z: S, x_b: S) -> S {
+        z - self.ratio * x_b
+    }
+
+    /// Whether the link is beyond its play.
+    #[inline(always)]
+    pub fn touch(&self, stretch: S) -> S::Mask {
+        self.half_play.less(stretch.abs()) | self.without_play()
+    }
+
+    #[inline(always)]
+    fn without_play(&self) -> S::Mask {
+        !self.half_play.zero().less(self.half_play)
+    }
+
+    /// Pressure and flow at `z`, no-load flow `q_i`, base `x_b`, and `w` (of no account where the base is stuck).
+    ///
+    /// `touches`: where the link may push or pull at all.
+    #[inline(always)]
+    pub fn solve(&self, effects: &Effects, side: &Side<S>, touches: S::Mask, [z, q_i, _, x_b, w]: [S; 5]) -> Flow<S> {
+        let found = self.linked(effects, side, z, q_i, x_b, w);
         if !effects.backlash {
-            return self.against(effects, side, self.stiffness * stretch - damping, q_i);
+            return found;
         }
         // The link pushes at one end of its play, pulls at the other, and does neither between.
-        let zero = z.zero();
-        let without_play = !zero.less(self.half_play);
-        let pushed = self.against(effects, side, self.stiffness * (stretch - self.half_play) - damping, q_i);
-        let pulled = self.against(effects, side, self.stiffness * (stretch + self.half_play) - damping, q_i);
-        let pushes = zero.less(pushed.pressure) & (self.half_play.less(stretch) | without_play);
-        let pulls = pulled.pressure.less(zero) & (stretch.less(-self.half_play) | without_play);
-        let pick = |a: S, b: S, c: S| S::select(pushes, a, S::select(pulls, b, c));
-        Flow { pressure: pick(pushed.pressure, pulled.pressure, zero), flow: pick(pushed.flow, pulled.flow, q_i) }
+        let (zero, stretch) = (z.zero(), self.stretch(z, x_b));
+        let holds = self.half_play.less(stretch.abs()) & zero.less(found.pressure * stretch);
+        let holds = touches & (holds | self.without_play());
+        Flow { pressure: S::select(holds, found.pressure, zero), flow: S::select(holds, found.flow, q_i) }
+    }
+
+    /// The same for a link at the end of its play that is nearer.
+    #[inline(always)]
+    pub fn linked(&self, effects: &Effects, side: &Side<S>, z: S, q_i: S, x_b: S, w: S) -> Flow<S> {
+        let mut stretch = self.stretch(z, x_b);
+        if effects.backlash {
+            stretch = stretch - self.half_play.times_sign(stretch);
+        }
+        self.against(effects, side, self.stiffness * stretch - side.base * w, q_i)
     }
 
     /// `a p = d + (c / A) q(p)` for the given `d`.
@@ -213,19 +237,25 @@ impl<S: Scalar> Balance<S> {
         Flow { pressure, flow: q_i - self.pressure_gain * pressure }
     }
 
-    /// What the lag `p - p_slaved = -(c kappa / a_eff) p'` adds up to over a change of pressure: see [`Lagging`].
+    /// What the lag `p - p_slaved = -(c kappa / a_eff) p'` adds up to over a change of pressure to `p`: see [`Lagging`].
     #[inline(always)]
-    pub fn lagging(&self, effects: &Effects, side: &Side<S>, q_i: S, q: S, change: S) -> Lagging<S> {
-        let gains = &side.closed;
+    pub fn lagging(&self, effects: &Effects, side: &Side<S>, q_i: S, now: &Flow<S>, change: S) -> Lagging<S> {
         let one = change.constant(1.0);
-        // a_eff = a + (c / A) s_q,  s_q = -dq/dp;  share = (c / A) s_q / a_eff
-        let share = if effects.orifice {
+        let over = now.pressure - now.pressure.within(self.relief_pressure);
+        let open = one.zero().less(over.abs());
+        let gains = if effects.relief { Gains::select(open, &side.relieved, &side.closed) } else { side.closed };
+        // a_eff = a + (c / A) s_q,  s_q = -dq/dp through valve and relief;  share = (c / A) s_q / a_eff
+        let mut share = if effects.orifice {
+            let through = if effects.relief { now.flow + self.relief_gain * over } else { now.flow };
             let slope = q_i.abs() * gains.orifice * q_i.abs();
-            slope / (q.abs() + slope).max(one.constant(f64::MIN_POSITIVE))
+            slope / (through.abs() + slope).max(one.constant(f64::MIN_POSITIVE))
         } else {
             self.damping_per_area * self.pressure_gain * gains.linear
         };
-        let kept = (one - share) * gains.area;
+        let kept = (one - share) * gains.area; // A / a_eff
+        if effects.relief {
+            share = S::select(open, one - kept / side.closed.area, share);
+        }
         Lagging {
             piston: self.compressibility * share * change,
             pressure: (one - kept) * change,

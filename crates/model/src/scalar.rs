@@ -30,6 +30,8 @@ pub trait Scalar:
     fn times_sign(self, other: Self) -> Self;
     /// Whether `self < other`.
     fn less(self, other: Self) -> Self::Mask;
+    /// Whether the mask holds in any lane: what changes nothing elsewhere need then not be computed.
+    fn any(mask: Self::Mask) -> bool;
     /// `yes` where the mask holds, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
@@ -132,6 +134,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn less(self, other: Self) -> bool {
                 self < other
+            }
+            #[inline(always)]
+            fn any(mask: bool) -> bool {
+                mask
             }
             #[inline(always)]
             fn select(mask: bool, yes: Self, no: Self) -> Self {

@@ -19,6 +19,8 @@ pub struct Transducers<S> {
     /// Noise of a sample, r.m.s.
     pub noise: [S; SENSORS],
     resolution: [S; SENSORS],
+    /// Of the load cell, in rad/s.
+    load_cell_bandwidth: S,
     /// Of the column's sensor, in rad/s.
     column_bandwidth: S,
     half: [Lag<S>; SENSORS],
@@ -69,6 +71,7 @@ impl<S: Scalar> Transducers<S> {
             offset: [f.offset, x.offset, c.offset * arm],
             noise: [f.noise, x.noise, c.noise * arm],
             resolution: [f.resolution, x.resolution, c.resolution * arm],
+            load_cell_bandwidth: f.bandwidth,
             column_bandwidth: c.bandwidth,
             half: bandwidths.map(|bandwidth| Lag::new(bandwidth, step.times(0.5))),
             whole: bandwidths.map(|bandwidth| Lag::new(bandwidth, step)),
@@ -93,6 +96,14 @@ impl<S: Scalar> Transducers<S> {
         let w = self.column_bandwidth;
         // f' = w (x - f)
         S::select(w.less(w.constant(f64::INFINITY)), w * (base - shown), base_rate)
+    }
+
+    /// Share of a force that came `time` ago which the load cell has passed on since, on average: `1 - (1 - exp(-w T)) / (w T)`.
+    #[inline(always)]
+    pub fn load_cell_share(&self, time: S) -> S {
+        let (one, decay) = (time.constant(1.0), self.load_cell_bandwidth * time);
+        let share = one - (one - decay.decay()) / decay;
+        S::select(decay.less(one.times(1e-6)), decay.times(0.5), share)
     }
 
     /// A sample: with offset, with noise (`normal` is standard normal), in steps of the resolution.

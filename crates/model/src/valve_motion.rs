@@ -45,6 +45,14 @@ impl<S: Scalar> ValveMotion<S> {
         if effects.saturation { i.within(self.current_limit) } else { i }
     }
 
+    /// By how much the no-load flow's second time derivative changes with the command, from the current `i` on.
+    #[inline(always)]
+    pub fn flow_jump(&self, effects: &Effects, i: S, e_change: S) -> S {
+        let changed = self.current(effects, i / self.admittance + e_change);
+        let zero = i.zero();
+        self.flow_acceleration(effects, zero, zero, changed) - self.flow_acceleration(effects, zero, zero, i)
+    }
+
     /// Second time derivative of the no-load flow.
     #[inline(always)]
     pub fn flow_acceleration(&self, effects: &Effects, q_i: S, q_i_rate: S, i: S) -> S {

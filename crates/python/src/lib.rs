@@ -2,7 +2,10 @@
 #![allow(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
 mod arrays;
+mod loops;
 mod model;
+mod release;
+mod releases;
 mod simulate;
 mod solve;
 
@@ -13,7 +16,11 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::Parameter>()?;
     module.add_class::<model::Compensator>()?;
     module.add_class::<solve::Recursion>()?;
+    module.add_class::<loops::Loops>()?;
+    module.add_function(wrap_pyfunction!(releases::released, module)?)?;
     module.add_class::<simulate::Simulation>()?;
+    module.add_class::<release::ReleaseMeasuring>()?;
+    module.add_function(wrap_pyfunction!(release::release_feature_groups, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_outputs, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measures, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measure, module)?)?;

@@ -7,7 +7,7 @@ use crate::lanes::{LANES, Lanes, Wide};
 use crate::measures::{MEASURES, Peaks, measure};
 use crate::noise::Noise;
 use crate::pair::Pair;
-use crate::simulate::{FeelChange, Record, Start, run};
+use crate::simulate::{FeelChange, Middles, Record, Start, run};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
@@ -66,6 +66,15 @@ pub struct Change {
     pub values: [f64; COUNT],
 }
 
+/// When samples of the outputs are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampling {
+    /// Every so many steps.
+    Every(usize),
+    /// At the start and in the middle of each step.
+    Halves,
+}
+
 /// What is to be run.
 #[derive(Debug, Clone)]
 pub struct Job<'a> {
@@ -85,35 +94,30 @@ pub struct Job<'a> {
     pub changes: &'a [Change],
     /// Seed of the noise, and index of the first run.
     pub noise: (u64, u64),
-    /// A sample of the outputs every so many steps.
-    pub every: usize,
+    /// When to take samples.
+    pub sampling: Sampling,
     /// Which outputs to keep.
     pub outputs: &'a [usize],
-}
-
-/// What came of the runs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outcome {
-    /// Measures of each run.
-    pub measures: Vec<Values>,
-    /// Run by run, output by output, sample by sample; empty if no output was asked for.
-    pub histories: Vec<f64>,
 }
 
 impl Job<'_> {
     /// Samples of a run.
     pub fn samples(&self) -> usize {
-        self.inputs.len() / self.every + 1
+        match self.sampling {
+            Sampling::Every(steps) => self.inputs.len() / steps + 1,
+            Sampling::Halves => 2 * self.inputs.len() + 1,
+        }
     }
 
-    /// Runs them all on so many threads.
+    /// Runs them all on so many threads: the measures of each run, and its histories run by run, output by output, sample by
+    /// sample into `histories`.
     ///
     /// # Panics
-    /// If the threads cannot be had.
-    pub fn run(&self, threads: usize) -> Outcome {
+    /// If the threads cannot be had, or `histories` has not the size of what is asked for.
+    pub fn run(&self, threads: usize, histories: &mut [f64]) -> Vec<Values> {
         let size = self.outputs.len() * self.samples();
+        assert_eq!(histories.len(), self.values.len() * size, "histories");
         let mut measures = vec![[0.0; MEASURES.len()]; self.values.len()];
-        let mut histories = vec![0.0; self.values.len() * size];
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the batch");
         let level = Level::new();
         pool.install(|| {
@@ -127,7 +131,7 @@ impl Job<'_> {
                 });
             }
         });
-        Outcome { measures, histories }
+        measures
     }
 
     /// A group on the widest instructions that the machine has; a run alone needs none.
@@ -189,7 +193,10 @@ impl Job<'_> {
         run(&mut machine, &self.shared, self.start, self.inputs, &changes, || noise.next(token), &mut recorder);
         recorder.write(histories);
         let Recorder { peaks, angles, .. } = recorder;
-        let dt = number(self.every) * self.shared.step_s;
+        let dt = match self.sampling {
+            Sampling::Every(steps) => number(steps) * self.shared.step_s,
+            Sampling::Halves => 0.5 * self.shared.step_s,
+        };
         for (k, found) in measure(&angles, dt, &peaks).values().into_iter().enumerate() {
             found.scatter(|lane, value| {
                 if let Some(run) = measures.get_mut(lane) {
@@ -212,11 +219,33 @@ struct Recorder<'a, T> {
 
 impl<T: Wide> Record<T> for Recorder<'_, T> {
     #[inline(always)]
-    fn see(&mut self, step: usize, now: &Now<T>) {
+    fn middles(&self) -> Middles {
+        match self.job.sampling {
+            Sampling::Every(_) => Middles::None,
+            Sampling::Halves if self.job.outputs.iter().all(|&output| output == ANGLE) => Middles::Base,
+            Sampling::Halves => Middles::All,
+        }
+    }
+
+    #[inline(always)]
+    fn see_base(&mut self, base: T) {
+        let angle = base * self.per_base;
+        self.angles.push(angle);
+        for _ in self.job.outputs {
+            self.kept.push(angle);
+        }
+    }
+
+    #[inline(always)]
+    fn see(&mut self, instant: usize, now: &Now<T>) {
         let angle = now.base * self.per_base;
-        let time = number(step) * self.job.shared.step_s;
+        let (share, every) = match self.job.sampling {
+            Sampling::Every(steps) => (1.0, steps),
+            Sampling::Halves => (0.5, 1),
+        };
+        let time = number(instant) * share * self.job.shared.step_s;
         self.peaks.see(angle, [now.current, now.pressure, now.flow], time);
-        if step.is_multiple_of(self.job.every) {
+        if instant.is_multiple_of(every) {
             self.angles.push(angle);
             for &output in self.job.outputs {
                 self.kept.push(output_of(now, self.per_base, output));
@@ -255,6 +284,9 @@ impl Change {
         FeelChange { steps: self.steps, parameters: Parameters { feel: changed.feel, ..*parameters } }
     }
 }
+
+/// Index of the column's angle among [`OUTPUTS`].
+const ANGLE: usize = 0;
 
 #[inline(always)]
 fn output_of<S: Scalar>(now: &Now<S>, per_base: S, output: usize) -> S {

@@ -4,9 +4,10 @@
 //! machine has. Each lane is computed with correctly rounded operations and without fused ones, so it holds the same bits as the
 //! same run alone in double precision, on whatever machine.
 
+use crate::fused::EXPONENT;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use fearless_simd::prelude::*;
-use fearless_simd::{f64x8, mask64x8};
+use fearless_simd::{f64x8, mask64x8, u64x8};
 use forcefeel_model::Scalar;
 
 /// How many runs stand side by side.
@@ -31,6 +32,22 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub fn values(self) -> [f64; LANES] {
         self.0.into()
+    }
+    /// `self factor + term`, rounded once.
+    #[inline(always)]
+    pub(crate) fn fused(self, factor: Self, term: Self) -> Self {
+        Self(self.0.mul_add_precise(factor.0, term.0))
+    }
+    /// Only the exponent of each number.
+    #[inline(always)]
+    pub(crate) fn exponent(self) -> Self {
+        let bits = self.0.to_bits();
+        Self((bits & u64x8::splat(self.0.simd, EXPONENT)).bitcast())
+    }
+    /// The lanes of both in turn: the first halves, the second halves.
+    #[inline(always)]
+    pub(crate) fn zip(self, other: Self) -> (Self, Self) {
+        (Self(self.0.zip_low(other.0)), Self(self.0.zip_high(other.0)))
     }
 }
 
@@ -133,6 +150,10 @@ impl<S: Simd> Scalar for Lanes<S> {
     #[inline(always)]
     fn less(self, other: Self) -> Self::Mask {
         self.0.simd_lt(other.0)
+    }
+    #[inline(always)]
+    fn any(mask: Self::Mask) -> bool {
+        mask.any_true()
     }
     #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {

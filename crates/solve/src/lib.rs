@@ -9,19 +9,35 @@
 //! | a run in time | [`simulate`] |
 //! | many runs, in vector lanes over the cores | [`batch`], [`lanes`] |
 //! | what is asked of a run | [`measures`] |
+//! | stability of many loops, proved | [`stability`], [`bounded`] |
+//! | their poles | [`poles`] |
+//! | their linear runs, exact | [`linear_batch`], [`transition`] |
+//! | features of a control that is let go | [`release`], [`local_fit`] |
+//! | their releases, the pilot's arm at the grip | [`releases`] |
 //! | noise of the sensors | [`noise`] |
 #![forbid(unsafe_code)]
 
+pub mod balance;
 pub mod batch;
+pub mod bounded;
 pub mod discretize;
+pub mod fused;
 pub mod lanes;
+pub mod linear_batch;
 pub mod linearize;
+pub mod local_fit;
+pub mod loops;
 pub mod measures;
 pub mod noise;
 pub mod pair;
+pub mod poles;
+pub mod release;
+pub mod releases;
 pub mod riccati;
 pub mod schedule;
 pub mod simulate;
+pub mod stability;
+pub mod transition;
 
 pub use discretize::discretize;
 pub use linearize::{StateSpace, linearize};

@@ -1,19 +1,26 @@
 //! What is asked of a run in place of its whole history.
 //!
-//! `theta` column angle, `theta_0` at the start, `theta_e` its mean over the last tenth of the run · `H = theta_e - theta_0`
+//! `theta` column angle, `theta_0` at the start, `theta_e` its mean over the last tenth of the run · `H = theta_e - theta_0` the
+//! way · `P = max |theta - theta_0|` the largest excursion
+//!
+//! A column that ends where it began, as after a pulse or a doublet, has no way to measure by. It is one with `|H| <= 0.05 P`:
+//! its overshoot is not a number, and it has settled when it stays within 5 % of `P`.
 
 use forcefeel_model::Scalar;
 
 /// Share of the run at its end over which the final angle is the mean, and the last swing is taken.
 const TAIL: usize = 10;
-/// Share of `|H|` within which the column counts as settled: the residual band of the qualification rules.
+/// Share of `|H|` within which the column counts as settled: the residual band of the qualification rules. Of `P`, within which
+/// the column counts as back where it began.
 pub const BAND: f64 = 0.05;
+/// Share of the largest angle that is an excursion at least: a mean differs by rounding from what it is the mean of.
+const ROUNDING: f64 = 1e-10;
 
 macro_rules! measures {
-    ($( #[doc = $doc:literal] $name:ident: $unit:literal; )*) => {
+    ($( $( #[doc = $doc:literal] )+ $name:ident: $unit:literal; )*) => {
         /// The measures of one run, or of one in each lane.
         #[derive(Debug, Clone, Copy, PartialEq)]
-        pub struct Measures<S> { $( #[doc = $doc] pub $name: S, )* }
+        pub struct Measures<S> { $( $( #[doc = $doc] )+ pub $name: S, )* }
 
         /// Name and SI unit of each measure, in order.
         pub const MEASURES: &[(&str, &str)] = &[ $( (stringify!($name), $unit), )* ];
@@ -38,9 +45,10 @@ measures! {
     time_of_minimum: "s";
     /// Mean column angle over the last tenth of the run.
     final_angle: "rad";
-    /// How far the column went beyond the final angle, as a share of the way to it.
+    /// How far the column went beyond the final angle, as a share of the way to it; not a number if it came back.
     overshoot: "";
-    /// Time after which the column stayed within 5 % of the way around the final angle.
+    /// Time after which the column stayed around the final angle, within 5 % of the way, or of the largest excursion if it
+    /// came back.
     settling_time: "s";
     /// Mean time between two passes of the final angle upwards; not a number with fewer than two.
     period: "s";
@@ -105,19 +113,25 @@ pub fn measure<S: Scalar>(angle: &[S], dt: f64, peaks: &Peaks<S>) -> Measures<S>
         (lowest, highest, sum) = (lowest.min(theta), highest.max(theta), sum + theta);
     }
     let end = sum.times(1.0 / number(tail.len()));
-    let way = end - first;
-    let band = way.abs().times(BAND);
     let mut top = (first, first.zero());
     let mut bottom = (first, first.zero());
+    for (k, &theta) in angle.iter().enumerate() {
+        let time = first.constant(number(k) * dt);
+        let (higher, lower) = (top.0.less(theta), theta.less(bottom.0));
+        top = (top.0.max(theta), S::select(higher, time, top.1));
+        bottom = (bottom.0.min(theta), S::select(lower, time, bottom.1));
+    }
+    let way = end - first;
+    let largest = top.0.max(-bottom.0);
+    let excursion = (top.0 - first).max(first - bottom.0).max(largest.times(ROUNDING));
+    let went = excursion.times(BAND).less(way.abs());
+    let band = S::select(went, way.abs(), excursion).times(BAND);
     let mut settled = first.zero();
     let mut passes = first.zero();
     let (mut first_pass, mut last_pass) = (first.zero(), first.zero());
     let mut before = first - end;
     for (k, &theta) in angle.iter().enumerate() {
         let time = first.constant(number(k) * dt);
-        let (higher, lower) = (top.0.less(theta), theta.less(bottom.0));
-        top = (top.0.max(theta), S::select(higher, time, top.1));
-        bottom = (bottom.0.min(theta), S::select(lower, time, bottom.1));
         let off = theta - end;
         settled = S::select(band.less(off.abs()), time, settled);
         // Passed upwards between the last sample and this one; the time by a straight line.
@@ -136,7 +150,7 @@ pub fn measure<S: Scalar>(angle: &[S], dt: f64, peaks: &Peaks<S>) -> Measures<S>
         minimum_angle: bottom.0,
         time_of_minimum: bottom.1,
         final_angle: end,
-        overshoot: beyond / way.abs(),
+        overshoot: S::select(went, beyond / way.abs(), one.constant(f64::NAN)),
         settling_time: settled,
         period: S::select(one.less(passes), (last_pass - first_pass) / (passes - one), one.constant(f64::NAN)),
         passes,

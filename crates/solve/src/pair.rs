@@ -91,6 +91,10 @@ impl<T: Scalar> Scalar for Pair<T> {
         Pair(self.0.less(other.0), self.1.less(other.1))
     }
     #[inline(always)]
+    fn any(mask: Self::Mask) -> bool {
+        T::any(mask.0 | mask.1)
+    }
+    #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         Self(T::select(mask.0, yes.0, no.0), T::select(mask.1, yes.1, no.1))
     }

@@ -41,13 +41,29 @@ pub struct FeelChange<S> {
     pub parameters: Parameters<S>,
 }
 
-/// What looks on as a run goes by. A trait and no closure, because a closure is not sure to be compiled into the lanes' loop.
-pub trait Record<S> {
-    /// The start of step `step`, or the end of the last.
-    fn see(&mut self, step: usize, now: &Now<S>);
+/// What is wanted of the middles of the steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Middles {
+    /// Nothing.
+    None,
+    /// Where the base is.
+    Base,
+    /// Everything.
+    All,
 }
 
-/// Runs a loader through `inputs`, one for each step; `record` sees the start of every step and the end of the last.
+/// What looks on as a run goes by. A trait and no closure, because a closure is not sure to be compiled into the lanes' loop.
+pub trait Record<S> {
+    /// How much to look at half-way through each step.
+    fn middles(&self) -> Middles;
+    /// The start of a step or the end of the last, or the middle of one; `instant` counts steps, or half steps.
+    fn see(&mut self, instant: usize, now: &Now<S>);
+    /// The base's displacement in the middle of a step.
+    fn see_base(&mut self, base: S);
+}
+
+/// Runs a loader through `inputs`, one for each step; `record` sees the start of every step and the end of the last, and the
+/// middles if it asks for them.
 ///
 /// `normal` gives a standard normal number for each sensor at each sample.
 #[inline(always)]
@@ -60,29 +76,50 @@ pub fn run<S: Scalar>(
     mut normal: impl FnMut() -> [S; SENSORS],
     record: &mut impl Record<S>,
 ) {
-    let Some(last) = inputs.last() else { return };
+    if inputs.is_empty() {
+        return;
+    }
     let rest = start.rest(machine, shared, &inputs[0], machine.per_base());
     let (mut state, mut memory) = (machine.start(shared, &rest), machine.remember(&rest));
     let mut changes = changes.iter().peekable();
     let held_until = start.held_until();
     Machine::hold(&mut state, &rest);
-    for (step, inputs) in inputs.iter().enumerate() {
-        if step == held_until {
+    if held_until == 0 {
+        Machine::let_go(&mut state);
+    }
+    if let Some(change) = changes.peek()
+        && change.steps.0 == 0
+    {
+        machine.fade_to(&change.parameters);
+    }
+    let middles = record.middles();
+    let stride = if middles == Middles::None { 1 } else { 2 };
+    let mut begun = machine.begin(shared, &mut state, &mut memory, &inputs[0], &mut normal);
+    record.see(0, &begun.now);
+    for (step, now) in inputs.iter().enumerate() {
+        machine.advance(shared, &mut state, now, &begun);
+        let next = step + 1;
+        if next == held_until {
             Machine::let_go(&mut state);
         }
         if let Some(change) = changes.peek() {
-            if step == change.steps.0 {
+            if next == change.steps.0 {
                 machine.fade_to(&change.parameters);
             }
-            if step == change.steps.1 {
+            if next == change.steps.1 {
                 machine.faded(shared, &mut state);
                 changes.next();
             }
         }
-        let begun = machine.begin(shared, &mut state, &mut memory, inputs, &mut normal);
-        record.see(step, &begun.now);
-        machine.advance(shared, &mut state, inputs, &begun);
+        let ended = now.end();
+        let coming = inputs.get(next).unwrap_or(&ended);
+        let after = machine.begin(shared, &mut state, &mut memory, coming, &mut normal);
+        match middles {
+            Middles::None => {}
+            Middles::Base => record.see_base(machine.middle_base(&begun, &after)),
+            Middles::All => record.see(stride * next - 1, &machine.middle(shared, now, &begun, &after)),
+        }
+        record.see(stride * next, &after.now);
+        begun = after;
     }
-    let begun = machine.begin(shared, &mut state, &mut memory, &last.end(), &mut normal);
-    record.see(inputs.len(), &begun.now);
 }

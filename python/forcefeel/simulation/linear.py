@@ -1,15 +1,22 @@
-"""Runs of a loader without any optional row: linear, and so exact at the samples."""
+"""Runs of a loader without any optional row, one or many: linear, and so exact at the samples."""
+
+from collections.abc import Sequence
+from typing import Any
 
 import control
 import numpy as np
 import scipy.linalg
+import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
+from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.models import Linkage, loader_model
-from forcefeel.simulation.scenario import Scenario, Steps
+from forcefeel.parameters import INDEX, OFF, TABLE
+from forcefeel.simulation.outcome import outputs
+from forcefeel.simulation.scenario import Scenario, Steps, on_samples
 
 
 def applies(loader: Loader, scenario: Scenario) -> bool:
@@ -25,7 +32,7 @@ def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[n
     that changes evenly within each step.
     """
     model = loader_model(loader, law, Linkage.COMPLIANT)
-    steps = Steps.of(scenario, loader)
+    steps = Steps.of(on_samples(scenario), loader)
     force = steps.inputs[:, 0].copy()
     phi, level, ramp = _transition(np.asarray(model.A), np.asarray(model.B)[:, 0], steps.step_s)
     states = np.empty((len(force) + 1, len(phi)))
@@ -43,6 +50,93 @@ def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[n
         outputs = _outputs(model, states, pilot_force)
     measured = _core.simulation_measure(outputs[:, :: steps.every], scenario.sample_s)
     return outputs[:, :: steps.every], measured
+
+
+def simulate_linear_batch(
+    loader: Loader,
+    scenario: Scenario,
+    values: NDArray[np.float64],
+    compensator: Compensator | NDArray[np.float64] | None = None,
+    *,
+    keep: Sequence[str] = ("column_angle_rad",),
+    threads: int | None = None,
+) -> xr.Dataset:
+    """Runs many loaders of the linear model, eq. (17), through one scenario, exact at the samples.
+
+    ``x_{k+1} = Phi x_k + Gamma_0 u_k + Gamma_1 (u_{k+1} - u_k)`` with ``Phi = exp(A h)`` of each run's own matrix: exact for a
+    force that changes evenly within each step, as ``control.forced_response`` takes it. Eight runs stand side by side in
+    vector lanes, on all cores.
+
+    Args:
+        loader: A loader without optional rows, as all runs are.
+        scenario: What is done to each; nothing but a force, a release included.
+        values: SI values, one row per run in the order of ``parameters.TABLE``; ``pilot.force`` scales the scenario's force.
+        compensator: One law for all, or state-feedback gains c_1 .. c_7 (runs, 7). Not given, each run has the original
+            position loop, eq. (13), of its own parameters.
+        keep: Names of the outputs whose histories are kept.
+        threads: How many; all cores if not given. The numbers do not depend on it.
+
+    Returns:
+        Over ``run`` and ``time_s``: the outputs in ``keep``, SI units. The history of an unstable loop grows without bound.
+
+    Raises:
+        InputError: If the loader or the scenario is not linear, values have the wrong shape or vary an optional row, an output
+            is unknown, a time does not fall on a step, or the histories are too large.
+
+    Source:
+        C. F. Van Loan, Computing integrals involving the matrix exponential, 1978.
+    """
+    from forcefeel.simulation.engine import MOST_HISTORY_BYTES, cores  # noqa: PLC0415
+
+    values = np.ascontiguousarray(values, dtype=np.float64)
+    gains = np.ascontiguousarray(compensator, dtype=np.float64) if isinstance(compensator, np.ndarray) else None
+    law = compensator if isinstance(compensator, Compensator) else None
+    units = outputs("rad" if gains is not None else law.displacement_unit if law else "V")
+    columns = _check(loader, scenario, values, gains)
+    for name in keep:
+        if name not in units:
+            raise InputError(f"keep: expected names of outputs ({', '.join(units)}), got {name!r}")
+    steps = Steps.of(on_samples(scenario), loader)
+    shape = (len(values), len(keep), len(steps.inputs) // steps.every + 1)
+    if 8 * np.prod(shape) > MOST_HISTORY_BYTES:
+        raise InputError(
+            f"keep: histories of {len(values)} runs take more than {MOST_HISTORY_BYTES >> 30} GiB; run fewer at a time"
+        )
+    histories = np.empty(shape)
+    _core.Loops(loader.values, columns, values[:, columns], law=law, gains=gains).run(
+        histories,
+        np.ascontiguousarray(steps.inputs[:, 0]),
+        steps.step_s,
+        every=steps.every,
+        outputs=[list(units).index(name) for name in keep],
+        force_scale=values[:, INDEX["pilot.force"]] / loader["pilot.force"],
+        start_force=steps.start_force_n,
+        held=steps.held,
+        threads=threads or cores(),
+    )
+    time = ("time_s", np.arange(shape[2]) * scenario.sample_s, {"units": "s"})
+    coordinates: dict[str, Any] = {"run": np.arange(len(values)), "time_s": time}
+    data = {name: (("run", "time_s"), histories[:, k], {"units": units[name]}) for k, name in enumerate(keep)}
+    return xr.Dataset(data, coordinates, {"loader": loader.name})
+
+
+def _check(
+    loader: Loader, scenario: Scenario, values: NDArray[np.float64], gains: NDArray[np.float64] | None
+) -> list[int]:
+    """The columns in which the runs differ from the loader."""
+    if not applies(loader, scenario):
+        raise InputError("loader, scenario: expected no optional rows and nothing but a force; use simulate_batch")
+    if values.ndim != 2 or values.shape[1] != len(TABLE) or not len(values):
+        raise InputError(f"values: expected a row of {len(TABLE)} values for each run, got shape {values.shape}")
+    if gains is not None and gains.shape != (len(values), 7):
+        raise InputError(f"compensator: expected gains of shape ({len(values)}, 7), got {gains.shape}")
+    varied = np.flatnonzero(np.any(values != loader.values, axis=0))
+    for key in OFF:
+        if INDEX[key] in varied:
+            raise InputError(f"values: {key} is no part of the linear model; use simulate_batch")
+    if not np.all(np.isfinite(values[:, varied])):
+        raise InputError("values: expected finite numbers")
+    return [int(column) for column in varied]
 
 
 def _transition(

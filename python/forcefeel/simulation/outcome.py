@@ -58,8 +58,10 @@ class Measures:
         minimum_angle_rad: Smallest column angle.
         time_of_minimum_s: When.
         final_angle_rad: Mean over the last tenth of the run.
-        overshoot: How far beyond the final angle, as a share of the way to it.
-        settling_time_s: From then on within 5 % of the way.
+        overshoot: How far beyond the final angle, as a share of the way to it; not a number for a column that ends where it
+            began: no more than 5 % of its largest excursion away.
+        settling_time_s: From then on within 5 % of the way around the final angle; of the largest excursion for a column that
+            ends where it began.
         period_s: Mean time between two passes of the final angle upwards; not a number with fewer than two.
         passes: How many such passes.
         last_swing_rad: Lowest to highest angle over the last tenth of the run.

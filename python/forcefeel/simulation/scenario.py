@@ -1,7 +1,7 @@
 """What is done to a loader in a run: forces, trim, dynamic pressure, shaker, changes of the feel."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite, pi
 
 import numpy as np
@@ -17,6 +17,12 @@ SHORTEST_STEP_S, LONGEST_STEP_S = 1e-5, 2e-3
 
 MOST_STEPS = 5_000_000
 """Longest run, in steps: some five seconds of computing, and 400 MB of inputs."""
+
+LATEST_S = 1e6
+"""Latest end of a change of the feel, far beyond any run: its step is still a number that the engine can count to."""
+
+LARGEST_SEED = 2**63 - 1
+"""Largest seed."""
 
 MOST_UNDER_WAY = 7
 """Longest delay of the digital controller, in periods."""
@@ -53,7 +59,8 @@ class Scenario:
         force: The pilot's force over time, or a release.
         duration_s: Length of the run.
         step_s: Longest step of the engine; with a digital controller the step divides its period.
-        sample_s: Time between two samples of the history.
+        sample_s: Time between two samples of the history: whole steps, or half a step. In the middle of a step they are those of
+            the cubic through its ends.
         trim_rad: Commanded neutral of the feel over time; it is followed at ``feel.trim_rate``.
         dynamic_pressure_pa: Dynamic pressure over time, for a feel whose stiffness depends on it.
         shaker: How far the stick shaker is on over time, 0 to 1.
@@ -81,16 +88,23 @@ class Scenario:
             value = getattr(self, name)
             if not (isfinite(value) and value > 0):
                 raise InputError(f"{name}: expected a time above 0, got {value:g}")
-        if self.seed < 0:
-            raise InputError(f"seed: expected a whole number of 0 or more, got {self.seed}")
+        if not 0 <= self.seed <= LARGEST_SEED:
+            raise InputError(f"seed: expected a whole number from 0 to {LARGEST_SEED:,}, got {self.seed}")
         end = 0.0
         for change in self.feel_changes:
-            if change.over_s <= 0 or change.at_s < end:
+            if not (change.over_s > 0 and change.at_s >= end):
                 raise InputError(
                     f"feel_changes: expected changes that take time and do not overlap, got {change.over_s:g} s from "
                     f"{change.at_s:g} s on, where {end:g} s is the earliest"
                 )
             end = change.at_s + change.over_s
+            if end > LATEST_S:
+                raise InputError(f"feel_changes: expected changes that are done by {LATEST_S:g} s, got {end:g} s")
+
+
+def on_samples(scenario: Scenario) -> Scenario:
+    """The scenario in steps no longer than the time between its samples, for what is exact at any step."""
+    return replace(scenario, step_s=min(scenario.step_s, scenario.sample_s))
 
 
 @dataclass(frozen=True)
@@ -99,7 +113,7 @@ class Steps:
 
     Attributes:
         step_s: The step.
-        every: Steps between two samples of the history.
+        every: Steps between two samples of the history; 0 for two samples a step.
         inputs: (steps, 5, 2): force, trim, factor on the spring, shaker and fade, at start and end of each step.
         timing: Steps in the controller's period and in its delay; ``None`` for an analog law.
         start_force_n: Force under which the run begins at rest.
@@ -128,10 +142,8 @@ class Steps:
             raise InputError(
                 f"duration_s: expected at most {MOST_STEPS} steps of {step_s:g} s, got {scenario.duration_s:g} s"
             )
-        every = round(scenario.sample_s / step_s)
-        if every < 1 or abs(scenario.sample_s / step_s - every) > _WHOLE * max(every, 1):
-            raise InputError(f"sample_s: expected a multiple of the step of {step_s:g} s, got {scenario.sample_s:g} s")
-        if grid.steps % every:
+        every = _every(scenario.sample_s, step_s)
+        if every and grid.steps % every:
             raise InputError(
                 f"duration_s: expected a multiple of the {scenario.sample_s:g} s between samples, got {scenario.duration_s:g} s"
             )
@@ -150,7 +162,14 @@ class Steps:
         changes = []
         changed = loader
         for change in scenario.feel_changes:
-            changed = changed.replace(_only_feel(change.changes))
+            before, changed = changed, changed.replace(_only_feel(change.changes))
+            if scenario.trim_rad is not None and isfinite(before["feel.trim_rate"]) > isfinite(
+                changed["feel.trim_rate"]
+            ):
+                raise InputError(
+                    "feel.trim_rate: switched off while trim is given, the neutral would jump to its command; "
+                    "give a rate, such as 50 deg/s"
+                )
             begin, end = (grid.index("feel change", time) for time in (change.at_s, change.at_s + change.over_s))
             share = np.clip((np.arange(grid.steps + 1) - begin) / (end - begin), 0.0, 1.0)
             fade = share**2 * (3 - 2 * share)
@@ -160,6 +179,17 @@ class Steps:
         held = (force.angle_rad, grid.index("release", force.start_s)) if isinstance(force, Release) else None
         start_force = float(inputs[0, 0, 0]) if isinstance(force, Recorded) else 0.0
         return cls(step_s, every, inputs, timing, start_force, held, changes)
+
+
+def _every(sample_s: float, step_s: float) -> int:
+    steps = sample_s / step_s
+    if abs(steps - 0.5) <= _WHOLE:
+        return 0
+    if round(steps) < 1 or abs(steps - round(steps)) > _WHOLE * steps:
+        raise InputError(
+            f"sample_s: expected whole steps of {step_s:g} s, or half a step, between samples, got {sample_s:g} s"
+        )
+    return round(steps)
 
 
 def _fill(inputs: NDArray[np.float64], signal: int, sampled: Sampled) -> None:

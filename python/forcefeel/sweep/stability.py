@@ -1,32 +1,128 @@
-"""Linear stability over a grid of settings: the least damped mode of the nominal loader at each."""
+"""Linear stability of many loops: a verdict for each of a million, and the least damped mode over a grid of settings."""
+
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike, NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.parameters import INDEX, TABLE
+from forcefeel.compensation import DesignSettings
+from forcefeel.errors import InputError
+from forcefeel.loader import Loader
+from forcefeel.parameters import INDEX, REQUIRED, TABLE, did_you_mean
+from forcefeel.simulation.engine import cores
 from forcefeel.sweep.plan import Sweep
+from forcefeel.units import show
 
-MOST_POINTS = 40_000
-"""Points above which no map is made: half a minute."""
+MOST_POINTS = 2_000_000
+"""Points above which no map is made: some ten seconds on one core."""
+
+_AT_A_TIME = 16_384
+"""Points whose poles are in memory together."""
+
+
+def stability_batch(
+    loader: Loader,
+    varied: Mapping[str, ArrayLike],
+    compensator: Compensator | NDArray[np.float64] | None = None,
+    *,
+    threads: int | None = None,
+) -> xr.Dataset:
+    """Whether each of many closed loops is stable: all poles of eq. (17), the compliant link, left of the axis.
+
+    Each loop's matrix is built from its parameters, brought to Hessenberg form and to its characteristic polynomial, and judged
+    by the signs of Routh's array, all in twice double precision with a bound on the error: a sign counts only if the bound
+    leaves no other. Loops so close to the axis that it does leave one are judged by their computed poles.
+
+    Args:
+        loader: What the loops have in common. Its optional rows have no part in the linear model.
+        varied: SI values of the rows ``part.name`` that differ, one for each loop.
+        compensator: One law for all, or state-feedback gains c_1 .. c_7 (loops, 7). Not given, each loop has the original
+            position loop, eq. (13), of its own parameters.
+        threads: How many; all cores if not given. The verdicts do not depend on it.
+
+    Returns:
+        Over ``loop``, with ``varied`` as coordinates: ``stable``, and ``proved``, whether the signs decided. A loop whose matrix
+        leaves the range of double precision is neither.
+
+    Raises:
+        InputError: If a row is unknown or no part of the linear model, values are not finite or not one for each loop.
+
+    Source:
+        Routh's criterion, E. J. Routh, 1877; reduction: Wilkinson, The Algebraic Eigenvalue Problem, 1965, chapter 6, section 8.
+    """
+    columns = {key: np.asarray(values, dtype=np.float64) for key, values in varied.items()}
+    _check(columns, compensator)
+    table = np.column_stack(list(columns.values()))
+    verdict = _loops(loader.values, list(columns), table, compensator).stability(threads or cores())
+    coordinates = {key: ("loop", values, {"units": TABLE[key].unit_si}) for key, values in columns.items()}
+    data = {
+        "stable": ("loop", (verdict == _STABLE) | (verdict == _STABLE_BY_POLES)),
+        "proved": ("loop", verdict <= _STABLE),
+    }
+    return xr.Dataset(data, coordinates, {"loader": loader.name})
 
 
 def damping_map(sweep: Sweep) -> xr.DataArray | None:
     """Damping ratio ``-Re p / |p|`` of the least damped pole at each point of the grid; below zero where it is unstable.
 
     Of the linear model with the compliant link and the sweep's law, the loader at its nominal values; ``None`` for a grid of
-    more than 40,000 points.
+    more than two million points.
     """
     if np.prod(sweep.shape) > MOST_POINTS:
         return None
-    found = np.empty(sweep.shape)
-    values = sweep.loader.values.copy()
-    for place in np.ndindex(*sweep.shape):
-        for key, k in zip(sweep.axes, place, strict=True):
-            values[INDEX[key]] = sweep.axes[key][k]
-        law = sweep.compensator or Compensator.original(values)
-        poles = np.linalg.eigvals(_core.compliant(values, law)[0])
-        found[place] = np.min(-poles.real / np.maximum(np.abs(poles), np.finfo(float).tiny))
-    coordinates = {key: (key, np.array(axis), {"units": TABLE[key].unit_si}) for key, axis in sweep.axes.items()}
-    return xr.DataArray(found, coordinates, tuple(sweep.axes), "least_damping_ratio")
+    keys, axes = list(sweep.axes), [np.array(axis) for axis in sweep.axes.values()]
+    found = np.empty(int(np.prod(sweep.shape)))
+    for first in range(0, len(found), _AT_A_TIME):
+        points = slice(first, first + _AT_A_TIME)
+        places = np.unravel_index(np.arange(len(found))[points], sweep.shape)
+        table = np.column_stack([axis[place] for axis, place in zip(axes, places, strict=True)])
+        poles = _loops(sweep.loader.values, keys, table, _law(sweep, keys, table)).poles(cores())
+        size = np.maximum(np.hypot(poles[..., 0], poles[..., 1]), np.finfo(float).tiny)
+        found[points] = np.min(-poles[..., 0] / size, axis=1)
+    coordinates = {key: (key, axis, {"units": TABLE[key].unit_si}) for key, axis in zip(keys, axes, strict=True)}
+    return xr.DataArray(found.reshape(sweep.shape), coordinates, tuple(keys), "least_damping_ratio")
+
+
+def _law(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> Compensator | NDArray[np.float64] | None:
+    if not isinstance(sweep.compensator, DesignSettings):
+        return sweep.compensator
+    values = np.tile(sweep.loader.values, (len(table), 1))
+    values[:, [INDEX[key] for key in keys]] = table
+    return sweep.law(values)
+
+
+_STABLE, _STABLE_BY_POLES = 1, 3
+"""Verdicts of the kernel; those up to the first are proved."""
+
+
+def _loops(
+    common: NDArray[np.float64],
+    keys: list[str],
+    varied: NDArray[np.float64],
+    compensator: Compensator | NDArray[np.float64] | None,
+) -> _core.Loops:
+    columns = [INDEX[key] for key in keys]
+    if isinstance(compensator, np.ndarray):
+        return _core.Loops(common, columns, varied, gains=np.ascontiguousarray(compensator, dtype=np.float64))
+    return _core.Loops(common, columns, varied, law=compensator)
+
+
+def _check(columns: Mapping[str, NDArray[np.float64]], compensator: Compensator | NDArray[np.float64] | None) -> None:
+    if not columns:
+        raise InputError("varied: expected values of at least one parameter, such as feel.stiffness, got none")
+    counts = {values.shape for values in columns.values()}
+    for key, values in columns.items():
+        if key not in TABLE:
+            raise InputError(f"varied: unknown parameter {show(key)}; {did_you_mean(key)}")
+        if key not in REQUIRED:
+            raise InputError(f"varied: {key} is no part of the linear model; leave it out")
+        if values.ndim != 1 or not len(values) or len(counts) > 1:
+            raise InputError(f"varied: expected one value for each loop, got {key} of shape {values.shape}")
+        if not np.all(np.isfinite(values)):
+            raise InputError(f"varied: expected finite numbers, got others for {key}")
+    loops = next(iter(counts))[0]
+    if isinstance(compensator, np.ndarray) and compensator.shape != (loops, 7):
+        raise InputError(f"compensator: expected gains of shape ({loops}, 7), got {compensator.shape}")

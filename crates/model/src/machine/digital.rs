@@ -73,8 +73,14 @@ impl<S: Scalar> Machine<S> {
         let gain = self.law.gains[2];
         let has_gain = gain.zero().less(gain.abs());
         let excess = S::select(has_gain, self.converters.cut_off(e) / gain, gain.zero());
-        // delta' = ... - a_w (e - e_cut) / c_3: the computer gives way towards where the command is within reach.
-        state.slow.feel[0] = state.slow.feel[0] - self.converters.antiwindup * period * excess;
+        // delta' = ... - 2 a_w (e - e_cut) / c_3, delta'' = ... - a_w^2 (e - e_cut) / c_3: place and speed give way, or the speed
+        // would carry the control on. What sticks keeps its speed of zero.
+        let given_way = self.converters.antiwindup * period * excess;
+        let slower = self.converters.antiwindup * given_way;
+        let [delta, rate] = state.slow.feel;
+        let sticks = shared.effects.feel_friction;
+        let slower = if sticks { S::select(state.feel.stuck, rate.zero(), slower) } else { slower };
+        state.slow.feel = [delta - given_way.times(2.0), rate - slower];
         self.converters.write(e)
     }
 
@@ -118,6 +124,10 @@ impl<S: Scalar> Machine<S> {
         if effects.feel_limits {
             let (delta, rate) = self.feel.limited((start[0], start[1]), (end[0], end[1]), h);
             end = [delta, rate];
+        }
+        if effects.feel_damping_and_stops {
+            let push = self.soft_stop_push((start[0], end[0]), end[1], h, fade);
+            end = [end[0] + push.displacement, end[1] + push.velocity];
         }
         state.slow.feel = end;
         state.slider = self.dragged(effects, state);

@@ -1,6 +1,6 @@
 //! The feel computer's share of a step.
 
-use super::{Begun, Inputs, Machine, Moment, Now, Shared, State};
+use super::{Inputs, Machine, Moment, Now, Shared, State};
 use crate::Scalar;
 use crate::dry_friction::DryFriction;
 use crate::effects::Effects;
@@ -23,8 +23,8 @@ impl<S: Scalar> Machine<S> {
         if shared.timing.is_none() {
             // The velocity stays; what is given back to it with the oil's impulse does not.
             let side = self.balance.side(&shared.effects, state.column.stuck);
-            let [z, q_i, _, x_b, w] = state.slow.plant;
-            let p = self.balance.solve(&shared.effects, &side, z, q_i, x_b, w).pressure;
+            let touches = self.link_touches(&state.slow);
+            let p = self.balance.solve(&shared.effects, &side, touches, state.slow.plant).pressure;
             state.slow.feel[1] = state.slow.feel[1] + (before - self.feel_impulse) * p;
         }
     }
@@ -72,20 +72,8 @@ impl<S: Scalar> Machine<S> {
             stiffness_factor: one.constant(moment.of(inputs.stiffness_factor)),
             shaker: one.constant(moment.of(inputs.shaker)),
             slider: state.slider,
+            start: state.slow.feel[0],
         }
-    }
-
-    /// Hard stops and velocity limit of the feel at the end of a step.
-    #[inline(always)]
-    pub(super) fn bounded(&self, effects: &Effects, begun: &Begun<S>, [delta, u]: [S; 2]) -> [S; 2] {
-        if !effects.feel_limits {
-            return [delta, u];
-        }
-        // The oil's impulse is a thousandth of the velocity, and its pressure at the end of the step is not known yet.
-        let impulse = self.feel_impulse * begun.now.pressure;
-        let before = (begun.now.delta, begun.now.delta_rate);
-        let (delta, rate) = self.feel.limited(before, (delta, u + impulse), self.step);
-        [delta, rate - impulse]
     }
 
     #[inline(always)]

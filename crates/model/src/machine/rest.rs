@@ -59,12 +59,12 @@ impl<S: Scalar> Machine<S> {
         let zero = delta.zero();
         // S(delta) = T = -r (F_c + F_0)                                                           eq. (11) at rest
         let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around)
-            + self.feel.resistance(effects, delta, zero);
+            + self.feel.resistance(effects, around.start, delta, zero);
         let shown = -spring / self.law.load_cell_arm;
         let p = (shown - force_offset) * self.per_area;
         let x_p = self.balance.ratio * x_b + self.balance.stretch_at_rest(p);
         // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
-        let pull = self.column.per_link_force * self.balance.area * p + self.column.loads(effects, x_b, zero);
+        let pull = self.column.per_link_force * self.balance.area * p + self.column.loads(effects, x_b, x_b, zero);
         let pilot_force = -pull / self.column.per_pilot_force;
         let x = [x_p + piston_offset, shown / self.balance.area, delta, zero, x_b + base_offset, zero, pilot_force];
         let e = self.law.command(&x);
@@ -97,6 +97,7 @@ impl<S: Scalar> Machine<S> {
             pressure: rest.pressure,
             hand: zero,
             behind: zero,
+            late: zero,
             steps: 0,
         }
     }

@@ -22,6 +22,15 @@ impl<S: Scalar> Slow<S> {
         Self { plant, feel }
     }
 
+    /// `self` half-way between two instants with their rates, `h` apart.
+    #[inline(always)]
+    pub fn middle((a, rate_a): (&Self, &Self), (b, rate_b): (&Self, &Self), h: S) -> Self {
+        let eighth = h.times(0.125);
+        let plant = |k: usize| cubic((a.plant[k], rate_a.plant[k]), (b.plant[k], rate_b.plant[k]), eighth);
+        let feel = |k: usize| cubic((a.feel[k], rate_a.feel[k]), (b.feel[k], rate_b.feel[k]), eighth);
+        Self { plant: [plant(0), plant(1), plant(2), plant(3), plant(4)], feel: [feel(0), feel(1)] }
+    }
+
     /// `k_1 + 2 k_2 + 2 k_3 + k_4`.
     #[inline(always)]
     pub fn weighted(k_1: &Self, k_2: &Self, k_3: &Self, k_4: &Self) -> Self {
@@ -33,4 +42,10 @@ impl<S: Scalar> Slow<S> {
         let feel = |k: usize| sum(k_1.feel[k], k_2.feel[k], k_3.feel[k], k_4.feel[k]);
         Self { plant: [plant(0), plant(1), plant(2), plant(3), plant(4)], feel: [feel(0), feel(1)] }
     }
+}
+
+/// The cubic through both ends of an interval, `(value, rate)`, at its middle: `(x_0 + x_1) / 2 + h (x'_0 - x'_1) / 8`.
+#[inline(always)]
+pub fn cubic<S: Scalar>((x_0, rate_0): (S, S), (x_1, rate_1): (S, S), eighth_of_h: S) -> S {
+    (x_0 + x_1).times(0.5) + (rate_0 - rate_1) * eighth_of_h
 }

@@ -1,0 +1,38 @@
+//! The poles of many loops: eigenvalues of the balanced matrix, a loop after the other, over the cores.
+
+use crate::balance::balance;
+use crate::loops::{Loops, Matrix, STATES, state_matrix};
+use nalgebra::{Complex, SMatrix, Schur};
+use rayon::prelude::*;
+
+/// The poles of one loop, in no order.
+pub type Poles = [Complex<f64>; STATES];
+
+/// Steps of the QR algorithm after which it is given up; it takes some three for each pole.
+const MOST_STEPS: usize = 1000;
+
+/// Eigenvalues of `a`; nothing if it is not made of numbers.
+pub fn poles(a: &Matrix<f64>) -> Option<Poles> {
+    if !a.as_flattened().iter().all(|entry| entry.is_finite()) {
+        return None;
+    }
+    let mut balanced = *a;
+    balance(&mut balanced);
+    let matrix = SMatrix::<f64, STATES, STATES>::from_fn(|i, j| balanced[i][j]);
+    let values = Schur::try_new(matrix, f64::EPSILON, MOST_STEPS)?.complex_eigenvalues();
+    let values: Poles = values.into();
+    values.iter().all(|value| value.re.is_finite() && value.im.is_finite()).then_some(values)
+}
+
+impl Loops<'_> {
+    /// The poles of each loop, computed on so many threads; not numbers where the loop's matrix is not made of numbers.
+    ///
+    /// # Panics
+    /// If the threads cannot be had.
+    pub fn poles(&self, threads: usize) -> Vec<Poles> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the loops");
+        let unknown = [Complex::new(f64::NAN, f64::NAN); STATES];
+        let of = |run| poles(&state_matrix(&self.models::<f64>((), run))).unwrap_or(unknown);
+        pool.install(|| (0..self.count).into_par_iter().map(of).collect())
+    }
+}
