@@ -1,9 +1,12 @@
 """The conclusions in words, and the data behind the figures."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.findings import left_out
 
 HEAVY = {
     "feel.inertia": "240 lb in s^2/rad",
@@ -83,3 +86,15 @@ def test_column_and_piston_agree_at_low_frequency_in_figures_8_and_9(found):
     for figure in ff.figures(found)[1:3]:
         piston, column = (figure.curves[f"compliant link, {name}"].gain_db.values[0] for name in ("piston", "column"))
         assert column == pytest.approx(piston, abs=0.01)
+
+
+def test_what_the_linear_models_leave_out_is_said(loader):
+    assert not any("leave out" in finding for finding in said(ff.design(loader)).findings)
+    curve = ff.Curve((-0.5, 0.0, 0.5), (-300.0, 0.0, 200.0))
+    more = replace(loader.replace({"valve.orifice": True}), force_curve=curve)
+    assert said(ff.design(more)).findings[-1] == (
+        "The linear models leave out valve.orifice and feel.force_curve; forcefeel simulate has all of it in play."
+    )
+    assert left_out(loader.replace({"valve.orifice": True})).startswith("The linear models leave out valve.orifice;")
+    many = more.replace({"column.coulomb_friction": "3 lb", "feel.breakout": "1 lb", "feel.deadband": "1 deg"})
+    assert "column.coulomb_friction, feel.deadband and 2 more of the loader's optional rows;" in left_out(many)

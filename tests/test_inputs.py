@@ -22,7 +22,7 @@ from forcefeel.inputs import (
     Sampled,
     Schedule,
     Step,
-    Sweep,
+    StopToStop,
     read_recorded,
 )
 
@@ -40,14 +40,20 @@ KINDS = [
     Step(3.0, 0.5),
     Pulse(3.0, 0.5, 0.25),
     Doublet(3.0, 0.25, 0.5),
-    Sweep(3.0, 2.0),
+    StopToStop(3.0, 2.0),
     Chirp(3.0, 1.0, 5.0, 1.0),
     Multisine(3.0, LINES, 10.0),
     Recorded(np.array([0.0, 1.0, 2.0]), np.array([0.0, 3.0, 1.0])),
     Release(0.2, 0.5),
     Schedule((0.0, 0.5, 0.5, 1.0), (0.0, 1.0, 2.0, 3.0)),
 ]
-CONTINUOUS = [Sweep(3.0, 2.0), Chirp(3.0, 1.0, 10.0, 2.0), Multisine(3.0, LINES, 10.0, seed=1), KINDS[7], HandsOff()]
+CONTINUOUS = [
+    StopToStop(3.0, 2.0),
+    Chirp(3.0, 1.0, 10.0, 2.0),
+    Multisine(3.0, LINES, 10.0, seed=1),
+    KINDS[7],
+    HandsOff(),
+]
 
 
 def of_kind(kinds: list) -> dict:
@@ -215,18 +221,18 @@ def test_what_comes_and_goes_within_rounding_is_not_lost_in_silence(start_s, wid
 
 
 @pytest.mark.parametrize(
-    "kind", [Pulse(1.0, 0.0, 1e308), Doublet(1.0, 0.0, 1e308), Doublet(1.0, 1e308, 1e308), Sweep(1.0, 1e308)]
+    "kind", [Pulse(1.0, 0.0, 1e308), Doublet(1.0, 0.0, 1e308), Doublet(1.0, 1e308, 1e308), StopToStop(1.0, 1e308)]
 )
 def test_what_lasts_for_ever_is_sampled(kind):
     assert np.isfinite(kind.sample(0.01, H)).all()
 
 
-# Sweep
+# StopToStop
 
 
 @pytest.mark.parametrize("duration_s", [1.0, 60.0])
 def test_sweep_goes_from_stop_to_stop_at_one_rate(duration_s):
-    force = at_steps(Sweep(90.0, duration_s).sample(duration_s, H))
+    force = at_steps(StopToStop(90.0, duration_s).sample(duration_s, H))
     t = grid(duration_s)
     triangle = 90 * 2 / np.pi * np.arcsin(np.sin(2 * np.pi * t / duration_s))
     np.testing.assert_allclose(
@@ -240,14 +246,14 @@ def test_sweep_goes_from_stop_to_stop_at_one_rate(duration_s):
 
 
 def test_sweep_ends_in_zero_and_begins_the_other_way_if_negative():
-    sweep = Sweep(-90.0, 1.0).sample(2.0, H)
+    sweep = StopToStop(-90.0, 1.0).sample(2.0, H)
     assert sweep.start[1] < 0
     assert not sweep.start[1000:].any()
     assert not sweep.end[999:].any()
 
 
 def test_a_corner_within_a_step_is_cut_by_no_more_than_promised():
-    force = at_steps(Sweep(90.0, 1.002).sample(1.1, H))  # corners at 0.2505 s and 0.7515 s
+    force = at_steps(StopToStop(90.0, 1.002).sample(1.1, H))  # corners at 0.2505 s and 0.7515 s
     promised = 2 * 90 * H / 1.002
     assert 0 < 90 - force.max() <= promised * (1 + ROUNDING)
     assert 0 < 90 + force.min() <= promised * (1 + ROUNDING)
@@ -255,14 +261,14 @@ def test_a_corner_within_a_step_is_cut_by_no_more_than_promised():
 
 def test_sweep_and_chirp_that_no_step_shows_are_refused():
     with pytest.raises(
-        InputError, match=r"^Sweep: expected duration_s to be 4 steps of 0.001 s at least, got 0.0035 s; "
+        InputError, match=r"^StopToStop: expected duration_s to be 4 steps of 0.001 s at least, got 0.0035 s; "
     ):
-        Sweep(1.0, 0.0035).sample(1.0, H)
+        StopToStop(1.0, 0.0035).sample(1.0, H)
     with pytest.raises(
         InputError, match=r"^Chirp: expected duration_s to be 1 steps of 0.001 s at least, got 1e-12 s; "
     ):
         Chirp(1.0, 1.0, 2.0, 1e-12).sample(1.0, H)
-    assert np.abs(Sweep(1.0, 0.004).sample(1.0, H)).max() == 1.0
+    assert np.abs(StopToStop(1.0, 0.004).sample(1.0, H)).max() == 1.0
 
 
 # Chirp
@@ -483,8 +489,8 @@ BUILT = [
     (lambda: Doublet(None, 0.0, 1.0), "Doublet: expected force_n to be a finite number, got None"),
     (lambda: Doublet(1.0, -1.0, 1.0), "Doublet: expected start_s to be a number of 0 or more, got -1.0"),
     (lambda: Doublet(1.0, 0.0, -1.0), "Doublet: expected width_s to be a number above 0, got -1.0"),
-    (lambda: Sweep(math.nan, 1.0), "Sweep: expected force_n to be a finite number, got nan"),
-    (lambda: Sweep(1.0, 0.0), "Sweep: expected duration_s to be a number above 0, got 0.0"),
+    (lambda: StopToStop(math.nan, 1.0), "StopToStop: expected force_n to be a finite number, got nan"),
+    (lambda: StopToStop(1.0, 0.0), "StopToStop: expected duration_s to be a number above 0, got 0.0"),
     (lambda: Chirp(math.nan, 1.0, 2.0, 1.0), "Chirp: expected force_n to be a finite number, got nan"),
     (lambda: Chirp(1.0, -1.0, 2.0, 1.0), "Chirp: expected from_hz to be a number of 0 or more, got -1.0"),
     (lambda: Chirp(1.0, 1.0, math.inf, 1.0), "Chirp: expected to_hz to be a number of 0 or more, got inf"),

@@ -12,7 +12,7 @@ from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, Spacin
 from forcefeel.cli.scenario_options import MOST_STEPS, Law, ScenarioOptions
 from forcefeel.cli.scenario_text import assignments, over_time, seconds
 from forcefeel.errors import InputError
-from forcefeel.inputs import Sweep
+from forcefeel.inputs import StopToStop
 from forcefeel.parameters import TABLE, in_range
 from forcefeel.units import factor
 
@@ -40,8 +40,8 @@ def test_nothing_given_is_a_step_of_the_loaders_force():
         ({"input": InputKind.STEP, "force": "20 lb", "start": "0.25 s"}, ff.Step(20 * LB, 0.25)),
         ({"input": InputKind.PULSE, "force": "-50 N", "width": "0.2"}, ff.Pulse(-50.0, 0.1, 0.2)),
         ({"input": InputKind.DOUBLET, "force": "20 lb", "start": "0"}, ff.Doublet(20 * LB, 0.0, 0.5)),
-        ({"input": InputKind.SWEEP, "force": "60 lb"}, Sweep(60 * LB, 100.0)),
-        ({"input": InputKind.SWEEP, "force": "60 lb", "lasts": "4", "duration": "5"}, Sweep(60 * LB, 4.0)),
+        ({"input": InputKind.STOP_TO_STOP, "force": "60 lb"}, StopToStop(60 * LB, 100.0)),
+        ({"input": InputKind.STOP_TO_STOP, "force": "60 lb", "lasts": "4", "duration": "5"}, StopToStop(60 * LB, 4.0)),
         (
             {"input": InputKind.CHIRP, "force": "10 N", "from_": "0.5 Hz", "to": "1 kHz", "step": "0.4 ms"}
             | {"spacing": Spacing.LOGARITHMIC, "sample": "0.8 ms"},
@@ -173,14 +173,14 @@ def test_changes_of_the_feel():
         ({"sample": "0"}, "sample_s: expected a time above 0"),
         ({"sample": "1.5 ms"}, "--sample: expected a multiple of the engine's step of 0.001 s"),
         ({"sample": "1 us"}, "--sample: expected a multiple"),
-        ({"seed": -1}, "seed: expected a whole number of 0 or more"),
+        ({"seed": -1}, "seed: expected a whole number from 0 to 9,223,372,036,854,775,807, got -1"),
         ({"force": "20"}, "--force: .* has no unit"),
         ({"force": "20 mA"}, "--force: .* measures a current, not a force"),
         ({"start": "2 s"}, "--start: expected a time before the end of the run at 2 s"),
         ({"input": InputKind.RELEASE}, "--angle: expected with --input release"),
         ({"input": InputKind.RELEASE, "angle": "181 deg"}, "--angle: expected -180 to 180 deg, got 181 deg"),
         ({"input": InputKind.PULSE, "width": "0"}, "Pulse: expected width_s to be a number above 0"),
-        ({"input": InputKind.SWEEP, "lasts": "0 s"}, "Sweep: expected duration_s to be a number above 0"),
+        ({"input": InputKind.STOP_TO_STOP, "lasts": "0 s"}, "StopToStop: expected duration_s to be a number above 0"),
         ({"input": InputKind.MULTISINE, "lines": "0.123 Hz"}, "to be a multiple of 1 / duration_s"),
         ({"input": InputKind.MULTISINE, "lines": "1 Hz", "to": "3 Hz"}, "--to: given with --lines"),
         ({"input": InputKind.MULTISINE, "from_": "5 Hz", "to": "4 Hz"}, "--from, --to: expected 1 to 10000 multiples"),
@@ -190,6 +190,11 @@ def test_changes_of_the_feel():
         ({"trim": "0 s: 5 deg, 3 deg"}, "--trim: expected times and values such as"),
         ({"shaker": "1"}, r"--shaker: the loader has no feel.shaker_force; add --set 'feel.shaker_force=10 lb'"),
         ({"shaker": "1.1"}, "--shaker: expected shares from 0 to 1, got 1.1"),
+        ({"sample": "1e308"}, "--sample: expected a multiple of the engine's step of 0.001 s, got 1e\\+308 s"),
+        ({"seed": 2**64}, "seed: expected a whole number from 0 to"),
+        ({"input": InputKind.MULTISINE, "to": "2e307 Hz", "lasts": "100"}, "multiples of 0.01 Hz, .* got inf"),
+        ({"change": ["1e300 s: feel.breakout=2 lb"]}, "expected changes that are done by 1e\\+06 s, got 1e\\+300 s"),
+        ({"change": ["1 s: feel.breakout=2 lb"], "over": "1e300 s"}, "expected changes that are done by"),
         ({"over": "1 s"}, "--over: is how long a --change takes, and there is none"),
         ({"change": ["feel.stiffness=3 N m/rad"]}, "--change: expected a time, a colon and new values"),
         ({"change": ["1 s: feel.stiffness"]}, "--change: expected a parameter and its value"),
@@ -207,7 +212,10 @@ def test_bad_options_are_named(options, said):
     ("options", "said"),
     [
         ({"set_": ["column.coulomb_friction=-3 lb"]}, "column.coulomb_friction: expected 0 to 10000 lb"),
-        ({"set_": ["controller.period=0 ms"]}, "controller.period: expected 0.01 to 100 ms, got 0 ms"),
+        (
+            {"set_": ["controller.period=0 ms"]},
+            "expected 0.01 to 100 ms, got 0 ms; give None, or off on the command line",
+        ),
         ({"set_": ["controller.delay=1 ms"]}, "controller.delay: has no effect without controller.period"),
         ({"set_": ["linkage.stifness=1 N/m"]}, "unknown parameter 'linkage.stifness'; did you mean linkage.stiffness"),
         ({"set_": ["valve.orifice=maybe"]}, "valve.orifice: expected true or false, got 'maybe'"),

@@ -192,7 +192,7 @@ def test_a_history_can_be_played_again(run, tmp_path):
     "words",
     [
         ["--input", "pulse", "--force", "20 lb", "--width", "0.2"],
-        ["--input", "sweep", "--force", "20 lb", "--duration", "4"],
+        ["--input", "stop-to-stop", "--force", "20 lb", "--duration", "4"],
         ["--input", "multisine", "--lasts", "1 s", "--duration", "2", "--from", "1 Hz"],
         ["--input", "hands-off", "--set", "feel.shaker_force=10 lb", "--shaker", "1"],
         ["--trim", "0 s: 0 deg, 1 s: 5 deg", "--set", "feel.trim_rate=3 deg/s"],
@@ -206,6 +206,19 @@ def test_every_kind_of_run(run, words):
     status, out, err = run(*words)
     assert (status, err) == (0, "")
     assert "The column" in out or "Settled" in out or "Still moving" in out
+
+
+@pytest.mark.parametrize("kind", ["stop-to-stop", "hands-off"])
+def test_results_name_the_input_as_the_command_does(run, kind):
+    status, out, _ = run("--input", kind, "--duration", "0.1", "--json")
+    assert status == 0
+    assert json.loads(out)["scenario"]["force"]["kind"] == kind
+
+
+def test_the_old_word_of_the_stop_to_stop_input_is_refused_with_those_there_are(run):
+    status, _, err = run("--input", "sweep")
+    assert status == 2
+    assert "stop-to-stop" in err
 
 
 def test_the_seed_is_that_of_the_noise(run):

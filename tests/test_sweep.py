@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.inputs import Chirp, HandsOff, Step
+from forcefeel.inputs import Chirp, Doublet, HandsOff, Step
 from forcefeel.parameters import INDEX, TABLE
 from forcefeel.simulation import FeelChange, Scenario, simulate
 from forcefeel.simulation.outcome import MEASURES, RunStatus
@@ -302,6 +302,24 @@ def test_what_is_not_all_never_reads_as_all(share, said):
 def test_the_headline_measure_fits_the_input(force, first):
     found = run_sweep(Sweep(ff.elevator(), Scenario(force, duration_s=1.0), runs=24))
     assert main_measures(found, summarize(found))[0] == first
+
+
+def test_inputs_that_lead_nowhere_are_measured_by_settling_and_not_by_overshoot():
+    found = run_sweep(Sweep(ff.elevator(), Scenario(Doublet(100.0, 0.1, 0.2), duration_s=3.0), runs=24))
+    assert np.isnan(found.runs["overshoot"].values).all()
+    measures = main_measures(found, summarize(found))
+    assert "settling_time_s" in measures
+    assert "overshoot" not in measures
+
+
+def test_runs_without_an_overshoot_are_counted_and_the_reason_is_given():
+    loader = ff.elevator().with_tolerances(dict.fromkeys(ff.elevator().tolerances))
+    vary = {"column.coulomb_friction": "2 lb..60 lb"}  # of which most hold 50 N fast
+    found = run_sweep(Sweep(loader, Scenario(Step(50.0, 0.1), duration_s=1.0), runs=40, vary=vary))
+    none = int(np.isnan(found.runs["overshoot"].values).sum())
+    assert 0 < none < 40
+    said = " ".join(sweep_conclusions(found, summarize(found), UnitSystem.US).findings)
+    assert f"{none} have none: the column ends where it began." in said
 
 
 def test_a_sweep_in_which_nothing_moves_has_nothing_to_say():

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -104,6 +105,24 @@ def test_a_grid_makes_a_map(run, tmp_path):
     assert xr.load_dataset(tmp_path / "map" / "runs.nc", engine="scipy").sizes == {"run": 20}
 
 
+def test_a_law_for_each_setting(run, tmp_path):
+    words = ["--set", "load_cell.noise=off", "--grid", "feel.stiffness=5000..15000 lb in/rad:4", *PUSH_WORDS]
+    found = {}
+    for name, more in (("one", []), ("own", ["--redesign"])):
+        status, out, err = run("my.toml", *words, "--compensator", "published", *more, "--out", name)
+        assert (status, err) == (0, "")
+        assert "page:" in out
+        found[name] = xr.load_dataset(tmp_path / name / "runs.nc", engine="scipy")["maximum_angle_rad"].values
+    assert np.abs(found["one"] / found["own"] - 1).max() > 0.01
+    page = (tmp_path / "own" / "sweep.html").read_text(encoding="utf-8")
+    assert "designed anew for each setting of the feel" in page
+    summary = json.loads((tmp_path / "own" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["law"] == "designed anew for each setting of the feel"
+    assert json.loads((tmp_path / "one" / "summary.json").read_text(encoding="utf-8"))["law"] == "one for all machines"
+    assert run("my.toml", *words, "--compensator", "published", "--redesign", "--out", "own", "--resume")[0] == 0
+    assert "law" in run("my.toml", *words, "--compensator", "published", "--out", "own", "--resume")[2]
+
+
 def test_machines_at_each_point(run):
     status, out, _ = run(*small("--grid", "feel.stiffness=8000..12000 lb in/rad:3", "--json"))
     assert status == 0
@@ -137,8 +156,11 @@ def test_a_diverging_loader_is_a_bad_answer(run):
         (["--grid", "feel.stiffness=1..2"], "grid: feel.stiffness: expected from..to:how many"),
         (["--grid", "feel.stiffness"], "--grid: expected part.name=value"),
         (["--scheduler", "nowhere"], "--scheduler: nowhere cannot be reached"),
-        (["--threads", "0"], "threads: expected 1 or more"),
-        (["--seed", "-1"], "seed: expected a whole number of 0 or more"),
+        (["--threads", "0"], "threads: expected 1 to 1024"),
+        (["--threads", "99999999999999"], "threads: expected 1 to 1024"),
+        (["--seed", "-1"], "seed: expected a whole number from 0 to 9,223,372,036,854,775,807, got -1"),
+        (["--redesign"], "--redesign: is about designed gains; add --compensator published or converged"),
+        (["--redesign", "--compensator", "published"], "none of feel.inertia, feel.damping, feel.stiffness varies"),
         (["--out", "my.toml"], "my.toml: is a file; expected a folder for the sweep"),
     ],
 )

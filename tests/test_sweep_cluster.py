@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from distributed import LocalCluster
 
+from forcefeel.compensation import published_settings
 from forcefeel.errors import InputError
-from forcefeel.sweep import cluster, run_sweep
-from tests.sweeps import small
+from forcefeel.sweep import Sweep, cluster, run_sweep
+from tests.sweeps import PUSH, nonlinear, small
 
 RUNS = 20_000
 
@@ -54,6 +55,13 @@ def test_a_sweep_begun_here_goes_on_there(workers, here, tmp_path):
         run_sweep(small(RUNS), tmp_path, progress=stop)
     found = run_sweep(small(RUNS), tmp_path, resume=True, scheduler=workers.scheduler_address)
     assert found.runs.identical(here)
+
+
+def test_laws_of_each_setting_are_the_same_there(workers):
+    loader = nonlinear()
+    vary = {"feel.damping": "30 %"}
+    sweep = Sweep(loader, PUSH, published_settings(loader), runs=200, vary=vary)
+    assert run_sweep(sweep, scheduler=workers.scheduler_address).runs.identical(run_sweep(sweep).runs)
 
 
 def test_an_interruption_keeps_what_came_back(workers, here, tmp_path):

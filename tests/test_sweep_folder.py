@@ -210,7 +210,16 @@ def test_replace_begins_anew_and_leaves_other_files_alone(tmp_path, whole):
     assert names(tmp_path) == {"plan.json", "runs.nc", "mine.txt", "other"}
 
 
-@pytest.mark.parametrize("plan", ["", "[1]", "{", "\xff"])
+@pytest.mark.parametrize("name", ["runs.nc", "chunks", "sweep.html", "summary.json", "envelope.csv"])
+def test_files_of_somebody_else_are_kept(tmp_path, name):
+    (tmp_path / name).write_text("mine", encoding="utf-8")
+    for resume in (False, True):
+        with pytest.raises(InputError, match=rf"holds {name}, but no plan\.json .*; name another folder, or --replace"):
+            run_sweep(small(8), tmp_path, resume=resume)
+    assert (tmp_path / name).read_text(encoding="utf-8") == "mine"
+
+
+@pytest.mark.parametrize("plan", ["", "[1]", "{", "\xff", pytest.param("[" * 100_000, id="deep")])
 def test_a_plan_that_is_none_is_refused(tmp_path, plan):
     (tmp_path / "plan.json").write_bytes(plan.encode("latin-1"))
     with pytest.raises(InputError, match=r"plan\.json: (cannot be read|is no plan)"):
@@ -237,7 +246,7 @@ def test_options_without_a_folder_are_refused():
     for options in ({"resume": True}, {"replace": True}):
         with pytest.raises(InputError, match="there is none; name it"):
             run_sweep(small(8), **options)
-    with pytest.raises(InputError, match="threads: expected 1 or more"):
+    with pytest.raises(InputError, match="threads: expected 1 to 1024"):
         run_sweep(small(8), threads=0)
     with pytest.raises(InputError, match="a cluster has its own"):
         run_sweep(small(8), threads=2, scheduler="tcp://127.0.0.1:1")

@@ -11,7 +11,7 @@ from playwright.sync_api import Page
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.inputs import Sweep as StopToStop
+from forcefeel.inputs import StopToStop
 from forcefeel.report import sweep_folder, sweep_maps
 from forcefeel.report.sweep_folder import check_sweep_folder, write_sweep
 from forcefeel.report.sweep_plots import histogram

@@ -209,7 +209,8 @@ def test_a_row_with_shares_cannot_be_switched_off_under_them() -> None:
     loader = loader.with_tolerances({"column.coulomb_friction": "20 %", "column.stop_high": "5 %"})
     for key in ("column.coulomb_friction", "column.stop_high"):
         with pytest.raises(
-            InputError, match=rf"^tolerances\.{key}: a share of {key}, which is off, .+ or drop it first"
+            InputError,
+            match=rf"^tolerances\.{key}: a share of {key}, which is off, .+ or drop the tolerance first, from the loader file",
         ):
             loader.replace({key: None})
         assert loader.with_tolerances({key: None}).replace({key: None})[key] in {0, math.inf}

@@ -31,6 +31,7 @@ _PUBLIC = {
         "Release",
         "Schedule",
         "Step",
+        "StopToStop",
         "read_recorded",
     ),
     "loader": ("Loader", "elevator", "load"),

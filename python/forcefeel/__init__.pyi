@@ -34,6 +34,7 @@ from forcefeel.inputs import Recorded as Recorded
 from forcefeel.inputs import Release as Release
 from forcefeel.inputs import Schedule as Schedule
 from forcefeel.inputs import Step as Step
+from forcefeel.inputs import StopToStop as StopToStop
 from forcefeel.inputs import read_recorded as read_recorded
 from forcefeel.loader import Loader as Loader
 from forcefeel.loader import elevator as elevator

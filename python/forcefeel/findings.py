@@ -7,6 +7,8 @@ import numpy as np
 from forcefeel._core import feel_frequency
 from forcefeel.analysis.modes import least_damped
 from forcefeel.assessment import Assessment
+from forcefeel.curves import CURVES
+from forcefeel.loader import Loader
 from forcefeel.models import Linkage
 from forcefeel.studies import CHANGES, VISIBLE_LOSS, droppable, worst
 from forcefeel.units import HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
@@ -19,6 +21,9 @@ Part 60, Appendix A, Table A2A, test 2.a.1.a)."""
 FREQUENCY_TOLERANCE = 0.10
 """Deviation of the period that qualification allows: T(P0) = 10 % of P0 (14 CFR Part 60, Appendix A, Attachment 2)."""
 
+
+_NAMED = 3
+"""Rows that a sentence names."""
 
 SAME_MODE = 0.02
 """Relative difference in frequency below which two models' modes are called the same: what one can read off a plot."""
@@ -52,8 +57,24 @@ def conclusions(design: Design, units: UnitSystem) -> Conclusions:
             _valve(design),
             _paths(design),
             _sensitivity(design),
+            *filter(None, [left_out(design.loader)]),
         ),
     )
+
+
+def left_out(loader: Loader) -> str:
+    """What the linear models do not have of ``loader``, as a sentence; empty where it has nothing beyond the report's rows."""
+    rows = beyond_linear(loader)
+    return rows and f"The linear models leave out {rows}; forcefeel simulate has all of it in play."
+
+
+def beyond_linear(loader: Loader) -> str:
+    """The optional rows and curves that ``loader`` gives, by name as far as a sentence can hold them."""
+    keys = [*loader.given, *(CURVES[name].key for name in loader.curves)]
+    named, more = keys[:_NAMED], len(keys) - _NAMED
+    if more > 0:
+        return f"{', '.join(named)} and {more} more of the loader's optional rows"
+    return " and ".join(filter(None, (", ".join(named[:-1]), *named[-1:])))
 
 
 def _verdict(design: Design) -> str:

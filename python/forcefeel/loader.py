@@ -35,6 +35,9 @@ _REPORT = (
     "the tolerances are assumed"
 )
 
+_OFF = "give None, or off on the command line,"
+"""How one switches an optional row off who changes a loader."""
+
 _ASSUMED = dict.fromkeys(
     (
         "amplifier.admittance",
@@ -269,7 +272,7 @@ def _value(key: str, given: str | float | bool | None) -> float:
     except InputError as error:
         raise InputError(f"{key}: {error}") from error
     if value == row.off_si and not in_range(row, value):
-        raise InputError(f"{key}: expected {range_text(row)}, got {value_text(row, value)}; {without(row)} (None)")
+        raise InputError(f"{key}: expected {range_text(row)}, got {value_text(row, value)}; {without(row, _OFF)}")
     return value
 
 
@@ -287,7 +290,8 @@ def _about(key: str, tolerance: Tolerance, value: float) -> Tolerance:
             raise InputError(share_of_nothing(TABLE[key]))
         return tolerance.about(value)
     except InputError as error:
-        raise InputError(f"tolerances.{key}: {error}; or drop it first, with_tolerances({{{key!r}: None}})") from error
+        drop = f"drop the tolerance first, from the loader file or with_tolerances({{{key!r}: None}})"
+        raise InputError(f"tolerances.{key}: {error}; or {drop}") from error
 
 
 def _position(key: str) -> int:

@@ -86,9 +86,9 @@ def value_text(row: Parameter, value: float) -> str:
     return with_unit(row, value, UnitSystem.US)
 
 
-def without(row: Parameter) -> str:
-    """What to do for a loader that has not what an optional row stands for."""
-    return f"leave the row out {_WITHOUT.get(f'{row.part}.{row.name}', 'to switch it off')}"
+def without(row: Parameter, how: str = "leave the row out") -> str:
+    """What to do for a loader that has not what an optional row stands for; ``how`` for one that is no file."""
+    return f"{how} {_WITHOUT.get(f'{row.part}.{row.name}', 'to switch it off')}"
 
 
 def alternatives(part: str) -> dict[str, Parameter]:

@@ -4,11 +4,11 @@ from math import isfinite, isnan, pi
 
 from forcefeel._core import feel_frequency
 from forcefeel.arms import UNVERIFIED, arm_of
-from forcefeel.findings import Conclusions
-from forcefeel.ideal_run import has_arm, programmed
-from forcefeel.inputs import Chirp, Doublet, Force, HandsOff, Multisine, Pulse, Recorded, Release, Step, Sweep
+from forcefeel.findings import Conclusions, beyond_linear
+from forcefeel.ideal_run import has_arm, programmed, spring_is_g
+from forcefeel.inputs import Chirp, Doublet, Force, HandsOff, Multisine, Pulse, Recorded, Release, Step, StopToStop
 from forcefeel.parameters import INDEX
-from forcefeel.run_limits import Limits, goes_to_a_place, keeps_moving, limits
+from forcefeel.run_limits import Limits, feel_position, goes_to_a_place, keeps_moving, limits, why_no_overshoot
 from forcefeel.simulation import Run, RunStatus
 from forcefeel.units import ANGLE, CURRENT, Unit, UnitSystem, to_text
 
@@ -30,6 +30,7 @@ def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
         _stops(run, found),
         _friction(run, found),
         _arm(run),
+        _design(run),
     )
     return Conclusions(
         run.status is not RunStatus.DIVERGED, _verdict(run, units), tuple(text for text in sentences if text)
@@ -49,7 +50,7 @@ def input_in_words(force: Force, units: UnitSystem) -> str:
     return _formula_in_words(force, _force(force.force_n, units))
 
 
-def _formula_in_words(force: Step | Pulse | Doublet | Sweep | Chirp | Multisine, peak: str) -> str:
+def _formula_in_words(force: Step | Pulse | Doublet | StopToStop | Chirp | Multisine, peak: str) -> str:
     match force:
         case Step():
             return f"a step of {peak} at {force.start_s:g} s"
@@ -57,8 +58,8 @@ def _formula_in_words(force: Step | Pulse | Doublet | Sweep | Chirp | Multisine,
             return f"a pulse of {peak} from {force.start_s:g} s on, {force.width_s:g} s long"
         case Doublet():
             return f"a doublet of ±{peak} from {force.start_s:g} s on, {force.width_s:g} s each way"
-        case Sweep():
-            return f"a sweep to {peak} either way and back, {force.duration_s:g} s long"
+        case StopToStop():
+            return f"a stop-to-stop sweep to {peak} either way and back, {force.duration_s:g} s long"
         case Chirp():
             band = f"from {force.from_hz:g} to {force.to_hz:g} Hz"
             return f"a {force.spacing} chirp of ±{peak} {band}, {force.duration_s:g} s long"
@@ -80,9 +81,14 @@ def _verdict(run: Run, units: UnitSystem) -> str:
         came = f"The column moved between {low} and {high} {ANGLE.shown(units)}"
         if keeps_moving(run.scenario.force):
             return f"{came}."
-        rest = "came to rest" if settled else f"was still moving after {to_text(run.scenario.duration_s)} s"
+        rest = (
+            f"settled at {to_text(found.settling_time_s, 3)} s"
+            if settled
+            else f"was still moving after {to_text(run.scenario.duration_s)} s"
+        )
         return f"{came} and {rest}."
-    swing = ", ".join(filter(None, (f"overshoot {_percent(found.overshoot)}", _frequency(run))))
+    why = why_no_overshoot(run)
+    swing = ", ".join(filter(None, (why or f"overshoot {_percent(found.overshoot)}", _frequency(run))))
     if settled:
         return f"Settled at {to_text(found.settling_time_s, 3)} s, {swing}."
     by = _quantity(found.last_swing_rad, ANGLE, units, 2)
@@ -97,7 +103,7 @@ def _at_rest(run: Run, units: UnitSystem) -> str:
     rests = f"It rests at {_quantity(run.measures.final_angle_rad, ANGLE, units, 3)}"
     stiffness = float(programmed(loader)[INDEX["feel.stiffness"]])
     angle = loader["column.grip_arm"] * force.force_n / stiffness
-    if angle == 0 or loader.force_curve is not None:
+    if angle == 0 or not spring_is_g(run):
         return f"{rests}."
     share = _percent(run.measures.final_angle_rad / angle)
     spring = "the springs of G and arm allow" if has_arm(loader) else "the spring G alone allows"
@@ -107,11 +113,13 @@ def _at_rest(run: Run, units: UnitSystem) -> str:
 def _period(run: Run) -> str:
     if run.status is RunStatus.DIVERGED or not (frequency := _frequency(run)):
         return ""
+    periods = int(run.measures.passes) - 1
+    swings = f"It swings at {frequency} ({'one period' if periods == 1 else f'mean of {periods} periods'})"
+    if not spring_is_g(run):
+        return f"{swings}."
     alone = "I and G with the arm give" if has_arm(run.loader) else "I and G alone give"
     ideal = to_text(feel_frequency(programmed(run.loader))[0] / (2 * pi), 3)
-    periods = int(run.measures.passes) - 1
-    mean = "one period" if periods == 1 else f"mean of {periods} periods"
-    return f"It swings at {frequency} ({mean}); {alone} {ideal} Hz."
+    return f"{swings}; {alone} {ideal} Hz."
 
 
 def _frequency(run: Run) -> str:
@@ -172,7 +180,7 @@ def _stops(run: Run, found: Limits) -> str:
         return f"It was {' and '.join(hit)}."
     if not there:
         return ""
-    return "It reached no stop" + (": the force is too small." if isinstance(run.scenario.force, Sweep) else ".")
+    return "It reached no stop" + (": the force is too small." if isinstance(run.scenario.force, StopToStop) else ".")
 
 
 def _friction(run: Run, found: Limits) -> str:
@@ -187,6 +195,14 @@ def _friction(run: Run, found: Limits) -> str:
 def _arm(run: Run) -> str:
     arm = arm_of(run.loader)
     return f"The pilot's arm is the {arm} one, whose numbers are unverified." if arm in UNVERIFIED else ""
+
+
+def _design(run: Run) -> str:
+    """Of a law that feeds back states: what its design cannot have known."""
+    rows = beyond_linear(run.loader)
+    if not rows or not feel_position(run).endswith("_rad"):
+        return ""
+    return f"Gains are designed on the linear models, which leave out {rows}; this run has all of it."
 
 
 def _force(value: float, units: UnitSystem) -> str:

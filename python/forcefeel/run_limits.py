@@ -1,13 +1,13 @@
 """What of a run means something, and what held the machine back, in numbers."""
 
 from dataclasses import dataclass, fields
-from math import inf, nan
+from math import inf, isnan, nan
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.inputs import Chirp, Force, Multisine, Release, Step, Sweep
+from forcefeel.inputs import Chirp, Force, Multisine, Release, Step, StopToStop
 from forcefeel.simulation import Measures, Run, RunStatus
 from forcefeel.units import PERCENT, SECONDS
 
@@ -87,17 +87,26 @@ def limits(run: Run) -> Limits:
 def known_measures(run: Run) -> Measures:
     """The measures that mean something: of a run that diverged only when it did.
 
-    Overshoot, settling time and period are those of a column that goes to a place and stays there; the final angle is that
+    Overshoot and period are those of a column that goes to a place and stays there; final angle and settling time are those
     of a column that is left alone in the end.
     """
     values = {field.name: getattr(run.measures, field.name) for field in fields(Measures)}
     if run.status is RunStatus.DIVERGED:
         return Measures(**dict.fromkeys(values, nan) | {"diverged_at_s": run.measures.diverged_at_s})
     if not goes_to_a_place(run.scenario.force):
-        values |= dict.fromkeys(("overshoot", "settling_time_s", "period_s", "passes"), nan)
+        values |= dict.fromkeys(("overshoot", "period_s", "passes"), nan)
     if keeps_moving(run.scenario.force):
-        values |= dict.fromkeys(("final_angle_rad", "last_swing_rad"), nan)
+        values |= dict.fromkeys(("final_angle_rad", "settling_time_s", "last_swing_rad"), nan)
     return Measures(**values)
+
+
+def why_no_overshoot(run: Run) -> str:
+    """Why a column that is left alone in the end has no overshoot; empty where it has one, or is not left alone."""
+    if run.status is RunStatus.DIVERGED or keeps_moving(run.scenario.force):
+        return ""
+    if not goes_to_a_place(run.scenario.force):
+        return "the input leads to no new place"
+    return "the column ended where it began" if isnan(run.measures.overshoot) else ""
 
 
 def goes_to_a_place(force: Force) -> bool:
@@ -107,7 +116,7 @@ def goes_to_a_place(force: Force) -> bool:
 
 def keeps_moving(force: Force) -> bool:
     """Whether the input goes on to the end of the run."""
-    return isinstance(force, Sweep | Chirp | Multisine)
+    return isinstance(force, StopToStop | Chirp | Multisine)
 
 
 def feel_position(run: Run) -> str:

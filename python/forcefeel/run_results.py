@@ -1,5 +1,6 @@
 """A run for machines and tables: its measures with names people read, its history in units, all of it as plain data."""
 
+import re
 from dataclasses import dataclass
 from importlib.metadata import version
 from math import isfinite
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from forcefeel.results import Plain, plain
 from forcefeel.run_findings import FORCE, input_in_words, run_conclusions
-from forcefeel.run_limits import known_measures, limits
+from forcefeel.run_limits import known_measures, limits, why_no_overshoot
 from forcefeel.simulation import Measures, Run
 from forcefeel.units import ANGLE, CURRENT, FLOW, LENGTH, PERCENT, PRESSURE, SECONDS, Unit, UnitSystem, factor, to_text
 
@@ -62,12 +63,14 @@ class Column:
     values: NDArray[np.float64]
 
 
-def measure_rows(found: Measures, units: UnitSystem) -> list[tuple[str, str, str]]:
-    """Name, value and unit of each measure that there is."""
-    hints = get_type_hints(Measures, include_extras=True)
+def measure_rows(run: Run, units: UnitSystem) -> list[tuple[str, str, str]]:
+    """Name, value and unit of each measure that there is; a dash for an overshoot that there cannot be, and why."""
+    found, hints = known_measures(run), get_type_hints(Measures, include_extras=True)
     rows = []
     for key, name in NAMES.items():
         value, measured_in = getattr(found, key), hints[key].__metadata__[0]
+        if key == "overshoot" and (why := why_no_overshoot(run)):
+            rows.append((f"{name} ({why})", "–", ""))
         if not isfinite(value):
             continue
         if key == "overshoot":
@@ -97,7 +100,7 @@ def plain_run(run: Run, units: UnitSystem, law: str) -> dict[str, Plain]:
     force = run.scenario.force
     scenario = dict(_plain_dict(run.scenario, units))
     scenario["force"] = {
-        "kind": type(force).__name__.lower(),
+        "kind": re.sub("(?<!^)(?=[A-Z])", "-", type(force).__name__).lower(),  # as --input has it: stop-to-stop
         "words": input_in_words(force, units),
         **_plain_dict(force, units),
     }

@@ -1,7 +1,8 @@
 """Gains for many computer settings of one loader, from the structure of the problem.
 
 The plant's four states do not see the feel model, so its Riccati equation is solved once; each setting then costs one
-linear equation, solved in Rust (``crates/solve/src/schedule.rs`` derives it).
+linear equation, solved in Rust (``crates/solve/src/schedule.rs`` derives it), or over a horizon a polynomial of its 2 by 2
+transition matrix.
 """
 
 from dataclasses import dataclass
@@ -22,7 +23,7 @@ _FEEL = [2, 3]  # delta, delta'
 
 @dataclass(frozen=True, eq=False)
 class GainSchedule:
-    """Converged gains over settings.
+    """Gains over settings.
 
     Attributes:
         settings: I, B, G in SI units, a row per setting.
@@ -36,32 +37,39 @@ class GainSchedule:
 def schedule_gains(
     loader: Loader, settings: ArrayLike, design: DesignSettings | None = None, *, continuous: bool = False
 ) -> GainSchedule:
-    """Converged gains for every setting.
+    """Gains for every setting, those that ``compensate`` gives for it.
 
     Args:
         loader: The loader; its own feel setting is not used.
         settings: I, B, G in SI units (N m s^2/rad, N m s/rad, N m/rad), a row per setting.
-        design: Weights of eq. (21) and step; the horizon is endless.
-        continuous: Design in continuous time, the limit of a small step, instead of at ``design.step_s``.
+        design: Weights of eq. (21), step and horizon; over an endless horizon the gains are the fixed point itself.
+        continuous: Design in continuous time, the limit of a small step, instead of at ``design.step_s``; without a horizon.
 
     Raises:
         InputError: If a setting is not a row of three finite numbers with I > 0, B >= 0, G > 0, or has no gains in double
-            precision; if ``design`` has a horizon or [Q] whole.
+            precision; if ``design`` has [Q] whole, or a horizon in continuous time.
     """
     design = design or DesignSettings()
-    if design.horizon_s is not None or design.q is not None:
-        raise InputError("design: expected an endless horizon and the weights of eq. (21); leave out horizon_s and q")
+    if design.q is not None:
+        raise InputError("design: expected the weights of eq. (21); leave out q")
+    if continuous and design.horizon_s is not None:
+        raise InputError("design: expected an endless horizon in continuous time; leave out horizon_s")
     rows = _rows(settings)
-    solve = _continuous_plant if continuous else _sampled_plant
-    plant = solve(loader, design)
-    period = None if continuous else design.step_s
-    feel_gains = _core.schedule(plant.closed, plant.coupling, plant.gain_row, period, rows)
+    if design.horizon_s is not None:
+        plant_gains, feel_gains = _over_horizon(loader, design, rows)
+    else:
+        try:
+            plant = (_continuous_plant if continuous else _sampled_plant)(loader, design)
+        except np.linalg.LinAlgError as error:
+            raise InputError(f"design: the loader has no gains over an endless horizon ({error})") from error
+        period = None if continuous else design.step_s
+        plant_gains = plant.gains / plant.scale
+        feel_gains = _core.schedule(plant.closed, plant.coupling, plant.gain_row, period, rows)
     if not np.isfinite(feel_gains).all():
         bad = int(np.argmin(np.isfinite(feel_gains).all(axis=1)))
         raise InputError(f"settings: row {bad}, {rows[bad].tolist()}, has no gains: its numbers are too far apart")
     gains = np.empty((len(rows), 6))
-    gains[:, _PLANT] = plant.gains / plant.scale
-    gains[:, _FEEL] = feel_gains
+    gains[:, _PLANT], gains[:, _FEEL] = plant_gains, feel_gains
     return GainSchedule(rows, gains)
 
 
@@ -96,6 +104,54 @@ class _SolvedPlant:
     coupling: NDArray[np.float64]
     gain_row: NDArray[np.float64]
     scale: NDArray[np.float64]
+
+
+def _over_horizon(
+    loader: Loader, design: DesignSettings, rows: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Gains of the plant's states, and of the feel's for each setting, by recursion (22) over the horizon.
+
+    After j steps the block ``P_j = M_j' P_(j-1) Phi + Q``, ``P_0 = Q``, of the cost couples plant and feel. ``M_j`` and the row
+    ``k`` are the plant's alone, so that of N steps ``c_w = -k P_(N-1) Phi = -(q_0 + q_1 Phi + ... + q_(N-1) Phi^(N-1)) Phi``
+    with ``q_0 = k Q``, ``q_1 = k M_(N-1)' Q``, ``q_2 = k M_(N-1)' M_(N-2)' Q`` and so on, the same rows for every setting.
+    """
+    problem = SampledProblem.of(loader, design)
+    phi, h, scale = problem.phi[np.ix_(_PLANT, _PLANT)], problem.h[_PLANT], problem.scale[_PLANT]
+    weight = problem.q[np.ix_(_PLANT, _PLANT)]
+    cost, closed = weight, []
+    for _ in range(round((design.horizon_s or 0.0) / design.step_s)):
+        k = h.T / (problem.r + h.T @ cost @ h)
+        c = -k @ cost @ phi
+        closed.append(phi + h @ c)
+        cost = closed[-1].T @ cost @ closed[-1] + weight + c.T @ problem.r @ c
+        cost = (cost + cost.T) / 2
+    coupling, row = _coupling(loader, design, scale), k
+    polynomial = [row @ coupling]
+    for m in reversed(closed[:-1]):
+        row = row @ m.T
+        polynomial.append(row @ coupling)
+    # Element by element, so that a setting has the same gains to the last bit in whatever company.
+    (f00, f01), (f10, f11) = _feel_transition(rows, design.step_s)
+    first, second = np.zeros((2, len(rows)))
+    for (q,) in reversed(polynomial):
+        first, second = q[0] + first * f00 + second * f10, q[1] + first * f01 + second * f11
+    return c[0] / scale, -np.stack([first * f00 + second * f10, first * f01 + second * f11], axis=1)
+
+
+def _feel_transition(rows: NDArray[np.float64], step_s: float) -> NDArray[np.float64]:
+    """``Phi = exp(W h)``, (2, 2, settings), of the unforced feel ``delta'' = -(G delta + B delta') / I``, eq. (11).
+
+    ``exp(W h) = e^s (cosh r + (W h - s) sinh r / r)`` with ``s`` half the trace of ``W h`` and ``r^2 = s^2 - det W h``.
+    """
+    inertia, damping, stiffness = rows.T
+    with np.errstate(all="ignore"):  # what is out of range has no gains
+        down, back = -stiffness / inertia * step_s, -damping / inertia * step_s
+        s = back / 2
+        r = np.sqrt(s * s + down * step_s + 0j)
+        cosh, sinh_by_r = np.cosh(r).real, np.sinc(1j * r / np.pi).real
+        return np.asarray(
+            np.exp(s) * [[cosh - s * sinh_by_r, step_s * sinh_by_r], [down * sinh_by_r, cosh + (back - s) * sinh_by_r]]
+        )
 
 
 def _sampled_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:

@@ -6,7 +6,7 @@ Five rules differ from a general unit library, because this field writes them so
 * ``Hz`` is a cycle per second, so ``60 Hz`` is 377 rad/s;
 * an angle is a quantity: ``0.9 deg`` is no ratio. Only where a unit is per radian may the radian stay unsaid, as in
   ``lb in`` of stiffness or ``kg m^2`` of inertia;
-* a value is one number and one unit; arithmetic such as ``"3 m + 2 m"`` is refused;
+* a value is one number and one unit; arithmetic such as ``"3 m + 2 m"`` is refused, and a power is one whole number;
 * the units are those of ``data/units.txt``, so that a slip such as ``15 ma`` does not become a milliyear.
 """
 
@@ -59,6 +59,11 @@ _QUANTITIES = {
 _NUMBER = r"[+-]?(?:(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|(?i:nan|inf(?:inity)?)\b)"
 _UNIT = r"%|(?:(?<= )1/)?[A-Za-zµμ°(](?:[A-Za-zµμ°() */·^.0-9⁰¹²³⁴⁵⁶⁷⁸⁹⁻]|(?<=[\^*])-){0,59}"
 _VALUE = re.compile(rf"(?P<number>{_NUMBER}) ?(?P<unit>{_UNIT})?")
+_SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
+_POWER = re.compile(
+    rf"(?:(?:\^|\*\*) ?-?[0-9]{{1,2}}|⁻?[{_SUPERSCRIPTS}]{{1,2}})(?! ?(?:\^|\*\*|[0-9.{_SUPERSCRIPTS}⁻]))"
+)
+_NO_POWER = re.compile(rf"[0-9^{_SUPERSCRIPTS}⁻]|\*\*")
 _LONGEST_SHOWN = 60
 
 
@@ -128,6 +133,9 @@ def _known() -> str:
 
 @cache
 def _parse_unit(text: str) -> "pint.Unit":
+    # The parser would work out s^9^9^9^9 to the last digit, which takes for ever.
+    if _NO_POWER.search(_POWER.sub("", text.removeprefix("1/"))):
+        raise InputError(f"unknown unit {text!r}; write a power as one whole number of one or two digits, such as s^2")
     try:
         return _registry().parse_units(text)
     except Exception as error:  # the parser raises half a dozen kinds, AssertionError among them
@@ -157,7 +165,13 @@ def factor(source: str, target: str) -> float:
             other = "a bare rate (say rad/s or Hz)"
         measures = f"measures {other}, not" if other else "does not measure"
         raise InputError(f"{source!r} {measures} {name or f'what {target!r} does'}")
-    return float(_registry().Quantity(1.0, given).to(wanted).magnitude)
+    try:
+        found = float(_registry().Quantity(1.0, given).to(wanted).magnitude)
+    except OverflowError:
+        found = math.inf
+    if not 0 < found < math.inf:
+        raise InputError(f"{source!r} is too many powers of ten away from {target!r}")
+    return found
 
 
 def parse(given: object, unit_si: str, example: str) -> float:

@@ -20,7 +20,7 @@ from forcefeel.cli.options import (
     Units,
 )
 from forcefeel.cli.scenario_options import ScenarioOptions, with_scenario
-from forcefeel.cli.sweep_options import Grid, Runs, Scheduler, Threads, Vary
+from forcefeel.cli.sweep_options import Grid, Redesign, Runs, Scheduler, Threads, Vary
 from forcefeel.units import UnitSystem
 
 app = typer.Typer(
@@ -156,6 +156,7 @@ def sweep(
     runs: Runs = None,
     vary: Vary = None,
     grid: Grid = None,
+    redesign: Redesign = False,
     out: Annotated[Path, typer.Option("--out", help="Folder for sweep.html, summary.json and runs.nc.")] = Path(
         "forcefeel-sweep"
     ),
@@ -175,7 +176,7 @@ def sweep(
     """
     from forcefeel.cli import sweep_command  # noqa: PLC0415
 
-    chosen = sweep_command.SweepOptions(runs, vary, grid, out, resume, replace, scheduler, threads)
+    chosen = sweep_command.SweepOptions(runs, vary, grid, redesign, out, resume, replace, scheduler, threads)
     sweep_command.run_sweep_command(loader, chosen, scenario, units, as_json=json)
 
 

@@ -119,7 +119,7 @@ def compensate(path: Path | None, options: Options, units: UnitSystem, *, as_jso
         parts = {"loader": loader, "compensation": found, "assessment": judged, "peaks": demand}
         _print_json(plain(parts, units))
     else:
-        show.compensation(Console(), found, judged, demand, units)
+        show.compensation(Console(), loader, found, judged, demand, units)
     _exit(good=found.reached and judged.stable)
 
 

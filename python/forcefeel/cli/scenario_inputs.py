@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from math import ceil, degrees, floor, pi
+from math import ceil, degrees, floor, isfinite, pi
 from typing import TYPE_CHECKING, Literal
 
 from forcefeel.cli.scenario_text import seconds, value, values
@@ -19,7 +19,7 @@ class InputKind(StrEnum):
     STEP = "step"
     PULSE = "pulse"
     DOUBLET = "doublet"
-    SWEEP = "sweep"
+    STOP_TO_STOP = "stop-to-stop"
     CHIRP = "chirp"
     MULTISINE = "multisine"
     RELEASE = "release"
@@ -33,7 +33,7 @@ class Spacing(StrEnum):
     LOGARITHMIC = "logarithmic"
 
 
-_LASTING = (InputKind.SWEEP, InputKind.CHIRP, InputKind.MULTISINE)
+_LASTING = (InputKind.STOP_TO_STOP, InputKind.CHIRP, InputKind.MULTISINE)
 
 OPTIONS: Mapping[str, tuple[InputKind, ...]] = {
     "--force": (InputKind.STEP, InputKind.PULSE, InputKind.DOUBLET, *_LASTING),
@@ -49,7 +49,7 @@ OPTIONS: Mapping[str, tuple[InputKind, ...]] = {
 """The inputs that each option is for."""
 
 DURATION_S = dict.fromkeys(InputKind, 2.0) | {
-    InputKind.SWEEP: 100.0,
+    InputKind.STOP_TO_STOP: 100.0,
     InputKind.CHIRP: 20.0,
     InputKind.MULTISINE: 10.0,
 }
@@ -115,8 +115,8 @@ class InputOptions:
 
         lasts = self._time("--lasts", self.duration_s)
         match self.kind:
-            case InputKind.SWEEP:
-                return inputs.Sweep(self._force(), lasts)
+            case InputKind.STOP_TO_STOP:
+                return inputs.StopToStop(self._force(), lasts)
             case InputKind.CHIRP:
                 spacing: Literal["linear", "logarithmic"] = (
                     "logarithmic" if self.given.get("--spacing") == Spacing.LOGARITHMIC else "linear"
@@ -168,11 +168,12 @@ class InputOptions:
                     raise InputError(f"{option}: given with --lines, which names every line; leave one out")
             return tuple(line / (2 * pi) for line in values("--lines", self.given["--lines"], "rad/s", "2 Hz"))
         low, high = self._hertz("--from", FROM_HZ), self._hertz("--to", TO_HZ)
-        first, last = ceil(low * period_s * (1 - 1e-9)), floor(high * period_s * (1 + 1e-9))  # rounding of whole cycles
-        first = max(first, 1)
+        first, last = low * period_s * (1 - 1e-9), high * period_s * (1 + 1e-9)  # rounding of whole cycles
+        if isfinite(first) and isfinite(last):
+            first, last = max(ceil(first), 1), floor(last)
         if not 0 <= last - first < _MOST_LINES:
             raise InputError(
                 f"--from, --to: expected 1 to {_MOST_LINES} multiples of {1 / period_s:g} Hz, one over the period, from "
-                f"{low:g} Hz to {high:g} Hz, got {max(last - first + 1, 0)}; change the band or --lasts"
+                f"{low:g} Hz to {high:g} Hz, got {max(last - first + 1, 0):.6g}; change the band or --lasts"
             )
-        return tuple(cycles / period_s for cycles in range(first, last + 1))
+        return tuple(cycles / period_s for cycles in range(int(first), int(last) + 1))

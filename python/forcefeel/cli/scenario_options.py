@@ -15,7 +15,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 from functools import wraps
-from math import floor
+from math import floor, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
@@ -29,6 +29,7 @@ from forcefeel.units import show
 
 if TYPE_CHECKING:
     from forcefeel._core import Compensator
+    from forcefeel.compensation import DesignSettings
     from forcefeel.inputs import Recorded, Schedule
     from forcefeel.loader import Loader
     from forcefeel.simulation import FeelChange, Scenario
@@ -102,7 +103,11 @@ class ScenarioOptions:
     ] = None
     lasts: Annotated[
         str | None,
-        _option("--lasts", "Length of a sweep or chirp, period of a multisine.  [default: all the run]", _INPUT),
+        _option(
+            "--lasts",
+            "Length of a stop-to-stop sweep or a chirp, period of a multisine.  [default: all the run]",
+            _INPUT,
+        ),
     ] = None
     from_: Annotated[
         str | None, _option("--from", "First frequency of a chirp, lowest of a multisine.  [default: 0.2 Hz]", _INPUT)
@@ -133,7 +138,7 @@ class ScenarioOptions:
         str | None,
         _option(
             "--duration",
-            "Length of the run.  [default: 2 s; sweep 100 s, chirp 20 s, multisine 10 s, a recording all of it]",
+            "Length of the run.  [default: 2 s; stop-to-stop 100 s, chirp 20 s, multisine 10 s, a recording all of it]",
             _SCENARIO,
         ),
     ] = None
@@ -225,17 +230,29 @@ class ScenarioOptions:
             changes |= dict(zip(ARM_ROWS, ARMS[self.arm], strict=True))
         return loader.replace(changes) if changes else loader
 
+    def design(self, loader: "Loader") -> "DesignSettings | None":
+        """How the gains of the law are designed; ``None`` is the original position loop."""
+        from forcefeel.compensation import DesignSettings, published_settings  # noqa: PLC0415
+
+        match self.law:
+            case Law.PUBLISHED:
+                return published_settings(loader)
+            case Law.CONVERGED:
+                return DesignSettings()
+        return None
+
     def compensator(self, loader: "Loader") -> "Compensator | None":
         """The law, designed for ``loader``; ``None`` is the original position loop.
 
         Raises:
             InputError: If the recursion does not give the gains.
         """
-        if self.law in {None, Law.ORIGINAL}:
+        settings = self.design(loader)
+        if settings is None:
             return None
-        from forcefeel.compensation import DesignSettings, compensate  # noqa: PLC0415
+        from forcefeel.compensation import compensate  # noqa: PLC0415
 
-        found = compensate(loader, DesignSettings() if self.law is Law.CONVERGED else None)
+        found = compensate(loader, settings)
         if not found.reached:
             raise InputError(
                 f"--compensator: the recursion does not give the {self.law} gains for this loader: {found.note}"
@@ -283,7 +300,7 @@ class ScenarioOptions:
             return max(round(SAMPLE_S / grid_s), 1) * grid_s
         sample_s = seconds("--sample", self.sample)
         steps = sample_s / grid_s
-        if sample_s > 0 and (round(steps) < 1 or abs(steps - round(steps)) > ROUNDING):
+        if sample_s > 0 and not (isfinite(steps) and round(steps) >= 1 and abs(steps - round(steps)) <= ROUNDING):
             raise InputError(f"--sample: expected a multiple of the engine's step of {grid_s:g} s, got {sample_s:g} s")
         return sample_s
 

@@ -8,7 +8,8 @@ from forcefeel.analysis.frequency import Margins
 from forcefeel.analysis.modes import Mode, least_damped
 from forcefeel.assessment import Assessment, Peaks
 from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation
-from forcefeel.findings import Conclusions
+from forcefeel.findings import Conclusions, left_out
+from forcefeel.loader import Loader
 from forcefeel.models import DESIGN_STATES
 from forcefeel.reproduction import Section, Verdict, summary
 from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
@@ -60,10 +61,16 @@ def analysis(console: Console, found: Analysis, units: UnitSystem) -> None:
             one.name, to_text(ROTARY_STIFFNESS.from_si(one.boundary.stiffness_n_m_per_rad, units)), one.boundary.note
         )
     console.print(edge)
+    _say_left_out(console, found.loader)
 
 
 def compensation(
-    console: Console, found: Compensation, judged: Assessment, demand: Peaks | None, units: UnitSystem
+    console: Console,
+    loader: Loader,
+    found: Compensation,
+    judged: Assessment,
+    demand: Peaks | None,
+    units: UnitSystem,
 ) -> None:
     """Gains and the loop that they close."""
     gains = _table("Feedback gains", "gain", "on", "value", "unit")
@@ -73,6 +80,7 @@ def compensation(
     console.print("c_7 is not fed back: the pilot's force is not measured.", highlight=False)
     console.print(f"recursion (22): {found.note}", style="" if found.reached else "bold red", highlight=False)
     console.print(f"residual of eqs. (22) at these gains, kept for ever: {found.riccati_residual:.1e}")
+    _say_left_out(console, loader)
     if demand is None:
         console.print("the loop with these gains is unstable", style="bold red")
         return
@@ -80,6 +88,12 @@ def compensation(
     for name, value in _closed_loop(judged, demand, units):
         loop.add_row(name, value)
     console.print(loop)
+
+
+def _say_left_out(console: Console, loader: Loader) -> None:
+    """What the linear models do not have of a loader."""
+    if text := left_out(loader):
+        console.print(text, highlight=False)
 
 
 def reproduction(console: Console, sections: tuple[Section, ...]) -> None:

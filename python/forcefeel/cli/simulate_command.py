@@ -11,7 +11,6 @@ from forcefeel.cli.scenario_options import Law, ScenarioOptions
 from forcefeel.findings import Conclusions
 from forcefeel.loader import elevator, load
 from forcefeel.run_findings import input_in_words, run_conclusions
-from forcefeel.run_limits import known_measures
 from forcefeel.run_results import measure_rows, plain_run
 from forcefeel.simulation import Run, RunStatus, simulate
 from forcefeel.units import UnitSystem
@@ -53,7 +52,7 @@ def _show(console: Console, run: Run, units: UnitSystem) -> None:
 
 def _measures(run: Run, units: UnitSystem) -> Table:
     table = Table("measure", "value", title="Measures", title_justify="left", title_style="bold")
-    for name, value, unit in measure_rows(known_measures(run), units):
+    for name, value, unit in measure_rows(run, units):
         table.add_row(name, f"{value} {unit}".rstrip())
     return table
 

@@ -33,6 +33,7 @@ class SweepOptions:
     runs: int | None
     vary: list[str] | None
     grid: list[str] | None
+    redesign: bool
     out: Path
     resume: bool
     replace: bool
@@ -47,10 +48,12 @@ class SweepOptions:
         """
         loader = scenario.changed(elevator() if path is None else load(path))
         found = scenario.scenario(loader)
+        if self.redesign and scenario.design(loader) is None:
+            raise InputError("--redesign: is about designed gains; add --compensator published or converged")
         return Sweep(
             loader,
             found,
-            scenario.compensator(loader),
+            (scenario.design if self.redesign else scenario.compensator)(loader),
             self.runs,
             found.seed,
             _assigned("--vary", self.vary, "linkage.stiffness=20 %"),

@@ -36,6 +36,15 @@ Grid = Annotated[
         rich_help_panel=_SWEEP,
     ),
 ]
+Redesign = Annotated[
+    bool,
+    typer.Option(
+        "--redesign",
+        help="Design the gains of --compensator anew for each setting I, B, G of the feel that --grid or --vary gives, for the "
+        "nominal machine; not given, one law, that of the loader file's setting, drives all.",
+        rich_help_panel=_SWEEP,
+    ),
+]
 Threads = Annotated[
     int | None,
     typer.Option("--threads", help="Threads here.  [default: all cores]", rich_help_panel=_WORK, show_default=False),

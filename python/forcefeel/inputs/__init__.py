@@ -6,9 +6,9 @@ Every kind is frozen data with one method, ``sample(time_s, step_s)``, that give
 from forcefeel.inputs.multisine import Multisine
 from forcefeel.inputs.recorded import Recorded, read_recorded
 from forcefeel.inputs.sampled import Sampled, Schedule
-from forcefeel.inputs.signals import Chirp, Doublet, HandsOff, Pulse, Release, Step, Sweep
+from forcefeel.inputs.signals import Chirp, Doublet, HandsOff, Pulse, Release, Step, StopToStop
 
-Force = Step | Pulse | Doublet | Sweep | Chirp | Multisine | Recorded | Release | HandsOff
+Force = Step | Pulse | Doublet | StopToStop | Chirp | Multisine | Recorded | Release | HandsOff
 """What a pilot may do to the grip."""
 
 __all__ = [
@@ -23,6 +23,6 @@ __all__ = [
     "Sampled",
     "Schedule",
     "Step",
-    "Sweep",
+    "StopToStop",
     "read_recorded",
 ]

@@ -137,7 +137,7 @@ class Doublet:
 
 
 @dataclass(frozen=True)
-class Sweep:
+class StopToStop:
     """From stop to stop by force: at a constant rate from 0 to ``force_n``, to ``-force_n`` and back to 0.
 
     ``F = 0, force_n, -force_n, 0`` at ``t = 0, 1/4, 3/4, 1`` of ``duration_s``, straight between.
@@ -154,8 +154,8 @@ class Sweep:
     duration_s: float
 
     def __post_init__(self) -> None:
-        check_number("Sweep", "force_n", self.force_n, "finite number")
-        check_number("Sweep", "duration_s", self.duration_s, "number above 0")
+        check_number("StopToStop", "force_n", self.force_n, "finite number")
+        check_number("StopToStop", "duration_s", self.duration_s, "number above 0")
 
     def sample(self, time_s: float, step_s: float) -> Sampled:
         """The force over a run, N; a corner within a step is cut off, by ``2 force_n step_s / duration_s`` at most.
@@ -164,9 +164,9 @@ class Sweep:
             InputError: If the run is not a whole number of steps, or ``duration_s`` less than four.
         """
         grid = Grid.of(time_s, step_s)
-        check_lasts("Sweep", self.duration_s, 4, grid)
+        check_lasts("StopToStop", self.duration_s, 4, grid)
         times = [part * self.duration_s for part in (0.0, 0.25, 0.75, 1.0)]
-        return through_points("Sweep", grid, times, [0.0, self.force_n, -self.force_n, 0.0])
+        return through_points("StopToStop", grid, times, [0.0, self.force_n, -self.force_n, 0.0])
 
 
 @dataclass(frozen=True)

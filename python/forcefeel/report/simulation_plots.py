@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from forcefeel.inputs import Chirp, Multisine, Recorded, Sweep
+from forcefeel.inputs import Chirp, Multisine, Recorded, StopToStop
 from forcefeel.report.canvas import frame, line
 from forcefeel.report.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
 from forcefeel.report.typography import parameter_text
@@ -111,7 +111,7 @@ def demand(run: Run, system: UnitSystem) -> go.Figure:
 
 def has_loop(run: Run) -> bool:
     """Whether force over position is worth a plot: the force goes to and fro."""
-    return isinstance(run.scenario.force, Sweep | Chirp | Multisine | Recorded)
+    return isinstance(run.scenario.force, StopToStop | Chirp | Multisine | Recorded)
 
 
 def loop(run: Run, system: UnitSystem) -> go.Figure:

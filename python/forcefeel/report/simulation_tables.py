@@ -10,7 +10,6 @@ from forcefeel.parameters import TABLE, is_switch
 from forcefeel.report.table import Cell, Table, number, words
 from forcefeel.report.typography import NONE, parameter_text, prose_html, unit_text
 from forcefeel.run_findings import input_in_words
-from forcefeel.run_limits import known_measures
 from forcefeel.run_results import measure_rows
 from forcefeel.simulation import Run
 from forcefeel.units import ANGLE, PERCENT, PRESSURE, Unit, UnitSystem, to_text
@@ -30,7 +29,7 @@ def measured(run: Run, system: UnitSystem) -> Table:
     """The measures."""
     rows = [
         (words(_sentence(name)), number(value.replace("-", "\N{MINUS SIGN}")), Cell(unit_text(unit)))
-        for name, value, unit in measure_rows(known_measures(run), system)
+        for name, value, unit in measure_rows(run, system)
     ]
     return Table((Cell("Measure"), Cell("Value", "number"), Cell("Unit")), tuple(rows))
 
@@ -52,13 +51,13 @@ def effects(run: Run, system: UnitSystem) -> Table | None:
     return Table((Cell("Effect"), Cell("Value", "number")), tuple(rows)) if rows else None
 
 
-def scenario(run: Run, system: UnitSystem, law: str) -> Table:
-    """What was done to the loader, and by which law it was driven."""
+def scenario(run: Run, system: UnitSystem, law: str, whose: str = "") -> Table:
+    """What was done to the loader, and by which law it was driven; ``whose`` says which of several loaders have the same."""
     found, loader = run.scenario, run.loader
     rows = [
         ("Pilot", input_in_words(found.force, system)),
         ("Length of the run", f"{found.duration_s:.6g} s"),
-        ("Law", _LAWS.get(law, law)),
+        ("Law", ", ".join(filter(None, (_LAWS.get(law, law), whose)))),
         ("Controller", _controller(run)),
         ("Solution", _METHODS[run.method]),
         ("Samples", f"every {1000 * found.sample_s:.6g} ms"),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from forcefeel.parameters import TABLE, unit
 from forcefeel.report.canvas import frame, line
 from forcefeel.report.palette import IDEAL, Look
-from forcefeel.report.sweep_plots import axis_title, parameter_title, tint
+from forcefeel.report.sweep_plots import MIDDLE, Fill, axis_title, filled, parameter_title, tint
 from forcefeel.report.typography import number_text, unit_text
 from forcefeel.simulation import RunStatus
 from forcefeel.sweep import SweepResult
@@ -97,30 +97,12 @@ def measure_line(result: SweepResult, measure: str, system: UnitSystem, hue: str
     """A measure over one setting: the median, and the middle nine of ten where several machines stand at each point."""
     (key,) = result.sweep.axes
     x, scale = _axis(result, key, system), measure_unit(measure).from_si(1.0, system)
-    shown = unit_text(measure_unit(measure).shown(system))
+    hover = f"%{{y:.4~g}} {unit_text(measure_unit(measure).shown(system))}"
     picture = go.Figure()
     single = result.sweep.machines == 1
     if not single:
-        hidden = {"color": "rgba(0,0,0,0)", "width": 0}
-        low, high = (result.map(measure, share).values * scale for share in (0.05, 0.95))
-        picture.add_scatter(
-            x=x,
-            y=low,
-            mode="lines",
-            line=hidden,
-            showlegend=False,
-            hovertemplate=f"%{{y:.4~g}} {shown}<extra>5 %</extra>",
-        )
-        picture.add_scatter(
-            x=x,
-            y=high,
-            mode="lines",
-            line=hidden,
-            fill="tonexty",
-            fillcolor=tint(hue, 0.30),
-            name="5 to 95 %",
-            hovertemplate=f"%{{y:.4~g}} {shown}<extra>95 %</extra>",
-        )
+        edges = {f"{100 * share:g} %": result.map(measure, share).values * scale for share in (0.05, 0.95)}
+        filled(picture, x, edges, Fill("5 to 95 %", tint(hue, MIDDLE), hover))
     name = "nominal machine" if single else "median"
     picture.add_scatter(
         x=x,
@@ -129,7 +111,7 @@ def measure_line(result: SweepResult, measure: str, system: UnitSystem, hue: str
         marker={"size": 5},
         line=line(Look(hue, "solid", 2.4)),
         name=name,
-        hovertemplate=f"%{{y:.4~g}} {shown}",
+        hovertemplate=hover,
     )
     frame(picture, 340, top=34)
     picture.update_layout(showlegend=not single)

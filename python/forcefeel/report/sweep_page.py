@@ -18,6 +18,7 @@ from forcefeel.run_findings import input_in_words
 from forcefeel.simulation import Run, simulate
 from forcefeel.sweep import SweepResult
 from forcefeel.sweep.findings import main_measures, number_of, sweep_conclusions
+from forcefeel.sweep.plain import whose_law
 from forcefeel.sweep.result import ENVELOPE_RUNS
 from forcefeel.sweep.stability import damping_map
 from forcefeel.sweep.summary import Spread, Summary, measure_unit
@@ -62,7 +63,7 @@ def sweep_page(result: SweepResult, summary: Summary, units: UnitSystem, law: st
         law: What the law that drove the servos is called.
     """
     sweep = result.sweep
-    nominal = simulate(sweep.loader, sweep.scenario, sweep.compensator)
+    nominal = simulate(sweep.loader, sweep.scenario, sweep.nominal_law)
     measures = main_measures(result, summary)
     over_grid = bool(sweep.axes)
     random = bool(sweep.varied)
@@ -85,7 +86,7 @@ def sweep_page(result: SweepResult, summary: Summary, units: UnitSystem, law: st
             spreads=sweep_tables.spreads(summary, measures, units),
             tolerances=sweep_tables.tolerances(result, units) if random else None,
             grid=sweep_tables.grid(result, units) if over_grid else None,
-            scenario=simulation_tables.scenario(replace(nominal, method="stepped"), units, law),
+            scenario=simulation_tables.scenario(replace(nominal, method="stepped"), units, law, whose_law(sweep)),
             parameters=machine.parameters(sweep.loader, units),
             plotly_js=Markup(get_plotlyjs()),
         )
@@ -117,7 +118,7 @@ def _distributions(
 ) -> tuple[Picture, ...]:
     found = []
     for name in measures:
-        values = result.runs[name].where(result.runs["status"] != "diverged").values
+        values = result.runs[name].values
         drawn, beyond = sweep_plots.histogram(values, summary.spreads[name], units, sweep_plots.color(law))
         many = (
             f"{beyond:,} run{'s' if beyond > 1 else ''} farther out, up to the highest of the table" if beyond else ""
@@ -154,7 +155,7 @@ def _maps(result: SweepResult, measures: tuple[str, ...], units: UnitSystem, law
             for name in measures[:_MAPPED]
         ]
         return (*lines, _picture("line-status", "How the runs ended", "", sweep_maps.status_lines(result, units)))
-    damping = damping_map(result.sweep)
+    damping = None if result.sweep.redesigned else damping_map(result.sweep)
     found = [
         _picture(f"map-{name}", _name(name, units), "", *sweep_maps.measure_map(result, name, damping, units))
         for name in measures[:_MAPPED]

@@ -1,5 +1,8 @@
 """The plots of a Monte Carlo sweep: the band of responses, how measures are spread, and what they depend on."""
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
@@ -22,6 +25,9 @@ _BEYOND = 0.5
 _RANKED = 8
 _SLICES = 24
 """Runs of one parameter's values in so many slices of as many runs each."""
+
+MIDDLE = 0.30
+"""Opacity of the band of the middle nine of ten."""
 
 _MARK = Look(IDEAL, "dash", 1.6)
 _IDEAL = Look(IDEAL, "dot", 2.0)
@@ -50,28 +56,8 @@ def band(result: SweepResult, nominal: NDArray[np.float64], ideal: NDArray[np.fl
         for edge in envelope["edge"].values
     }
     picture = go.Figure()
-    for low, high, name, opacity in (("lowest", "highest", "all", 0.16), ("5 %", "95 %", "5 to 95 %", 0.30)):
-        hidden = {"color": "rgba(0,0,0,0)", "width": 0}
-        picture.add_scatter(
-            x=time,
-            y=edges[low],
-            mode="lines",
-            line=hidden,
-            showlegend=False,
-            legendgroup=name,
-            hovertemplate=f"%{{y:.2f}}°<extra>{low}</extra>",
-        )
-        picture.add_scatter(
-            x=time,
-            y=edges[high],
-            mode="lines",
-            line=hidden,
-            fill="tonexty",
-            fillcolor=tint(hue, opacity),
-            name=name,
-            legendgroup=name,
-            hovertemplate=f"%{{y:.2f}}°<extra>{high}</extra>",
-        )
+    for low, high, name, opacity in (("lowest", "highest", "all", 0.16), ("5 %", "95 %", "5 to 95 %", MIDDLE)):
+        filled(picture, time, {low: edges[low], high: edges[high]}, Fill(name, tint(hue, opacity), "%{y:.2f}°"))
     curves = [("median", edges["median"], Look(hue, "solid", 2.4)), ("nominal", np.degrees(nominal[::every]), _MARK)]
     if ideal is not None:
         curves.append(("ideal feel", np.degrees(ideal[::every]), _IDEAL))
@@ -83,6 +69,38 @@ def band(result: SweepResult, nominal: NDArray[np.float64], ideal: NDArray[np.fl
     )
     picture.update_yaxes(title_text="Column angle, deg")
     return picture
+
+
+@dataclass(frozen=True)
+class Fill:
+    """How a band looks.
+
+    Attributes:
+        name: In the legend.
+        color: Its colour.
+        hover: What is said of a value at its edges, as a template of Plotly.
+    """
+
+    name: str
+    color: str
+    hover: str
+
+
+def filled(picture: go.Figure, x: NDArray[np.float64], edges: dict[str, NDArray[np.float64]], fill: Fill) -> None:
+    """Adds a band between two edges, which have names; the lower one first."""
+    to: dict[str, dict[str, Any]] = {"none": {"showlegend": False}, "tonexty": {"fillcolor": fill.color}}
+    for (edge, y), (how, look) in zip(edges.items(), to.items(), strict=True):
+        picture.add_scatter(
+            x=x,
+            y=y,
+            mode="lines",
+            line={"color": "rgba(0,0,0,0)", "width": 0},
+            fill=how,
+            name=fill.name,
+            legendgroup=fill.name,
+            hovertemplate=f"{fill.hover}<extra>{edge}</extra>",
+            **look,
+        )
 
 
 def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, hue: str) -> tuple[go.Figure, int]:
@@ -175,7 +193,7 @@ def tornado(measure: str, summary: Summary, system: UnitSystem) -> go.Figure:
 def slices(result: SweepResult, measure: str, key: str, system: UnitSystem, hue: str) -> go.Figure:
     """A measure over one parameter while all others vary too: median and middle nine of ten of equal slices of runs."""
     values, along = result.runs[measure].values, result.runs[key].values
-    known = np.isfinite(values) & ~np.isin(result.runs["status"].values, ["diverged"])
+    known = np.isfinite(values)
     order = np.argsort(along[known], kind="stable")
     parts = [part for part in np.array_split(order, min(_SLICES, max(1, len(order) // 20))) if len(part)]
     measured_in, of = measure_unit(measure), unit(TABLE[key])
@@ -184,33 +202,10 @@ def slices(result: SweepResult, measure: str, key: str, system: UnitSystem, hue:
         1.0, system
     )
     picture = go.Figure()
-    shown = unit_text(measured_in.shown(system))
-    hidden = {"color": "rgba(0,0,0,0)", "width": 0}
+    hover = f"%{{y:.4~g}} {unit_text(measured_in.shown(system))}"
+    filled(picture, x, {"5 %": y[:, 0], "95 %": y[:, 2]}, Fill("5 to 95 %", tint(hue, MIDDLE), hover))
     picture.add_scatter(
-        x=x,
-        y=y[:, 0],
-        mode="lines",
-        line=hidden,
-        showlegend=False,
-        hovertemplate=f"%{{y:.4~g}} {shown}<extra>5 %</extra>",
-    )
-    picture.add_scatter(
-        x=x,
-        y=y[:, 2],
-        mode="lines",
-        line=hidden,
-        fill="tonexty",
-        fillcolor=tint(hue, 0.30),
-        name="5 to 95 %",
-        hovertemplate=f"%{{y:.4~g}} {shown}<extra>95 %</extra>",
-    )
-    picture.add_scatter(
-        x=x,
-        y=y[:, 1],
-        mode="lines",
-        line=line(Look(hue, "solid", 2.4)),
-        name="median",
-        hovertemplate=f"%{{y:.4~g}} {shown}",
+        x=x, y=y[:, 1], mode="lines", line=line(Look(hue, "solid", 2.4)), name="median", hovertemplate=hover
     )
     frame(picture, 320, top=34)
     picture.update_xaxes(title_text=parameter_title(key, system))

@@ -87,15 +87,9 @@ def tolerances(result: SweepResult, system: UnitSystem) -> Table:
     """What was drawn, from which distribution between which bounds, and who said so."""
     rows = []
     for key, tolerance in result.sweep.varied.items():
-        measured_in, shown = unit(TABLE[key]), unit_text(unit(TABLE[key]).shown(system))
-        low, high = (number_text(measured_in.from_si(bound, system)) for bound in (tolerance.low, tolerance.high))
         rows.append(
             (
-                words(parameter_name(key)),
-                number(_nominal(result, key, system)),
-                number(low),
-                number(high),
-                Cell(shown),
+                *_span(result, key, (tolerance.low, tolerance.high), system),
                 words(_distribution(tolerance, key, system)),
                 words("this sweep" if key in result.sweep.vary else "loader file"),
             )
@@ -107,20 +101,10 @@ def tolerances(result: SweepResult, system: UnitSystem) -> Table:
 
 def grid(result: SweepResult, system: UnitSystem) -> Table:
     """The settings of the grid."""
-    rows = []
-    for key, values in result.sweep.axes.items():
-        low, high = (number_text(unit(TABLE[key]).from_si(end, system)) for end in (values[0], values[-1]))
-        shown = unit_text(unit(TABLE[key]).shown(system))
-        rows.append(
-            (
-                words(parameter_name(key)),
-                number(_nominal(result, key, system)),
-                number(low),
-                number(high),
-                Cell(shown),
-                number(str(len(values))),
-            )
-        )
+    rows = [
+        (*_span(result, key, (values[0], values[-1]), system), number(str(len(values))))
+        for key, values in result.sweep.axes.items()
+    ]
     return Table(
         (
             Cell("Setting"),
@@ -134,9 +118,14 @@ def grid(result: SweepResult, system: UnitSystem) -> Table:
     )
 
 
-def _nominal(result: SweepResult, key: str, system: UnitSystem) -> str:
-    value = result.sweep.loader[key]
-    return number_text(unit(TABLE[key]).from_si(value, system)) if isfinite(value) else "none"
+def _span(result: SweepResult, key: str, ends: tuple[float, float], system: UnitSystem) -> tuple[Cell, ...]:
+    """A parameter, the loader's value, from where to where it is varied, the unit."""
+    measured_in = unit(TABLE[key])
+    values = (
+        number_text(measured_in.from_si(value, system)) if isfinite(value) else "none"
+        for value in (result.sweep.loader[key], *ends)
+    )
+    return words(parameter_name(key)), *map(number, values), Cell(unit_text(measured_in.shown(system)))
 
 
 def _distribution(tolerance: Tolerance, key: str, system: UnitSystem) -> str:

@@ -32,7 +32,7 @@ def measure(sweep: Sweep, runs: range, threads: int | None = None) -> NDArray[np
 def nominal(sweep: Sweep) -> NDArray[np.float64]:
     """Measures of the nominal loader."""
     values = sweep.loader.values[np.newaxis]
-    return np.asarray(columns(simulate_batch(sweep.loader, sweep.scenario, values, sweep.compensator, threads=1))[0])
+    return np.asarray(columns(simulate_batch(sweep.loader, sweep.scenario, values, sweep.law(values), threads=1))[0])
 
 
 def histories(sweep: Sweep, runs: range, keep: Sequence[str], threads: int | None = None) -> xr.Dataset:
@@ -44,11 +44,11 @@ def histories(sweep: Sweep, runs: range, keep: Sequence[str], threads: int | Non
     failed = np.zeros(len(runs), dtype=bool)
     for which in impossible(values).values():
         failed |= which
-    values[failed] = (
-        sweep.loader.values
-    )  # something must run in their place, so that the noise of the others stays theirs
-    options = {"keep": keep, "first_run": runs.start, "threads": threads}
-    return simulate_batch(sweep.loader, sweep.scenario, values, sweep.compensator, **options).isel(run=~failed)  # type: ignore[arg-type]
+    # Something must run in their place, so that the noise of the others stays theirs.
+    values[failed] = sweep.loader.values
+    law = sweep.law(values)
+    found = simulate_batch(sweep.loader, sweep.scenario, values, law, keep=keep, first_run=runs.start, threads=threads)
+    return found.isel(run=~failed)
 
 
 def columns(found: xr.Dataset) -> NDArray[np.float64]:

@@ -22,6 +22,9 @@ _LISTED = 3
 _WEAK = 0.1
 """Rank correlation that a sentence leaves out: the parameter accounts for a hundredth of the spread."""
 
+_WHY_NONE = {"overshoot": "the column ends where it began", "period_s": "the column does not swing"}
+"""Why a run that did not diverge may be without a measure."""
+
 _NOTHING = 1e-9
 """What a measure in SI units is less than if it is zero but for rounding."""
 
@@ -37,7 +40,7 @@ def main_measures(result: SweepResult, summary: Summary) -> tuple[str, ...]:
     elif keeps_moving(force):
         motion = ("maximum_angle_rad", "minimum_angle_rad")
     else:
-        motion = ("maximum_angle_rad", "minimum_angle_rad", "final_angle_rad", "last_swing_rad")
+        motion = ("maximum_angle_rad", "minimum_angle_rad", "final_angle_rad", "settling_time_s", "last_swing_rad")
     return tuple(name for name in (*motion, *_PEAKS) if _differs(summary.spreads[name]))
 
 
@@ -156,7 +159,14 @@ class _Words:
         ranking = [one for one in self._summary.ranking(name) if abs(one[1]) >= _WEAK][:_LISTED]
         of = ", ".join(f"{key} ({correlation_text(rho)})" for key, rho in ranking)
         goes = f" It goes with {of.replace('(', '(rank correlation ', 1)}." if of else ""
-        return f"{_capital(measure_name(name))}: nominal {nominal}; {middle} for nine of ten, {whole} in all.{goes}"
+        spans = f"nominal {nominal}; {middle} for nine of ten, {whole} in all"
+        return f"{_capital(measure_name(name))}: {spans}.{self._none(name)}{goes}"
+
+    def _none(self, name: str) -> str:
+        """How many runs that did not diverge have no such measure, and why."""
+        ended = sum(self._summary.share(str(status)).runs for status in (RunStatus.SETTLED, RunStatus.MOVING))
+        none = ended - self._summary.spreads[name].runs
+        return f" {none:,} have none: {_WHY_NONE[name]}." if none and name in _WHY_NONE else ""
 
     def extremes(self, name: str) -> str:
         """Where on the grid a measure is smallest and largest."""

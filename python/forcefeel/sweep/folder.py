@@ -66,6 +66,8 @@ class Folder:
         if there is not None:
             self._check(there, resume=resume)
             return
+        if not replace:
+            self._check_empty()
         self._clear()
         write_whole(self.path / PLAN, json.dumps(self.plan, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
         (self.path / CHUNKS).mkdir(exist_ok=True)
@@ -85,6 +87,15 @@ class Folder:
             go_on = "write its page anew" if self.finished else "go on with it"
             raise InputError(f"{self.path}: holds {what}; --resume to {go_on}, --replace to begin anew")
 
+    def _check_empty(self) -> None:
+        """Refuses a folder without a plan that holds files of the names that a sweep writes: they may be somebody's."""
+        found = [name for name in (RUNS, CHUNKS, *REPORT) if (self.path / name).exists()]
+        if found:
+            raise InputError(
+                f"{self.path}: holds {found[0]}, but no {PLAN} that says of what sweep; name another folder, or --replace to "
+                "replace it"
+            )
+
     def _stored_plan(self) -> dict[str, Any] | None:
         """The plan in the folder; nothing if there is none."""
         place = self.path / PLAN
@@ -92,7 +103,7 @@ class Folder:
             found = json.loads(place.read_text(encoding="utf-8"))
         except FileNotFoundError:
             return None
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RecursionError) as error:  # brackets a thousand deep
             raise InputError(f"{place}: cannot be read ({error}); --replace to begin anew") from error
         if not isinstance(found, dict):
             raise InputError(f"{place}: is no plan of a sweep; --replace to begin anew")

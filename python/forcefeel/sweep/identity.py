@@ -16,7 +16,7 @@ from forcefeel.simulation.outcome import MEASURES
 from forcefeel.sweep.chunk import nominal
 from forcefeel.sweep.plan import Sweep
 
-FORMAT = 1
+FORMAT = 2
 """Version of the plan and of the chunks beside it; a new one where either changes."""
 
 _NOMINAL, _DERIVED = "nominal.", ("sweep",)

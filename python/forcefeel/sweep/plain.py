@@ -9,6 +9,7 @@ from forcefeel.parameters import TABLE, unit
 from forcefeel.results import Plain, plain, quantity
 from forcefeel.run_findings import input_in_words
 from forcefeel.sweep.findings import sweep_conclusions
+from forcefeel.sweep.plan import Sweep
 from forcefeel.sweep.result import SweepResult
 from forcefeel.sweep.summary import QUANTILES, Spread, Summary, measure_unit
 from forcefeel.units import UnitSystem
@@ -25,6 +26,7 @@ def plain_sweep(result: SweepResult, summary: Summary, units: UnitSystem) -> dic
         "runs": sweep.total,
         "machines_at_each_point": sweep.machines,
         "seed": sweep.seed,
+        "law": whose_law(sweep),
         "conclusions": plain(sweep_conclusions(result, summary, units), units),
         "statuses": [_without_unknown(plain(share, units)) for share in summary.shares],
         "measures": {name: _spread(spread, units) for name, spread in summary.spreads.items() if spread.runs},
@@ -46,6 +48,13 @@ def plain_sweep(result: SweepResult, summary: Summary, units: UnitSystem) -> dic
             for key, values in sweep.axes.items()
         },
     }
+
+
+def whose_law(sweep: Sweep) -> str:
+    """Which machines have the same law."""
+    if sweep.compensator is None:
+        return "by each machine's own parameters"
+    return "designed anew for each setting of the feel" if sweep.redesigned else "one for all machines"
 
 
 def _without_unknown(share: Plain) -> Plain:

@@ -11,12 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
+from forcefeel.compensation import GAIN_SYMBOLS, DesignSettings
 from forcefeel.consistency import without_effect
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
+from forcefeel.loader import FEEL_SETTING, Loader
+from forcefeel.models import state_feedback
 from forcefeel.parameters import INDEX, TABLE
+from forcefeel.schedule import schedule_gains
 from forcefeel.simulation import Scenario
-from forcefeel.simulation.scenario import Steps
+from forcefeel.simulation.scenario import LARGEST_SEED, Steps
 from forcefeel.sweep import text
 from forcefeel.sweep.numbers import shares
 from forcefeel.tolerances import Tolerance, beyond
@@ -36,6 +39,9 @@ _CHUNKS, _LANES = 16, 16
 
 _MOST_AXES = 2
 
+_GEOMETRY = ("linkage.ratio", "column.base_arm")
+"""From which the engine works out the torque that the load cell tells the feel, for gains that differ from run to run."""
+
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
@@ -47,7 +53,9 @@ class Sweep:
     Attributes:
         loader: The nominal loader; its tolerances say how the machines differ.
         scenario: What is done to each.
-        compensator: One law for all; not given, each has the original position loop of its own parameters.
+        compensator: One law for all; not given, each has the original position loop of its own parameters. With
+            ``DesignSettings`` the gains are designed anew for each setting I, B, G that the sweep gives the feel, by these
+            settings and for the nominal machine: whatever else varies meets the law of its feel.
         runs: Machines; with ``grids`` machines at each point, and not given the nominal one alone. Without ``grids`` 10,000
             if not given.
         seed: Seed of the draw, 0 or more. The noise of sensors has its own, in the scenario.
@@ -66,7 +74,7 @@ class Sweep:
 
     loader: Loader
     scenario: Scenario
-    compensator: Compensator | None = None
+    compensator: Compensator | DesignSettings | None = None
     runs: int | None = None
     seed: int = 0
     vary: Mapping[str, Any] = field(default_factory=dict)
@@ -78,7 +86,7 @@ class Sweep:
     def __post_init__(self) -> None:
         if self.runs is not None:
             _check_whole("runs", self.runs, 1, MOST_RUNS)
-        _check_whole("seed", self.seed, 0, 2**63 - 1)
+        _check_whole("seed", self.seed, 0, LARGEST_SEED)
         axes = {key: _axis(key, given) for key, given in self.grids.items()}
         if len(axes) > _MOST_AXES:
             remedy = "vary the others, --vary and --runs"
@@ -95,6 +103,7 @@ class Sweep:
         if wrong := [*beyond(varied), *_without_effect(self.loader, axes)]:
             raise InputError("\n".join(wrong))
         self._check_varied()
+        self._check_design()
         self._check_scenario()
 
     def _check_varied(self) -> None:
@@ -111,6 +120,24 @@ class Sweep:
             most = f"at most {MOST_RUNS:,} in all, got {self.total:,}"
             raise InputError(f"runs: expected {most}; take fewer at each point")
 
+    def _check_design(self) -> None:
+        """Refuses to design the law anew where it would come out the same, or not fit the machine's geometry."""
+        if not isinstance(self.compensator, DesignSettings):
+            return
+        changed = {*self.axes, *self.varied}
+        if changed.isdisjoint(FEEL_SETTING):
+            rows = ", ".join(FEEL_SETTING)
+            raise InputError(
+                f"compensator: to be designed for each setting of the feel, but none of {rows} varies; give one law, or leave "
+                "--redesign out"
+            )
+        if found := [key for key in _GEOMETRY if key in changed]:
+            raise InputError(
+                f"compensator: designed for each setting it takes {found[0]} from each machine, where the nominal one is meant; "
+                f"keep that as it is, such as --vary {found[0]}=none"
+            )
+        self.law(self.loader.values[np.newaxis])  # a design that cannot be is refused now
+
     def _check_scenario(self) -> None:
         if self.scenario.feel_changes and any(key.startswith("feel.") for key in (*self.axes, *self.varied)):
             raise InputError(
@@ -121,6 +148,27 @@ class Sweep:
     def __reduce__(self) -> tuple[type["Sweep"], tuple[Any, ...]]:
         given = (self.loader, self.scenario, self.compensator, self.runs, self.seed)
         return Sweep, (*given, dict(self.vary), dict(self.axes))
+
+    def law(self, values: NDArray[np.float64]) -> Compensator | NDArray[np.float64] | None:
+        """The law of machines with these values (SI, a row each), as ``simulate_batch`` takes it."""
+        if not isinstance(self.compensator, DesignSettings):
+            return self.compensator
+        feel = values[:, [INDEX[key] for key in FEEL_SETTING]]
+        settings, which = np.unique(feel, axis=0, return_inverse=True)
+        gains = np.zeros((len(values), len(GAIN_SYMBOLS)))
+        gains[:, :-1] = schedule_gains(self.loader, settings, self.compensator).gains[which]
+        return gains
+
+    @property
+    def redesigned(self) -> bool:
+        """Whether each setting of the feel has a law of its own."""
+        return isinstance(self.compensator, DesignSettings)
+
+    @cached_property
+    def nominal_law(self) -> Compensator | None:
+        """The law of the nominal loader; ``None`` for the original position loop."""
+        law = self.law(self.loader.values[np.newaxis])
+        return state_feedback(self.loader, law[0]) if isinstance(law, np.ndarray) else law
 
     @property
     def machines(self) -> int:

@@ -107,8 +107,7 @@ class SweepResult:
         Returns:
             Over the parameters of the grid; not a number where every machine diverged.
         """
-        gone = ~self.runs["status"].isin([RunStatus.SETTLED, RunStatus.MOVING])
-        return self._over_grid(self.runs[measure].where(~gone).values, share).assign_attrs(self.runs[measure].attrs)
+        return self._over_grid(self.runs[measure].values, share).assign_attrs(self.runs[measure].attrs)
 
     def share_map(self, status: str) -> xr.DataArray:
         """The share of the machines at each point of the grid that ended with ``status``."""

@@ -13,6 +13,9 @@ from forcefeel.sweep.folder import Folder
 from forcefeel.sweep.plan import Sweep
 from forcefeel.sweep.result import SweepResult
 
+MOST_THREADS = 1024
+"""Most threads that are started here: more than any machine has cores."""
+
 Progress = Callable[[int, int], None]
 """Is told how many runs are done, of how many."""
 
@@ -47,9 +50,9 @@ def run_sweep(
         InputError: If the folder cannot be used or holds another sweep, or the cluster fails; what is finished stays.
         KeyboardInterrupt: As it comes; what is finished stays in the folder.
     """
-    if threads is not None and (threads < 1 or scheduler is not None):
+    if threads is not None and (not 1 <= threads <= MOST_THREADS or scheduler is not None):
         remedy = "leave it out, a cluster has its own" if scheduler is not None else "leave it out for all cores"
-        raise InputError(f"threads: expected 1 or more for runs on this machine, got {threads}; {remedy}")
+        raise InputError(f"threads: expected 1 to {MOST_THREADS} for runs on this machine, got {threads}; {remedy}")
     if folder is None and (resume or replace):
         raise InputError("resume, replace: are about a folder, and there is none; name it")
     store = None if folder is None else Folder(Path(folder), sweep)

@@ -12,7 +12,7 @@ from scipy.special import ndtri
 from scipy.stats import rankdata
 
 from forcefeel.run_results import NAMES
-from forcefeel.simulation.outcome import MEASURES, Measures, RunStatus
+from forcefeel.simulation.outcome import MEASURES, Measures
 from forcefeel.sweep.result import STATUSES, SweepResult
 from forcefeel.units import PERCENT, RATIO, Unit
 
@@ -107,8 +107,7 @@ class Summary:
 def summarize(result: SweepResult) -> Summary:
     """Sums up the runs of a sweep."""
     runs = result.runs
-    ended = ~np.isin(runs["status"].values, [RunStatus.DIVERGED, "impossible"])
-    measured = {name: np.where(ended, runs[name].values, np.nan) for name in SPREAD}
+    measured = {name: runs[name].values for name in SPREAD}  # not a number where the run diverged or cannot be
     counts = {status: int((runs["status"].values == status).sum()) for status in STATUSES}
     random = bool(result.sweep.varied) and not result.sweep.axes
     return Summary(
