@@ -20,6 +20,8 @@ from forcefeel.compensation import DesignSettings as DesignSettings
 from forcefeel.compensation import compensate as compensate
 from forcefeel.compensation import published_settings as published_settings
 from forcefeel.curves import Curve as Curve
+from forcefeel.envelopes import Envelope as Envelope
+from forcefeel.envelopes import envelope as envelope
 from forcefeel.errors import InputError as InputError
 from forcefeel.figure_data import Figure as Figure
 from forcefeel.figure_data import figures as figures
@@ -48,6 +50,7 @@ from forcefeel.models import rigid_model as rigid_model
 from forcefeel.models import servo as servo
 from forcefeel.models import state_feedback as state_feedback
 from forcefeel.report import write_report as write_report
+from forcefeel.report.envelope_folder import write_envelope as write_envelope
 from forcefeel.report.simulation_folder import write_simulation as write_simulation
 from forcefeel.report.sweep_folder import write_sweep as write_sweep
 from forcefeel.reproduction import reproduce as reproduce
@@ -63,6 +66,7 @@ from forcefeel.simulation import RunStatus as RunStatus
 from forcefeel.simulation import Scenario as Scenario
 from forcefeel.simulation import simulate as simulate
 from forcefeel.simulation import simulate_batch as simulate_batch
+from forcefeel.simulation.linear import simulate_linear_batch as simulate_linear_batch
 from forcefeel.studies import Deviation as Deviation
 from forcefeel.studies import DroppedPaths as DroppedPaths
 from forcefeel.studies import drop_paths as drop_paths
@@ -70,6 +74,7 @@ from forcefeel.studies import sensitivity as sensitivity
 from forcefeel.sweep import Sweep as Sweep
 from forcefeel.sweep import SweepResult as SweepResult
 from forcefeel.sweep import run_sweep as run_sweep
+from forcefeel.sweep.stability import stability_batch as stability_batch
 from forcefeel.sweep.summary import Summary as Summary
 from forcefeel.sweep.summary import summarize as summarize
 from forcefeel.tolerances import Distribution as Distribution

@@ -82,11 +82,13 @@ impl ReleaseMeasuring {
     ) -> PyResult<Array<'py>> {
         let (runs, samples) = position.as_array().dim();
         self.check(samples)?;
+        let view = position.as_array();
         let copied: Vec<f64>;
-        let positions = if let Ok(positions) = position.as_slice() {
+        // Row by row: the view gives no slice of an array that lies otherwise.
+        let positions = if let Some(positions) = view.as_slice() {
             positions
         } else {
-            copied = position.as_array().iter().copied().collect();
+            copied = view.iter().copied().collect();
             &copied
         };
         let features = py.detach(|| self.measuring().measure_all(positions, threads.max(1)));

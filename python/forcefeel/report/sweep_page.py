@@ -155,7 +155,7 @@ def _maps(result: SweepResult, measures: tuple[str, ...], units: UnitSystem, law
             for name in measures[:_MAPPED]
         ]
         return (*lines, _picture("line-status", "How the runs ended", "", sweep_maps.status_lines(result, units)))
-    damping = None if result.sweep.redesigned else damping_map(result.sweep)
+    damping = damping_map(result.sweep)
     found = [
         _picture(f"map-{name}", _name(name, units), "", *sweep_maps.measure_map(result, name, damping, units))
         for name in measures[:_MAPPED]
