@@ -132,3 +132,15 @@ def test_bad_input_is_named(change, said):
     given = {"loader": LOADER, "scenario": STEP, "values": draws(2), **change}
     with pytest.raises(InputError, match=said):
         simulate_linear_batch(**given)
+
+
+def test_an_unstable_loop_diverges_at_its_time():
+    values = np.tile(LOADER.values, (3, 1))
+    values[1, [INDEX[key] for key in ("feel.inertia", "feel.damping", "feel.stiffness")]] *= 0.05
+    scenario = Scenario(Step(96 * LB, 0.1), 3.0)
+    found = simulate_linear_batch(LOADER, scenario, values, keep=("piston_position_m",))
+    single = simulate(Loader("one", "here", values[1]), scenario)
+    assert single.status == "diverged"
+    np.testing.assert_array_equal(found.diverged_at_s, [np.inf, single.measures.diverged_at_s, np.inf])
+    np.testing.assert_array_equal(np.isnan(found.piston_position_m[1]), found.time_s >= single.measures.diverged_at_s)
+    assert not np.isnan(found.piston_position_m[::2]).any()

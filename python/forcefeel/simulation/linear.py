@@ -25,6 +25,13 @@ def applies(loader: Loader, scenario: Scenario) -> bool:
     return not loader.given and not loader.curves and all(other is None for other in others)
 
 
+STABLE, STABLE_BY_POLES = 1, 3
+"""Verdicts of the stability kernel that say stable: proved, and by computed poles."""
+
+_BOUND_RAD = 10.0
+"""A column that turns so far has no model."""
+
+
 def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Outputs (outputs, samples) and measures of the run.
 
@@ -77,7 +84,8 @@ def simulate_linear_batch(
         threads: How many; all cores if not given. The numbers do not depend on it.
 
     Returns:
-        Over ``run`` and ``time_s``: the outputs in ``keep``, SI units. The history of an unstable loop grows without bound.
+        Over ``run`` and ``time_s``: the outputs in ``keep``, SI units, and ``diverged_at_s``: when the column of an unstable loop
+        left 10 rad, from where on its outputs are not numbers; infinite for all others.
 
     Raises:
         InputError: If the loader or the scenario is not linear, values have the wrong shape or vary an optional row, an output
@@ -102,21 +110,45 @@ def simulate_linear_batch(
         raise InputError(
             f"keep: histories of {len(values)} runs take more than {MOST_HISTORY_BYTES >> 30} GiB; run fewer at a time"
         )
-    histories = np.empty(shape)
-    _core.Loops(loader.values, columns, values[:, columns], law=law, gains=gains).run(
-        histories,
+    threads = threads or cores()
+    force, force_scale = (
         np.ascontiguousarray(steps.inputs[:, 0]),
-        steps.step_s,
-        every=steps.every,
-        outputs=[list(units).index(name) for name in keep],
-        force_scale=values[:, INDEX["pilot.force"]] / loader["pilot.force"],
-        start_force=steps.start_force_n,
-        held=steps.held,
-        threads=threads or cores(),
+        values[:, INDEX["pilot.force"]] / loader["pilot.force"],
     )
+
+    def histories_of(runs: slice | NDArray[np.intp], names: Sequence[str]) -> NDArray[np.float64]:
+        some = values[runs]
+        histories = np.empty((len(some), len(names), shape[2]))
+        of_some = None if gains is None else np.ascontiguousarray(gains[runs])
+        _core.Loops(loader.values, columns, some[:, columns], law=law, gains=of_some).run(
+            histories,
+            force,
+            steps.step_s,
+            every=steps.every,
+            outputs=[list(units).index(name) for name in names],
+            force_scale=force_scale[runs],
+            start_force=steps.start_force_n,
+            held=steps.held,
+            threads=threads,
+        )
+        return histories
+
+    histories = histories_of(slice(None), keep)
+    verdicts = _core.Loops(loader.values, columns, values[:, columns], law=law, gains=gains).stability(threads)
+    unstable = np.flatnonzero((verdicts != STABLE) & (verdicts != STABLE_BY_POLES))
+    diverged_at_s = np.full(len(values), np.inf)
+    if len(unstable):
+        beyond = ~(np.abs(histories_of(unstable, ["column_angle_rad"])[:, 0]) < _BOUND_RAD)
+        first = np.where(beyond.any(axis=1), beyond.argmax(axis=1) * scenario.sample_s, np.inf)
+        diverged_at_s[unstable] = first
+        gone = np.arange(shape[2]) * scenario.sample_s >= first[:, np.newaxis]
+        histories[unstable] = np.where(gone[:, np.newaxis], np.nan, histories[unstable])
     time = ("time_s", np.arange(shape[2]) * scenario.sample_s, {"units": "s"})
     coordinates: dict[str, Any] = {"run": np.arange(len(values)), "time_s": time}
-    data = {name: (("run", "time_s"), histories[:, k], {"units": units[name]}) for k, name in enumerate(keep)}
+    data: dict[str, Any] = {
+        name: (("run", "time_s"), histories[:, k], {"units": units[name]}) for k, name in enumerate(keep)
+    }
+    data["diverged_at_s"] = ("run", diverged_at_s, {"units": "s"})
     return xr.Dataset(data, coordinates, {"loader": loader.name})
 
 

@@ -13,6 +13,7 @@ from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.parameters import INDEX, REQUIRED, TABLE, did_you_mean
 from forcefeel.simulation.engine import cores
+from forcefeel.simulation.linear import STABLE, STABLE_BY_POLES
 from forcefeel.sweep.plan import Sweep
 from forcefeel.units import show
 
@@ -59,8 +60,8 @@ def stability_batch(
     verdict = _loops(loader.values, list(columns), table, compensator).stability(threads or cores())
     coordinates = {key: ("loop", values, {"units": TABLE[key].unit_si}) for key, values in columns.items()}
     data = {
-        "stable": ("loop", (verdict == _STABLE) | (verdict == _STABLE_BY_POLES)),
-        "proved": ("loop", verdict <= _STABLE),
+        "stable": ("loop", (verdict == STABLE) | (verdict == STABLE_BY_POLES)),
+        "proved": ("loop", verdict <= STABLE),  # up to this one they are proved,
     }
     return xr.Dataset(data, coordinates, {"loader": loader.name})
 
@@ -92,10 +93,6 @@ def _law(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> Compensat
     values = np.tile(sweep.loader.values, (len(table), 1))
     values[:, [INDEX[key] for key in keys]] = table
     return sweep.law(values)
-
-
-_STABLE, _STABLE_BY_POLES = 1, 3
-"""Verdicts of the kernel; those up to the first are proved."""
 
 
 def _loops(
