@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from forcefeel.inputs import Doublet, HandsOff, Step
+from forcefeel.inputs import Doublet, HandsOff, Release, Step
 from forcefeel.simulation import Scenario, simulate
-from tests.nonlinear_witness import Machine
-from tests.side_by_side import GAINS, LB, Case, law_of, loader_of
+from tests.nonlinear_witness import Machine, Solver
+from tests.side_by_side import DEG, GAINS, LB, TRAVEL, Case, at_rest, held, law_of, loader_of
+from tests.test_simulation_accuracy import CLAIM, FULL, SIGNALS
 
 FORCE = ([(0.05, 96.0)], Step(96 * LB, 0.05), 0.4)
 FLOOR = 1.5e-5
@@ -97,3 +98,68 @@ def test_noise_has_its_spread_and_belongs_to_its_seed():
     # 5000 samples: the spread is known to one part in a hundred (1 / sqrt(2 n)), four of them allowed.
     assert np.std(seen) == pytest.approx(sigma, rel=0.04)
     assert abs(np.corrcoef(seen[1:], seen[:-1])[0, 1]) < 4 / np.sqrt(len(seen))
+
+
+def digital(gains, period, **changes):
+    """Every nonlinearity, sampled sensors with lag and resolution, a delay that is no whole number of periods, converters."""
+    machine = replace(FULL, gains=gains, period=period, delay=0.4 * period, output_range=10.0, output_bits=16)
+    resolutions = {"load_cell_resolution": 0.02, "potentiometer_resolution": 1e-4, "column_sensor_resolution": 2e-5}
+    if gains is None:  # the witness reads the column's sensor through a converter too, the engine does not
+        resolutions |= {"input_range": 10.0, "input_bits": 16}
+    return replace(machine, **resolutions | changes)
+
+
+def digital_step(machine):
+    return Case(machine, [(0.1, 96.0)], Step(96 * LB, 0.1), 2.0, at_rest(machine, SIGNALS), SIGNALS)
+
+
+def digital_release(machine):
+    """Let go after a while: before its first command arrives, the witness has the command of the first sample."""
+    start = held(machine, 8 * DEG, SIGNALS)
+    return Case(machine, [(0.0, start["force"]), (0.05, 0.0)], Release(8 * DEG, 0.05), 2.0, start, SIGNALS)
+
+
+@pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
+@pytest.mark.parametrize("case_of", [digital_step, digital_release], ids=["step", "release"])
+def test_everything_at_once_under_a_digital_controller(case_of, gains):
+    events = []
+    case = case_of(digital(gains, 5e-4))
+    reference = case.witness(Solver("LSODA", 1e-9, events))
+    wanted = {"rest", "break-away", "feel rest", "slider dragged", "slider left", "sign of q_i", "velocity limit"}
+    wanted |= {"soft stop", "hard stop", "relief"} if case_of is digital_step else {"contact"}
+    assert wanted <= {name for _, name in events}
+    errors = case.errors(reference, 1e-3, 5e-4, 1e-4)  # the first two in steps of what divides period and delay
+    assert max(errors) < CLAIM  # found 3e-5, 4e-5, 1e-5, 1e-5
+
+
+def test_antiwindup_with_everything_is_of_first_order_in_the_period():
+    """As alone, see above. Without the velocity limit: under it the witness's control does not slow down when it gives way."""
+    errors = []
+    for period in (1e-3, 5e-4, 2.5e-4):
+        case = digital_release(digital(None, period, antiwindup=100.0, feel_velocity_limit=np.inf))
+        errors += case.errors(case.witness(Solver("LSODA", 1e-9)), 1e-3)
+    assert errors[0] < 4e-4  # found 2.2e-4, 1.2e-4, 5.6e-5
+    assert errors[2] < CLAIM
+    assert min(errors[0] / errors[1], errors[1] / errors[2]) > 1.5
+
+
+@pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
+def test_step_of_the_plant_under_a_digital_controller_is_of_second_order(gains):
+    """What the samples see lags, and a sensor takes its input for a straight line over a step."""
+    machine = Machine(
+        gains=gains,
+        orifice=True,
+        period=2e-3,
+        gravity_torque=100.0,
+        arm_mass=2.0,
+        feel_quadratic_damping=200.0,
+        load_cell_bandwidth=2 * np.pi * 50,
+        potentiometer_bandwidth=2 * np.pi * 500,
+    )
+    case = Case(machine, *FORCE)
+    reference = case.witness()["theta"][::2]
+    errors = [
+        np.abs(case.engine(h, 2e-3).history.column_angle_rad.values - reference).max() for h in (2e-3, 1e-3, 5e-4)
+    ]
+    assert min(errors[0] / errors[1], errors[1] / errors[2]) > 3.0
+    assert errors[0] / TRAVEL < CLAIM

@@ -16,6 +16,20 @@
 //! | control law | [`compensator`] | (13), (20) |
 //! | the parts put together | [`loader`] | (15), (17), (19) |
 //!
+//! The same machine in time, with what the linear models leave out:
+//!
+//! | part | file |
+//! |---|---|
+//! | one step of the whole | [`machine`] |
+//! | load pressure, slaved | [`pressure`] |
+//! | valve with its limits | [`valve_motion`] |
+//! | column with friction, gravity, stops, arm | [`column_motion`] |
+//! | dry friction, stops | [`dry_friction`], [`contact`] |
+//! | feel with all that is nonlinear, its force curve | [`feel_law`], [`curve`] |
+//! | sensors | [`transducers`] |
+//! | digital controller | [`controller`] |
+//! | which of these are in play | [`effects`] |
+//!
 //! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
 //! No allocation, no input or output, no standard library.
 #![no_std]

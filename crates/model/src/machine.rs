@@ -6,7 +6,8 @@
 //!
 //! One step is the classical Runge-Kutta step of fourth order on `z, q_i, q_i', x_b, w` and, under the analog law, `delta, u`, with the
 //! load pressure solved at every stage: fixed cost, no iteration, and no step so long that the oil makes it unstable. Dry
-//! friction holds its direction through a step; what it did inside the last step is settled at the start of the next.
+//! friction holds its direction through a step; what it did inside the last step is settled at the start of the next. So do
+//! stops and the link's play hold their touch, and what touched inside a step is made good at its end, see `machine/touch.rs`.
 
 mod digital;
 mod feel;
@@ -528,6 +529,12 @@ impl<S: Scalar> Machine<S> {
             let pull = rates.feel[1] + state.feel.drag;
             rates.feel[1] = S::select(state.feel.stuck, pull.zero(), pull);
         }
+    }
+
+    /// Programmed angle in rad per programmed displacement.
+    #[inline(always)]
+    pub fn per_delta(&self) -> S {
+        self.step.constant(1.0) / self.feel.per_angle
     }
 
     /// Column angle in rad per displacement of the base in m.

@@ -106,6 +106,17 @@ impl<S: Scalar> Transducers<S> {
         S::select(decay.less(one.times(1e-6)), decay.times(0.5), share)
     }
 
+    /// Share of a step by which the load cell takes a force for later than a straight line over the step that came `time` before its
+    /// end, a share `first` of it at once and the rest evenly since.
+    #[inline(always)]
+    pub fn load_cell_late(&self, time: S, first: S) -> S {
+        let (one, whole) = (time.constant(1.0), &self.whole[0]);
+        // 1 - f = first exp(-w T) + (1 - first) (1 - exp(-w T)) / (w T), which a straight line has at 1 / (w h) + late
+        let missing =
+            first * (self.load_cell_bandwidth * time).decay() + (one - first) * (one - self.load_cell_share(time));
+        missing / (one - whole.kept) - whole.per_time
+    }
+
     /// A sample: with offset, with noise (`normal` is standard normal), in steps of the resolution.
     #[inline(always)]
     pub fn sample(&self, shown: [S; SENSORS], normal: [S; SENSORS]) -> [S; SENSORS] {

@@ -52,7 +52,7 @@ pub fn simulation_measure<'py>(
     let mut peaks = Peaks::new(0.0);
     for (k, &angle) in angle.iter().enumerate() {
         #[expect(clippy::cast_precision_loss, reason = "a number of samples, far below 2^52")]
-        peaks.see(angle, [0, 1, 2].map(|j| demand[j][k]), k as f64 * dt);
+        peaks.see(angle, angle, [0, 1, 2].map(|j| demand[j][k]), k as f64 * dt);
     }
     Ok(PyArray1::from_slice(py, &measure(&angle, dt, &peaks).values()))
 }

@@ -186,6 +186,7 @@ impl Job<'_> {
         let mut recorder = Recorder {
             job: self,
             per_base,
+            per_delta: machine.per_delta(),
             peaks: Peaks::new(per_base),
             angles: Vec::with_capacity(self.samples()),
             kept: Vec::with_capacity(self.samples() * self.outputs.len()),
@@ -211,6 +212,8 @@ impl Job<'_> {
 struct Recorder<'a, T> {
     job: &'a Job<'a>,
     per_base: T,
+    /// Programmed angle per programmed displacement.
+    per_delta: T,
     peaks: Peaks<T>,
     angles: Vec<T>,
     /// Sample by sample the outputs that are kept.
@@ -244,7 +247,11 @@ impl<T: Wide> Record<T> for Recorder<'_, T> {
             Sampling::Halves => (0.5, 1),
         };
         let time = number(instant) * share * self.job.shared.step_s;
-        self.peaks.see(angle, [now.current, now.pressure, now.flow], time);
+        // The middles give no peaks, or these would depend on what is kept.
+        if self.job.sampling != Sampling::Halves || instant.is_multiple_of(2) {
+            let programmed = now.delta * self.per_delta;
+            self.peaks.see(angle, programmed, [now.current, now.pressure, now.flow], time);
+        }
         if instant.is_multiple_of(every) {
             self.angles.push(angle);
             for &output in self.job.outputs {

@@ -81,6 +81,8 @@ pub struct Peaks<S> {
 
 /// A column that turns so far has no model.
 pub const BOUND_RAD: f64 = 10.0;
+/// How many times as far the programmed angle may go: a servo that is held back leaves it far ahead.
+const PROGRAMMED: f64 = 100.0;
 
 impl<S: Scalar> Peaks<S> {
     /// Nothing seen yet.
@@ -90,14 +92,18 @@ impl<S: Scalar> Peaks<S> {
         Self { current: zero, pressure: zero, flow: zero, diverged_at: like.constant(f64::INFINITY) }
     }
 
-    /// Takes one instant along.
+    /// Takes one instant along: column angle and programmed angle in rad, current, pressure and flow.
     #[inline(always)]
-    pub fn see(&mut self, angle: S, [current, pressure, flow]: [S; 3], time: f64) {
+    pub fn see(&mut self, angle: S, programmed: S, [current, pressure, flow]: [S; 3], time: f64) {
         self.current = self.current.max(current.abs());
         self.pressure = self.pressure.max(pressure.abs());
         self.flow = self.flow.max(flow.abs());
         // What is no number is not within; a stuck column keeps its angle, so the pressure is asked too.
-        let within = angle.abs().less(angle.constant(BOUND_RAD)) & pressure.abs().less(angle.constant(f64::INFINITY));
+        // Behind end stops the programmed angle may run away by itself.
+        let bound = angle.constant(BOUND_RAD);
+        let within = angle.abs().less(bound)
+            & programmed.abs().less(bound.times(PROGRAMMED))
+            & pressure.abs().less(angle.constant(f64::INFINITY));
         let now = angle.constant(time).min(self.diverged_at);
         self.diverged_at = S::select(within, self.diverged_at, now);
     }

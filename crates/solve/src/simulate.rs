@@ -1,4 +1,4 @@
-//! Runs in time: one loader, or eight side by side, through the steps of their inputs.
+//! Runs in time: one loader, or several side by side, through the steps of their inputs.
 
 use forcefeel_model::Scalar;
 use forcefeel_model::machine::{Inputs, Machine, Now, Rest, Shared};

@@ -113,7 +113,8 @@ fn counts(steps: usize) -> [u64; 3] {
     let shared = Shared { effects, step_s: 2e-3, timing: None, curve: None };
     let parameters = Parameters::from_values(&values.map(Counted));
     let mut machine = Machine::new(&parameters, Compensator::original(&parameters), &shared);
-    let push = Inputs { force: [427.0; 2], trim: [0.0; 2], stiffness_factor: [1.0; 2], shaker: [0.0; 2], fade: [0.0; 2] };
+    let push =
+        Inputs { force: [427.0; 2], trim: [0.0; 2], stiffness_factor: [1.0; 2], shaker: [0.0; 2], fade: [0.0; 2] };
     COUNTS.set([0; 3]);
     let normal = || unreachable!("no sensor has noise");
     run(&mut machine, &shared, Start::Under(0.0), &vec![push; steps], &[], normal, &mut Nothing);

@@ -139,18 +139,17 @@ impl<S: Scalar> Machine<S> {
         let stuck = state.column.stuck;
         state.slow.plant[3] = x_b + moving(stuck, effects.column_friction, by * travel.times(1.0 / 6.0));
         state.slow.plant[4] = w + moving(stuck, effects.column_friction, by * impulse);
+        state.late = self.indirect * only(self.transducers.load_cell_late(time, first.pressure / last.pressure));
         if shared.timing.is_some() {
             return;
         }
         let jump = self.valve.flow_jump(effects, begun.now.current, self.law.gains[1] * p);
-        state.slow.plant[2] = state.slow.plant[2] + jump * time;
+        state.slow.plant[2] = state.slow.plant[2] + only(jump) * time;
         // What a load cell with a lag lets through: a straight line over the whole step is what it takes the pressure for.
         let heard = self.transducers.load_cell_share(time);
         let by = self.law.feel_torque(balance.area) * self.feel.per_torque * S::select(met, heard, zero);
         let stuck = state.feel.stuck;
         state.slow.feel[0] = state.slow.feel[0] + moving(stuck, effects.feel_friction, by * travel.times(1.0 / 6.0));
         state.slow.feel[1] = state.slow.feel[1] + moving(stuck, effects.feel_friction, by * impulse);
-        let late = z.constant(0.5) - impulse / (last.pressure * h);
-        state.late = self.indirect * only(late);
     }
 }
