@@ -1,0 +1,79 @@
+//! Features of releases and the polynomial behind them, where the answer is exact.
+
+use forcefeel_solve::local_fit::LocalFit;
+use forcefeel_solve::release::{FEATURE_GROUPS, FEATURES, Measuring};
+
+/// What double precision leaves of a polynomial of fourth degree.
+const EXACT: f64 = 1e-12;
+
+/// A column of these names in the features.
+fn column(name: &str) -> usize {
+    FEATURE_GROUPS.iter().take_while(|(group, ..)| *group != name).map(|(_, columns, _)| columns).sum()
+}
+
+#[test]
+fn a_polynomial_of_fourth_degree_is_met_at_uneven_times() {
+    let time = [0.0, 0.1, 0.25, 0.3, 0.52, 0.6, 0.71];
+    let polynomial = |t: f64| 3.0 - t + 2.0 * t * t - 5.0 * t.powi(3) + 0.5 * t.powi(4);
+    let fit = LocalFit::new(&time, &time.map(polynomial));
+    let level = polynomial(0.41);
+    let found = fit.crossing(level, 0.3).unwrap();
+    assert!((found.time - 0.41).abs() < EXACT);
+    assert!((found.value - level).abs() < EXACT);
+    let slope = -1.0 + 4.0 * 0.41 - 15.0 * 0.41_f64.powi(2) + 2.0 * 0.41_f64.powi(3);
+    assert!((found.slope - slope).abs() < 100.0 * EXACT);
+    assert!(found.noise > 0.0 && found.noise < 1.0);
+    assert!(fit.crossing(1e3, 0.3).is_none());
+}
+
+#[test]
+fn an_extremum_of_a_parabola() {
+    let time = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+    let found = LocalFit::new(&time, &time.map(|t| 7.0 - (t - 2.2) * (t - 2.2))).extremum(2.0).unwrap();
+    assert!((found.time - 2.2).abs() < EXACT && (found.value - 7.0).abs() < EXACT);
+}
+
+#[test]
+fn five_samples_are_met_and_their_noise_goes_through() {
+    let time = [0.0, 1.0, 2.0, 3.0, 4.0];
+    let found = LocalFit::new(&time, &[0.0, 1.0, 0.0, -1.0, 0.0]).crossing(0.0, 2.1).unwrap();
+    assert!((found.time - 2.0).abs() < EXACT && (found.noise - 1.0).abs() < EXACT);
+}
+
+#[test]
+fn a_column_of_second_order() {
+    let (zeta, omega) = (0.2_f64, 10.0);
+    let damped = omega * (1.0 - zeta * zeta).sqrt();
+    let time: Vec<f64> = (0..6000).map(|k| f64::from(k) * 1e-3).collect();
+    let way = |t: f64| (-zeta * omega * t).exp() * ((damped * t).cos() + zeta * omega / damped * (damped * t).sin());
+    let position: Vec<f64> = time.iter().map(|t| 2.0 - 0.3 * way(*t)).collect();
+    let measuring = Measuring {
+        time: &time,
+        held: 1,
+        free: 0,
+        tail: 600,
+        band: 0.05,
+        high: 0.9,
+        low: 0.1,
+        reach: 0.0,
+        hysteresis: 0.0,
+    };
+    let found = measuring.measure(&position).values;
+    // The tail still swings by exp(-10.8).
+    let near = |name: &str, k: usize, expected: f64, within: f64| {
+        assert!((found[column(name) + k] - expected).abs() < within, "{name}: {}", found[column(name) + k]);
+    };
+    near("steady", 0, 2.0, 1e-5);
+    near("displacement", 0, -0.3, 1e-5);
+    near("count", 0, 4.0, 0.5);
+    let first = (std::f64::consts::FRAC_PI_2 + zeta.asin()) / damped;
+    near("crossings", 0, first, 1e-5);
+    near("crossings", 2, first + 2.0 * std::f64::consts::PI / damped, 1e-4);
+    near("overshoots", 0, 0.3 * (-std::f64::consts::PI * zeta * omega / damped).exp(), 1e-5);
+    let all = measuring.measure_all(&[position.clone(), vec![f64::NAN; 6000], position].concat(), 2);
+    // Bit by bit: what is not there is not a number.
+    let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    assert_eq!(bits(&all[..FEATURES]), bits(&found));
+    assert_eq!(bits(&all[2 * FEATURES..]), bits(&found));
+    assert!(all[FEATURES..2 * FEATURES].iter().all(|value| value.is_nan()));
+}

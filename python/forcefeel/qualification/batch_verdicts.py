@@ -1,0 +1,142 @@
+"""Verdicts on many releases at once, without uncertainties."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.qualification.judge_release import Overdamped
+from forcefeel.qualification.release_batch import ReleaseBatch
+from forcefeel.qualification.rules import Test
+from forcefeel.qualification.tolerance import Tolerance
+from forcefeel.units import show
+
+_CYCLES, _OVERSHOOTS = 9, 16
+
+NAMES = (
+    "not measured",
+    "not settled",
+    *(f"P{n}" for n in range(_CYCLES)),
+    *(f"A{k}" for k in range(1, _OVERSHOOTS + 1)),
+    "first overshoot",
+    "overshoots",
+    "steady state",
+    "Ad",
+    "fall time",
+    "rise time",
+)
+"""What a run can fail by, in the order in which it is asked."""
+
+_INDEX = {name: k for k, name in enumerate(NAMES)}
+_ROUNDING = 1e-12
+"""Share of a tolerance by which a difference that is at its limit may be beyond it."""
+
+_Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class BatchVerdicts:
+    """Verdicts on releases, a row for each.
+
+    Attributes:
+        passed: Which pass (runs,).
+        evaluated: Which could be evaluated; what could not does not pass (runs,).
+        first_failing: First quantity by which each fails, a place in ``names``; -1 where it passes (runs,).
+        margin: One less the largest difference as a share of its tolerance: 1 the same, 0 at the limit, negative beyond it;
+            minus infinity where something is missing, not a number where it was not evaluated (runs,).
+        names: What a run can fail by.
+    """
+
+    passed: NDArray[np.bool_]
+    evaluated: NDArray[np.bool_]
+    first_failing: NDArray[np.int8]
+    margin: _Array
+    names: tuple[str, ...] = NAMES
+
+    def __len__(self) -> int:
+        return len(self.passed)
+
+
+def judge_releases(
+    batch: ReleaseBatch,
+    reference: ReleaseBatch,
+    test: Test,
+    *,
+    travel: float | None = None,
+    overdamped: Overdamped = "fall time",
+) -> BatchVerdicts:
+    """Verdicts as by ``judge_release``, with nothing too close to call.
+
+    Args:
+        batch: Features of the releases.
+        reference: Of what they are held against: one for all, or one for each.
+        test: A release test of a rule.
+        travel: Total travel of the control, in the position's unit, where a tolerance is a share of it.
+        overdamped: What a reference without overshoots is judged by.
+
+    Raises:
+        InputError: If there are not as many references, or the test is no release test.
+    """
+    if test.kind != "release":
+        raise InputError(f"test: expected a release test, got {show(test.number)}, a {test.kind} test")
+    if len(reference) not in {1, len(batch)}:
+        raise InputError(f"reference: expected one, or one for each of {len(batch)} runs, got {len(reference)}")
+    settled = np.logical_and(batch.settled, reference.settled)
+    measured = np.logical_and(batch.measured, reference.measured)
+    shares = np.full((len(batch), len(NAMES)), -np.inf)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for tolerance in test.tolerances:
+            for name, share in _shares(tolerance, test, batch, reference, travel, overdamped):
+                shares[:, _INDEX[name]] = share
+    shares[:, _INDEX["not measured"]] = np.where(measured, -np.inf, np.inf)
+    shares[:, _INDEX["not settled"]] = np.where(settled, -np.inf, np.inf)
+    beyond = shares > 1 + _ROUNDING
+    fails: NDArray[np.bool_] = np.any(beyond, axis=1)
+    first = np.where(fails, beyond.argmax(axis=1), -1).astype(np.int8)
+    margin = np.where(settled, 1 - shares.max(axis=1), np.nan)
+    return BatchVerdicts(np.logical_not(fails), settled, first, margin)
+
+
+def _shares(
+    tolerance: Tolerance,
+    test: Test,
+    batch: ReleaseBatch,
+    reference: ReleaseBatch,
+    travel: float | None,
+    overdamped: Overdamped,
+) -> Iterator[tuple[str, _Array]]:
+    """Differences as shares of their tolerance; minus infinity where nothing is compared, infinity where something is missing."""
+    count, quantity = reference.count, tolerance.quantity
+    swings = count > 0
+    largest = np.nan_to_num(reference.overshoots[:, 0])
+    scales = {"A1": largest, "Ad": np.abs(reference.displacement)}
+
+    def share(mine: _Array, theirs: _Array, asked: NDArray[np.bool_], n: int = 0) -> _Array:
+        limit = tolerance.limit(scales.get(tolerance.relative_to or "", theirs), n=n, travel=travel)
+        found = np.abs(mine - theirs) / limit
+        return np.where(asked, np.where(np.isnan(found), np.inf, found), -np.inf)
+
+    if tolerance.relative_to == "Amax":
+        scales["Amax"] = np.nan_to_num(reference.overshoots).max(axis=1)
+    if quantity in {"P0", "Pn"}:
+        mine, theirs = batch.cycles_s, reference.cycles_s
+        for n in (0,) if quantity == "P0" else range(1, _CYCLES):
+            yield f"P{n}", share(mine[:, n], theirs[:, n], swings & (count >= 2 * n), n)
+    elif quantity in {"A1", "An"}:
+        first_apart = test.tolerance("A1") is not None
+        mine = np.nan_to_num(batch.overshoots)
+        for k in range(_OVERSHOOTS):
+            if not first_apart or (k == 0) is (quantity == "A1"):
+                yield f"A{k + 1}", share(mine[:, k], reference.overshoots[:, k], count > k)
+    elif quantity == "first overshoot":
+        yield quantity, np.where(swings & ~(batch.count > 0), np.inf, -np.inf)
+    elif quantity == "overshoots":
+        yield quantity, share(batch.count, count, np.full(len(reference), True))
+    elif quantity in {"steady state", "Ad"}:
+        yield quantity, share(batch.displacement, reference.displacement, np.full(len(reference), True))
+    elif quantity == overdamped:
+        fall = quantity == "fall time"
+        mine, theirs = ((it.fall_time_s if fall else it.rise_time_s) for it in (batch, reference))
+        yield quantity, share(mine, theirs, ~swings)

@@ -1,0 +1,168 @@
+"""The dynamic tests: a release against the reference's, quantity by quantity."""
+
+from collections.abc import Iterator
+from typing import Literal
+
+from forcefeel.errors import InputError
+from forcefeel.qualification.figures import Figure
+from forcefeel.qualification.release import ReleaseFeatures
+from forcefeel.qualification.rules import Test
+from forcefeel.qualification.tolerance import Tolerance
+from forcefeel.qualification.verdicts import COVERAGE, Outcome, Row, Verdict
+from forcefeel.units import UnitSystem, show
+
+Overdamped = Literal["fall time", "rise time"]
+"""What a response without overshoots is judged by: the way from 0.9 to 0.1 Ad, or the time to 90 % of the steady value."""
+
+
+def judge_release(
+    measured: ReleaseFeatures,
+    reference: ReleaseFeatures,
+    test: Test,
+    *,
+    travel: float | None = None,
+    overdamped: Overdamped = "fall time",
+    system: UnitSystem = UnitSystem.US,
+    coverage: float = COVERAGE,
+) -> tuple[Verdict, ...]:
+    """Verdicts on a release; steady states are aligned, since all quantities are taken from each record's own.
+
+    The reference says what is compared. If it overshoots by more than the residual band: P0, the full cycles at whose end an
+    overshoot above the band lies (later ones are after the last significant overshoot), and every overshoot above the band. If
+    not: the way back. In both cases the number of overshoots, and the steady state, by the way there from the held position.
+
+    Args:
+        measured: Features of the record.
+        reference: Of what it is held against.
+        test: A release test of a rule.
+        travel: Total travel of the control, in the position's unit, where a tolerance is a share of it.
+        overdamped: What a reference without overshoots is judged by.
+        system: Which of the rule's roundings of a force holds.
+        coverage: Standard uncertainties within which a difference is too close to its limit to be called.
+
+    Raises:
+        InputError: If the records are of other quantities or go opposite ways, or the test is no release test.
+    """
+    if test.kind != "release":
+        raise InputError(f"test: expected a release test, got {show(test.number)}, a {test.kind} test")
+    check_same_way(measured, reference)
+    return tuple(_Judging(measured, reference, test, travel, system, coverage).verdicts(overdamped))
+
+
+def check_same_way(measured: ReleaseFeatures, reference: ReleaseFeatures) -> None:
+    """Refuses two releases that cannot be compared.
+
+    Raises:
+        InputError: If one is of an angle and the other of a length, or they are let go on opposite sides.
+    """
+    if measured.position_unit != reference.position_unit:
+        came = f"{measured.name} is in {measured.position_unit}, {reference.name} in {reference.position_unit}"
+        raise InputError(f"expected both positions to be angles or both to be lengths; {came}")
+    if measured.displacement.value * reference.displacement.value < 0:
+        sides = " and ".join(
+            f"{it.name} at {it.release_s.value:.6g} s from {it.displacement.value:+.4g} {it.position_unit}"
+            for it in (measured, reference)
+        )
+        raise InputError(f"expected releases from the same side of the steady state, got {sides}; give the other one")
+
+
+class _Judging:
+    def __init__(
+        self,
+        measured: ReleaseFeatures,
+        reference: ReleaseFeatures,
+        test: Test,
+        travel: float | None,
+        system: UnitSystem,
+        coverage: float,
+    ) -> None:
+        self.measured, self.reference, self.test = measured, reference, test
+        self.travel, self.system, self.coverage = travel, system, coverage
+
+    def verdicts(self, overdamped: Overdamped) -> Iterator[Verdict]:
+        swings = self.reference.underdamped
+        for rule in self.test.tolerances:
+            if not (self.measured.settled and self.reference.settled):
+                name = self.measured.name if not self.measured.settled else self.reference.name
+                yield self._row(rule).not_evaluated(rule.quantity, f"{name} does not come to rest")
+                continue
+            match rule.quantity:
+                case "P0" | "Pn" | "A1" | "An" | "first overshoot" if not swings:
+                    continue
+                case "fall time" | "rise time" if swings or rule.quantity != overdamped:
+                    continue
+                case "P0":
+                    yield self._cycle(rule, 0)
+                case "Pn":
+                    yield from (self._cycle(rule, n) for n in range(1, self.reference.count // 2 + 1))
+                case "A1" | "An":
+                    yield from self._overshoots(rule)
+                case "first overshoot":
+                    yield self._first(rule)
+                case "overshoots":
+                    yield self._number(rule)
+                case "steady state" | "Ad":
+                    ways = self.measured.displacement, self.reference.displacement
+                    yield self._row(rule).decide(rule.quantity, ways, self._limit(rule, ways[1]))
+                case "fall time":
+                    ways = self.measured.fall_time, self.reference.fall_time
+                    yield self._row(rule).decide(rule.quantity, ways, self._limit(rule, ways[1]))
+                case "rise time":
+                    ways = self.measured.rise_time, self.reference.rise_time
+                    yield self._row(rule).decide(rule.quantity, ways, self._limit(rule, ways[1]))
+
+    def _row(self, rule: Tolerance) -> Row:
+        return Row(self.test.number, rule, self.test.is_verified(rule), self.coverage)
+
+    def _limit(self, rule: Tolerance, itself: Figure, n: int = 0) -> float:
+        scales = {"A1": self.reference.overshoots[:1], "Amax": self.reference.overshoots}
+        sizes = scales.get(
+            rule.relative_to or "", (self.reference.displacement,) if rule.relative_to == "Ad" else (itself,)
+        )
+        scale = max(abs(size.value) for size in sizes)
+        return float(rule.limit(scale, n=n, system=self.system, travel=self.travel))
+
+    def _cycle(self, rule: Tolerance, n: int) -> Verdict:
+        row, name, theirs = self._row(rule), f"P{n}", self.reference.cycles
+        if n >= len(theirs):
+            return row.not_evaluated(name, f"{self.reference.name} has too few zero crossings")
+        if n >= len(self.measured.cycles):
+            none = Figure(float("nan"), float("nan"), "s")
+            return row.stated(name, Outcome.FAILED, (none, theirs[n]), f"{self.measured.name} has no such cycle")
+        return row.decide(name, (self.measured.cycles[n], theirs[n]), self._limit(rule, theirs[n], n))
+
+    def _overshoots(self, rule: Tolerance) -> Iterator[Verdict]:
+        kept = self.reference.overshoots[: self.reference.count]
+        first_apart = self.test.tolerance("A1") is not None
+        for k, theirs in enumerate(kept):
+            if first_apart and (k == 0) is not (rule.quantity == "A1"):
+                continue
+            known, fades = k < len(self.measured.overshoots), ""
+            # One that is no longer looked for is far within the residual band.
+            mine = self.measured.overshoots[k] if known else Figure(0.0, self.measured.steady.uncertainty, theirs.unit)
+            if not known:
+                fades = f"{self.measured.name} has faded by then"
+            yield self._row(rule).decide(f"A{k + 1}", (mine, theirs), self._limit(rule, theirs), reason=fades)
+
+    def _first(self, rule: Tolerance) -> Verdict:
+        mine, theirs = self.measured, self.reference
+        none = Figure(0.0, mine.steady.uncertainty, mine.position_unit)
+        figures = (mine.overshoots[0] if mine.overshoots else none, theirs.overshoots[0])
+        if mine.count_range[0] > 0:
+            return self._row(rule).stated(rule.quantity, Outcome.PASSED, figures, "")
+        sure = mine.count_range[1] == 0 and theirs.count_range[0] > 0
+        outcome = Outcome.FAILED if sure else Outcome.TOO_CLOSE
+        reason = "no overshoot above the residual band" if sure else "at the edge of the residual band"
+        return self._row(rule).stated(rule.quantity, outcome, figures, reason)
+
+    def _number(self, rule: Tolerance) -> Verdict:
+        (least, most), (fewest, greatest) = self.measured.count_range, self.reference.count_range
+        figures = Figure(self.measured.count, 0.0, ""), Figure(self.reference.count, 0.0, "")
+        limit = float(rule.limit(1.0))
+        row = self._row(rule)
+        verdict = row.decide(rule.quantity, figures, limit)
+        extremes = {abs(one - other) <= limit for one in (least, most) for other in (fewest, greatest)}
+        if len(extremes) == 1:
+            return verdict
+        reason = "an overshoot is at the edge of the residual band"
+        return row.stated(rule.quantity, Outcome.TOO_CLOSE, figures, reason)

@@ -1,0 +1,201 @@
+"""The static tests, the alternate method of the dynamic ones, and the small inputs: curves against the reference's."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.qualification.figures import Figure, combined
+from forcefeel.qualification.records import Record
+from forcefeel.qualification.rules import Test
+from forcefeel.qualification.sweep import SweepFeatures
+from forcefeel.qualification.tolerance import Tolerance
+from forcefeel.qualification.verdicts import COVERAGE, Row, Verdict
+from forcefeel.units import UnitSystem, show
+
+_COVERED = 0.9
+"""Share of the reference's curve that must be there to compare with."""
+_SAME_DURATION = 0.2
+"""Share by which two sweeps that are compared may differ in duration."""
+_ENDS = 1.5
+"""Steps of the reference by which a record may be longer."""
+
+_Array = NDArray[np.float64]
+
+
+def judge_sweep(
+    measured: SweepFeatures,
+    reference: SweepFeatures,
+    test: Test,
+    *,
+    system: UnitSystem = UnitSystem.US,
+    coverage: float = COVERAGE,
+) -> tuple[Verdict, ...]:
+    """Verdicts on a static sweep: breakout, force in both directions, surface, freeplay; neutral positions are aligned.
+
+    Args:
+        measured: Features of the sweep.
+        reference: Of what it is held against.
+        test: A static or a freeplay test of a rule.
+        system: Which of the rule's roundings of a force holds.
+        coverage: Standard uncertainties within which a difference is too close to its limit to be called.
+
+    Raises:
+        InputError: If one position is an angle and the other a length, or the test is of another kind.
+    """
+    _check_kind(test, "static", "freeplay")
+    _check_unit(measured, reference)
+    verdicts: list[Verdict] = []
+    for rule in test.tolerances:
+        row = Row(test.number, rule, test.is_verified(rule), coverage)
+        if rule.quantity == "breakout":
+            figures = measured.breakout, reference.breakout
+            verdicts.append(row.decide("breakout", figures, float(rule.limit(figures[1].value, system=system))))
+        elif rule.quantity == "freeplay":
+            figures = measured.freeplay, reference.freeplay
+            if measured.position_unit == "m":
+                verdicts.append(row.decide("freeplay", figures, float(rule.limit(figures[1].value))))
+            else:
+                reason = "the tolerance is a length, and the position an angle"
+                verdicts.append(row.not_evaluated("freeplay", reason, figures))
+        else:
+            verdicts.extend(_curves(row, rule, measured, reference, system))
+    return tuple(verdicts)
+
+
+def judge_dynamic_sweep(
+    measured: SweepFeatures,
+    slow: SweepFeatures,
+    reference: SweepFeatures,
+    reference_slow: SweepFeatures,
+    test: Test,
+    *,
+    system: UnitSystem = UnitSystem.US,
+    coverage: float = COVERAGE,
+) -> tuple[Verdict, ...]:
+    """Verdicts on a medium or a fast sweep: what it takes above the slow one, against the same of the reference.
+
+    Args:
+        measured: The medium or the fast sweep.
+        slow: The slow one.
+        reference: The reference's sweep of the same duration.
+        reference_slow: The reference's slow one.
+        test: A dynamic sweep of a rule.
+        system: Which of the rule's roundings of a force holds.
+        coverage: Standard uncertainties within which a difference is too close to its limit to be called.
+
+    Raises:
+        InputError: If durations differ by more than a fifth, one position is an angle and another a length, or the test is
+            of another kind.
+    """
+    _check_kind(test, "dynamic sweep")
+    for one, other in ((measured, reference), (slow, reference_slow), (measured, slow)):
+        _check_unit(one, other)
+    for one, other in ((measured, reference), (slow, reference_slow)):
+        if abs(one.duration_s - other.duration_s) > _SAME_DURATION * other.duration_s:
+            lasted = f"{one.name} lasts {one.duration_s:.4g} s, {other.name} {other.duration_s:.4g} s"
+            raise InputError(f"expected sweeps of the same duration within {100 * _SAME_DURATION:g} %; {lasted}")
+    (rule,) = test.tolerances
+    row = Row(test.number, rule, test.is_verified(rule), coverage)
+    verdicts = []
+    for way in ("up", "down"):
+        at = reference.position - reference.neutral
+        increments, known = [], []
+        for sweep, still in ((measured, slow), (reference, reference_slow)):
+            increments.append(_at(sweep, way, at) - _at(still, way, at))
+            known.append(combined(sweep.force_uncertainty_n, still.force_uncertainty_n))
+        limit = rule.limit(increments[1], system=system)
+        verdicts.append(_worst(row, f"dynamic increment, {way}", at, increments, known, limit, "N"))
+    return tuple(verdicts)
+
+
+def judge_small_inputs(
+    record: Record, reference: Record, test: Test, *, coverage: float = COVERAGE
+) -> tuple[Verdict, ...]:
+    """Verdict on the body rate after a small input, over the time from each record's beginning.
+
+    Args:
+        record: With the body rate; without it nothing is evaluated.
+        reference: The reference's record.
+        test: A small-inputs test of a rule.
+        coverage: Standard uncertainties within which a difference is too close to its limit to be called.
+
+    Raises:
+        InputError: If the reference is shorter than the record, or the test is of another kind.
+    """
+    _check_kind(test, "small inputs")
+    (rule,) = test.tolerances
+    row = Row(test.number, rule, test.is_verified(rule), coverage)
+    mine, theirs = record.body_rate_rad_per_s, reference.body_rate_rad_per_s
+    if mine is None or theirs is None:
+        name = record.name if mine is None else reference.name
+        return (row.not_evaluated("body rate", f"{name} has no body rate"),)
+    time = record.time_s - record.time_s[0]
+    if time[-1] > reference.duration_s + _ENDS * reference.step_s:
+        raise InputError(
+            f"{reference.name}: lasts {reference.duration_s:.6g} s, {record.name} {time[-1]:.6g} s; expected a reference "
+            f"that covers the record; cut {record.name} at {record.time_s[0] + reference.duration_s:.6g} s"
+        )
+    expected = np.interp(time, reference.time_s - reference.time_s[0], theirs)
+    limit = rule.limit(np.full_like(time, np.max(np.abs(theirs))))
+    return (_worst(row, "body rate", time, [mine, expected], [0.0, 0.0], limit, "rad/s"),)
+
+
+def _curves(
+    row: Row, rule: Tolerance, measured: SweepFeatures, reference: SweepFeatures, system: UnitSystem
+) -> Iterator[Verdict]:
+    surface = rule.quantity == "surface"
+    if surface and (measured.surface_up_rad is None or reference.surface_up_rad is None):
+        name = measured.name if measured.surface_up_rad is None else reference.name
+        yield row.not_evaluated(str(rule.surface), f"{name} has no surface position")
+        return
+    at = reference.position - reference.neutral
+    for way in ("up", "down"):
+        both = [_at(sweep, way, at, surface=surface) for sweep in (measured, reference)]
+        known = [0.0, 0.0] if surface else [measured.force_uncertainty_n, reference.force_uncertainty_n]
+        limit = rule.limit(both[1], system=system)
+        name = f"{rule.surface if surface else rule.quantity}, {way}"
+        yield _worst(row, name, at, both, known, limit, "rad" if surface else "N")
+
+
+def _at(sweep: SweepFeatures, way: str, at: _Array, *, surface: bool = False) -> _Array:
+    """A curve of a sweep at distances from neutral; not a number beyond its ends."""
+    curves = {
+        ("up", False): sweep.force_up_n,
+        ("down", False): sweep.force_down_n,
+        ("up", True): sweep.surface_up_rad,
+        ("down", True): sweep.surface_down_rad,
+    }
+    curve, x = curves[way, surface], sweep.position - sweep.neutral
+    rounding = 1e-9 * (x[-1] - x[0])
+    if curve is None:
+        return np.full_like(at, np.nan)
+    inside = (at >= x[0] - rounding) & (at <= x[-1] + rounding)
+    return np.where(inside, np.interp(at, x, curve), np.nan)
+
+
+def _worst(
+    row: Row, name: str, at: _Array, curves: list[_Array], known: list[float], limit: _Array, unit: str
+) -> Verdict:
+    """The verdict where a curve is closest to its limit, or beyond it most."""
+    mine, theirs = curves
+    asked, there = np.isfinite(theirs), np.isfinite(mine) & np.isfinite(theirs)
+    if not asked.any() or there.sum() < _COVERED * asked.sum():
+        share = 100 * there.sum() / max(int(asked.sum()), 1)
+        return row.not_evaluated(name, f"the curves overlap over {share:.3g} % of the reference's")
+    ratio = np.where(there, np.abs(mine - theirs) / limit, -np.inf)
+    worst = int(np.argmax(ratio))
+    figures = Figure(float(mine[worst]), known[0], unit), Figure(float(theirs[worst]), known[1], unit)
+    return row.decide(name, figures, float(limit[worst]), at=float(at[worst]))
+
+
+def _check_kind(test: Test, *kinds: str) -> None:
+    if test.kind not in kinds:
+        raise InputError(f"test: expected a {' or '.join(kinds)} test, got {show(test.number)}, a {test.kind} test")
+
+
+def _check_unit(one: SweepFeatures, other: SweepFeatures) -> None:
+    if one.position_unit != other.position_unit:
+        came = f"{one.name} is in {one.position_unit}, {other.name} in {other.position_unit}"
+        raise InputError(f"expected both positions to be angles or both to be lengths; {came}")

@@ -1,0 +1,198 @@
+"""The tables of the rules: their figures, literally, and the laws they keep."""
+
+import math
+import re
+
+import pytest
+
+from forcefeel.errors import InputError
+from forcefeel.qualification import DEFAULT_EDITION, Tolerance, editions, load_rules
+from forcefeel.qualification.rules import parse_rules
+from forcefeel.units import UnitSystem
+
+LB = 4.4482216152605
+"""One pound of force in N, exactly."""
+
+STATIC = {
+    "2.a.1.a": ((2.0, 0.9), (5.0, 2.2), {"elevator": 2.0}),
+    "2.a.2.a": ((2.0, 0.9), (3.0, 1.3), {"aileron": 2.0, "spoiler": 3.0}),
+    "2.a.3.a": ((5.0, 2.2), (5.0, 2.2), {"rudder": 2.0}),
+    "2.a.4": ((2.0, 0.9), (3.0, 1.3), {"nosewheel": 2.0}),
+}
+"""Table A2A of the 2014 print: breakout and force in lb and daN, surfaces in deg."""
+
+
+@pytest.mark.parametrize("number", STATIC)
+def test_static_rows_stand_as_printed(number):
+    test = load_rules("part60-a-2014").test(number)
+    breakout, force, surfaces = STATIC[number]
+    assert test.verified
+    for quantity, (lb, dan), share in (("breakout", breakout, None), ("force", force, 0.1)):
+        row = test.tolerance(quantity)
+        assert (row.absolute.lb, row.absolute.dan, row.relative) == (lb, dan, share)
+        assert float(row.limit(0.0, system=UnitSystem.US)) == pytest.approx(lb * LB, rel=1e-12)
+        assert float(row.limit(0.0, system=UnitSystem.SI)) == pytest.approx(10 * dan, rel=1e-12)
+    assert {row.surface: row.absolute.deg for row in test.tolerances if row.surface} == surfaces
+
+
+@pytest.mark.parametrize("number", ["2.b.1", "2.b.2", "2.b.3"])
+def test_dynamic_rows_stand_as_printed(number):
+    test = load_rules("part60-a-2014").test(number)
+    assert test.verified
+    shares = {
+        quantity: float(test.tolerance(quantity).limit(1.0))
+        for quantity in ("P0", "An", "steady state", "fall time", "rise time", "overshoots")
+    }
+    expected = {"P0": 0.1, "An": 0.1, "steady state": 0.05, "fall time": 0.1, "rise time": 0.1, "overshoots": 1}
+    assert shares == pytest.approx(expected)
+    assert [float(test.tolerance("Pn").limit(1.0, n=n)) for n in (1, 2, 3)] == pytest.approx([0.2, 0.3, 0.4])
+    assert test.tolerance("An").relative_to == "A1"
+    assert test.tolerance("first overshoot").required
+    assert math.isinf(float(test.tolerance("first overshoot").limit(1.0)))
+
+
+def test_other_rows_of_2014_stand_as_printed():
+    rules = load_rules("part60-a-2014")
+    increment = rules.of("dynamic sweep", "pitch").tolerance("dynamic increment")
+    assert (increment.relative, increment.absolute.lb, increment.absolute.dan) == (0.1, 2.0, 0.9)
+    rate = rules.test("2.b.4").tolerance("body rate")
+    assert (rate.relative, rate.relative_to, rate.absolute.deg_per_s) == (0.2, "peak", 0.15)
+    assert (rules.release.deflection, rules.release.residual_band) == ((0.25, 0.5), 0.05)
+    assert [sweep.duration_s for sweep in rules.sweeps] == [(95, 105), (8, 12), (3, 5)]
+    assert not any(sweep.verified for sweep in rules.sweeps)
+
+
+@pytest.mark.parametrize("edition", ["part60-c-2014", "part60-d-2014"])
+def test_helicopters(edition):
+    rules = load_rules(edition)
+    assert rules.category == "helicopter"
+    release = rules.of("release", "pitch")
+    later = release.tolerance("An")
+    assert (later.relative, later.relative_to) == (0.2, "itself")
+    assert release.is_verified(later)
+    assert not release.is_verified(release.tolerance("P0"))
+    static = rules.of("static", "collective")
+    breakout, force = static.tolerance("breakout"), static.tolerance("force")
+    assert (breakout.relative, breakout.absolute.lb, breakout.absolute.dan) == (0.25, 0.5, None)
+    assert (force.relative, force.absolute.lb) == (0.1, 1.0)
+    freeplay = rules.of("freeplay", "pitch").tolerance("freeplay")
+    assert float(freeplay.limit(0.0)) == pytest.approx(0.00254)
+
+
+@pytest.mark.parametrize("edition", ["cs-fstd-a", "icao-9625", "part60-a-2016"])
+def test_newer_tables_are_not_verified(edition):
+    rules = load_rules(edition)
+    assert not any(test.is_verified(row) for test in rules.tests for row in test.tolerances)
+    release = rules.of("release", "roll")
+    assert float(release.tolerance("P0").limit(0.1)) == 0.05
+    assert float(release.tolerance("Pn").limit(1.0, n=2)) == pytest.approx(0.3)
+    travel = release.tolerance("An")
+    assert float(travel.limit(0.01, travel=0.7)) == pytest.approx(0.0035)
+    assert float(travel.limit(0.01)) == pytest.approx(0.001)
+    assert float(release.tolerance("Ad").limit(0.1, travel=2.0)) == pytest.approx(0.01)
+    assert rules.test("2.a.3.a").tolerance("breakout").absolute.dan == 0.9
+
+
+@pytest.mark.parametrize("edition", editions())
+def test_every_row_says_where_it_is_from(edition):
+    rules = load_rules(edition)
+    assert rules.id == edition
+    assert rules.verified is False  # the durations of the sweeps at least
+    for test in rules.tests:
+        assert len(test.source) > 5
+        for row in test.tolerances:
+            assert row.text(UnitSystem.US)
+            assert "None" not in row.text(UnitSystem.SI)
+
+
+def test_words():
+    test = load_rules().test("2.a.1.a")
+    assert test.tolerance("force").text(UnitSystem.US) == "10 % or 5 lb, whichever is larger"
+    assert test.tolerance("force").text(UnitSystem.SI) == "10 % or 2.2 daN, whichever is larger"
+    release = load_rules().test("2.b.1")
+    assert release.tolerance("Pn").text() == "10 (n + 1) %"
+    assert release.tolerance("An").text() == "10 % of A1"
+    assert release.tolerance("first overshoot").text() == "must be there"
+    assert release.tolerance("overshoots").text() == "1"
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ({"quantity": "P0"}, "states a share or an amount"),
+        ({"quantity": "P0", "relative": 0.1}, "relative and relative_to go together"),
+        ({"quantity": "P0", "relative": 0.1, "relative_to": "itself", "grows": "n + 1"}, "only the periods"),
+        ({"quantity": "surface", "absolute": {"deg": 2.0}}, "a surface is named"),
+        ({"quantity": "force", "absolute": {"deg": 2.0}}, "force is stated in"),
+        ({"quantity": "force", "absolute": {"dan": 2.0}}, "force is stated in"),
+        ({"quantity": "force", "absolute": {"lb": 2.0, "dan": 9.0}}, "same force but for rounding"),
+        ({"quantity": "force", "absolute": {"lb": -2.0}}, "greater than 0"),
+        ({"quantity": "P9", "absolute": {"s": 2.0}}, "Input should be"),
+        ({"quantity": "P0", "absolute": {"min": 2.0}}, "Extra inputs"),
+        ({"quantity": "first overshoot", "required": True, "absolute": {"count": 1}}, "states a share or an amount"),
+    ],
+)
+def test_a_row_that_breaks_a_law_is_refused(row, message):
+    with pytest.raises(ValueError, match=message):
+        Tolerance.model_validate(row)
+
+
+TABLE = """
+id = "mine"
+title = "Mine"
+edition = "1"
+category = "aeroplane"
+same_as = "part60-a-2014"
+"""
+ROW = """
+[[tests]]
+number = "1"
+name = "one"
+kind = "static"
+axis = "pitch"
+conditions = ["any"]
+source = "me"
+verified = true
+tolerances = [{ quantity = "breakout", absolute = { lb = 2.0 } }]
+"""
+
+
+def test_a_table_can_take_another_ones_rows():
+    assert parse_rules(TABLE, "mine").tests == load_rules("part60-a-2014").tests
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("id = ", "mine: is no TOML"),
+        ('id = "mine"', "mine: title: Field required"),
+        (TABLE.replace('"mine"', '"yours"'), "id: expected 'mine' as the file is called, got 'yours'"),
+        (TABLE.replace("aeroplane", "balloon"), "mine: category: Input should be 'aeroplane' or 'helicopter'"),
+        (TABLE + ROW + ROW, "two tests have the same number"),
+        (TABLE + ROW.replace('"breakout"', '"P0"').replace("lb", "s"), "a static test measures no P0"),
+        (TABLE + ROW.replace("}]", '}, { quantity = "breakout", absolute = { lb = 3.0 } }]'), "a quantity has two"),
+        (
+            TABLE + '[[sweeps]]\nname = "slow"\nduration_s = [9.0, 1.0]\nsource = "me"\nverified = true',
+            "shortest duration below",
+        ),
+        (
+            TABLE + '[[sweeps]]\nname = "slow"\nduration_s = [1.0, 9.0]\nsource = "me"\nverified = true',
+            "a medium and a fast",
+        ),
+    ],
+)
+def test_a_table_that_breaks_a_law_is_refused(text, message):
+    with pytest.raises(InputError, match=re.escape(message)):
+        parse_rules(text, "mine")
+
+
+def test_what_is_not_there_is_said():
+    rules = load_rules(DEFAULT_EDITION)
+    with pytest.raises(InputError, match=r"edition: expected one of cs-fstd-a, .* got 'part61'"):
+        load_rules("part61")
+    with pytest.raises(InputError, match=r"test: expected one of part60-a-2014: 2\.a\.1\.a, .*; got '9'"):
+        rules.test("9")
+    with pytest.raises(
+        InputError, match="part60-a-2014 has a release test for pitch, roll, yaw, none for 'collective'"
+    ):
+        rules.of("release", "collective")
