@@ -36,6 +36,7 @@ bench: $(VENV)/built
 	$(BIN)/python benchmarks/simulation.py
 	$(BIN)/python benchmarks/linear.py
 	$(BIN)/python benchmarks/stability.py
+	$(BIN)/python benchmarks/envelope.py
 
 docs: $(VENV)/built
 	$(BIN)/python docs/make.py

@@ -48,6 +48,8 @@ _PUBLIC = {
         "state_feedback",
     ),
     "report": ("write_report",),
+    "qualify": ("Qualification", "QualificationSetup", "qualify_loader"),
+    "report.qualification_folder": ("write_qualification",),
     "reproduction": ("reproduce",),
     "report.simulation_folder": ("write_simulation",),
     "run_limits": ("Limits", "limits"),

@@ -49,8 +49,12 @@ from forcefeel.models import overall_open_loop as overall_open_loop
 from forcefeel.models import rigid_model as rigid_model
 from forcefeel.models import servo as servo
 from forcefeel.models import state_feedback as state_feedback
+from forcefeel.qualify import Qualification as Qualification
+from forcefeel.qualify import QualificationSetup as QualificationSetup
+from forcefeel.qualify import qualify_loader as qualify_loader
 from forcefeel.report import write_report as write_report
 from forcefeel.report.envelope_folder import write_envelope as write_envelope
+from forcefeel.report.qualification_folder import write_qualification as write_qualification
 from forcefeel.report.simulation_folder import write_simulation as write_simulation
 from forcefeel.report.sweep_folder import write_sweep as write_sweep
 from forcefeel.reproduction import reproduce as reproduce

@@ -7,7 +7,7 @@ from forcefeel import _core
 from forcefeel.inputs import Doublet, Pulse, Recorded, Release, Step
 from forcefeel.loader import Loader
 from forcefeel.parameters import INDEX
-from forcefeel.simulation import Run
+from forcefeel.simulation import Run, Scenario
 from forcefeel.simulation.scenario import Steps, on_samples
 
 _ARM = {
@@ -40,12 +40,17 @@ def ideal_angle(run: Run) -> NDArray[np.float64] | None:
     """Column angle of the ideal feel at the run's samples, rad; ``None`` where it says nothing of the run.
 
     It does where the spring is G about a neutral that stays, and the input is one that the eye can follow.
+    """
+    if not spring_is_g(run) or not isinstance(run.scenario.force, Step | Pulse | Doublet | Recorded | Release):
+        return None
+    return ideal_response(run.loader, run.scenario)
+
+
+def ideal_response(loader: Loader, scenario: Scenario) -> NDArray[np.float64]:
+    """Column angle, rad, of I, B and G alone, with the arm where there is one, at the samples of a scenario.
 
     ``x_{k+1} = Phi x_k + Gamma_0 u_k + Gamma_1 (u_{k+1} - u_k)``, exact for a force that changes evenly within each step.
     """
-    scenario, loader = run.scenario, run.loader
-    if not spring_is_g(run) or not isinstance(scenario.force, Step | Pulse | Doublet | Recorded | Release):
-        return None
     steps = Steps.of(on_samples(scenario), loader)
     a, b, c, _ = _core.ideal_feel(programmed(loader))
     n = len(a)

@@ -5,6 +5,14 @@ from typing import Annotated
 
 import typer
 
+from forcefeel.cli.envelope_options import (
+    EnvelopeAngle,
+    EnvelopeCompare,
+    EnvelopeCompensators,
+    EnvelopeGrid,
+    EnvelopeRule,
+    EnvelopeThreads,
+)
 from forcefeel.cli.options import (
     R1,
     R2,
@@ -18,6 +26,22 @@ from forcefeel.cli.options import (
     Step,
     Tolerance,
     Units,
+)
+from forcefeel.cli.qualify_options import (
+    AllLaws,
+    AxisOption,
+    Changes,
+    ControlAxis,
+    Laws,
+    OutFolder,
+    Overdamped,
+    OverdampedOption,
+    Pdf,
+    Pressure,
+    QualifyRule,
+    Recorded,
+    References,
+    ThrowOption,
 )
 from forcefeel.cli.scenario_options import ScenarioOptions, with_scenario
 from forcefeel.cli.sweep_options import Grid, Redesign, Runs, Scheduler, Threads, Vary
@@ -178,6 +202,62 @@ def sweep(
 
     chosen = sweep_command.SweepOptions(runs, vary, grid, redesign, out, resume, replace, scheduler, threads)
     sweep_command.run_sweep_command(loader, chosen, scenario, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel envelope my.toml --compare --out envelope`")
+def envelope(
+    loader: LoaderFile = None,
+    grid: EnvelopeGrid = None,
+    compensator: EnvelopeCompensators = None,
+    compare: EnvelopeCompare = False,
+    rule: EnvelopeRule = None,
+    angle: EnvelopeAngle = None,
+    out: Annotated[Path, typer.Option("--out", help="Folder for envelope.html, settings.csv and results.json.")] = Path(
+        "forcefeel-envelope"
+    ),
+    replace: Annotated[bool, typer.Option("--replace", help="Replace an envelope that is in the folder.")] = False,
+    threads: EnvelopeThreads = None,
+    units: Units = UnitSystem.US,
+    json: Json = False,
+) -> None:
+    """Map which programmed feels the loader renders: stable, and its release within the tolerances of a rule.
+
+    With the nominal plant, with each plant parameter off by 20 % (the valve's gain 30 %) and with each pilot's arm at the grip.
+    """
+    from forcefeel.cli import envelope_command  # noqa: PLC0415
+
+    chosen = envelope_command.EnvelopeOptions(grid, compensator, compare, rule, angle, out, replace, threads)
+    envelope_command.run_envelope(loader, chosen, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel qualify my.toml --compare --pdf`")
+def qualify(
+    loader: LoaderFile = None,
+    rule: QualifyRule = None,
+    axis: AxisOption = ControlAxis.PITCH,
+    throw: ThrowOption = None,
+    overdamped: OverdampedOption = Overdamped.FALL_TIME,
+    dynamic_pressure: Pressure = None,
+    reference: References = None,
+    record: Recorded = None,
+    compensator: Laws = None,
+    compare: AllLaws = False,
+    set_: Changes = None,
+    out: OutFolder = Path("forcefeel-qualification"),
+    pdf: Pdf = False,
+    units: Units = UnitSystem.US,
+    json: Json = False,
+) -> None:
+    """Make the control feel tests of a qualification rule on a loader, or on records of a simulator.
+
+    The reference is the programmed feel, or a recorded aircraft. Exit status 1 unless all that was evaluated passed.
+    """
+    from forcefeel.cli import qualify_command  # noqa: PLC0415
+
+    chosen = qualify_command.QualifyOptions(
+        rule, axis, throw, overdamped, dynamic_pressure, reference, record, compensator, compare, set_, out, pdf
+    )
+    qualify_command.run_qualify(loader, chosen, units, as_json=json)
 
 
 @app.command(epilog="Example: `forcefeel reproduce`")

@@ -9,12 +9,12 @@ from pathlib import Path
 from forcefeel.errors import InputError
 
 
-def write_together(out: Path, contents: Mapping[str, str]) -> None:
+def write_together(out: Path, contents: Mapping[str, str | bytes]) -> None:
     """Writes files so that what was there stays until all that is new is complete; other files are left alone.
 
     Args:
         out: The folder; made if it is not there.
-        contents: Each file's text by its name within the folder, in the order in which they move into place.
+        contents: Each file's text or bytes by its name within the folder, in the order in which they move into place.
 
     Raises:
         InputError: If the folder cannot be made or written.
@@ -22,7 +22,10 @@ def write_together(out: Path, contents: Mapping[str, str]) -> None:
     with _explained(out), _staging(out) as aside:
         for name, text in contents.items():
             (aside / name).parent.mkdir(exist_ok=True)
-            (aside / name).write_text(text, encoding="utf-8", newline="\n")
+            if isinstance(text, bytes):
+                (aside / name).write_bytes(text)
+            else:
+                (aside / name).write_text(text, encoding="utf-8", newline="\n")
         for name in contents:
             (out / name).parent.mkdir(exist_ok=True)
             (aside / name).replace(out / name)

@@ -1,0 +1,103 @@
+"""What ``forcefeel envelope`` does."""
+
+import json
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.sweep_command import INTERRUPTED, Bar
+from forcefeel.envelopes import Envelope
+from forcefeel.envelopes.findings import envelope_conclusions
+from forcefeel.envelopes.laws import NAMED
+from forcefeel.envelopes.plain import plain_envelope
+from forcefeel.envelopes.plan import Plan, make_plan
+from forcefeel.envelopes.run import compute
+from forcefeel.errors import InputError
+from forcefeel.loader import elevator, load
+from forcefeel.qualification import DEFAULT_EDITION
+from forcefeel.sweep import text
+from forcefeel.sweep.findings import share_text
+from forcefeel.units import ANGLE, UnitSystem, parse
+
+
+@dataclass(frozen=True)
+class EnvelopeOptions:
+    """The options as given; ``None`` is not given."""
+
+    grid: list[str] | None
+    compensators: list[str] | None
+    compare: bool
+    rule: str | None
+    angle: str | None
+    out: Path
+    replace: bool
+    threads: int | None
+
+    def plan(self, path: Path | None) -> Plan:
+        """What is to be computed.
+
+        Raises:
+            InputError: If an option is bad or does not go with another.
+        """
+        if self.compare and self.compensators:
+            raise InputError("--compare and --compensator: given both; --compare takes all, leave one out")
+        names = tuple(NAMED) if self.compare else tuple(self.compensators or ("published",))
+        loader = elevator() if path is None else load(path)
+        try:
+            angle = None if self.angle is None else parse(self.angle, ANGLE.si, "10 deg")
+        except InputError as error:
+            raise InputError(f"--angle: {error}") from error
+        return make_plan(loader, names, _axes(self.grid), rule=self.rule or DEFAULT_EDITION, angle_rad=angle)
+
+
+def run_envelope(path: Path | None, options: EnvelopeOptions, units: UnitSystem, *, as_json: bool) -> None:
+    """Computes an envelope and writes its folder."""
+    from forcefeel.report.envelope_folder import check_envelope_folder, write_envelope  # noqa: PLC0415  Plotly
+
+    plan = options.plan(path)
+    check_envelope_folder(options.out, replace=options.replace)  # before the work, not after it
+    with Bar(silent=as_json) as bar:
+        try:
+            found = compute(plan, threads=options.threads, progress=bar.show)
+            bar.describe("report")
+            page = write_envelope(found, options.out, units, replace=options.replace)
+        except KeyboardInterrupt:
+            bar.stop()
+            print("\nforcefeel: interrupted; nothing is written", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+    if as_json:
+        print(json.dumps({"page": str(page), **plain_envelope(found, units)}, indent=2, allow_nan=False))
+    else:
+        _show(Console(), found, units)
+        print(f"page: {page}")
+
+
+def _axes(given: list[str] | None) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for one in given or ():
+        try:
+            axis, values = text.assignment(one, "stiffness=1..100 %:25:log")
+        except InputError as error:
+            raise InputError(f"--grid: {error}") from error
+        if axis in found:
+            raise InputError(f"--grid: {axis} is given twice; give it once")
+        found[axis] = values
+    return found
+
+
+def _show(console: Console, found: Envelope, units: UnitSystem) -> None:
+    table = Table("compensator", title="Shares of the settings", title_justify="left", title_style="bold")
+    for name in ("stable", "passes", "stable in every case", "passes in every case"):
+        table.add_column(name, justify="right")
+    for name in found.compensators:
+        one = found.shares(name)
+        table.add_row(name, *map(share_text, (one.stable, one.passes, one.stable_worst, one.passes_worst)))
+    console.print(table)
+    said = envelope_conclusions(found, units)
+    console.print(said.verdict, style="bold", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)

@@ -1,0 +1,51 @@
+"""Options of ``forcefeel envelope`` alone."""
+
+from typing import Annotated
+
+import typer
+
+_WHAT = "What is asked"
+
+EnvelopeGrid = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--grid",
+        help="Values along an axis: 'stiffness=1..100 %:25:log' (of G_max), 'frequency=0.5..4 Hz:16:log', "
+        "'damping=0.1, 0.2, 0.4, 0.7, 1, 1.5', which are the defaults. May be given again.",
+        rich_help_panel=_WHAT,
+    ),
+]
+EnvelopeCompensators = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--compensator",
+        help="original, published or converged; gains are designed anew for each setting. May be given again.  [default: "
+        "published]",
+        rich_help_panel=_WHAT,
+        show_default=False,
+    ),
+]
+EnvelopeCompare = Annotated[
+    bool, typer.Option("--compare", help="All compensators side by side.", rich_help_panel=_WHAT, show_default=False)
+]
+EnvelopeRule = Annotated[
+    str | None,
+    typer.Option(
+        "--rule",
+        help="Edition of the rule whose release test is asked for.  [default: part60-a-2014]",
+        rich_help_panel=_WHAT,
+        show_default=False,
+    ),
+]
+EnvelopeAngle = Annotated[
+    str | None,
+    typer.Option(
+        "--angle",
+        help="Angle of the release, such as '10 deg'.  [default: half the throw's shorter side; 10 deg without stops]",
+        rich_help_panel=_WHAT,
+        show_default=False,
+    ),
+]
+EnvelopeThreads = Annotated[
+    int | None, typer.Option("--threads", help="Threads.  [default: all cores]", min=1, show_default=False)
+]

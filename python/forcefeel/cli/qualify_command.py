@@ -1,0 +1,109 @@
+"""What ``forcefeel qualify`` does."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.qualify_options import ControlAxis, Overdamped
+from forcefeel.cli.scenario_options import Law
+from forcefeel.cli.scenario_text import assignments
+from forcefeel.errors import InputError
+from forcefeel.loader import elevator, load
+from forcefeel.qualification import DEFAULT_EDITION
+from forcefeel.qualify import Qualification, QualificationSetup, qualify_loader
+from forcefeel.qualify.plain import plain_qualification
+from forcefeel.qualify.words import conclusions
+from forcefeel.units import UnitSystem, parse
+
+
+@dataclass(frozen=True)
+class QualifyOptions:
+    """The options as given; ``None`` is not given."""
+
+    rule: str | None
+    axis: ControlAxis
+    throw: str | None
+    overdamped: Overdamped
+    dynamic_pressure: str | None
+    references: list[str] | None
+    records: list[str] | None
+    laws: list[Law] | None
+    compare: bool
+    changes: list[str] | None
+    out: Path
+    pdf: bool
+
+    def setup(self, units: UnitSystem) -> QualificationSetup:
+        """How the loader is qualified.
+
+        Raises:
+            InputError: If an option is bad or does not go with another.
+        """
+        for option, given in (("--compensator", self.laws), ("--compare", self.compare)):
+            if given and self.records:
+                raise InputError(
+                    f"{option}: is about the simulated loader, and --record takes its place; leave one out"
+                )
+        if self.laws and self.compare:
+            raise InputError("--compare: takes every law, and --compensator some; leave one out")
+        return QualificationSetup(
+            laws=tuple(map(str, Law)) if self.compare else tuple(map(str, self.laws or [Law.ORIGINAL])),
+            rule=self.rule or DEFAULT_EDITION,
+            axis=self.axis.value,
+            throw_rad=_value("--throw", self.throw, "rad", "18 deg"),
+            references=tuple(self.references or ()),
+            records=tuple(self.records or ()),
+            dynamic_pressure_pa=_value("--dynamic-pressure", self.dynamic_pressure, "Pa", "5 kPa"),
+            overdamped=self.overdamped.value,
+            system=units,
+        )
+
+
+def run_qualify(path: Path | None, options: QualifyOptions, units: UnitSystem, *, as_json: bool) -> None:
+    """Makes the tests, writes the folder and shows what came of them."""
+    from forcefeel.report.qualification_folder import (  # noqa: PLC0415  Plotly
+        check_qualification_folder,
+        write_qualification,
+    )
+
+    check_qualification_folder(options.out, pdf=options.pdf)  # before the work, not after it
+    setup = options.setup(units)
+    changes = assignments("--set", tuple(options.changes or ()))
+    loader = elevator() if path is None else load(path)
+    found = qualify_loader(loader.replace(changes) if changes else loader, setup)
+    page = write_qualification(found, options.out, pdf=options.pdf)
+    if as_json:
+        print(json.dumps({"page": str(page), **plain_qualification(found)}, indent=2, allow_nan=False))
+    else:
+        _show(Console(), found)
+        print(f"page: {page}")
+    if not found.qualifies:
+        raise typer.Exit(1)
+
+
+def _show(console: Console, found: Qualification) -> None:
+    title = f"{found.loader.name}, {found.rules.title} ({found.rules.edition}), {found.axis}"
+    table = Table("test", "what", title=title, title_justify="left", title_style="bold")
+    for section in found.sections:
+        table.add_column(section.title)
+    for results in zip(*(section.results for section in found.sections), strict=True):
+        trial = results[0].trial
+        table.add_row(trial.test.number, trial.title, *(str(one.outcome) for one in results))
+    console.print(table)
+    said = conclusions(found)
+    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)
+
+
+def _value(option: str, given: str | None, unit: str, example: str) -> float | None:
+    if given is None:
+        return None
+    try:
+        return parse(given, unit, example)
+    except InputError as error:
+        raise InputError(f"{option}: {error}") from error

@@ -1,0 +1,119 @@
+"""The options of ``forcefeel qualify``."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from forcefeel.cli.scenario_options import Law
+
+
+class ControlAxis(StrEnum):
+    """Which control of the rule."""
+
+    PITCH = "pitch"
+    ROLL = "roll"
+    YAW = "yaw"
+    NOSEWHEEL = "nosewheel"
+    COLLECTIVE = "collective"
+
+
+class Overdamped(StrEnum):
+    """What a response without overshoots is judged by."""
+
+    FALL_TIME = "fall time"
+    RISE_TIME = "rise time"
+
+
+_TESTS, _RECORDS, _LOADER = "Tests", "Records", "Loader and law"
+
+QualifyRule = Annotated[
+    str | None,
+    typer.Option(
+        "--rule",
+        help="Edition of the rule: part60-a-2014, part60-c-2014, part60-d-2014, cs-fstd-a, icao-9625, part60-a-2016. "
+        "Rows that nobody has held against the document say so.  [default: part60-a-2014]",
+        rich_help_panel=_TESTS,
+        metavar="EDITION",
+        show_default=False,
+    ),
+]
+AxisOption = Annotated[
+    ControlAxis, typer.Option("--axis", help="Which control of the rule.", rich_help_panel=_TESTS, metavar="AXIS")
+]
+ThrowOption = Annotated[
+    str | None,
+    typer.Option(
+        "--throw",
+        help="Throw to either side, such as '18 deg'.  [default: the column's end stops, else the feel's hard stops, else 20 deg]",
+        rich_help_panel=_TESTS,
+        metavar="ANGLE",
+        show_default=False,
+    ),
+]
+OverdampedOption = Annotated[
+    Overdamped,
+    typer.Option(
+        "--overdamped",
+        help="What a reference without overshoots is judged by: the time from 0.9 to 0.1 of the displacement, or that to 90 % "
+        "of the way.",
+        rich_help_panel=_TESTS,
+        metavar="'fall time'|'rise time'",
+    ),
+]
+Pressure = Annotated[
+    str | None,
+    typer.Option(
+        "--dynamic-pressure",
+        help="For a loader with feel.stiffness_factor, such as '5 kPa'.",
+        rich_help_panel=_TESTS,
+        metavar="PRESSURE",
+        show_default=False,
+    ),
+]
+References = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--reference",
+        help="A recorded aircraft in place of the programmed feel: NAME=FILE, NAME being a test such as release-25-positive, "
+        "static, medium or fast; a file alone, whose test is told from its name or from what is in it; or a folder of files "
+        "named after tests. CSV or Parquet. May be given again.",
+        rich_help_panel=_RECORDS,
+        metavar="[NAME=]FILE",
+        show_default=False,
+    ),
+]
+Recorded = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--record",
+        help="A recorded simulator in place of the simulated loader, as --reference.",
+        rich_help_panel=_RECORDS,
+        metavar="[NAME=]FILE",
+        show_default=False,
+    ),
+]
+Laws = Annotated[
+    list[Law] | None,
+    typer.Option(
+        "--compensator",
+        help="The law: the original position loop, or feedback gains of recursion (22) designed for this loader, over the "
+        "published or an endless horizon. Given again, a section each.  [default: original]",
+        rich_help_panel=_LOADER,
+        show_default=False,
+    ),
+]
+AllLaws = Annotated[bool, typer.Option("--compare", help="Every --compensator side by side.", rich_help_panel=_LOADER)]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        help="Changes a value of the loader, such as 'column.coulomb_friction=3 lb'. May be given again.",
+        rich_help_panel=_LOADER,
+        metavar="NAME=VALUE",
+        show_default=False,
+    ),
+]
+OutFolder = Annotated[Path, typer.Option("--out", help="Folder for qualification.html and results.json.")]
+Pdf = Annotated[bool, typer.Option("--pdf", help="Print the page as qualification.pdf too; it takes a Chromium.")]

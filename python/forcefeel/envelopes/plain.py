@@ -1,0 +1,83 @@
+"""An envelope for machines: its figures as plain data, every number with its unit, and its settings as a table."""
+
+import csv
+import io
+from importlib.metadata import version
+
+import numpy as np
+
+from forcefeel.envelopes.findings import envelope_conclusions
+from forcefeel.envelopes.result import INERTIA, Envelope
+from forcefeel.envelopes.settings import AXES
+from forcefeel.parameters import TABLE, unit
+from forcefeel.results import Plain, plain, quantity
+from forcefeel.units import ANGLE, UnitSystem
+
+
+def plain_envelope(found: Envelope, units: UnitSystem) -> dict[str, Plain]:
+    """What an envelope says, and of what."""
+    plan = found.plan
+    return {
+        "forcefeel": version("forcefeel"),
+        "units": str(units),
+        "loader": plan.loader.name,
+        "rule": {
+            "edition": plan.rule,
+            "title": plan.rules.title,
+            "test": plan.test.number,
+            "verified": plan.rule_verified,
+        },
+        "release_angle": quantity(plan.release_rad, ANGLE, units),
+        "method": "exact" if plan.linear else "stepped",
+        "settings": plan.settings.count,
+        "grid": {
+            name: {
+                "unit": axis.unit.shown(units),
+                "values": [axis.unit.from_si(value, units) for value in getattr(plan.settings, name)],
+            }
+            for name, axis in AXES.items()
+        },
+        "cases": [plain(case, units) for case in plan.cases],
+        "releases": int(np.prod(found.data["outcome"].shape)),
+        "left_out": list(plan.left_out),
+        "conclusions": plain(envelope_conclusions(found, units), units),
+        "compensators": {name: _compensator(found, name, units) for name in found.compensators},
+    }
+
+
+def _compensator(found: Envelope, name: str, units: UnitSystem) -> dict[str, Plain]:
+    return {
+        "shares": plain(found.shares(name), units),
+        "fails_first_nominally": {str(kind): share for kind, share in found.failure_shares(name).items()},
+        "smallest_nominally": plain(found.smallest(name), units),
+        "smallest_in_every_case": plain(found.smallest(name, worst=True), units),
+        "cases": [plain(row, units) for row in found.case_shares(name)],
+        "passivity": plain(found.passivity[name], units),
+    }
+
+
+def settings_csv(found: Envelope, units: UnitSystem) -> str:
+    """Every setting in a line: what is programmed, and how each compensator ends nominally and in its first failing case."""
+    plan = found.plan
+    rows = plan.settings.rows * [axis.unit.from_si(1.0, units) for axis in AXES.values()]
+    feel = plan.settings.feel(plan.loader)
+    shown = [INERTIA, unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"])]
+    feel = feel * [one.from_si(1.0, units) for one in shown]
+    names = [f"{axis.title} ({axis.unit.shown(units)})".removesuffix(" ()") for axis in AXES.values()]
+    names += [f"{symbol} ({one.shown(units)})" for symbol, one in zip("IBG", shown, strict=True)]
+    columns = []
+    for name in found.compensators:
+        codes = found.codes(name)
+        first = np.argmax(codes != 0, axis=0)
+        case = np.array([one.name for one in plan.cases])[first]
+        worst = np.take_along_axis(codes, first[np.newaxis], axis=0)[0]
+        columns.append([found.outcomes[code] for code in codes[0]])
+        columns.append([found.outcomes[code] for code in worst])
+        columns.append(np.where(worst == 0, "", case).tolist())
+        names += [f"{name}: nominal", f"{name}: outcome in the first case that fails", f"{name}: first case that fails"]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(names)
+    for numbers, words in zip(np.hstack([rows, feel]).tolist(), zip(*columns, strict=True), strict=True):
+        writer.writerow([*(f"{number:.6g}" for number in numbers), *words])
+    return text.getvalue()

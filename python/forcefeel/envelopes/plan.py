@@ -1,0 +1,129 @@
+"""What an envelope is made of: a loader, the settings, the compensators, the rule, what is off its value, the arms."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite, radians
+from types import MappingProxyType
+from typing import Annotated
+
+from forcefeel._core import Compensator
+from forcefeel.compensation import DesignSettings
+from forcefeel.envelopes import laws
+from forcefeel.envelopes.cases import CHANGES, REFERENCE_ARMS, Case, PilotArm, make_cases
+from forcefeel.envelopes.laws import Law
+from forcefeel.envelopes.machines import plain_feel
+from forcefeel.envelopes.settings import Settings
+from forcefeel.errors import InputError
+from forcefeel.loader import Loader
+from forcefeel.qualification import DEFAULT_EDITION, Rules, Test, load_rules
+from forcefeel.qualify.throw import Throw
+from forcefeel.units import ANGLE, show
+
+_LARGEST_ANGLE = radians(90.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """An envelope to be computed.
+
+    Attributes:
+        given: The loader as it was given. Its own feel and arm are not used.
+        compensators: The laws by name: names of ``laws.NAMED``, or laws of one's own.
+        settings: The grid of settings.
+        rule: Edition of the rule whose release test it must pass.
+        changes: By which share each parameter of the plant is off, to either side.
+        arms: The arms at the grip, beside none.
+        angle_rad: Angle of the release; if not given, the rule's largest share of the throw, of its shorter side.
+        loader: The loader with a feel of I, B and G alone.
+        left_out: Rows of the feel and the arm that the loader has and the envelope leaves out.
+        cases: The nominal case, then what is off, then the arms.
+        rules: The rule.
+        test: Its release test.
+        throw: How far the column goes, for the release and for tolerances that are shares of the travel.
+
+    Raises:
+        InputError: If a part of it is bad.
+    """
+
+    given: Loader
+    compensators: Mapping[str, Law]
+    settings: Settings
+    rule: str = DEFAULT_EDITION
+    changes: Mapping[str, float] = field(default_factory=lambda: CHANGES)
+    arms: Sequence[PilotArm] = REFERENCE_ARMS
+    angle_rad: Annotated[float, ANGLE] | None = None
+    loader: Loader = field(init=False)
+    left_out: tuple[str, ...] = field(init=False)
+    cases: tuple[Case, ...] = field(init=False)
+    rules: Rules = field(init=False)
+    test: Test = field(init=False)
+    throw: Throw = field(init=False)
+
+    def __post_init__(self) -> None:
+        loader, left_out = plain_feel(self.given)
+        rules = load_rules(self.rule)
+        given = self.angle_rad
+        if given is not None and not (isfinite(given) and 0 < given <= _LARGEST_ANGLE):
+            raise InputError(f"angle_rad: expected an angle above 0 and up to 90 deg, got {show(given)} rad")
+        if not self.compensators:
+            raise InputError(f"compensators: expected at least one, such as {', '.join(laws.NAMED)}")
+        found = {
+            "loader": loader,
+            "left_out": left_out,
+            "cases": make_cases(self.changes, self.arms),
+            "rules": rules,
+            "test": rules.of("release", "pitch"),
+            "throw": Throw.of(self.given),
+            "compensators": MappingProxyType(dict(self.compensators)),
+        }
+        for name, value in found.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def release_rad(self) -> float:
+        """Angle of the release."""
+        if self.angle_rad is not None:
+            return self.angle_rad
+        return self.rules.release.deflection[1] * min(self.throw.high_rad, -self.throw.low_rad)
+
+    @property
+    def linear(self) -> bool:
+        """Whether the loader has no optional rows: its releases are exact."""
+        return not self.loader.given
+
+    @property
+    def rule_verified(self) -> bool:
+        """Whether every tolerance of the release test, and how it is read, has been held against the document."""
+        rows = [self.test.is_verified(tolerance) for tolerance in self.test.tolerances]
+        return all(rows) and self.rules.release.verified
+
+
+def make_plan(
+    loader: Loader,
+    compensators: Sequence[str] | Mapping[str, Law] = ("original", "published", "converged"),
+    grid: Mapping[str, str | Sequence[float]] | None = None,
+    **options: object,
+) -> Plan:
+    """A plan from names and text.
+
+    Args:
+        loader: The loader.
+        compensators: Names of ``laws.NAMED``, or laws by name.
+        grid: Axes as ``Settings.of`` takes them.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad`` of ``Plan``.
+
+    Raises:
+        InputError: If one of them is bad.
+    """
+    if isinstance(compensators, str):
+        raise InputError(f"compensators: expected a list of names or laws by name, got {show(compensators)}")
+    if isinstance(compensators, Mapping):
+        for name, law in compensators.items():
+            if law is not None and not isinstance(law, DesignSettings | Compensator):
+                raise InputError(
+                    f"compensators: {name}: expected DesignSettings, a Compensator or None, got {show(law)}"
+                )
+        chosen = dict(compensators)
+    else:
+        chosen = laws.named(tuple(compensators), loader)
+    return Plan(loader, chosen, Settings.of(grid or {}), **options)  # type: ignore[arg-type]

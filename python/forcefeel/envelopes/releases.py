@@ -1,0 +1,124 @@
+"""Releases of many settings: exact where the loader is linear, stepped by the engine where it is not.
+
+What comes of either are the column's angles over time, at a rate that follows the programmed frequency.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import ceil, log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel.envelopes.cases import Case
+from forcefeel.envelopes.laws import SettingLaws
+from forcefeel.envelopes.machines import columns, full_rows, machines
+from forcefeel.envelopes.plan import Plan
+from forcefeel.inputs import Release
+from forcefeel.parameters import INDEX
+from forcefeel.simulation import RunStatus, Scenario, simulate_batch
+from forcefeel.simulation.scenario import LONGEST_STEP_S
+
+_FEWEST_PERIODS = 10
+_LEFT = 1e-3
+"""Of the deflection: the ideal has come this near to its rest at the end of the record."""
+
+_SHORTEST_STEP_S, _MOST_DOUBLINGS = 1e-3, 2
+_SAMPLES_IN_PERIOD = 250
+"""At least; and none longer than 4 ms, so that the column on its link, at some 20 Hz, is seen."""
+
+_CHUNK_BYTES = 2**24
+"""Histories in memory at once: they stay near the processor on their way from the release to its measure."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """How long a release is recorded, and how finely.
+
+    Attributes:
+        step_s: Time between samples.
+        samples: Samples, the first at the moment of the release.
+    """
+
+    step_s: float
+    samples: int
+
+    @classmethod
+    def of(cls, frequency: float, least_damping: float) -> "Record":
+        """For a programmed frequency in rad/s and the least damping ratio of the grid."""
+        period = 2 * pi / frequency
+        doublings = int(
+            np.clip(np.floor(np.log2(period / _SAMPLES_IN_PERIOD / _SHORTEST_STEP_S) + 1e-9), 0, _MOST_DOUBLINGS)
+        )
+        step = _SHORTEST_STEP_S * 2**doublings
+        periods = max(_FEWEST_PERIODS, ceil(log(1 / _LEFT) / (2 * pi * least_damping)))
+        return cls(step, ceil(periods * period / step) + 1)
+
+    @property
+    def time_s(self) -> NDArray[np.float64]:
+        """Time of each sample."""
+        return np.asarray(np.arange(self.samples) * self.step_s, dtype=np.float64)
+
+    @property
+    def duration_s(self) -> float:
+        """From the release to the last sample."""
+        return (self.samples - 1) * self.step_s
+
+    def chunks(self, count: int) -> Iterator[slice]:
+        """So many records in pieces that fit into ``_CHUNK_BYTES``."""
+        size = max(8, _CHUNK_BYTES // (8 * self.samples) // 8 * 8)
+        return (slice(first, min(first + size, count)) for first in range(0, count, size))
+
+
+def released(
+    plan: Plan, case: Case, feel: NDArray[np.float64], laws: SettingLaws, record: Record, threads: int
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Whether each setting's loop is stable, and its column's angle (settings, samples) after the release.
+
+    Args:
+        plan: The envelope.
+        case: Machine and arm.
+        feel: I, B, G of the settings, a row each.
+        laws: The law of each.
+        record: How long, how finely.
+        threads: How many.
+    """
+    columns_ = [INDEX[key] for key in columns(case)]
+    values = machines(plan.loader, case, feel, laws)
+    loops = _core.Loops(plan.loader.values, columns_, values, law=laws.law, gains=laws.gains)
+    angles = np.empty((len(feel), record.samples if plan.linear else 0))
+    code = _core.released(loops, angles, plan.release_rad, record.step_s, threads)
+    stable = (code == _STABLE) | (code == _STABLE_BY_POLES)
+    return (stable, angles) if plan.linear else _stepped(plan, case, feel, laws, record, threads, stable)
+
+
+_STABLE, _STABLE_BY_POLES = 1, 3
+"""Verdicts of the kernel."""
+
+
+def _stepped(
+    plan: Plan,
+    case: Case,
+    feel: NDArray[np.float64],
+    laws: SettingLaws,
+    record: Record,
+    threads: int,
+    stable: NDArray[np.bool_],
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """The same on a loader with optional rows. A run that diverged is unstable, whatever the linear model says."""
+    angles = np.full((len(feel), record.samples), np.nan)
+    which = np.flatnonzero(stable)
+    if not len(which):
+        return stable, angles
+    step = min(record.step_s, LONGEST_STEP_S)
+    scenario = Scenario(Release(plan.release_rad), record.duration_s, step, record.step_s)
+    laws = laws.some(which)
+    rows = full_rows(plan.loader, case, feel[which], laws)
+    law = laws.law if laws.gains is None else laws.gains
+    runs = simulate_batch(plan.loader, scenario, rows, law, keep=["column_angle_rad"], threads=threads)
+    angles[which] = runs["column_angle_rad"].values
+    stable = stable.copy()
+    stable[which[runs["status"].values == RunStatus.DIVERGED]] = False
+    angles[~stable] = np.nan
+    return stable, angles

@@ -1,0 +1,126 @@
+"""Computes an envelope: for each frequency, piece by piece, the ideal once and then every compensator in every case."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from forcefeel.envelopes.cases import PilotArm
+from forcefeel.envelopes.ideal import ideal_feel, ideal_releases
+from forcefeel.envelopes.laws import Law, SettingLaws
+from forcefeel.envelopes.passivity import passivity
+from forcefeel.envelopes.plan import Plan, make_plan
+from forcefeel.envelopes.releases import Record, released
+from forcefeel.envelopes.result import PASSES, UNSTABLE, Envelope
+from forcefeel.envelopes.settings import AXES
+from forcefeel.loader import Loader
+from forcefeel.qualification import ReleaseBatch, judge_releases, measure_releases
+from forcefeel.simulation.engine import cores
+
+Progress = Callable[[int, int], None]
+"""Called with the releases that are done and all there are."""
+
+
+def envelope(
+    loader: Loader,
+    compensators: Sequence[str] | Mapping[str, Law] = ("original", "published", "converged"),
+    grid: Mapping[str, str | Sequence[float]] | None = None,
+    *,
+    threads: int | None = None,
+    progress: Progress = lambda done, total: None,
+    **options: object,
+) -> Envelope:
+    """Which programmed feels a loader renders: where its loop is stable, and where a release passes the rule's tolerances.
+
+    Each setting is programmed by its stiffness ``G``, natural frequency and damping ratio, ``I = G / w^2``, ``B = 2 zeta w I`` of
+    eq. (11). The column is held at an angle and let go. Its free response is measured as the rule says and held against that of
+    I, B and G alone, with the nominal plant, with each plant parameter off its value, and with each pilot's arm at the grip. With
+    an arm both the column and the ideal carry it: the question is whether the hand feels the column that is programmed.
+
+    Args:
+        loader: The loader. Its programmed feel is replaced by the settings; optional rows of the feel and an arm are left out.
+        compensators: Names of ``envelopes.laws.NAMED``, or laws by name: ``DesignSettings`` designs the gains for each setting and
+            the nominal plant, a ``Compensator`` is one law for all, ``None`` the original loop.
+        grid: Values by axis, ``stiffness`` (shares of G_max), ``frequency`` (rad/s), ``damping``, as numbers or as text such as
+            ``"1..100 %:40:log"``, ``"0.5..4 Hz:25"``, ``"0.1..1.5:20"``.
+        threads: How many; all cores if not given. The numbers do not depend on it.
+        progress: Called with the releases that are done and all there are.
+        options: ``rule``, an edition of ``qualification.editions()``; ``changes``, shares by plant parameter; ``arms``;
+            ``angle_rad``.
+
+    Returns:
+        The envelope.
+
+    Raises:
+        InputError: If an argument is bad.
+    """
+    return compute(make_plan(loader, compensators, grid, **options), threads=threads, progress=progress)
+
+
+def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lambda done, total: None) -> Envelope:
+    """Computes a planned envelope; arguments as ``envelope``."""
+    threads = threads or cores()
+    feel = plan.settings.feel(plan.loader)
+    laws = {name: SettingLaws.of(law, plan.loader, feel) for name, law in plan.compensators.items()}
+    shape = len(laws), len(plan.cases), len(feel)
+    outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
+    done, total = 0, int(np.prod(shape))
+    progress(0, total)
+    names: tuple[str, ...] = ()
+    for which, record in _pieces(plan):
+        references: dict[PilotArm | None, ReleaseBatch] = {}
+        for place, case in enumerate(plan.cases):
+            if case.arm not in references:
+                ideal = ideal_feel(plan.loader, feel[which], case.arm)
+                responses = ideal_releases(ideal, plan.release_rad, record.step_s, record.samples)
+                references[case.arm] = _measured(plan, record, responses, threads)
+            for k, law in enumerate(laws.values()):
+                stable, angles = released(plan, case, feel[which], law.some(which), record, threads)
+                measured = _measured(plan, record, angles, threads)
+                verdicts = judge_releases(measured, references[case.arm], plan.test, travel=plan.throw.travel_rad)
+                names = verdicts.names
+                failing = np.where(verdicts.passed, _PASSES, verdicts.first_failing + _FIRST)
+                outcome[k, place, which] = np.where(stable, failing, _UNSTABLE)
+                margin[k, place, which] = np.where(stable, verdicts.margin, np.nan)
+                done += len(which)
+                progress(done, total)
+    grips = {name: passivity(plan.loader, plan.compensators[name], law, feel) for name, law in laws.items()}
+    outcomes = (PASSES, UNSTABLE, *names)
+    return Envelope(plan, _dataset(plan, outcomes, outcome, margin), outcomes, grips)
+
+
+_PASSES, _UNSTABLE, _FIRST = 0, 1, 2
+"""Places among the outcomes; what can fail follows from the third on."""
+
+
+def _pieces(plan: Plan) -> Iterator[tuple[NDArray[np.intp], Record]]:
+    """The settings of one frequency after the other, as many as are in memory together, with how they are recorded."""
+    for frequency in plan.settings.frequency:
+        record = Record.of(frequency, plan.settings.damping[0])
+        which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
+        for chunk in record.chunks(len(which)):
+            yield which[chunk], record
+
+
+def _measured(plan: Plan, record: Record, angles: NDArray[np.float64], threads: int) -> ReleaseBatch:
+    return measure_releases(record.time_s, angles, held=1, rules=plan.rules.release, threads=threads)
+
+
+def _dataset(
+    plan: Plan, outcomes: tuple[str, ...], outcome: NDArray[np.int8], margin: NDArray[np.float32]
+) -> xr.Dataset:
+    axes = {name: (name, list(getattr(plan.settings, name)), {"units": axis.unit.si}) for name, axis in AXES.items()}
+    coordinates: dict[str, Any] = {
+        "compensator": list(plan.compensators),
+        "case": [case.name for case in plan.cases],
+        **axes,
+    }
+    shape = (len(plan.compensators), len(plan.cases), *plan.settings.shape)
+    data = {
+        "outcome": (tuple(coordinates), outcome.reshape(shape)),
+        "margin": (tuple(coordinates), margin.reshape(shape)),
+    }
+    about = {"loader": plan.loader.name, "rule": plan.rule, "outcomes": ", ".join(outcomes)}
+    return xr.Dataset(data, coordinates, about)

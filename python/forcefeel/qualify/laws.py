@@ -1,0 +1,36 @@
+"""The laws whose loaders are tested, by name."""
+
+from collections.abc import Sequence
+
+from forcefeel._core import Compensator
+from forcefeel.compensation import DesignSettings, compensate, published_settings
+from forcefeel.errors import InputError
+from forcefeel.loader import Loader
+
+ORIGINAL, PUBLISHED, CONVERGED = NAMES = ("original", "published", "converged")
+"""The original position loop; gains of recursion (22) over the published horizon, and over an endless one."""
+
+LAW_WORDS = {ORIGINAL: "original loop", PUBLISHED: "published compensation", CONVERGED: "converged compensation"}
+"""What each is called in a sentence."""
+
+
+def named_laws(loader: Loader, names: Sequence[str]) -> dict[str, Compensator | None]:
+    """The laws, designed for a loader; ``None`` is the original position loop.
+
+    Raises:
+        InputError: If a name is unknown or stands twice, or the recursion does not give the gains.
+    """
+    if not names or len(set(names)) < len(names) or not set(names) <= set(NAMES):
+        raise InputError(
+            f"laws: expected different ones of {', '.join(NAMES)}, got {', '.join(map(str, names)) or 'none'}"
+        )
+    return {name: _law(loader, name) for name in names}
+
+
+def _law(loader: Loader, name: str) -> Compensator | None:
+    if name == ORIGINAL:
+        return None
+    found = compensate(loader, published_settings(loader) if name == PUBLISHED else DesignSettings())
+    if not found.reached:
+        raise InputError(f"laws: the recursion does not give the {name} gains for this loader: {found.note}")
+    return found.compensator(loader)

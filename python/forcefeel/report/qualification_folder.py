@@ -1,0 +1,57 @@
+"""The folder of a qualification: its page, its numbers, and its PDF, whole or not at all."""
+
+import json
+from pathlib import Path
+
+from forcefeel.errors import InputError
+from forcefeel.qualify.plain import plain_qualification
+from forcefeel.qualify.result import Qualification
+from forcefeel.report.chromium import find_chromium, page_pdf
+from forcefeel.report.qualification_page import qualification_page
+from forcefeel.report.staging import write_together
+
+PAGE, NUMBERS, PDF = "qualification.html", "results.json", "qualification.pdf"
+"""Names in the folder."""
+
+
+def write_qualification(found: Qualification, out: Path, *, pdf: bool = False) -> Path:
+    """Writes ``qualification.html``, ``results.json`` and, if asked for, ``qualification.pdf``.
+
+    What is there stays until the new files are complete; other files in the folder are left alone.
+
+    Args:
+        found: What to report.
+        out: The folder; made if it is not there.
+        pdf: Print the page too; it takes a Chromium.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file or cannot be made or written, or the PDF cannot be printed.
+    """
+    check_qualification_folder(out, pdf=pdf)
+    page = qualification_page(found, (NUMBERS, PDF) if pdf else (NUMBERS,))
+    numbers = json.dumps(plain_qualification(found), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    contents: dict[str, str | bytes] = {NUMBERS: numbers, PAGE: page}
+    if pdf:
+        contents = {PDF: page_pdf(page), **contents}
+    write_together(out, contents)
+    return out / PAGE
+
+
+def check_qualification_folder(out: Path, *, pdf: bool = False) -> None:
+    """Refuses what would fail halfway: a file where a folder is wanted, a folder where a file is, no Chromium for a PDF.
+
+    Raises:
+        InputError: If so.
+    """
+    if out.exists() and not out.is_dir():
+        raise InputError(
+            f"{out}: is a file; expected a folder for the qualification; name another one, or move the file away"
+        )
+    for name in (PAGE, NUMBERS, PDF):
+        if (out / name).is_dir():
+            raise InputError(f"{out / name}: is a folder; expected to write a file of that name; move the folder away")
+    if pdf:
+        find_chromium()

@@ -1,0 +1,149 @@
+"""``forcefeel envelope`` as a user types it, and the folder that it writes."""
+
+import csv
+import io
+import json
+import re
+import sys
+
+import pytest
+import xarray as xr
+
+import forcefeel as ff
+from forcefeel.cli import main
+from forcefeel.envelopes import run as envelope_run
+from forcefeel.report.envelope_folder import MAPS, PAGE, RESULTS, SETTINGS
+
+SMALL = (
+    *("--grid", "stiffness=1..100 %:5:log"),
+    *("--grid", "frequency=0.5..4 Hz:3:log"),
+    *("--grid", "damping=0.2, 1.5"),
+)
+COUNT, CASES = 30, 32
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Runs ``forcefeel envelope ...``; gives exit status, output and error output."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "120")
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["forcefeel", "envelope", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        printed = capsys.readouterr()
+        return ended.value.code or 0, printed.out, " ".join(printed.err.split())
+
+    return call
+
+
+def test_the_built_in_loader_compared(run, tmp_path):
+    status, out, err = run("--compare", *SMALL, "--out", "found")
+    assert (status, err) == (0, "")
+    assert "passes in every case" in out
+    assert f"Of {COUNT} programmed feels" in out
+    assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, SETTINGS, MAPS}
+    with xr.open_dataset(tmp_path / "found" / MAPS, engine="scipy") as stored:
+        assert stored["outcome"].shape == (3, CASES, 2, 3, 5)
+    rows = list(csv.reader(io.StringIO((tmp_path / "found" / SETTINGS).read_text(encoding="utf-8"))))
+    assert len(rows) == COUNT + 1
+    assert rows[0][:2] == ["damping ratio", "natural frequency (Hz)"]
+    assert {row[6] for row in rows[1:]} >= {"passes", "unstable", "P0"}
+
+
+def test_the_results_agree_with_the_maps(run, tmp_path):
+    status, out, _ = run("--compensator", "published", *SMALL, "--json", "--units", "si")
+    assert status == 0
+    found = json.loads(out)
+    stored = json.loads((tmp_path / "forcefeel-envelope" / RESULTS).read_text(encoding="utf-8"))
+    assert {key: value for key, value in found.items() if key != "page"} == stored
+    assert found["releases"] == COUNT * CASES
+    assert found["rule"] == {
+        "edition": "part60-a-2014",
+        "title": "14 CFR Part 60, Appendix A",
+        "test": "2.b.1",
+        "verified": True,
+    }
+    shares = found["compensators"]["published"]["shares"]
+    with xr.open_dataset(tmp_path / "forcefeel-envelope" / MAPS, engine="scipy") as maps:
+        assert shares["passes"]["value"] == pytest.approx(100 * float((maps["outcome"][0, 0] == 0).mean()))
+    assert len(found["compensators"]["published"]["cases"]) == CASES
+    assert not next(case for case in found["cases"] if case["name"] == "firm arm")["arm"]["verified"]
+
+
+def test_another_rule_says_what_is_not_verified(run):
+    status, out, _ = run(*SMALL, "--rule", "cs-fstd-a")
+    assert status == 0
+    assert "Not verified" in out
+
+
+def test_a_folder_with_an_envelope_is_not_overwritten(run, tmp_path):
+    assert run(*SMALL)[0] == 0
+    before = (tmp_path / "forcefeel-envelope" / RESULTS).read_bytes()
+    status, _, err = run(*SMALL, "--angle", "5 deg")
+    assert status == 2
+    assert "--replace" in err
+    assert (tmp_path / "forcefeel-envelope" / RESULTS).read_bytes() == before
+    assert run(*SMALL, "--angle", "5 deg", "--replace")[0] == 0
+    assert json.loads((tmp_path / "forcefeel-envelope" / RESULTS).read_text())["release_angle"][
+        "value"
+    ] == pytest.approx(5)
+
+
+def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(envelope_run, "released", interrupted)
+    status, _, err = run(*SMALL)
+    assert status == 130
+    assert "nothing is written" in err
+    assert not (tmp_path / "forcefeel-envelope").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--rule", "part61"), "part60-a-2014"),
+        (("--compensator", "best"), "original, published, converged"),
+        (("--compare", "--compensator", "original"), "leave one out"),
+        (("--grid", "stiffness"), "--grid: expected"),
+        (("--grid", "mass=1..2:3"), "unknown axis"),
+        (("--grid", "stiffness=0..100 %:5"), "expected values from"),
+        (("--grid", "damping=0.1, 0.2", "--grid", "damping=0.1, 0.3"), "given twice"),
+        (("--angle", "10"), "--angle: expected"),
+        (("--angle", "-10 deg"), "above 0"),
+        (("there-is-none.toml",), "there-is-none.toml"),
+    ],
+)
+def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
+    status, out, err = run(*words)
+    assert (status, out) == (2, "")
+    assert message in err
+    assert "Traceback" not in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_where_a_folder_is_wanted(run, tmp_path):
+    (tmp_path / "taken").write_text("mine")
+    status, _, err = run(*SMALL, "--out", "taken")
+    assert status == 2
+    assert "is a file" in err
+
+
+def test_the_page_has_no_endless_numbers_and_says_what_is_not_verified(run, tmp_path):
+    run("--compare", *SMALL)
+    page = (tmp_path / "forcefeel-envelope" / PAGE).read_text(encoding="utf-8")
+    words = re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL)
+    text = re.sub(r"<[^>]*>", " ", words)
+    assert not re.search(r"\d\.\d{7}", text)
+    assert "not verified" in text
+    assert words.count("<svg") == 2 * 3 * 2  # damping ratios, compensators, nominal and first failing case
+
+
+def test_a_law_of_ones_own_is_escaped_in_the_page(tmp_path):
+    grid = {"stiffness": "10, 100 %", "frequency": "1, 2 Hz", "damping": "0.3, 1"}
+    found = ff.envelope(ff.elevator(), {"<b>mine": None}, grid, changes={}, arms=())
+    page = ff.write_envelope(found, tmp_path, ff.UnitSystem.SI).read_text(encoding="utf-8")
+    assert "<b>mine" not in re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)

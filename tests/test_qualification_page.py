@@ -1,0 +1,290 @@
+"""The page of a qualification, its PDF, and the page in a real browser at the width of a desk and of a phone."""
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from datetime import date
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+import forcefeel as ff
+from forcefeel.errors import InputError
+from forcefeel.qualification import Record
+from forcefeel.report import qualification_folder
+from forcefeel.report.chromium import find_chromium
+from forcefeel.units import UnitSystem
+from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page
+    DRAWN,
+    ROUNDING_PX,
+    WIDTHS,
+    browser,
+    test_nothing_is_asked_for_but_the_page,
+    test_nothing_is_cut_off,
+    test_tables_and_drawing_stay_in_their_boxes,
+    test_the_console_is_silent,
+    test_tick_labels_do_not_overlap,
+)
+
+FRICTION = {
+    "column.coulomb_friction": "2 lb",
+    "feel.breakout": "2 lb",
+    "column.stop_low": "-15 deg",
+    "column.stop_high": "18 deg",
+}
+UNSTABLE = {"feel.inertia": "0.6 lb in s^2/rad", "feel.damping": "3.04 lb in s/rad", "feel.stiffness": "96 lb in/rad"}
+DRAWN_TESTS = (
+    "static",
+    "release-25-positive",
+    "release-25-negative",
+    "release-50-positive",
+    "release-50-negative",
+    "medium",
+    "fast",
+)
+
+
+def _small_inputs():
+    time = np.arange(0.0, 5.0, 0.02)
+    rate = 0.05 * np.sin(2.0 * time)
+    return {
+        name: Record(time, 0.01 * np.sin(time), body_rate_rad_per_s=scale * rate, name=name)
+        for name, scale in (("simulator", 1.05), ("aircraft", 1.0))
+    }
+
+
+def _recorded():
+    both = _small_inputs()
+    setup = ff.QualificationSetup(
+        records={"small-inputs": both["simulator"]},
+        references={"small-inputs": both["aircraft"]},
+        system=UnitSystem.SI,
+    )
+    return ff.qualify_loader(ff.elevator(), setup)
+
+
+MADE = {
+    "compare": lambda: ff.qualify_loader(
+        ff.elevator(), ff.QualificationSetup(laws=("original", "published", "converged"))
+    ),
+    "friction": lambda: ff.qualify_loader(
+        ff.elevator().replace(FRICTION), ff.QualificationSetup(laws=("published",), system=UnitSystem.SI)
+    ),
+    "unstable": lambda: ff.qualify_loader(ff.elevator().replace(UNSTABLE), ff.QualificationSetup(rule="cs-fstd-a")),
+    "recorded": _recorded,
+}
+SECTIONS = {
+    "compare": ("original", "published", "converged"),
+    "friction": ("published",),
+    "unstable": ("original",),
+    "recorded": ("record",),
+}
+
+
+@pytest.fixture(scope="module")
+def made():
+    return {name: make() for name, make in MADE.items()}
+
+
+@pytest.fixture(scope="module")
+def pages(made, tmp_path_factory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("qualifications")
+    return {name: ff.write_qualification(found, folder / name) for name, found in made.items()}
+
+
+class _Words(HTMLParser):
+    """The text that a reader sees, and what the page refers to."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.words: list[str] = []
+        self.references: list[str] = []
+        self._hidden = 0
+
+    def handle_starttag(self, tag, attrs):
+        self._hidden += tag in {"script", "style"}
+        self.references += [value for name, value in attrs if name in {"src", "href"} and value]
+
+    def handle_endtag(self, tag):
+        self._hidden -= tag in {"script", "style"}
+
+    def handle_data(self, data):
+        if not self._hidden:
+            self.words.append(data)
+
+
+def _words(page: Path) -> _Words:
+    parsed = _Words()
+    parsed.feed(page.read_text(encoding="utf-8"))
+    return parsed
+
+
+def _told(page: Path) -> str:
+    return " ".join(" ".join(_words(page).words).split())
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_the_page_has_every_section_and_loads_nothing(pages, name):
+    text = pages[name].read_text(encoding="utf-8")
+    sections = {"conclusions", "conditions", "numbers", *(f"law-{law}" for law in SECTIONS[name])}
+    assert text.startswith("<!DOCTYPE html>")
+    assert set(re.findall(r'<section id="([\w-]+)"', text)) == sections
+    assert text.count("plotly.js v") == 1
+    assert set(_words(pages[name]).references) == {"results.json", "data:,"} | {f"#{section}" for section in sections}
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_no_number_on_the_page_has_more_than_six_digits(pages, name):
+    numbers = re.findall(r"(?<![\w.])\d[\d.]*(?![\w])", "\n".join(_words(pages[name]).words))
+    assert numbers
+    assert [text for text in numbers if len(text.replace(".", "").strip("0")) > 6] == []
+
+
+def test_every_test_has_its_plot_and_its_table(pages, made):
+    text = pages["compare"].read_text(encoding="utf-8")
+    drawn = set(re.findall(r'<div id="plot-([\w-]+)"', text))
+    assert drawn == {f"{law}-{key}" for law in SECTIONS["compare"] for key in DRAWN_TESTS}
+    tests = sum(len(section.results) for section in made["compare"].sections)
+    assert text.count('<article class="test"') == tests
+
+
+def test_the_page_says_which_laws_qualify_and_why_the_others_do_not(pages):
+    told = {name: _told(path) for name, path in pages.items()}
+    assert "By 14 CFR Part 60, Appendix A (2014) none of 3 laws qualifies." in told["compare"]
+    assert "the column moves at 1.58 Hz where 1.97 Hz are programmed" in told["compare"]
+    assert "assumed, since the loader has no stops" in told["compare"]
+    assert "the feel computer alone, on a column without weight or friction, with feel breakout F b" in told["friction"]
+    assert "diverged at" in told["unstable"]
+    assert "judged by rows that are unverified" in told["unstable"]
+    assert "Small control inputs passed" in told["recorded"]
+    assert "A control loader has no surface" in told["compare"]
+
+
+def test_rule_conditions_versions_and_day_are_there(pages, made):
+    told = _told(pages["compare"])
+    assert "14 CFR Part 60, Appendix A, edition 2014, aeroplane" in told
+    assert "take-off" in told
+    assert made["compare"].day.isoformat() in told
+    assert date.fromisoformat(json.loads((pages["compare"].parent / "results.json").read_text())["date"])
+
+
+def test_names_are_text_not_markup(made, tmp_path):
+    found = made["unstable"]
+    named = replace(found.loader, name="<script>alert(1)</script>", source="a & b < c")
+    text = ff.write_qualification(replace(found, loader=named), tmp_path).read_text(encoding="utf-8")
+    assert "<script>alert" not in text
+    assert "a &amp; b &lt; c" in text
+
+
+def test_the_same_qualification_gives_the_same_bytes(made, tmp_path):
+    first, second = (ff.write_qualification(made["friction"], tmp_path / name) for name in "ab")
+    for name in ("qualification.html", "results.json"):
+        assert (first.parent / name).read_bytes() == (second.parent / name).read_bytes()
+
+
+def test_a_failure_leaves_what_was_there(made, tmp_path, monkeypatch):
+    out = ff.write_qualification(made["unstable"], tmp_path).parent
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    write_text = Path.write_text
+
+    def full_disk(self, text, **options):
+        if self.name == "qualification.html":
+            raise OSError(28, "No space left on device")
+        return write_text(self, text, **options)
+
+    monkeypatch.setattr(Path, "write_text", full_disk)
+    with pytest.raises(InputError, match="No space left on device"):
+        ff.write_qualification(made["friction"], out)
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+
+
+@pytest.mark.parametrize("name", ["qualification.html", "results.json", "qualification.pdf"])
+def test_a_folder_where_a_file_goes(tmp_path, name):
+    (tmp_path / name).mkdir()
+    with pytest.raises(InputError, match=f"{name}: is a folder; expected to write a file"):
+        qualification_folder.check_qualification_folder(tmp_path)
+
+
+def test_a_chromium_that_prints_nothing(made, tmp_path, monkeypatch):
+    dumb = tmp_path / "browser"
+    dumb.write_text("#!/bin/sh\necho cannot print >&2\nexit 3\n", encoding="utf-8")
+    dumb.chmod(0o755)
+    monkeypatch.setenv("FORCEFEEL_CHROMIUM", str(dumb))
+    assert find_chromium() == str(dumb)
+    with pytest.raises(InputError, match=r"printed no PDF \(cannot print\)"):
+        ff.write_qualification(made["unstable"], tmp_path / "out", pdf=True)
+    assert not (tmp_path / "out").exists()
+
+
+# In a browser.
+
+VIEWS = {f"{name}-{width}": (name, width) for name in MADE for width in WIDTHS}
+
+
+@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
+def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811
+    name, width = request.param
+    opened = browser.new_page(viewport={"width": width, "height": 900})
+    opened.complaints, opened.requested = [], []
+    opened.on("console", lambda message: opened.complaints.append(message.text))
+    opened.on("pageerror", lambda error: opened.complaints.append(str(error)))
+    opened.on("request", lambda asked: opened.requested.append(asked.url))
+    opened.goto(pages[name].as_uri())
+    opened.wait_for_function(DRAWN, timeout=20_000)
+    yield opened
+    opened.close()
+
+
+@pytest.mark.browser
+def test_every_release_shows_its_residual_band(page):
+    bands = page.evaluate(
+        """() => [...document.querySelectorAll('[id*=release].plotly-graph-div')].map(plot =>
+            [...plot.querySelectorAll('.shapelayer path')].filter(path => path.getBoundingClientRect().height > 2).length)"""
+    )
+    assert all(count == 1 for count in bands)
+
+
+@pytest.mark.browser
+def test_every_curve_is_drawn(page):
+    plots = page.evaluate(
+        """() => [...document.querySelectorAll('.plotly-graph-div')].map(plot =>
+            [plot.id, plot.data.length, plot.querySelectorAll('.scatterlayer .trace').length])"""
+    )
+    assert [one for one in plots if one[1] != one[2]] == []
+
+
+@pytest.mark.browser
+def test_the_plots_show_their_words_whole(page):
+    """Titles, legend and ticks lie inside their plot; the legend lies above the curves."""
+    cut = page.evaluate(
+        """(rounding) => [...document.querySelectorAll('.plotly-graph-div')].flatMap(plot => {
+            const room = plot.getBoundingClientRect();
+            const words = plot.querySelectorAll('.legendtext, .annotation-text, [class*=title] text, [class*=tick] text');
+            const outside = [...words].filter(word => {
+                const box = word.getBoundingClientRect();
+                return box.left < room.left - rounding || box.right > room.right + rounding
+                    || box.top < room.top - rounding || box.bottom > room.bottom + rounding;
+            }).map(word => plot.id + ': ' + word.textContent);
+            const legend = plot.querySelector('.legend .bg');
+            const curves = room.top + plot._fullLayout._size.t;
+            const over = legend && legend.getBoundingClientRect().bottom > curves + rounding;
+            return over ? [...outside, plot.id + ': legend over the curves'] : outside;
+        })""",
+        ROUNDING_PX,
+    )
+    assert cut == []
+
+
+@pytest.mark.browser
+def test_the_pdf_holds_the_plots(browser, made, tmp_path, monkeypatch):  # noqa: F811
+    """Printed by the same Chromium; as vectors the plots make it larger than the words alone would."""
+    monkeypatch.setenv("FORCEFEEL_CHROMIUM", find_chromium())
+    page = ff.write_qualification(made["friction"], tmp_path, pdf=True)
+    data = (page.parent / "qualification.pdf").read_bytes()
+    assert data.startswith(b"%PDF")
+    assert len(re.findall(rb"/Type\s*/Page\b", data)) >= 4
+    assert "qualification.pdf" in _words(page).references

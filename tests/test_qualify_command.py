@@ -1,0 +1,277 @@
+"""``forcefeel qualify`` as a user types it: what is printed, what is written, the exit status."""
+
+import hashlib
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pyarrow
+import pytest
+from pyarrow import parquet
+
+import forcefeel as ff
+from forcefeel.cli import main
+
+WRITTEN = {"qualification.html", "results.json"}
+ANGLE_DEG = 5.0
+"""A quarter of the 20 deg that a loader without stops is given."""
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Runs ``forcefeel qualify ...`` in an empty folder; gives exit status, output and error output."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "120")
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["forcefeel", "qualify", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        printed = capsys.readouterr()
+        return ended.value.code or 0, printed.out, printed.err
+
+    return call
+
+
+def _free(slower=1.0, angle=ANGLE_DEG, rate=1000.0, seconds=4.0):
+    """Time in s and angle in deg of the programmed feel, let go after 0.2 s."""
+    loader = ff.elevator()
+    i, b, g = (loader[f"feel.{name}"] for name in ("inertia", "damping", "stiffness"))
+    w, zeta = math.sqrt(g / i) * slower, b / (2 * math.sqrt(g * i))
+    time = np.arange(round((seconds + 0.2) * rate)) / rate
+    t, root = np.maximum(time - 0.2, 0.0), math.sqrt(1 - zeta**2)
+    swing = np.cos(root * w * t) + zeta / root * np.sin(root * w * t)
+    return time, angle * np.exp(-zeta * w * t) * swing
+
+
+def _csv(path: Path, time, angle, head="time (s),position (deg)") -> None:
+    rows = "\n".join(f"{t:.6f},{x:.12g}" for t, x in zip(time, angle, strict=True))
+    path.write_text(f"{head}\n{rows}\n", encoding="utf-8")
+
+
+def _files(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def _outcomes(found) -> dict[str, str]:
+    (section,) = found["sections"]
+    return {test["key"]: test["outcome"] for test in section["tests"]}
+
+
+def test_help_names_every_option_with_an_example(run):
+    status, out, _ = run("--help")
+    assert status == 0
+    assert "Example:" in out
+    for option in (
+        "--reference",
+        "--record",
+        "--rule",
+        "--axis",
+        "--throw",
+        "--compensator",
+        "--compare",
+        "--pdf",
+        "--json",
+    ):
+        assert option in out
+
+
+def test_the_elevator_fails_with_words_and_files(run, tmp_path):
+    status, out, err = run("--compensator", "published")
+    told = " ".join(out.split())
+    assert (status, err) == (1, "")
+    assert "the published compensation does not qualify: 1 of 9 tests passed, 6 failed, 2 not evaluated" in told
+    assert "P0 is 59 % long" in told
+    assert "where 1.97 Hz are programmed" in told
+    assert "Unverified: nobody has held the durations of the sweeps" in told
+    assert out.splitlines()[-1] == "page: forcefeel-qualification/qualification.html"
+    assert _files(tmp_path / "forcefeel-qualification") == WRITTEN
+
+
+def test_json_holds_every_figure_with_unit_and_margin(run, tmp_path):
+    status, out, _ = run("--compare", "--json", "--units", "si")
+    found = json.loads(out)
+    assert status == 1
+    assert found["page"] == "forcefeel-qualification/qualification.html"
+    assert [section["name"] for section in found["sections"]] == ["original", "published", "converged"]
+    assert found["rule"]["id"] == "part60-a-2014"
+    assert found["rule"]["unverified"] == ["the durations of the sweeps"]
+    tests = {test["key"]: test for test in found["sections"][1]["tests"]}
+    first = next(one for one in tests["release-25-positive"]["verdicts"] if one["quantity"] == "P0")
+    assert first["measured"] == {
+        "value": pytest.approx(0.16866, abs=1e-5),
+        "unit": "s",
+        "uncertainty": pytest.approx(0, abs=1e-5),
+    }
+    assert first["margin"]["value"] == pytest.approx(first["tolerance"]["value"] - first["difference"]["value"])
+    assert first["rule"] == "10 %"
+    assert tests["static"]["verdicts"][0]["rule"] == "0.9 daN"  # the rule's own rounding for SI
+    assert tests["surface"]["outcome"] == "not evaluated"
+    kept = json.loads((tmp_path / "forcefeel-qualification" / "results.json").read_text(encoding="utf-8"))
+    assert {key: value for key, value in found.items() if key != "page"} == kept
+
+
+def test_an_unverified_rule_says_so(run):
+    found = json.loads(run("--rule", "cs-fstd-a", "--compensator", "published", "--json")[1])
+    assert not found["rule"]["verified"]
+    assert all(not test["verified"] for test in found["sections"][0]["tests"])
+    assert any("Unverified: nobody has held test" in line for line in found["conclusions"]["findings"])
+
+
+def test_a_recording_of_the_ideal_passes_with_status_zero(run, tmp_path):
+    _csv(tmp_path / "one.csv", *_free())
+    status, out, err = run("--record", "one.csv", "--json")  # the test is told from what is in the file
+    found = json.loads(out)
+    assert (status, err) == (0, "")
+    outcomes = _outcomes(found)
+    assert outcomes.pop("release-25-positive") == "passed"
+    assert set(outcomes.values()) == {"not evaluated"}
+    told = found["files"]["record release-25-positive"]
+    assert told["sha256"] == hashlib.sha256((tmp_path / "one.csv").read_bytes()).hexdigest()
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet"])
+def test_slightly_detuned_just_fails_from_either_format(run, tmp_path, ending):
+    for name, slower, expected in (("good", 1 / 1.098, 0), ("bad", 1 / 1.102, 1)):
+        time, angle = _free(slower)
+        path = tmp_path / f"{name}.{ending}"
+        if ending == "csv":
+            _csv(path, time, angle)
+        else:
+            parquet.write_table(pyarrow.table({"time (s)": time, "position (deg)": angle}), path)
+        status, out, _ = run("--record", f"release-25-positive={path}", "--json", "--out", name)
+        assert status == expected
+        assert _outcomes(json.loads(out))["release-25-positive"] == ("failed" if expected else "passed")
+
+
+def test_a_folder_of_files_named_after_tests(run, tmp_path):
+    folder = tmp_path / "bench"
+    folder.mkdir()
+    _csv(folder / "release-25-positive.csv", *_free())
+    _csv(folder / "release-50-negative.csv", *_free(angle=-2 * ANGLE_DEG))
+    (folder / "notes.txt").write_text("mine", encoding="utf-8")
+    found = json.loads(run("--record", "bench", "--json")[1])
+    outcomes = _outcomes(found)
+    assert {key for key, outcome in outcomes.items() if outcome == "passed"} == {
+        "release-25-positive",
+        "release-50-negative",
+    }
+
+
+def test_sweeps_are_told_apart_by_what_is_in_them(run, tmp_path):
+    loader = ff.elevator()
+    per_degree = math.radians(loader["feel.stiffness"] / loader["column.grip_arm"])  # N for a degree
+    for name, lasts in (("a", 98.0), ("b", 10.0), ("c", 4.0)):
+        time = np.linspace(0.0, lasts, 4001)
+        angle = 18.0 * np.sin(2 * math.pi * time / lasts)
+        rows = "\n".join(f"{t:.6f},{x:.9g},{per_degree * x:.9g}" for t, x in zip(time, angle, strict=True))
+        (tmp_path / f"{name}.csv").write_text(f"time (s),position (deg),force (N)\n{rows}\n", encoding="utf-8")
+    found = json.loads(run("--record", "a.csv", "--record", "b.csv", "--record", "c.csv", "--json")[1])
+    assert {name: one["name"] for name, one in found["files"].items()} == {
+        "record static": "a",
+        "record medium": "b",
+        "record fast": "c",
+    }
+    assert _outcomes(found)["static"] == "passed"
+
+
+def test_a_recorded_aircraft_is_the_reference(run, tmp_path):
+    """A loop of another frequency than the aircraft's fails, the aircraft's own recording passes."""
+    _csv(tmp_path / "aircraft.csv", *_free())
+    status, out, _ = run("--reference", "aircraft.csv", "--compensator", "published", "--json")
+    found = json.loads(out)
+    assert status == 1
+    assert found["reference"] == "recorded aircraft"
+    words = {test["key"]: test["words"] for test in found["sections"][0]["tests"]}
+    assert "where 1.97 Hz are recorded" in words["release-25-positive"]
+    assert run("--reference", "aircraft.csv", "--record", "aircraft.csv")[0] == 0
+
+
+BAD = {
+    "short.csv": (lambda t, x: (t[:260], x[:260]), "ends at 0.259 s"),
+    "clipped.csv": (lambda t, x: (t, np.maximum(x, -1.5)), "clipped: is clipped at -0.0261799 rad from 0."),
+    "still.csv": (lambda t, x: (t, np.full_like(x, 5.0)), "still: has no release"),
+    "gap.csv": (lambda t, x: (t + 0.5 * (t > 1.0), x), "gap.csv: line 1003: a gap of 0.501 s after 1 s"),
+    "back.csv": (lambda t, x: (np.where(t > 1.0, t - 0.5, t), x), "back.csv: line 1003: time runs backwards from 1 s"),
+}
+
+
+@pytest.mark.parametrize("name", [*BAD, "unit.csv", "missing.csv"])
+def test_a_bad_record_is_named_with_its_time_and_nothing_is_written(run, tmp_path, name):
+    if name == "unit.csv":
+        _csv(tmp_path / name, *_free(), head="time (s),position (parsec)")
+        said = "unit.csv: line 1: position: unknown unit 'parsec'"
+    elif name == "missing.csv":
+        said = "missing.csv: cannot be read"
+    else:
+        change, said = BAD[name]
+        _csv(tmp_path / name, *change(*_free()))
+    before = _files(tmp_path)
+    status, out, err = run("--record", f"release-25-positive={name}")
+    assert (status, out) == (2, "")
+    assert said in err
+    assert "Traceback" not in err
+    assert _files(tmp_path) == before
+
+
+def test_a_reference_of_another_rate_or_length(run, tmp_path):
+    _csv(tmp_path / "mine.csv", *_free())
+    _csv(tmp_path / "slow.csv", *_free(rate=250.0))
+    status, _, err = run("--record", "mine.csv", "--reference", "slow.csv")
+    assert status == 2
+    assert "slow: has 250 samples a second from 0 s on, mine has 1000" in err
+    _csv(tmp_path / "quick.csv", *_free(slower=4.0, seconds=1.0))
+    _csv(tmp_path / "long.csv", *_free(slower=0.2, seconds=20.0))
+    status, _, err = run("--record", "quick.csv", "--reference", "long.csv")
+    assert status == 2
+    assert "quick: ends at 1.199 s" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--throw", "20"], "--throw: expected a number with its unit"),
+        (["--throw", "-5 deg"], "throw: expected an angle above 0"),
+        (["--rule", "part61"], "edition: expected one of"),
+        (["--axis", "collective"], "axis: part60-a-2014 has tests for"),
+        (["--record", "a.csv", "--compare"], "--compare: is about the simulated loader"),
+        (["--record", "a.csv", "--compensator", "published"], "--compensator: is about the simulated loader"),
+        (["--compare", "--compensator", "published"], "--compare: takes every law"),
+        (["--record", "wheel=a.csv"], "--record: unknown test 'wheel'; expected NAME=FILE"),
+        (["--record", "a.txt"], "expected a file that ends in .csv or .parquet"),
+        (["--set", "column.nothing=1"], "column.nothing"),
+        (["--dynamic-pressure", "5 kPa"], "dynamic pressure: the loader has no feel.stiffness_factor"),
+        (["missing.toml"], "missing.toml: cannot be read"),
+    ],
+)
+def test_bad_input_is_refused_in_a_line(run, tmp_path, words, said):
+    status, out, err = run(*words)
+    assert (status, out) == (2, "")
+    assert said in err
+    assert err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_files_of_one_test(run, tmp_path):
+    for name in ("a.csv", "b.csv"):
+        _csv(tmp_path / name, *_free())
+    status, _, err = run("--record", "a.csv", "--record", "b.csv")
+    assert status == 2
+    assert "b.csv and a.csv are both of the test release-25-positive; say which is which with NAME=FILE" in err
+
+
+def test_a_pdf_without_a_chromium_is_refused_before_the_work(run, tmp_path, monkeypatch):
+    monkeypatch.setenv("FORCEFEEL_CHROMIUM", "no-such-browser")
+    status, out, err = run("--pdf")
+    assert (status, out) == (2, "")
+    assert "--pdf: the PDF is printed by Chromium, and 'no-such-browser' of FORCEFEEL_CHROMIUM is no program" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_output_folder_that_is_a_file(run, tmp_path):
+    (tmp_path / "out").write_text("mine", encoding="utf-8")
+    status, _, err = run("--out", "out")
+    assert status == 2
+    assert "out: is a file; expected a folder" in err
