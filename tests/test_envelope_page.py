@@ -9,8 +9,8 @@ from playwright.sync_api import Page
 import forcefeel as ff
 from forcefeel.report.envelope_maps import COLORS
 from forcefeel.units import UnitSystem
+from tests.pages import opened
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page
-    DRAWN,
     ROUNDING_PX,
     WIDTHS,
     browser,
@@ -52,18 +52,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 @pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
 def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811  the browser's fixture
     name, width = request.param
-    opened = browser.new_page(viewport={"width": width, "height": 900})
-    opened.complaints, opened.requested = [], []
-    opened.on(
-        "console",
-        lambda message: opened.complaints.append(message.text) if message.type in {"error", "warning"} else None,
-    )
-    opened.on("pageerror", lambda error: opened.complaints.append(str(error)))
-    opened.on("request", lambda asked: opened.requested.append(asked.url))
-    opened.goto(pages[name].as_uri())
-    opened.wait_for_function(DRAWN, timeout=20_000)
-    yield opened
-    opened.close()
+    with opened(browser, pages[name], width) as window:
+        yield window
 
 
 def test_the_maps_can_be_seen(page):

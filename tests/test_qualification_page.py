@@ -5,7 +5,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import date
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +17,8 @@ from forcefeel.qualification import Record
 from forcefeel.report import qualification_folder
 from forcefeel.report.chromium import find_chromium
 from forcefeel.units import UnitSystem
+from tests.pages import opened, words
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page
-    DRAWN,
     ROUNDING_PX,
     WIDTHS,
     browser,
@@ -96,35 +95,8 @@ def pages(made, tmp_path_factory) -> dict[str, Path]:
     return {name: ff.write_qualification(found, folder / name) for name, found in made.items()}
 
 
-class _Words(HTMLParser):
-    """The text that a reader sees, and what the page refers to."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.words: list[str] = []
-        self.references: list[str] = []
-        self._hidden = 0
-
-    def handle_starttag(self, tag, attrs):
-        self._hidden += tag in {"script", "style"}
-        self.references += [value for name, value in attrs if name in {"src", "href"} and value]
-
-    def handle_endtag(self, tag):
-        self._hidden -= tag in {"script", "style"}
-
-    def handle_data(self, data):
-        if not self._hidden:
-            self.words.append(data)
-
-
-def _words(page: Path) -> _Words:
-    parsed = _Words()
-    parsed.feed(page.read_text(encoding="utf-8"))
-    return parsed
-
-
 def _told(page: Path) -> str:
-    return " ".join(" ".join(_words(page).words).split())
+    return " ".join(" ".join(words(page).words).split())
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -134,12 +106,12 @@ def test_the_page_has_every_section_and_loads_nothing(pages, name):
     assert text.startswith("<!DOCTYPE html>")
     assert set(re.findall(r'<section id="([\w-]+)"', text)) == sections
     assert text.count("plotly.js v") == 1
-    assert set(_words(pages[name]).references) == {"results.json", "data:,"} | {f"#{section}" for section in sections}
+    assert set(words(pages[name]).references) == {"results.json", "data:,"} | {f"#{section}" for section in sections}
 
 
 @pytest.mark.parametrize("name", MADE)
 def test_no_number_on_the_page_has_more_than_six_digits(pages, name):
-    numbers = re.findall(r"(?<![\w.])\d[\d.]*(?![\w])", "\n".join(_words(pages[name]).words))
+    numbers = re.findall(r"(?<![\w.])\d[\d.]*(?![\w])", "\n".join(words(pages[name]).words))
     assert numbers
     assert [text for text in numbers if len(text.replace(".", "").strip("0")) > 6] == []
 
@@ -228,15 +200,8 @@ VIEWS = {f"{name}-{width}": (name, width) for name in MADE for width in WIDTHS}
 @pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
 def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811
     name, width = request.param
-    opened = browser.new_page(viewport={"width": width, "height": 900})
-    opened.complaints, opened.requested = [], []
-    opened.on("console", lambda message: opened.complaints.append(message.text))
-    opened.on("pageerror", lambda error: opened.complaints.append(str(error)))
-    opened.on("request", lambda asked: opened.requested.append(asked.url))
-    opened.goto(pages[name].as_uri())
-    opened.wait_for_function(DRAWN, timeout=20_000)
-    yield opened
-    opened.close()
+    with opened(browser, pages[name], width) as window:
+        yield window
 
 
 @pytest.mark.browser
@@ -287,4 +252,4 @@ def test_the_pdf_holds_the_plots(browser, made, tmp_path, monkeypatch):  # noqa:
     data = (page.parent / "qualification.pdf").read_bytes()
     assert data.startswith(b"%PDF")
     assert len(re.findall(rb"/Type\s*/Page\b", data)) >= 4
-    assert "qualification.pdf" in _words(page).references
+    assert "qualification.pdf" in words(page).references

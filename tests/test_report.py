@@ -5,7 +5,6 @@ import json
 import os
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +17,7 @@ from forcefeel.report import folder, write_report
 from forcefeel.report.typography import number_text, percent_text, prose_html, split_symbol, symbol_html, unit_text
 from forcefeel.units import UnitSystem, factor
 from forcefeel.workflow import Design, design
+from tests.pages import words
 
 KEYS = ("figure-02", "figure-08", "figure-09", "figure-10", "figure-11a", "figure-11b", "figure-14")
 NINE_DIGITS = 1e-8  # relative rounding of nine significant digits
@@ -34,33 +34,6 @@ def out(designed: Design, tmp_path_factory: pytest.TempPathFactory) -> Path:
     written = write_report(designed, tmp_path_factory.mktemp("reports") / "elevator", UnitSystem.US)
     assert written.name == "report.html"
     return written.parent
-
-
-class _Words(HTMLParser):
-    """The text that a reader sees, and what the page refers to."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.words: list[str] = []
-        self.references: list[str] = []
-        self._hidden = 0
-
-    def handle_starttag(self, tag, attrs):
-        self._hidden += tag in {"script", "style"}
-        self.references += [value for name, value in attrs if name in {"src", "href"} and value]
-
-    def handle_endtag(self, tag):
-        self._hidden -= tag in {"script", "style"}
-
-    def handle_data(self, data):
-        if not self._hidden:
-            self.words.append(data)
-
-
-def _words(page: Path) -> _Words:
-    parsed = _Words()
-    parsed.feed(page.read_text(encoding="utf-8"))
-    return parsed
 
 
 def _files(folder: Path) -> dict[str, bytes]:
@@ -81,19 +54,19 @@ def test_the_page_has_every_section_and_one_plotly(out):
 
 def test_the_page_loads_nothing_from_elsewhere(out):
     beside = {"results.json", "data:,", *(f"responses/{key}.csv" for key in KEYS)}
-    references = set(_words(out / "report.html").references)
+    references = set(words(out / "report.html").references)
     assert references == beside | {f"#{anchor}" for anchor in ANCHORS}
 
 
 def test_no_number_on_the_page_has_more_than_six_digits(out):
-    numbers = re.findall(r"\d[\d.]*", "\n".join(_words(out / "report.html").words))
+    numbers = re.findall(r"\d[\d.]*", "\n".join(words(out / "report.html").words))
     long = [text for text in numbers if len(text.replace(".", "").strip("0")) > 6]
     assert numbers
     assert long == []
 
 
 def test_the_page_says_what_to_conclude(out, designed):
-    text = " ".join(" ".join(_words(out / "report.html").words).split())
+    text = " ".join(" ".join(words(out / "report.html").words).split())
     assert "The compensated loader is stable" in text
     found = designed.configuration("compensated").programmed.assessment
     assert percent_text(found.tracking_error) in text

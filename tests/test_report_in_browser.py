@@ -12,6 +12,7 @@ from forcefeel.loader import Loader, elevator
 from forcefeel.report import write_report
 from forcefeel.units import UnitSystem
 from forcefeel.workflow import design
+from tests.pages import opened
 
 pytestmark = pytest.mark.browser
 
@@ -19,8 +20,6 @@ PLOTS = 10  # figures 2, 8, 9, 10, 11a, 11b, 14 and three views of the s-plane
 WIDTHS = (1280, 390)
 ROUNDING_PX = 1.0
 SMALLEST_LETTERS_PX = 9
-
-DRAWN = """() => [...document.querySelectorAll('.plotly-graph-div')].every(plot => plot.querySelector('.trace'))"""
 
 
 def _soft() -> Loader:
@@ -64,18 +63,8 @@ def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 @pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
 def page(request, browser, reports) -> Iterator[Page]:
     name, width = request.param
-    opened = browser.new_page(viewport={"width": width, "height": 900})
-    opened.complaints, opened.requested = [], []
-    opened.on(
-        "console",
-        lambda message: opened.complaints.append(message.text) if message.type in {"error", "warning"} else None,
-    )
-    opened.on("pageerror", lambda error: opened.complaints.append(str(error)))
-    opened.on("request", lambda asked: opened.requested.append(asked.url))
-    opened.goto(reports[name].as_uri())
-    opened.wait_for_function(DRAWN, timeout=20_000)
-    yield opened
-    opened.close()
+    with opened(browser, reports[name], width) as window:
+        yield window
 
 
 def test_the_console_is_silent(page):

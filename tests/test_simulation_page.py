@@ -5,7 +5,6 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +18,10 @@ from forcefeel.ideal_run import ideal_angle
 from forcefeel.inputs import StopToStop
 from forcefeel.report import simulation_folder
 from forcefeel.report.simulation_plots import MOST_POINTS, _kept
-from forcefeel.run_findings import input_in_words
 from forcefeel.run_limits import known_measures
 from forcefeel.units import UnitSystem, factor
+from tests.pages import opened, words
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page
-    DRAWN,
     ROUNDING_PX,
     WIDTHS,
     browser,
@@ -70,33 +68,6 @@ def pages(tmp_path_factory) -> dict[str, Path]:
     return {name: ff.write_simulation(make(), folder / name, UnitSystem.US) for name, make in RUNS.items()}
 
 
-class _Words(HTMLParser):
-    """The text that a reader sees, and what the page refers to."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.words: list[str] = []
-        self.references: list[str] = []
-        self._hidden = 0
-
-    def handle_starttag(self, tag, attrs):
-        self._hidden += tag in {"script", "style"}
-        self.references += [value for name, value in attrs if name in {"src", "href"} and value]
-
-    def handle_endtag(self, tag):
-        self._hidden -= tag in {"script", "style"}
-
-    def handle_data(self, data):
-        if not self._hidden:
-            self.words.append(data)
-
-
-def _words(page: Path) -> _Words:
-    parsed = _Words()
-    parsed.feed(page.read_text(encoding="utf-8"))
-    return parsed
-
-
 @pytest.mark.parametrize("name", RUNS)
 def test_the_page_has_every_section_and_loads_nothing(pages, name):
     text = pages[name].read_text(encoding="utf-8")
@@ -105,18 +76,18 @@ def test_the_page_has_every_section_and_loads_nothing(pages, name):
     assert set(re.findall(r'<section id="([\w-]+)">', text)) == set(sections)
     assert text.count("plotly.js v") == 1
     beside = {"results.json", "history.csv", "data:,"}
-    assert set(_words(pages[name]).references) == beside | {f"#{section}" for section in sections}
+    assert set(words(pages[name]).references) == beside | {f"#{section}" for section in sections}
 
 
 @pytest.mark.parametrize("name", RUNS)
 def test_no_number_on_the_page_has_more_than_six_digits(pages, name):
-    numbers = re.findall(r"\d[\d.]*", "\n".join(_words(pages[name]).words))
+    numbers = re.findall(r"\d[\d.]*", "\n".join(words(pages[name]).words))
     assert numbers
     assert [text for text in numbers if len(text.replace(".", "").strip("0")) > 6] == []
 
 
 def test_the_page_says_what_came_of_the_run_and_what_limited_it(pages):
-    told = {name: " ".join(" ".join(_words(path).words).split()) for name, path in pages.items()}
+    told = {name: " ".join(" ".join(words(path).words).split()) for name, path in pages.items()}
     assert re.search(r"Settled at 1\.\d+ s, overshoot \d+(\.\d)?\s%, 1\.\d+ Hz", told["stops"])
     assert "at the amplifier’s limit of 2 mA" in told["stops"]
     assert "column.coulomb_friction" in told["stops"]  # an effect in play, by its row
@@ -308,7 +279,7 @@ def test_findings():
 
 
 @pytest.mark.parametrize(
-    ("force", "words"),
+    ("force", "told"),
     [
         (ff.HandsOff(), "hands off"),
         (ff.Release(math.radians(10)), "a release from 10 deg"),
@@ -322,8 +293,8 @@ def test_findings():
         (ff.Recorded([0, 1], [-3 * LB, 5 * LB], "bench"), "the recording bench, -3 lb to 5 lb"),
     ],
 )
-def test_inputs_in_words(force, words):
-    assert input_in_words(force, UnitSystem.US) == words
+def test_inputs_in_words(force, told):
+    assert input_in_words(force, UnitSystem.US) == told
 
 
 def test_a_long_curve_keeps_its_peaks():
@@ -344,15 +315,8 @@ VIEWS = {f"{name}-{width}": (name, width) for name in RUNS for width in WIDTHS}
 @pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
 def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811
     name, width = request.param
-    opened = browser.new_page(viewport={"width": width, "height": 900})
-    opened.complaints, opened.requested = [], []
-    opened.on("console", lambda message: opened.complaints.append(message.text))
-    opened.on("pageerror", lambda error: opened.complaints.append(str(error)))
-    opened.on("request", lambda asked: opened.requested.append(asked.url))
-    opened.goto(pages[name].as_uri())
-    opened.wait_for_function(DRAWN, timeout=20_000)
-    yield opened
-    opened.close()
+    with opened(browser, pages[name], width) as window:
+        yield window
 
 
 @pytest.mark.browser

@@ -19,6 +19,7 @@ from forcefeel.simulation import Scenario
 from forcefeel.sweep import Sweep, SweepResult, run_sweep
 from forcefeel.sweep.summary import summarize
 from forcefeel.units import UnitSystem
+from tests.pages import opened
 from tests.sweeps import PUSH, nonlinear, small
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page
     ROUNDING_PX,
@@ -30,8 +31,6 @@ from tests.test_report_in_browser import (  # noqa: F401  the same demands on an
     test_the_console_is_silent,
     test_tick_labels_do_not_overlap,
 )
-
-DRAWN = """() => [...document.querySelectorAll('.plotly-graph-div')].every(plot => plot.querySelector('.trace, .hm'))"""
 
 MOST_DIGITS = 7
 """Of a number in a sentence or table; a loader's parameters have six."""
@@ -181,15 +180,8 @@ VIEWS = {f"{name}-{width}": (name, width) for name in SWEEPS for width in WIDTHS
 @pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
 def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811
     name, width = request.param
-    opened = browser.new_page(viewport={"width": width, "height": 900})
-    opened.complaints, opened.requested = [], []
-    opened.on("console", lambda message: opened.complaints.append(message.text))
-    opened.on("pageerror", lambda error: opened.complaints.append(str(error)))
-    opened.on("request", lambda asked: opened.requested.append(asked.url))
-    opened.goto(pages[name].as_uri())
-    opened.wait_for_function(DRAWN, timeout=20_000)
-    yield opened
-    opened.close()
+    with opened(browser, pages[name], width) as window:
+        yield window
 
 
 @pytest.mark.browser
