@@ -18,6 +18,7 @@ from forcefeel.ideal_run import ideal_angle
 from forcefeel.inputs import StopToStop
 from forcefeel.report import simulation_folder
 from forcefeel.report.simulation_plots import MOST_POINTS, _kept
+from forcefeel.run_findings import input_in_words
 from forcefeel.run_limits import known_measures
 from forcefeel.units import UnitSystem, factor
 from tests.pages import opened, words
