@@ -16,7 +16,8 @@ import control
 import numpy as np
 
 from forcefeel import _core
-from forcefeel.envelopes.laws import NAMED, SettingLaws
+from forcefeel.compensation import NAMED_DESIGNS
+from forcefeel.envelopes.laws import SettingLaws
 from forcefeel.envelopes.plan import make_plan
 from forcefeel.envelopes.releases import Record, released
 from forcefeel.envelopes.run import compute
@@ -54,7 +55,7 @@ def parts():
         elevator(), ("published",), {"stiffness": "1..100 %:40:log", "frequency": "1, 2 Hz", "damping": GRID["damping"]}
     )
     feel = plan.settings.feel(plan.loader)
-    laws = SettingLaws.of(NAMED["published"](plan.loader), plan.loader, feel)
+    laws = SettingLaws.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
     which = np.flatnonzero(plan.settings.rows[:, 1] == plan.settings.frequency[0])
     record = Record.of(plan.settings.frequency[0], plan.settings.damping[0])
     some = laws.some(which)

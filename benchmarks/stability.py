@@ -24,6 +24,7 @@ from forcefeel.compensation import compensate
 from forcefeel.loader import elevator
 from forcefeel.models import state_feedback
 from forcefeel.parameters import INDEX
+from forcefeel.studies import PLANT_PARAMETERS
 from forcefeel.sweep.stability import stability_batch
 
 LOOPS, CHECKED, REPEATS = 1_000_000, 20_000, 5
@@ -35,23 +36,8 @@ FLOPS = 486 * 29
 
 LOADER = elevator()
 WHOLE = [
-    "amplifier.admittance",
-    "valve.current_gain",
-    "valve.pressure_gain",
-    "valve.natural_frequency",
-    "valve.damping_ratio",
-    "actuator.area",
-    "actuator.oil_volume",
-    "actuator.bulk_modulus",
-    "linkage.ratio",
-    "linkage.stiffness",
-    "linkage.damping",
-    "column.inertia",
-    "load_cell.gain",
-    "potentiometer.gain",
-    "feel.inertia",
-    "feel.damping",
-    "feel.stiffness",
+    *(key for key in PLANT_PARAMETERS if key not in ("column.base_arm", "column.grip_arm")),
+    *("load_cell.gain", "potentiometer.gain", "feel.inertia", "feel.damping", "feel.stiffness"),
 ]
 CASES = {
     "two settings of the feel": (("feel.stiffness", "feel.inertia"), 1.0),

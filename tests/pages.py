@@ -50,3 +50,23 @@ def opened(browser, page: Path, width: int) -> Iterator:
     window.wait_for_function(DRAWN, timeout=20_000)
     yield window
     window.close()
+
+
+def words_cut(page, words: str, rounding: float) -> list[str]:
+    """Words, found by a CSS selector, that lie outside their plot, and plots whose legend lies over the curves."""
+    return page.evaluate(
+        """([selector, rounding]) => [...document.querySelectorAll('.plotly-graph-div')].flatMap(plot => {
+            const room = plot.getBoundingClientRect();
+            const words = plot.querySelectorAll(selector);
+            const outside = [...words].filter(word => {
+                const box = word.getBoundingClientRect();
+                return box.left < room.left - rounding || box.right > room.right + rounding
+                    || box.top < room.top - rounding || box.bottom > room.bottom + rounding;
+            }).map(word => plot.id + ': ' + word.textContent);
+            const legend = plot.querySelector('.legend .bg');
+            const curves = room.top + plot._fullLayout._size.t;
+            const over = legend && legend.getBoundingClientRect().bottom > curves + rounding;
+            return over ? [...outside, plot.id + ': legend over the curves'] : outside;
+        })""",
+        [words, rounding],
+    )

@@ -10,11 +10,11 @@ from scipy.optimize import brentq
 
 import forcefeel as ff
 from forcefeel.arms import ARM_ROWS
-from forcefeel.compensation import DesignSettings
+from forcefeel.compensation import NAMED_DESIGNS, DesignSettings
 from forcefeel.envelopes import passivity, releases
 from forcefeel.envelopes.cases import CHANGES, Kind, PilotArm
 from forcefeel.envelopes.ideal import ideal_releases
-from forcefeel.envelopes.laws import NAMED, SettingLaws
+from forcefeel.envelopes.laws import SettingLaws
 from forcefeel.envelopes.plan import make_plan
 from forcefeel.envelopes.result import PASSES, UNSTABLE, Failure, failure_of
 from forcefeel.errors import InputError
@@ -134,7 +134,7 @@ def test_stability_is_that_of_numpys_poles(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
     for compensator in found.compensators:
-        laws = SettingLaws.of(NAMED[compensator](plan.loader), plan.loader, feel)
+        laws = SettingLaws.of(NAMED_DESIGNS[compensator](plan.loader), plan.loader, feel)
         for place, case in enumerate(plan.cases):
             if case.kind is Kind.PLANT and case.parameter not in {
                 "linkage.ratio",
@@ -169,11 +169,11 @@ def _with_arm(a, values, arm):
     return np.linalg.solve(left, right)
 
 
-@pytest.mark.parametrize("compensator", NAMED)
+@pytest.mark.parametrize("compensator", NAMED_DESIGNS)
 def test_passivity_is_that_of_the_frequency_response(found, compensator):
     grip = found.passivity[compensator]
     loader = ff.elevator()
-    law = SettingLaws.of(NAMED[compensator](loader), loader, np.array([[loader[key] for key in FEEL_SETTING]]))
+    law = SettingLaws.of(NAMED_DESIGNS[compensator](loader), loader, np.array([[loader[key] for key in FEEL_SETTING]]))
     model = ff.compliant_model(loader, law.single(loader, 0))[0, 0]
     grid = np.geomspace(0.1, 300.0, 2000)
     s = 2j * np.pi * grid
@@ -194,7 +194,7 @@ def test_passivity_is_that_of_the_frequency_response(found, compensator):
 def test_the_survey_of_passive_settings_is_that_of_one_by_one(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
-    law = NAMED["converged"](plan.loader)
+    law = NAMED_DESIGNS["converged"](plan.loader)
     laws = SettingLaws.of(law, plan.loader, feel)
     frequency = np.geomspace(passivity.LOWEST_HZ, passivity.HIGHEST_HZ, 60)
     good = 0
@@ -225,7 +225,7 @@ def test_the_numbers_do_not_depend_on_threads_or_pieces(found, monkeypatch):
 def test_a_release_has_the_same_bits_in_any_company(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
-    laws = SettingLaws.of(NAMED["published"](plan.loader), plan.loader, feel)
+    laws = SettingLaws.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
     record = releases.Record(2e-3, 333)
     case = plan.cases[-1]
     stable, angles = releases.released(plan, case, feel, laws, record, 2)
@@ -302,7 +302,7 @@ def test_a_loader_with_optional_rows_is_stepped():
     place, case = next((k, case) for k, case in enumerate(plan.cases) if case.name == "linkage.ratio -20 %")
     record = releases.Record.of(plan.settings.rows[0, 1], plan.settings.damping[0])
     which = np.flatnonzero(plan.settings.rows[:, 1] == plan.settings.frequency[0])
-    laws = SettingLaws.of(NAMED["published"](plan.loader), plan.loader, feel)
+    laws = SettingLaws.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
     stable, angles = releases.released(plan, case, feel[which], laws.some(which), record, 1)
     np.testing.assert_array_equal(stable, found.stable("published")[place, which])
     for k in np.flatnonzero(stable):

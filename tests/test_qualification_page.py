@@ -17,7 +17,7 @@ from forcefeel.qualification import Record
 from forcefeel.report import qualification_folder
 from forcefeel.report.chromium import find_chromium
 from forcefeel.units import UnitSystem
-from tests.pages import opened, words
+from tests.pages import opened, words, words_cut
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page
     ROUNDING_PX,
     WIDTHS,
@@ -225,23 +225,8 @@ def test_every_curve_is_drawn(page):
 @pytest.mark.browser
 def test_the_plots_show_their_words_whole(page):
     """Titles, legend and ticks lie inside their plot; the legend lies above the curves."""
-    cut = page.evaluate(
-        """(rounding) => [...document.querySelectorAll('.plotly-graph-div')].flatMap(plot => {
-            const room = plot.getBoundingClientRect();
-            const words = plot.querySelectorAll('.legendtext, .annotation-text, [class*=title] text, [class*=tick] text');
-            const outside = [...words].filter(word => {
-                const box = word.getBoundingClientRect();
-                return box.left < room.left - rounding || box.right > room.right + rounding
-                    || box.top < room.top - rounding || box.bottom > room.bottom + rounding;
-            }).map(word => plot.id + ': ' + word.textContent);
-            const legend = plot.querySelector('.legend .bg');
-            const curves = room.top + plot._fullLayout._size.t;
-            const over = legend && legend.getBoundingClientRect().bottom > curves + rounding;
-            return over ? [...outside, plot.id + ': legend over the curves'] : outside;
-        })""",
-        ROUNDING_PX,
-    )
-    assert cut == []
+    selector = ".legendtext, .annotation-text, [class*=title] text, [class*=tick] text"
+    assert words_cut(page, selector, ROUNDING_PX) == []
 
 
 @pytest.mark.browser

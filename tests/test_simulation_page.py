@@ -21,7 +21,7 @@ from forcefeel.report.simulation_plots import MOST_POINTS, _kept
 from forcefeel.run_findings import input_in_words
 from forcefeel.run_limits import known_measures
 from forcefeel.units import UnitSystem, factor
-from tests.pages import opened, words
+from tests.pages import opened, words, words_cut
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page
     ROUNDING_PX,
     WIDTHS,
@@ -333,20 +333,5 @@ def test_every_curve_is_drawn(page):
 @pytest.mark.browser
 def test_the_plots_show_their_words_whole(page):
     """Titles, legend, ticks and the names of limits lie inside their plot; the legend lies above the curves."""
-    cut = page.evaluate(
-        """(rounding) => [...document.querySelectorAll('.plotly-graph-div')].flatMap(plot => {
-            const room = plot.getBoundingClientRect();
-            const words = plot.querySelectorAll('.legendtext, .annotation-text, [class*=title] text, [class*=tick] text');
-            const outside = [...words].filter(word => {
-                const box = word.getBoundingClientRect();
-                return box.left < room.left - rounding || box.right > room.right + rounding
-                    || box.top < room.top - rounding || box.bottom > room.bottom + rounding;
-            }).map(word => plot.id + ': ' + word.textContent);
-            const legend = plot.querySelector('.legend .bg');
-            const curves = room.top + plot._fullLayout._size.t;
-            const over = legend && legend.getBoundingClientRect().bottom > curves + rounding;
-            return over ? [...outside, plot.id + ': legend over the curves'] : outside;
-        })""",
-        ROUNDING_PX,
-    )
-    assert cut == []
+    selector = ".legendtext, .annotation-text, [class*=title] text, [class*=tick] text"
+    assert words_cut(page, selector, ROUNDING_PX) == []

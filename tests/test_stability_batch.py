@@ -13,6 +13,7 @@ import forcefeel as ff
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.parameters import INDEX
+from forcefeel.studies import PLANT_PARAMETERS
 from forcefeel.sweep.stability import damping_map, stability_batch
 from tests import side_by_side
 from tests.nonlinear_witness import Machine
@@ -20,24 +21,8 @@ from tests.side_by_side import GAINS, LB
 
 LOADER = ff.elevator()
 KEYS = (
-    "amplifier.admittance",
-    "valve.current_gain",
-    "valve.pressure_gain",
-    "valve.natural_frequency",
-    "valve.damping_ratio",
-    "actuator.area",
-    "actuator.oil_volume",
-    "actuator.bulk_modulus",
-    "linkage.ratio",
-    "linkage.stiffness",
-    "linkage.damping",
-    "column.inertia",
-    "column.base_arm",
-    "load_cell.gain",
-    "potentiometer.gain",
-    "feel.inertia",
-    "feel.damping",
-    "feel.stiffness",
+    *(key for key in PLANT_PARAMETERS if key != "column.grip_arm"),  # of the force alone
+    *("load_cell.gain", "potentiometer.gain", "feel.inertia", "feel.damping", "feel.stiffness"),
 )
 TRUSTED = 1e-10
 """Distance from the axis, as a share of the largest pole, from which double precision's eigenvalues settle the sign."""

@@ -19,7 +19,7 @@ from forcefeel.simulation import Scenario
 from forcefeel.sweep import Sweep, SweepResult, run_sweep
 from forcefeel.sweep.summary import summarize
 from forcefeel.units import UnitSystem
-from tests.pages import opened
+from tests.pages import opened, words_cut
 from tests.sweeps import PUSH, nonlinear, small
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page
     ROUNDING_PX,
@@ -202,23 +202,8 @@ def test_every_plot_shows_something(page):
 @pytest.mark.browser
 def test_the_plots_show_their_words_whole(page):
     """Titles, legend and ticks lie inside their plot; the legend lies above the curves."""
-    cut = page.evaluate(
-        """(rounding) => [...document.querySelectorAll('.plotly-graph-div')].flatMap(plot => {
-            const room = plot.getBoundingClientRect();
-            const words = plot.querySelectorAll('.legendtext, [class*=title] text, [class*=tick] text, .cbaxis text');
-            const outside = [...words].filter(word => {
-                const box = word.getBoundingClientRect();
-                return box.left < room.left - rounding || box.right > room.right + rounding
-                    || box.top < room.top - rounding || box.bottom > room.bottom + rounding;
-            }).map(word => plot.id + ': ' + word.textContent);
-            const legend = plot.querySelector('.legend .bg');
-            const curves = room.top + plot._fullLayout._size.t;
-            const over = legend && legend.getBoundingClientRect().bottom > curves + rounding;
-            return over ? [...outside, plot.id + ': legend over the curves'] : outside;
-        })""",
-        ROUNDING_PX,
-    )
-    assert cut == []
+    selector = ".legendtext, [class*=title] text, [class*=tick] text, .cbaxis text"
+    assert words_cut(page, selector, ROUNDING_PX) == []
 
 
 @pytest.mark.browser

@@ -39,6 +39,9 @@ __all__ = [
 ]
 
 _Array: TypeAlias = NDArray[np.float64]
+
+BOUND_RAD: float
+"""A column that turns so far has no model."""
 _Matrices: TypeAlias = tuple[_Array, _Array, _Array, _Array]
 
 @final

@@ -5,8 +5,10 @@ of the design. ``x`` holds ``DESIGN_STATES``; the pilot force is a constant stat
 first six states are stabilizable.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
@@ -168,6 +170,16 @@ def published_settings(loader: Loader) -> DesignSettings:
     """
     law = state_feedback(loader, np.zeros(6))
     return DesignSettings(horizon_s=PUBLISHED_HORIZON_S, pilot_arm_m=-law.load_cell_arm)
+
+
+NAMED_DESIGNS: Mapping[str, Callable[[Loader], DesignSettings | None]] = MappingProxyType(
+    {
+        "original": lambda _: None,
+        "published": published_settings,
+        "converged": lambda _: DesignSettings(),
+    }
+)
+"""How the gains of each law are designed, by the law's name; ``None`` is the original position loop, eq. (13)."""
 
 
 def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compensation:

@@ -1,32 +1,38 @@
 """The programmed feel alone, I, B and G of eq. (11), with the pilot's arm where there is one, under the force of a run."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
+from forcefeel.arms import ARM_ROWS
 from forcefeel.inputs import Doublet, Pulse, Recorded, Release, Step
-from forcefeel.loader import Loader
+from forcefeel.loader import FEEL_SETTING, Loader
 from forcefeel.parameters import INDEX
 from forcefeel.simulation import Run, Scenario
 from forcefeel.simulation.scenario import Steps, on_samples
 
-_ARM = {
-    "feel.inertia": "pilot.arm_mass",
-    "feel.damping": "pilot.arm_damping",
-    "feel.stiffness": "pilot.arm_stiffness",
-}
+_FEEL = [INDEX[key] for key in FEEL_SETTING]
 
 
 def has_arm(loader: Loader) -> bool:
     """Whether there is an arm at the grip."""
-    return any(loader[row] != 0 for row in _ARM.values())
+    return any(loader[row] != 0 for row in ARM_ROWS)
+
+
+def with_arm(loader: Loader, feel: NDArray[np.float64], arm: Sequence[float]) -> NDArray[np.float64]:
+    """I, B, G, a row each or one, with an arm's mass, damping and spring rate, times ``R_p^2``, added.
+
+    The arm stays at the grip, so it is part of the column that is measured and of the one that is programmed.
+    """
+    return np.asarray(feel + loader["column.grip_arm"] ** 2 * np.array(arm))
 
 
 def programmed(loader: Loader) -> NDArray[np.float64]:
-    """The loader's values with the arm, times ``R_p^2``, added to I, B and G."""
+    """The loader's values with its arm added to I, B and G."""
     values = loader.values.copy()
-    for feel, arm in _ARM.items():
-        values[INDEX[feel]] += loader["column.grip_arm"] ** 2 * loader[arm]
+    values[_FEEL] = with_arm(loader, values[_FEEL], [loader[row] for row in ARM_ROWS])
     return values
 
 

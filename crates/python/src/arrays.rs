@@ -24,6 +24,15 @@ pub fn vector<const N: usize>(name: &str, array: &PyReadonlyArray1<'_, f64>) -> 
     values.try_into().map_err(|_| PyValueError::new_err(format!("{name}: expected {N} values, got {came}")))
 }
 
+/// Rows of a fixed number of values, one at least, or a `ValueError` that names them.
+pub fn rows<const N: usize>(name: &str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<[f64; N]>> {
+    let array = array.as_array();
+    if array.ncols() != N || array.nrows() == 0 {
+        return Err(PyValueError::new_err(format!("{name}: expected rows of {N} values, got {:?}", array.dim())));
+    }
+    Ok(array.outer_iter().map(|row| core::array::from_fn(|k| row[k])).collect())
+}
+
 /// A NumPy array with the entries of `matrix`.
 pub fn to_numpy<'py>(py: Python<'py>, matrix: &DMatrix<f64>) -> PyResult<Matrix<'py>> {
     let rows: Vec<f64> = matrix.transpose().iter().copied().collect();

@@ -21,6 +21,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<simulate::Simulation>()?;
     module.add_class::<release::ReleaseMeasuring>()?;
     module.add_function(wrap_pyfunction!(release::release_feature_groups, module)?)?;
+    module.add("BOUND_RAD", forcefeel_solve::measures::BOUND_RAD)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_outputs, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measures, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measure, module)?)?;

@@ -1,6 +1,6 @@
 //! Many linear loops: their stability, their poles, their runs.
 
-use crate::arrays::vector;
+use crate::arrays::{rows, vector};
 use crate::model::Compensator;
 use forcefeel_model::compensator::Compensator as Compensation;
 use forcefeel_model::parameters::COUNT;
@@ -117,7 +117,8 @@ impl Loops {
         };
         let expected = (self.count, outputs.len(), job.samples());
         let found = histories.as_array().dim();
-        let room = histories.as_slice_mut().ok().filter(|_| found == expected);
+        let mut view = histories.as_array_mut();
+        let room = view.as_slice_mut().filter(|_| found == expected);
         let Some(room) = room else {
             return Err(PyValueError::new_err(format!(
                 "histories: expected shape {expected:?} in order, got {found:?}"
@@ -126,12 +127,4 @@ impl Loops {
         py.detach(|| job.run(threads.max(1), room));
         Ok(())
     }
-}
-
-fn rows<const N: usize>(name: &str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<[f64; N]>> {
-    let array = array.as_array();
-    if array.ncols() != N || array.nrows() == 0 {
-        return Err(PyValueError::new_err(format!("{name}: expected rows of {N} values, got {:?}", array.dim())));
-    }
-    Ok(array.outer_iter().map(|row| core::array::from_fn(|k| row[k])).collect())
 }

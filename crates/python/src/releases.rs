@@ -19,7 +19,8 @@ pub fn released<'py>(
 ) -> PyResult<Bound<'py, PyArray1<u8>>> {
     let loops = loops.many();
     let (count, samples) = angles.as_array().dim();
-    let room = angles.as_slice_mut().ok().filter(|_| count == loops.count);
+    let mut view = angles.as_array_mut();
+    let room = view.as_slice_mut().filter(|_| count == loops.count);
     let Some(room) = room else {
         return Err(PyValueError::new_err(format!("angles: expected {} rows in order, got {count}", loops.count)));
     };

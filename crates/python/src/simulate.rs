@@ -1,6 +1,6 @@
 //! Runs in time.
 
-use crate::arrays::vector;
+use crate::arrays::{rows, vector};
 use crate::model::Compensator;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::Curve;
@@ -177,14 +177,6 @@ fn spring_curve(knots: &PyReadonlyArray1<'_, f64>, coefficients: &PyReadonlyArra
     let knots: Vec<f64> = knots.as_array().iter().copied().collect();
     let coefficients = rows::<4>("curve", coefficients)?;
     Curve::new(&knots, &coefficients).ok_or_else(|| PyValueError::new_err("curve: knots and coefficients do not fit"))
-}
-
-fn rows<const N: usize>(name: &str, array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<[f64; N]>> {
-    let array = array.as_array();
-    if array.ncols() != N || array.nrows() == 0 {
-        return Err(PyValueError::new_err(format!("{name}: expected rows of {N} values, got {:?}", array.dim())));
-    }
-    Ok(array.outer_iter().map(|row| core::array::from_fn(|k| row[k])).collect())
 }
 
 fn check_runs(name: &str, found: Option<usize>, runs: usize) -> PyResult<()> {

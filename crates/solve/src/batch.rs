@@ -3,7 +3,7 @@
 //! A run's numbers depend on its own parameters, its seed and its index alone, never on its neighbours or on the number of
 //! threads. A last group that is not full is filled up with copies of its last run.
 
-use crate::lanes::{LANES, Lanes, Wide};
+use crate::lanes::{LANES, Lanes, Wide, return_on_vectors};
 use crate::measures::{MEASURES, Peaks, measure};
 use crate::noise::Noise;
 use crate::pair::Pair;
@@ -137,16 +137,7 @@ impl Job<'_> {
     /// A group on the widest instructions that the machine has; a run alone needs none.
     fn dispatch(&self, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
         if self.values.len() > 1 {
-            #[cfg(target_arch = "x86_64")]
-            if let Some(simd) = level.as_avx512() {
-                return self.vectorized(simd, first, measures, histories);
-            } else if let Some(simd) = level.as_avx2() {
-                return self.vectorized(simd, first, measures, histories);
-            }
-            #[cfg(target_arch = "aarch64")]
-            if let Some(simd) = level.as_neon() {
-                return self.vectorized(simd, first, measures, histories);
-            }
+            return_on_vectors!(level, simd => self.vectorized(simd, first, measures, histories));
         }
         let size = self.outputs.len() * self.samples();
         for (k, measures) in measures.iter_mut().enumerate() {

@@ -160,3 +160,21 @@ impl<S: Simd> Scalar for Lanes<S> {
         Self(mask.select(yes.0, no.0))
     }
 }
+
+/// Returns what `$run` gives with `$simd`, the widest vector instructions that the machine has; goes on where it has none.
+macro_rules! return_on_vectors {
+    ($level:expr, $simd:ident => $run:expr) => {
+        #[cfg(target_arch = "x86_64")]
+        if let Some($simd) = $level.as_avx512() {
+            return $run;
+        } else if let Some($simd) = $level.as_avx2() {
+            return $run;
+        }
+        #[cfg(target_arch = "aarch64")]
+        if let Some($simd) = $level.as_neon() {
+            return $run;
+        }
+        let _ = $level;
+    };
+}
+pub(crate) use return_on_vectors;

@@ -9,7 +9,7 @@
 
 use crate::balance::balance;
 use crate::fused::Fused;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::simulate::Start;
 use crate::transition::{Transition, Vector, combined, dot, plus_times, product, solve, times_vector, transposed};
@@ -121,17 +121,7 @@ impl LinearJob<'_> {
     }
 
     fn dispatch(&self, level: Level, still: &[usize], first: usize, histories: &mut [f64]) {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(simd) = level.as_avx512() {
-            return self.vectorized(simd, still, first, histories);
-        } else if let Some(simd) = level.as_avx2() {
-            return self.vectorized(simd, still, first, histories);
-        }
-        #[cfg(target_arch = "aarch64")]
-        if let Some(simd) = level.as_neon() {
-            return self.vectorized(simd, still, first, histories);
-        }
-        let _ = level;
+        return_on_vectors!(level, simd => self.vectorized(simd, still, first, histories));
         let size = self.outputs.len() * self.samples();
         for (k, history) in histories.chunks_mut(size).enumerate() {
             self.group::<f64>((), still, first + k, history);

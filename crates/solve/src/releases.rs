@@ -12,7 +12,7 @@
 
 use crate::balance::balance;
 use crate::fused::Fused;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::stability::{Verdict, hurwitz, verdict};
 use crate::transition::{Transition, Vector, combined, dot, product, solve, transposed};
@@ -67,17 +67,7 @@ impl Releases<'_> {
     }
 
     fn dispatch(&self, level: Level, first: usize, verdicts: &mut [Verdict], angles: &mut [f64]) {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(simd) = level.as_avx512() {
-            return self.vectorized(simd, first, verdicts, angles);
-        } else if let Some(simd) = level.as_avx2() {
-            return self.vectorized(simd, first, verdicts, angles);
-        }
-        #[cfg(target_arch = "aarch64")]
-        if let Some(simd) = level.as_neon() {
-            return self.vectorized(simd, first, verdicts, angles);
-        }
-        let _ = level;
+        return_on_vectors!(level, simd => self.vectorized(simd, first, verdicts, angles));
         for (k, verdict) in verdicts.iter_mut().enumerate() {
             let run = k * self.samples..(k + 1) * self.samples;
             self.group::<f64>((), first + k, core::slice::from_mut(verdict), &mut angles[run]);

@@ -23,7 +23,7 @@
 use crate::balance::balance;
 use crate::bounded::Bounded;
 use crate::fused::Fused;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix};
 use crate::poles::poles;
 use fearless_simd::{Level, Simd};
@@ -65,17 +65,7 @@ impl Loops<'_> {
     }
 
     fn judge_piece(&self, level: Level, first: usize, verdicts: &mut [Verdict]) {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(simd) = level.as_avx512() {
-            return self.judge_vectors(simd, first, verdicts);
-        } else if let Some(simd) = level.as_avx2() {
-            return self.judge_vectors(simd, first, verdicts);
-        }
-        #[cfg(target_arch = "aarch64")]
-        if let Some(simd) = level.as_neon() {
-            return self.judge_vectors(simd, first, verdicts);
-        }
-        let _ = level;
+        return_on_vectors!(level, simd => self.judge_vectors(simd, first, verdicts));
         self.judge::<f64>((), first, verdicts);
     }
 

@@ -10,9 +10,9 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.sweep_command import INTERRUPTED, Bar
+from forcefeel.compensation import NAMED_DESIGNS
 from forcefeel.envelopes import Envelope
 from forcefeel.envelopes.findings import envelope_conclusions
-from forcefeel.envelopes.laws import NAMED
 from forcefeel.envelopes.plain import plain_envelope
 from forcefeel.envelopes.plan import Plan, make_plan
 from forcefeel.envelopes.run import compute
@@ -45,13 +45,14 @@ class EnvelopeOptions:
         """
         if self.compare and self.compensators:
             raise InputError("--compare and --compensator: given both; --compare takes all, leave one out")
-        names = tuple(NAMED) if self.compare else tuple(self.compensators or ("published",))
+        names = tuple(NAMED_DESIGNS) if self.compare else tuple(self.compensators or ("published",))
         loader = elevator() if path is None else load(path)
         try:
             angle = None if self.angle is None else parse(self.angle, ANGLE.si, "10 deg")
         except InputError as error:
             raise InputError(f"--angle: {error}") from error
-        return make_plan(loader, names, _axes(self.grid), rule=self.rule or DEFAULT_EDITION, angle_rad=angle)
+        grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:25:log")
+        return make_plan(loader, names, grid, rule=self.rule or DEFAULT_EDITION, angle_rad=angle)
 
 
 def run_envelope(path: Path | None, options: EnvelopeOptions, units: UnitSystem, *, as_json: bool) -> None:
@@ -74,19 +75,6 @@ def run_envelope(path: Path | None, options: EnvelopeOptions, units: UnitSystem,
     else:
         _show(Console(), found, units)
         print(f"page: {page}")
-
-
-def _axes(given: list[str] | None) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for one in given or ():
-        try:
-            axis, values = text.assignment(one, "stiffness=1..100 %:25:log")
-        except InputError as error:
-            raise InputError(f"--grid: {error}") from error
-        if axis in found:
-            raise InputError(f"--grid: {axis} is given twice; give it once")
-        found[axis] = values
-    return found
 
 
 def _show(console: Console, found: Envelope, units: UnitSystem) -> None:

@@ -232,14 +232,11 @@ class ScenarioOptions:
 
     def design(self, loader: "Loader") -> "DesignSettings | None":
         """How the gains of the law are designed; ``None`` is the original position loop."""
-        from forcefeel.compensation import DesignSettings, published_settings  # noqa: PLC0415
+        if self.law is None:
+            return None
+        from forcefeel.compensation import NAMED_DESIGNS  # noqa: PLC0415
 
-        match self.law:
-            case Law.PUBLISHED:
-                return published_settings(loader)
-            case Law.CONVERGED:
-                return DesignSettings()
-        return None
+        return NAMED_DESIGNS[self.law](loader)
 
     def compensator(self, loader: "Loader") -> "Compensator | None":
         """The law, designed for ``loader``; ``None`` is the original position loop.

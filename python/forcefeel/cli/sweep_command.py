@@ -56,8 +56,8 @@ class SweepOptions:
             (scenario.design if self.redesign else scenario.compensator)(loader),
             self.runs,
             found.seed,
-            _assigned("--vary", self.vary, "linkage.stiffness=20 %"),
-            _assigned("--grid", self.grid, "feel.stiffness=1000..9000 lb in/rad:20"),
+            text.assignments("--vary", self.vary, "linkage.stiffness=20 %"),
+            text.assignments("--grid", self.grid, "feel.stiffness=1000..9000 lb in/rad:20"),
         )
 
 
@@ -104,19 +104,6 @@ def _kept(bar: "Bar", out: Path) -> str:
     words = [word for word in sys.argv[1:] if word not in {"--replace", "--resume"}]
     command = shlex.join(["forcefeel", *words, "--resume"])
     return f"{bar.done:,} of {bar.total:,} runs are kept in {out}; go on with: {command}"
-
-
-def _assigned(option: str, given: list[str] | None, example: str) -> dict[str, str]:
-    found: dict[str, str] = {}
-    for one in given or ():
-        try:
-            key, what = text.assignment(one, example)
-        except InputError as error:
-            raise InputError(f"{option}: {error}") from error
-        if key in found:
-            raise InputError(f"{option}: {key} is given twice; give it once")
-        found[key] = what
-    return found
 
 
 def _show(console: Console, result: SweepResult, summary: Summary, units: UnitSystem) -> None:

@@ -9,21 +9,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.envelopes.cases import PilotArm
-from forcefeel.loader import Loader
-
 _BLOCK = 64
-
-
-def ideal_feel(loader: Loader, feel: NDArray[np.float64], arm: PilotArm | None) -> NDArray[np.float64]:
-    """I, B, G with the arm, times ``R_p^2``, added to each row.
-
-    The arm stays at the grip, so it is part of the column that is measured and of the one that is programmed.
-    """
-    if arm is None:
-        return feel
-    mass, damping, stiffness = arm.values
-    return np.asarray(feel + loader["column.grip_arm"] ** 2 * np.array([mass, damping, stiffness]))
 
 
 def frequency_and_damping(feel: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -3,15 +3,13 @@
 Gains are designed for the nominal plant and each setting of the feel; a perturbed plant meets the gains of the nominal one.
 """
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
-from forcefeel.compensation import GAIN_SYMBOLS, DesignSettings, published_settings
+from forcefeel.compensation import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.models import state_feedback
@@ -21,15 +19,6 @@ from forcefeel.units import show
 Law = DesignSettings | Compensator | None
 """``DesignSettings``: gains for each setting; ``Compensator``: one law for all; ``None``: the original position loop, eq. (13)."""
 
-NAMED: Mapping[str, Callable[[Loader], Law]] = MappingProxyType(
-    {
-        "original": lambda _: None,
-        "published": published_settings,
-        "converged": lambda _: DesignSettings(),
-    }
-)
-"""The compensators by name."""
-
 
 def named(names: tuple[str, ...], loader: Loader) -> dict[str, Law]:
     """The laws of these names for a loader.
@@ -38,11 +27,11 @@ def named(names: tuple[str, ...], loader: Loader) -> dict[str, Law]:
         InputError: If a name is unknown, given twice, or there is none.
     """
     for name in names:
-        if name not in NAMED:
-            raise InputError(f"compensator: expected {', '.join(NAMED)}, got {show(name)}")
+        if name not in NAMED_DESIGNS:
+            raise InputError(f"compensator: expected {', '.join(NAMED_DESIGNS)}, got {show(name)}")
     if not names or len(set(names)) < len(names):
-        raise InputError(f"compensator: expected different ones of {', '.join(NAMED)}, got {show(list(names))}")
-    return {name: NAMED[name](loader) for name in names}
+        raise InputError(f"compensator: expected different ones of {', '.join(NAMED_DESIGNS)}, got {show(list(names))}")
+    return {name: NAMED_DESIGNS[name](loader) for name in names}
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Annotated
 
 from forcefeel._core import Compensator
-from forcefeel.compensation import DesignSettings
+from forcefeel.compensation import NAMED_DESIGNS, DesignSettings
 from forcefeel.envelopes import laws
 from forcefeel.envelopes.cases import CHANGES, REFERENCE_ARMS, Case, PilotArm, make_cases
 from forcefeel.envelopes.laws import Law
@@ -28,7 +28,7 @@ class Plan:
 
     Attributes:
         given: The loader as it was given. Its own feel and arm are not used.
-        compensators: The laws by name: names of ``laws.NAMED``, or laws of one's own.
+        compensators: The laws by name: names of ``compensation.NAMED_DESIGNS``, or laws of one's own.
         settings: The grid of settings.
         rule: Edition of the rule whose release test it must pass.
         changes: By which share each parameter of the plant is off, to either side.
@@ -66,7 +66,7 @@ class Plan:
         if given is not None and not (isfinite(given) and 0 < given <= _LARGEST_ANGLE):
             raise InputError(f"angle_rad: expected an angle above 0 and up to 90 deg, got {show(given)} rad")
         if not self.compensators:
-            raise InputError(f"compensators: expected at least one, such as {', '.join(laws.NAMED)}")
+            raise InputError(f"compensators: expected at least one, such as {', '.join(NAMED_DESIGNS)}")
         found = {
             "loader": loader,
             "left_out": left_out,
@@ -108,7 +108,7 @@ def make_plan(
 
     Args:
         loader: The loader.
-        compensators: Names of ``laws.NAMED``, or laws by name.
+        compensators: Names of ``compensation.NAMED_DESIGNS``, or laws by name.
         grid: Axes as ``Settings.of`` takes them.
         options: ``rule``, ``changes``, ``arms``, ``angle_rad`` of ``Plan``.
 

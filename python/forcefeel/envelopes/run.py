@@ -8,13 +8,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.envelopes.cases import PilotArm
-from forcefeel.envelopes.ideal import ideal_feel, ideal_releases
+from forcefeel.envelopes.ideal import ideal_releases
 from forcefeel.envelopes.laws import Law, SettingLaws
 from forcefeel.envelopes.passivity import passivity
 from forcefeel.envelopes.plan import Plan, make_plan
 from forcefeel.envelopes.releases import Record, released
 from forcefeel.envelopes.result import PASSES, UNSTABLE, Envelope
 from forcefeel.envelopes.settings import AXES
+from forcefeel.ideal_run import with_arm
 from forcefeel.loader import Loader
 from forcefeel.qualification import ReleaseBatch, judge_releases, measure_releases
 from forcefeel.simulation.engine import cores
@@ -41,8 +42,8 @@ def envelope(
 
     Args:
         loader: The loader. Its programmed feel is replaced by the settings; optional rows of the feel and an arm are left out.
-        compensators: Names of ``envelopes.laws.NAMED``, or laws by name: ``DesignSettings`` designs the gains for each setting and
-            the nominal plant, a ``Compensator`` is one law for all, ``None`` the original loop.
+        compensators: Names of ``compensation.NAMED_DESIGNS``, or laws by name: ``DesignSettings`` designs the gains for each
+            setting and the nominal plant, a ``Compensator`` is one law for all, ``None`` the original loop.
         grid: Values by axis, ``stiffness`` (shares of G_max), ``frequency`` (rad/s), ``damping``, as numbers or as text such as
             ``"1..100 %:40:log"``, ``"0.5..4 Hz:25"``, ``"0.1..1.5:20"``.
         threads: How many; all cores if not given. The numbers do not depend on it.
@@ -73,7 +74,7 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
         references: dict[PilotArm | None, ReleaseBatch] = {}
         for place, case in enumerate(plan.cases):
             if case.arm not in references:
-                ideal = ideal_feel(plan.loader, feel[which], case.arm)
+                ideal = feel[which] if case.arm is None else with_arm(plan.loader, feel[which], case.arm.values)
                 responses = ideal_releases(ideal, plan.release_rad, record.step_s, record.samples)
                 references[case.arm] = _measured(plan, record, responses, threads)
             for k, law in enumerate(laws.values()):

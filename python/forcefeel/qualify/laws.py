@@ -3,14 +3,13 @@
 from collections.abc import Sequence
 
 from forcefeel._core import Compensator
-from forcefeel.compensation import DesignSettings, compensate, published_settings
+from forcefeel.compensation import NAMED_DESIGNS, compensate
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 
-ORIGINAL, PUBLISHED, CONVERGED = NAMES = ("original", "published", "converged")
-"""The original position loop; gains of recursion (22) over the published horizon, and over an endless one."""
+ORIGINAL = "original"
 
-LAW_WORDS = {ORIGINAL: "original loop", PUBLISHED: "published compensation", CONVERGED: "converged compensation"}
+LAW_WORDS = {ORIGINAL: "original loop", "published": "published compensation", "converged": "converged compensation"}
 """What each is called in a sentence."""
 
 
@@ -20,17 +19,18 @@ def named_laws(loader: Loader, names: Sequence[str]) -> dict[str, Compensator | 
     Raises:
         InputError: If a name is unknown or stands twice, or the recursion does not give the gains.
     """
-    if not names or len(set(names)) < len(names) or not set(names) <= set(NAMES):
+    if not names or len(set(names)) < len(names) or not set(names) <= set(NAMED_DESIGNS):
         raise InputError(
-            f"laws: expected different ones of {', '.join(NAMES)}, got {', '.join(map(str, names)) or 'none'}"
+            f"laws: expected different ones of {', '.join(NAMED_DESIGNS)}, got {', '.join(map(str, names)) or 'none'}"
         )
     return {name: _law(loader, name) for name in names}
 
 
 def _law(loader: Loader, name: str) -> Compensator | None:
-    if name == ORIGINAL:
+    settings = NAMED_DESIGNS[name](loader)
+    if settings is None:
         return None
-    found = compensate(loader, published_settings(loader) if name == PUBLISHED else DesignSettings())
+    found = compensate(loader, settings)
     if not found.reached:
         raise InputError(f"laws: the recursion does not give the {name} gains for this loader: {found.note}")
     return found.compensator(loader)

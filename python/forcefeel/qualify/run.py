@@ -30,7 +30,7 @@ class QualificationSetup:
     """How a loader is qualified.
 
     Attributes:
-        laws: Names of ``laws.NAMES``, or laws by name, ``None`` being the original loop; a section each.
+        laws: Names of ``compensation.NAMED_DESIGNS``, or laws by name, ``None`` being the original loop; a section each.
         rule: Edition of the rule.
         axis: Which control of the rule.
         throw_rad: Throw to either side; the loader's or its feel's stops, or a usual one if not given.

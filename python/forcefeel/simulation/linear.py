@@ -25,11 +25,10 @@ def applies(loader: Loader, scenario: Scenario) -> bool:
     return not loader.given and not loader.curves and all(other is None for other in others)
 
 
+_ANGLE = "column_angle_rad"
+
 STABLE, STABLE_BY_POLES = 1, 3
 """Verdicts of the stability kernel that say stable: proved, and by computed poles."""
-
-_BOUND_RAD = 10.0
-"""A column that turns so far has no model."""
 
 
 def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -65,7 +64,7 @@ def simulate_linear_batch(
     values: NDArray[np.float64],
     compensator: Compensator | NDArray[np.float64] | None = None,
     *,
-    keep: Sequence[str] = ("column_angle_rad",),
+    keep: Sequence[str] = (_ANGLE,),
     threads: int | None = None,
 ) -> xr.Dataset:
     """Runs many loaders of the linear model, eq. (17), through one scenario, exact at the samples.
@@ -138,7 +137,9 @@ def simulate_linear_batch(
     unstable = np.flatnonzero((verdicts != STABLE) & (verdicts != STABLE_BY_POLES))
     diverged_at_s = np.full(len(values), np.inf)
     if len(unstable):
-        beyond = ~(np.abs(histories_of(unstable, ["column_angle_rad"])[:, 0]) < _BOUND_RAD)
+        kept = _ANGLE in keep
+        angle = histories[unstable, keep.index(_ANGLE)] if kept else histories_of(unstable, [_ANGLE])[:, 0]
+        beyond = ~(np.abs(angle) < _core.BOUND_RAD)
         first = np.where(beyond.any(axis=1), beyond.argmax(axis=1) * scenario.sample_s, np.inf)
         diverged_at_s[unstable] = first
         gone = np.arange(shape[2]) * scenario.sample_s >= first[:, np.newaxis]

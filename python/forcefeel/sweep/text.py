@@ -11,6 +11,7 @@
 
 import re
 import tomllib
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,24 @@ def assignment(text: str, example: str) -> tuple[str, str]:
     if not (key and what):
         raise InputError(f"expected part.name=value such as {example!r}, got {show(text)}")
     return key, what
+
+
+def assignments(option: str, given: Sequence[str] | None, example: str) -> dict[str, str]:
+    """All that an option says that may be given again, by key.
+
+    Raises:
+        InputError: If one is not of the form of ``example``, or a key stands twice.
+    """
+    found: dict[str, str] = {}
+    for one in given or ():
+        try:
+            key, what = assignment(one, example)
+        except InputError as error:
+            raise InputError(f"{option}: {error}") from error
+        if key in found:
+            raise InputError(f"{option}: {key} is given twice; give it once")
+        found[key] = what
+    return found
 
 
 def check_key(key: str) -> None:
