@@ -17,7 +17,7 @@ import numpy as np
 
 from forcefeel import _core
 from forcefeel.compensation import NAMED_DESIGNS
-from forcefeel.envelopes.laws import SettingLaws
+from forcefeel.designs.setting_laws import SettingLaws
 from forcefeel.envelopes.plan import make_plan
 from forcefeel.envelopes.releases import Record, released
 from forcefeel.envelopes.run import compute

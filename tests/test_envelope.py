@@ -11,10 +11,10 @@ from scipy.optimize import brentq
 import forcefeel as ff
 from forcefeel.arms import ARM_ROWS
 from forcefeel.compensation import NAMED_DESIGNS, DesignSettings
+from forcefeel.designs.setting_laws import SettingLaws
 from forcefeel.envelopes import passivity, releases
 from forcefeel.envelopes.cases import CHANGES, Kind, PilotArm
 from forcefeel.envelopes.ideal import ideal_releases
-from forcefeel.envelopes.laws import SettingLaws
 from forcefeel.envelopes.plan import make_plan
 from forcefeel.envelopes.result import PASSES, UNSTABLE, Failure, failure_of
 from forcefeel.errors import InputError

@@ -36,7 +36,7 @@ _PUBLIC = {
         "StopToStop",
         "read_recorded",
     ),
-    "loader": ("Loader", "elevator", "load"),
+    "loader": ("Loader", "digital_elevator", "elevator", "load"),
     "models": (
         "Linkage",
         "compliant_model",

@@ -39,6 +39,7 @@ from forcefeel.inputs import Step as Step
 from forcefeel.inputs import StopToStop as StopToStop
 from forcefeel.inputs import read_recorded as read_recorded
 from forcefeel.loader import Loader as Loader
+from forcefeel.loader import digital_elevator as digital_elevator
 from forcefeel.loader import elevator as elevator
 from forcefeel.loader import load as load
 from forcefeel.models import Linkage as Linkage

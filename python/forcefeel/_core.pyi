@@ -31,6 +31,7 @@ __all__ = [
     "release_feature_groups",
     "released",
     "rigid",
+    "sampled_loops",
     "schedule",
     "simulation_measure",
     "simulation_measures",
@@ -40,6 +41,12 @@ __all__ = [
 
 _Array: TypeAlias = NDArray[np.float64]
 
+OBSERVER_NUMBERS: int
+"""Numbers of a sampled law with an observer."""
+PERIOD_BASE: int
+"""Place of the column's base among the states of a period."""
+PERIOD_COMMAND: int
+"""Place of the youngest command."""
 BOUND_RAD: float
 """A column that turns so far has no model."""
 _Matrices: TypeAlias = tuple[_Array, _Array, _Array, _Array]
@@ -190,7 +197,7 @@ class Simulation:
         held: tuple[float, int] | None = None,
         timing: tuple[int, int] | None = None,
         curve: tuple[_Array, _Array] | None = None,
-        changes: Sequence[tuple[int, int, _Array]] = ...,
+        changes: Sequence[tuple[int, int, _Array, _Array | None]] = ...,
     ) -> Self: ...
     def run(
         self,
@@ -198,11 +205,28 @@ class Simulation:
         *,
         law: Compensator | None = None,
         gains: _Array | None = None,
+        observers: _Array | None = None,
         force_scale: _Array | None = None,
         seed: int = 0,
         first_run: int = 0,
         threads: int = 1,
     ) -> tuple[_Array, _Array]: ...
+
+def sampled_loops(
+    values: _Array,
+    step_s: float,
+    timing: tuple[int, int],
+    *,
+    law: Compensator | None = None,
+    gains: _Array | None = None,
+    observers: _Array | None = None,
+    threads: int = 1,
+) -> tuple[list[int], _Array]:
+    """The loop under a digital controller: `x+ = M x + b_e e_T + b_F F_p`.
+
+    Returns the places of the states that are kept, and `[M, b_e, b_F]` of a period of each loader (loops, states, states + 2),
+    with a test signal on the command and a pilot force that stays through the period.
+    """
 
 def parameters() -> list[Parameter]: ...
 def parts() -> list[tuple[str, str]]: ...

@@ -22,6 +22,11 @@ impl Dual {
     }
 }
 
+/// A constant has no slope, however large the number it is multiplied by: limits that are off are infinite.
+fn scaled(slope: f64, by: f64) -> f64 {
+    if slope == 0.0 { 0.0 } else { slope * by }
+}
+
 impl Add for Dual {
     type Output = Self;
     fn add(self, b: Self) -> Self {
@@ -39,7 +44,7 @@ impl Sub for Dual {
 impl Mul for Dual {
     type Output = Self;
     fn mul(self, b: Self) -> Self {
-        Self { value: self.value * b.value, slope: self.slope * b.value + self.value * b.slope }
+        Self { value: self.value * b.value, slope: scaled(self.slope, b.value) + scaled(b.slope, self.value) }
     }
 }
 
@@ -47,7 +52,7 @@ impl Div for Dual {
     type Output = Self;
     fn div(self, b: Self) -> Self {
         let value = self.value / b.value;
-        Self { value, slope: (self.slope - value * b.slope) / b.value }
+        Self { value, slope: scaled(self.slope - scaled(b.slope, value), 1.0 / b.value) }
     }
 }
 

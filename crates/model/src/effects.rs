@@ -39,6 +39,8 @@ pub struct Effects {
     pub noise: bool,
     /// Feedback of more than piston and programmed displacement.
     pub feedback: bool,
+    /// A law with an observer in place of gains.
+    pub observer: bool,
     /// Trim, a factor on the feel's spring, or the stick shaker.
     pub surroundings: bool,
     /// Something that moves the column from neutral while nobody touches it.
@@ -79,8 +81,24 @@ impl Effects {
             sampled: any(&[p.controller.period]),
             noise: any(&[p.load_cell.noise, p.potentiometer.noise, p.column_sensor.noise]),
             feedback: true,
+            observer: false,
             surroundings: true,
             biased: any(&offsets) || any(&[p.column.gravity_torque, feel.preload, feel.detent_force]),
+        }
+    }
+
+    /// Those without what holds, touches or steps: what is left has a slope at rest.
+    #[must_use]
+    pub fn smooth(self) -> Self {
+        Self {
+            backlash: false,
+            column_friction: false,
+            column_stops: false,
+            feel_friction: false,
+            feel_spring: false,
+            feel_limits: false,
+            noise: false,
+            ..self
         }
     }
 
@@ -103,6 +121,7 @@ impl Effects {
             sampled: self.sampled | other.sampled,
             noise: self.noise | other.noise,
             feedback: self.feedback | other.feedback,
+            observer: self.observer | other.observer,
             surroundings: self.surroundings | other.surroundings,
             biased: self.biased | other.biased,
         }

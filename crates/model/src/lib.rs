@@ -27,7 +27,7 @@
 //! | dry friction, stops | [`dry_friction`], [`contact`] |
 //! | feel with all that is nonlinear, its force curve | [`feel_law`], [`curve`] |
 //! | sensors | [`transducers`] |
-//! | digital controller | [`controller`] |
+//! | digital controller, its law with an observer | [`controller`], [`observer`] |
 //! | which of these are in play | [`effects`] |
 //!
 //! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
@@ -52,6 +52,7 @@ pub mod linkage;
 pub mod load_cell;
 pub mod loader;
 pub mod machine;
+pub mod observer;
 pub mod parameters;
 pub mod potentiometer;
 pub mod pressure;

@@ -11,6 +11,7 @@
 
 mod digital;
 mod feel;
+pub mod period;
 mod rest;
 mod slow;
 mod touch;
@@ -26,6 +27,7 @@ use crate::curve::Curve;
 use crate::dry_friction::Grip;
 use crate::effects::Effects;
 use crate::feel_law::FeelLaw;
+use crate::observer::Observer;
 use crate::parameters::Parameters;
 use crate::pressure::{Balance, Flow, Side};
 use crate::transducers::{SENSORS, Seen, Transducers};
@@ -79,6 +81,8 @@ impl Inputs {
 #[derive(Debug, Clone, Copy)]
 pub struct Machine<S> {
     law: Compensator<S>,
+    observer: Observer<S>,
+    next_observer: Observer<S>,
     valve: ValveMotion<S>,
     balance: Balance<S>,
     column: ColumnMotion<S>,
@@ -198,8 +202,11 @@ impl<S: Scalar> Machine<S> {
         let direct = !parameters.load_cell.bandwidth.less(one / one.zero());
         let arm = if shared.timing.is_none() { law.load_cell_arm } else { one.zero() };
         let heard = S::select(direct, arm, one.zero());
+        let observer = Observer::none(one);
         Self {
             law,
+            observer,
+            next_observer: observer,
             valve: ValveMotion::new(parameters, shared.effects.orifice),
             balance,
             column,
@@ -222,6 +229,12 @@ impl<S: Scalar> Machine<S> {
     #[inline(always)]
     pub fn with_force_scale(self, force_scale: S) -> Self {
         Self { force_scale, ..self }
+    }
+
+    /// The same loader under a sampled law with an observer; the gains of its law are not used.
+    #[inline(always)]
+    pub fn with_observer(self, observer: Observer<S>) -> Self {
+        Self { observer, next_observer: observer, ..self }
     }
 
     /// The start of a step: settles what friction did in the last one, samples if it is time to, and looks.

@@ -30,6 +30,8 @@ pub struct Balance<S> {
     pub ratio: S,
     /// Half of the link's free play in m.
     pub half_play: S,
+    /// `1 / k` in m/N.
+    pub per_stiffness: S,
     stiffness: S,
     damping_per_area: S,
     supply_pressure: S,
@@ -126,6 +128,7 @@ impl<S: Scalar> Balance<S> {
             area: actuator.area,
             ratio: linkage.ratio,
             half_play: linkage.backlash.times(0.5),
+            per_stiffness: one / linkage.stiffness,
             stiffness: linkage.stiffness,
             damping_per_area,
             supply_pressure: valve.supply_pressure,

@@ -34,6 +34,14 @@ fn each_operation_follows_its_rule() {
 }
 
 #[test]
+fn constants_stay_constants_beside_infinite_ones() {
+    let [infinite, zero, two] = [f64::INFINITY, 0.0, 2.0].map(Dual::constant);
+    for found in [infinite * two, two / infinite, infinite / two, two * zero] {
+        assert!(found.slope == 0.0, "{found:?}");
+    }
+}
+
+#[test]
 fn polynomial_has_the_slope_of_its_closed_form() {
     let [two, three] = [2.0, 3.0].map(Dual::constant);
     for t in POINTS {

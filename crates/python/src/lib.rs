@@ -22,6 +22,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<release::ReleaseMeasuring>()?;
     module.add_function(wrap_pyfunction!(release::release_feature_groups, module)?)?;
     module.add("BOUND_RAD", forcefeel_solve::measures::BOUND_RAD)?;
+    module.add_function(wrap_pyfunction!(simulate::sampled_loops, module)?)?;
+    module.add("OBSERVER_NUMBERS", forcefeel_model::observer::NUMBERS)?;
+    module.add("PERIOD_BASE", forcefeel_model::machine::period::BASE)?;
+    module.add("PERIOD_COMMAND", forcefeel_model::machine::period::YOUNGEST)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_outputs, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measures, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measure, module)?)?;

@@ -2,13 +2,16 @@
 
 use crate::arrays::{rows, vector};
 use crate::model::Compensator;
+use forcefeel_model::compensator::Compensator as Gains;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::Curve;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Shared};
+use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::COUNT;
 use forcefeel_solve::batch::{Change, Job, Law, OUTPUTS, Sampling};
 use forcefeel_solve::measures::{MEASURES, Peaks, measure};
+use forcefeel_solve::sampled_loops::{INPUTS, Periods, SampledLoops};
 use forcefeel_solve::simulate::Start;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::exceptions::PyValueError;
@@ -16,8 +19,8 @@ use pyo3::prelude::*;
 
 type Names = Vec<(&'static str, &'static str)>;
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
-/// Begin, end and the values that hold afterwards.
-type ChangeOf<'py> = (usize, usize, PyReadonlyArray1<'py, f64>);
+/// Begin, end, the values and the observer that hold afterwards.
+type ChangeOf<'py> = (usize, usize, PyReadonlyArray1<'py, f64>, Option<PyReadonlyArray1<'py, f64>>);
 
 /// Name and SI unit of each output of a run.
 #[pyfunction]
@@ -91,8 +94,9 @@ impl Simulation {
         curve: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>)>,
         changes: Vec<ChangeOf<'_>>,
     ) -> PyResult<Self> {
-        let changes = changes.iter().map(|(begin, end, values)| {
-            Ok(Change { steps: (*begin, *end), values: vector::<COUNT>("changes", values)? })
+        let changes = changes.iter().map(|(begin, end, values, observer)| {
+            let observer = observer.as_ref().map(|numbers| vector::<NUMBERS>("changes", numbers)).transpose()?;
+            Ok(Change { steps: (*begin, *end), values: vector::<COUNT>("changes", values)?, observer })
         });
         let inputs = steps(&inputs)?;
         let still = |step: &Inputs| (step.trim, step.stiffness_factor, step.shaker) == ([0.0; 2], [1.0; 2], [0.0; 2]);
@@ -110,7 +114,7 @@ impl Simulation {
     }
 
     /// Measures (runs, measures) and histories (runs, outputs, samples) of the loaders with these values, a row each.
-    #[pyo3(signature = (values, *, law = None, gains = None, force_scale = None, seed = 0, first_run = 0, threads = 1))]
+    #[pyo3(signature = (values, *, law = None, gains = None, observers = None, force_scale = None, seed = 0, first_run = 0, threads = 1))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python method")]
     fn run<'py>(
         &self,
@@ -118,6 +122,7 @@ impl Simulation {
         values: PyReadonlyArray2<'py, f64>,
         law: Option<&Compensator>,
         gains: Option<PyReadonlyArray2<'py, f64>>,
+        observers: Option<PyReadonlyArray2<'py, f64>>,
         force_scale: Option<PyReadonlyArray1<'py, f64>>,
         seed: u64,
         first_run: u64,
@@ -125,18 +130,12 @@ impl Simulation {
     ) -> PyResult<Arrays<'py>> {
         let values = rows::<COUNT>("values", &values)?;
         let runs = values.len();
-        let gains = gains.map(|gains| rows::<7>("gains", &gains)).transpose()?;
+        let laws = Laws::of(law, gains.as_ref(), observers.as_ref(), runs)?;
+        let law = laws.law();
         let force_scale: Option<Vec<f64>> = force_scale.map(|scale| scale.as_array().iter().copied().collect());
-        check_runs("gains", gains.as_ref().map(Vec::len), runs)?;
         check_runs("force_scale", force_scale.as_ref().map(Vec::len), runs)?;
-        let law = match (&gains, law) {
-            (Some(gains), _) => Law::Gains(gains),
-            (None, Some(law)) => Law::Fixed(law.law()),
-            (None, None) => Law::Original,
-        };
         let all = self.changes.iter().map(|change| &change.values).chain(&values);
-        let mut effects = all.map(Effects::of).reduce(Effects::or).unwrap_or_default();
-        effects.feedback = law.feeds_back();
+        let mut effects = effects_of(all, &law);
         effects.surroundings = self.stirred;
         let job = Job {
             shared: Shared { effects, step_s: self.step_s, timing: self.timing, curve: self.curve },
@@ -158,6 +157,73 @@ impl Simulation {
         drop(writable);
         Ok((PyArray1::from_vec(py, measures.into_flattened()).reshape([runs, MEASURES.len()])?, histories))
     }
+}
+
+/// The laws of many runs, as Python gives them.
+struct Laws {
+    fixed: Option<Gains<f64>>,
+    gains: Option<Vec<[f64; 7]>>,
+    observers: Option<Vec<[f64; NUMBERS]>>,
+}
+
+impl Laws {
+    fn of(
+        law: Option<&Compensator>,
+        gains: Option<&PyReadonlyArray2<'_, f64>>,
+        observers: Option<&PyReadonlyArray2<'_, f64>>,
+        runs: usize,
+    ) -> PyResult<Self> {
+        let gains = gains.map(|gains| rows::<7>("gains", gains)).transpose()?;
+        let observers = observers.map(|observers| rows::<NUMBERS>("observers", observers)).transpose()?;
+        check_runs("gains", gains.as_ref().map(Vec::len), runs)?;
+        // One observer may serve all runs.
+        check_runs("observers", observers.as_ref().map(Vec::len).filter(|&laws| laws != 1), runs)?;
+        Ok(Self { fixed: law.map(Compensator::law), gains, observers })
+    }
+
+    fn law(&self) -> Law<'_> {
+        match self {
+            Self { observers: Some(observers), .. } => Law::Observers(observers),
+            Self { gains: Some(gains), .. } => Law::Gains(gains),
+            Self { fixed: Some(law), .. } => Law::Fixed(*law),
+            _ => Law::Original,
+        }
+    }
+}
+
+/// The effects in play for any of these loaders under a law.
+fn effects_of<'a>(values: impl Iterator<Item = &'a [f64; COUNT]>, law: &Law<'_>) -> Effects {
+    let mut effects = values.map(Effects::of).reduce(Effects::or).unwrap_or_default();
+    effects.feedback = law.feeds_back();
+    effects.observer = matches!(law, Law::Observers(_));
+    effects
+}
+
+/// Places of the states that are kept, and the matrices (loops, states, states + 2) of a period of each loader under a digital
+/// controller: `x+ = M x + b_e e_T + b_F F_p`.
+#[pyfunction]
+#[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, threads = 1))]
+#[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
+pub fn sampled_loops<'py>(
+    py: Python<'py>,
+    values: PyReadonlyArray2<'py, f64>,
+    step_s: f64,
+    timing: (usize, usize),
+    law: Option<&Compensator>,
+    gains: Option<PyReadonlyArray2<'py, f64>>,
+    observers: Option<PyReadonlyArray2<'py, f64>>,
+    threads: usize,
+) -> PyResult<(Vec<usize>, Bound<'py, PyArray3<f64>>)> {
+    let values = rows::<COUNT>("values", &values)?;
+    let laws = Laws::of(law, gains.as_ref(), observers.as_ref(), values.len())?;
+    let law = laws.law();
+    let timing = Timing { period: timing.0.max(1), delay: timing.1 };
+    let shared =
+        Shared { effects: effects_of(values.iter(), &law).smooth(), step_s, timing: Some(timing), curve: None };
+    let loops = SampledLoops { shared, timing, values: &values, law };
+    let Periods { states, matrices } = py.detach(|| loops.periods(threads.max(1)));
+    let shape = [values.len(), states.len(), states.len() + INPUTS];
+    Ok((states, PyArray1::from_vec(py, matrices).reshape(shape)?))
 }
 
 fn steps(inputs: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<Inputs>> {

@@ -12,6 +12,7 @@ use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
+use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::{COUNT, Parameters};
 use rayon::prelude::*;
 
@@ -30,6 +31,8 @@ pub enum Law<'a> {
     Fixed(Compensator<f64>),
     /// State feedback with gains `c_1 .. c_7` for each run, the load cell's arm by its own geometry.
     Gains(&'a [[f64; 7]]),
+    /// A sampled law with an observer for each run, or one for all.
+    Observers(&'a [[f64; NUMBERS]]),
 }
 
 impl Law<'_> {
@@ -39,7 +42,34 @@ impl Law<'_> {
             Self::Original => false,
             Self::Fixed(law) => [1, 3, 4, 5, 6].iter().any(|&k| law.gains[k] != 0.0),
             Self::Gains(_) => true,
+            Self::Observers(_) => false,
         }
+    }
+
+    /// The gains of a group's runs; none under an observer, whose feel is driven by the column's torque.
+    #[inline(always)]
+    pub fn compensator<T: Scalar>(
+        &self,
+        parameters: &Parameters<T>,
+        wide: impl Fn(&dyn Fn(usize) -> f64) -> T,
+    ) -> Compensator<T> {
+        let zero = parameters.column.inertia.zero();
+        match self {
+            Self::Original => Compensator::original(parameters),
+            Self::Fixed(law) => law.map(|value| zero.constant(value)),
+            Self::Gains(gains) => {
+                Compensator::state_feedback(parameters, core::array::from_fn(|k| wide(&|run| gains[run][k])))
+            }
+            Self::Observers(_) => Compensator::state_feedback(parameters, [zero; 7]),
+        }
+    }
+
+    /// The observers of a group's runs.
+    #[inline(always)]
+    pub fn observer<T: Scalar>(&self, wide: impl Fn(&dyn Fn(usize) -> f64) -> T) -> Option<Observer<T>> {
+        let Self::Observers(laws) = self else { return None };
+        let of = |run: usize| &laws[run.min(laws.len() - 1)];
+        Some(Observer::from_numbers(&core::array::from_fn(|k| wide(&|run| of(run)[k]))))
     }
 }
 
@@ -64,6 +94,8 @@ pub struct Change {
     pub steps: (usize, usize),
     /// Values of the parameter table that hold afterwards.
     pub values: [f64; COUNT],
+    /// The law with an observer that holds afterwards; the one of before if there is none.
+    pub observer: Option<[f64; NUMBERS]>,
 }
 
 /// When samples of the outputs are taken.
@@ -159,14 +191,11 @@ impl Job<'_> {
         let member = |lane: usize| (first + lane).min(self.values.len() - 1);
         let wide = |of: &dyn Fn(usize) -> f64| T::gather(token, |lane| of(member(lane)));
         let parameters = Parameters::from_values(&core::array::from_fn(|k| wide(&|run| self.values[run][k])));
-        let law = match self.law {
-            Law::Original => Compensator::original(&parameters),
-            Law::Gains(gains) => {
-                Compensator::state_feedback(&parameters, core::array::from_fn(|k| wide(&|run| gains[run][k])))
-            }
-            Law::Fixed(law) => law.map(|value| wide(&|_| value)),
-        };
+        let law = self.law.compensator(&parameters, wide);
         let mut machine = Machine::new(&parameters, law, &self.shared);
+        if let Some(observer) = self.law.observer(wide) {
+            machine = machine.with_observer(observer);
+        }
         if let Some(scale) = self.force_scale {
             machine = machine.with_force_scale(wide(&|run| scale[run]));
         }
@@ -279,7 +308,11 @@ impl Change {
     fn of<S: Scalar>(&self, parameters: &Parameters<S>) -> FeelChange<S> {
         let like = parameters.column.inertia;
         let changed = Parameters::from_values(&self.values.map(|value| like.constant(value)));
-        FeelChange { steps: self.steps, parameters: Parameters { feel: changed.feel, ..*parameters } }
+        FeelChange {
+            steps: self.steps,
+            parameters: Parameters { feel: changed.feel, ..*parameters },
+            observer: self.observer.map(|numbers| Observer::from_numbers(&numbers.map(|number| like.constant(number)))),
+        }
     }
 }
 

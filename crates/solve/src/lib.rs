@@ -34,6 +34,7 @@ pub mod poles;
 pub mod release;
 pub mod releases;
 pub mod riccati;
+pub mod sampled_loops;
 pub mod schedule;
 pub mod simulate;
 pub mod stability;

@@ -59,6 +59,7 @@ impl Loops<'_> {
                 let gain = |k: usize| T::gather(token, |lane| gains[(first + lane).min(last)][k]);
                 Compensator::state_feedback(&parameters, [0, 1, 2, 3, 4, 5, 6].map(gain))
             }
+            Law::Observers(_) => Compensator::state_feedback(&parameters, [zero; 7]),
         };
         Compliant { parameters, compensator }
     }

@@ -2,6 +2,7 @@
 
 use forcefeel_model::Scalar;
 use forcefeel_model::machine::{Inputs, Machine, Now, Rest, Shared};
+use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
 
@@ -39,6 +40,8 @@ pub struct FeelChange<S> {
     pub steps: (usize, usize),
     /// Parameters whose feel holds afterwards.
     pub parameters: Parameters<S>,
+    /// The law with an observer that holds afterwards; the one of before if there is none.
+    pub observer: Option<Observer<S>>,
 }
 
 /// What is wanted of the middles of the steps.
@@ -90,7 +93,7 @@ pub fn run<S: Scalar>(
     if let Some(change) = changes.peek()
         && change.steps.0 == 0
     {
-        machine.fade_to(&change.parameters);
+        machine.fade_to(&change.parameters, change.observer.as_ref());
     }
     let middles = record.middles();
     let stride = if middles == Middles::None { 1 } else { 2 };
@@ -104,7 +107,7 @@ pub fn run<S: Scalar>(
         }
         if let Some(change) = changes.peek() {
             if next == change.steps.0 {
-                machine.fade_to(&change.parameters);
+                machine.fade_to(&change.parameters, change.observer.as_ref());
             }
             if next == change.steps.1 {
                 machine.faded(shared, &mut state);

@@ -81,11 +81,14 @@ def new(
     units: Units = UnitSystem.US,
     json: Json = False,
     force: Annotated[bool, typer.Option("--force", help="Replace the file if it is there.")] = False,
+    built_in: Annotated[
+        str, typer.Option("--built-in", help="Which: elevator, or elevator-2khz with a digital controller.")
+    ] = "elevator",
 ) -> None:
     """Write the built-in elevator loader as a commented loader file."""
     from forcefeel.cli import commands  # noqa: PLC0415
 
-    commands.new(path, units, as_json=json, force=force)
+    commands.new(path, built_in, units, as_json=json, force=force)
 
 
 @app.command(epilog="Example: `forcefeel design my.toml --out report`")

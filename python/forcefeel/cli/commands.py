@@ -19,7 +19,7 @@ from forcefeel.compensation import compensate as run_recursion
 from forcefeel.errors import InputError
 from forcefeel.files import write_whole
 from forcefeel.findings import conclusions
-from forcefeel.loader import Loader, elevator, load
+from forcefeel.loader import BUILT_IN, Loader, open_loader
 from forcefeel.reproduction import Verdict, markdown
 from forcefeel.reproduction import reproduce as run_reproduction
 from forcefeel.results import plain, plain_loader
@@ -62,13 +62,15 @@ class Options:
             raise InputError("--q: gives [Q] whole; leave out --position-weight and --r1")
 
 
-def new(path: Path, units: UnitSystem, *, as_json: bool, force: bool) -> None:
-    """Writes the built-in loader."""
+def new(path: Path, built_in: str, units: UnitSystem, *, as_json: bool, force: bool) -> None:
+    """Writes a built-in loader."""
+    if built_in not in BUILT_IN:
+        raise InputError(f"--built-in: expected {' or '.join(BUILT_IN)}, got {built_in!r}")
     if path.is_dir():
         raise InputError(f"{path}: is a folder; expected the name of a file to write")
     if path.exists() and not force:
         raise InputError(f"{path}: is there already; choose another name, or --force to replace it")
-    loader = elevator()
+    loader = BUILT_IN[built_in]()
     write_whole(path, loader.to_toml(units))
     if as_json:
         _print_json({"loader_file": str(path), **plain_loader(loader, units)})
@@ -147,7 +149,7 @@ def _read_q(path: Path | None) -> tuple[tuple[float, ...], ...] | None:
 
 
 def _loader(path: Path | None) -> Loader:
-    return elevator() if path is None else load(path)
+    return open_loader(path)
 
 
 def _print_json(result: object) -> None:

@@ -10,14 +10,14 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.sweep_command import INTERRUPTED, Bar
-from forcefeel.compensation import NAMED_DESIGNS
+from forcefeel.designs.setting_laws import names_for
 from forcefeel.envelopes import Envelope
 from forcefeel.envelopes.findings import envelope_conclusions
 from forcefeel.envelopes.plain import plain_envelope
 from forcefeel.envelopes.plan import Plan, make_plan
 from forcefeel.envelopes.run import compute
 from forcefeel.errors import InputError
-from forcefeel.loader import elevator, load
+from forcefeel.loader import open_loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.sweep.findings import share_text
@@ -45,8 +45,8 @@ class EnvelopeOptions:
         """
         if self.compare and self.compensators:
             raise InputError("--compare and --compensator: given both; --compare takes all, leave one out")
-        names = tuple(NAMED_DESIGNS) if self.compare else tuple(self.compensators or ("published",))
-        loader = elevator() if path is None else load(path)
+        loader = open_loader(path)
+        names = names_for(loader) if self.compare else tuple(self.compensators or ("published",))
         try:
             angle = None if self.angle is None else parse(self.angle, ANGLE.si, "10 deg")
         except InputError as error:

@@ -18,7 +18,7 @@ class Coupling(StrEnum):
 
 LoaderFile = Annotated[
     Path | None,
-    typer.Argument(metavar="LOADER", help="Loader file; the built-in elevator loader if left out."),
+    typer.Argument(metavar="LOADER", help="Loader file, or a built-in one: elevator (if left out), elevator-2khz."),
 ]
 Units = Annotated[UnitSystem, typer.Option("--units", help="Units of what is shown or written.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]

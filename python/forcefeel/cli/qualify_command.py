@@ -12,7 +12,7 @@ from forcefeel.cli.qualify_options import ControlAxis, Overdamped
 from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.scenario_text import assignments
 from forcefeel.errors import InputError
-from forcefeel.loader import elevator, load
+from forcefeel.loader import open_loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.qualify import Qualification, QualificationSetup, qualify_loader
 from forcefeel.qualify.plain import plain_qualification
@@ -73,7 +73,7 @@ def run_qualify(path: Path | None, options: QualifyOptions, units: UnitSystem, *
     check_qualification_folder(options.out, pdf=options.pdf)  # before the work, not after it
     setup = options.setup(units)
     changes = assignments("--set", tuple(options.changes or ()))
-    loader = elevator() if path is None else load(path)
+    loader = open_loader(path)
     found = qualify_loader(loader.replace(changes) if changes else loader, setup)
     page = write_qualification(found, options.out, pdf=options.pdf)
     if as_json:

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
 from forcefeel.findings import Conclusions
-from forcefeel.loader import elevator, load
+from forcefeel.loader import open_loader
 from forcefeel.run_findings import input_in_words, run_conclusions
 from forcefeel.run_results import measure_rows, plain_run
 from forcefeel.simulation import Run, RunStatus, simulate
@@ -24,7 +24,7 @@ def run_simulate(
         from forcefeel.report.simulation_folder import check_simulation_folder  # noqa: PLC0415  Plotly
 
         check_simulation_folder(out)  # before the work, not after it
-    loader = options.changed(elevator() if path is None else load(path))
+    loader = options.changed(open_loader(path))
     run = simulate(loader, options.scenario(loader), options.compensator(loader))
     law = str(options.law or Law.ORIGINAL)
     page = None

@@ -14,7 +14,7 @@ from rich.text import Text
 
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
 from forcefeel.errors import InputError
-from forcefeel.loader import elevator, load
+from forcefeel.loader import open_loader
 from forcefeel.simulation import RunStatus
 from forcefeel.sweep import Sweep, SweepResult, run_sweep, text
 from forcefeel.sweep.findings import main_measures, number_of, share_text, sweep_conclusions
@@ -46,7 +46,7 @@ class SweepOptions:
         Raises:
             InputError: If an option is bad or does not go with another.
         """
-        loader = scenario.changed(elevator() if path is None else load(path))
+        loader = scenario.changed(open_loader(path))
         found = scenario.scenario(loader)
         if self.redesign and scenario.design(loader) is None:
             raise InputError("--redesign: is about designed gains; add --compensator published or converged")

@@ -12,6 +12,7 @@ from typing import Annotated
 
 from forcefeel.arms import ARMS, UNVERIFIED, Arm
 from forcefeel.errors import InputError
+from forcefeel.loader import Loader
 from forcefeel.parameters import REQUIRED, did_you_mean
 from forcefeel.studies import PLANT_PARAMETERS
 from forcefeel.units import PERCENT, show
@@ -23,6 +24,16 @@ CHANGES: Mapping[str, float] = MappingProxyType(
 )
 """How far each parameter of the plant is off, to either side. Not the sensors' gains, which are calibrated, nor those of the
 feel computer, which are numbers in a program."""
+
+_ORIFICE = {"valve.current_gain": "valve.rated_flow", "valve.pressure_gain": "valve.supply_pressure"}
+"""What stands for the gains C_i, C_p where the flow follows the orifice, eq. (1)."""
+
+
+def changes_of(loader: Loader) -> Mapping[str, float]:
+    """``CHANGES`` for a loader: of its orifice, where its flow follows that."""
+    if not loader["valve.orifice"]:
+        return CHANGES
+    return MappingProxyType({_ORIFICE.get(key, key): share for key, share in CHANGES.items()})
 
 
 class Kind(StrEnum):

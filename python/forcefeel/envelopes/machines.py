@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.arms import ARM_ROWS
+from forcefeel.designs.setting_laws import SettingLaws
 from forcefeel.envelopes.cases import Case
-from forcefeel.envelopes.laws import SettingLaws
 from forcefeel.loader import FEEL_SETTING, Loader
 from forcefeel.parameters import INDEX
 

@@ -13,15 +13,11 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import matrix_balance
 from scipy.optimize import brentq
 
-from forcefeel import _core
-from forcefeel._core import Compensator
-from forcefeel.envelopes.laws import Law, SettingLaws
+from forcefeel.designs.setting_laws import Law, SettingLaws
+from forcefeel.envelopes.grip import Grips
 from forcefeel.loader import FEEL_SETTING, Loader
-from forcefeel.models import state_feedback
-from forcefeel.parameters import INDEX
 from forcefeel.units import PERCENT
 
 LOWEST_HZ, HIGHEST_HZ, POINTS = 0.05, 500.0, 401
@@ -78,42 +74,16 @@ def passivity(loader: Loader, law: Law, laws: SettingLaws, feel: NDArray[np.floa
         feel: I, B, G of the settings, a row each.
     """
     own = np.array([[loader[key] for key in FEEL_SETTING]])
-    compensator = SettingLaws.of(law, loader, own).single(loader, 0)
+    grip = Grips.of(loader, SettingLaws.of(law, loader, own), own)
     frequency = np.geomspace(LOWEST_HZ, HIGHEST_HZ, POINTS)
-    a, b, c = _model(loader.values, compensator)
-    admittance = _admittance(a, b, c, frequency)
+    admittance = grip.admittance(0, frequency)
     return Passivity(
         frequency,
         1 / admittance,
-        bool(np.linalg.eigvals(a).real.max() < 0),
-        _bands(lambda hz: float(_short(_admittance(a, b, c, np.array([hz])))[0]), frequency, _short(admittance)),
+        bool(grip.stable(np.linalg.eigvals(grip.matrix).astype(complex))[0]),
+        _bands(lambda hz: float(_short(grip.admittance(0, np.array([hz])))[0]), frequency, _short(admittance)),
         *_survey(loader, laws, feel),
     )
-
-
-def _model(
-    values: NDArray[np.float64], law: Compensator | None
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """``A`` of eq. (17) balanced, the column for the pilot's force and the row for the velocity at the grip."""
-    a, b, c, _ = _core.compliant(values, law or Compensator.original(values))
-    row = np.zeros(len(a))
-    # v = R_p theta', theta' the same row on the velocity as theta on the position
-    row[_BASE_RATE] = values[INDEX["column.grip_arm"]] * c[0, _BASE]
-    balanced, (scale, _) = matrix_balance(a, permute=False, separate=True)
-    return balanced, b[:, 0] / scale, row * scale
-
-
-_BASE, _BASE_RATE = 6, 7
-"""States x_b and x_b' of eq. (17)."""
-
-
-def _admittance(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], frequency_hz: NDArray[np.float64]
-) -> NDArray[np.complex128]:
-    """``c (jw - a)^-1 b``."""
-    s = 2j * np.pi * frequency_hz[:, None, None]
-    states = np.linalg.solve(s * np.eye(len(a)) - a, np.broadcast_to(b[:, None], (len(frequency_hz), len(a), 1)))
-    return np.asarray((c @ states)[:, 0])
 
 
 def _short(admittance: NDArray[np.complex128]) -> NDArray[np.float64]:
@@ -137,19 +107,13 @@ def _survey(loader: Loader, laws: SettingLaws, feel: NDArray[np.float64]) -> tup
     """Shares of the settings that are stable and passive: everywhere, and up to ``ARM_HZ``."""
     frequency = np.geomspace(LOWEST_HZ, HIGHEST_HZ, _SURVEY)
     found = np.zeros((2, len(feel)), dtype=bool)
-    values = loader.values.copy()
     for first in range(0, len(feel), _AT_A_TIME):
-        models = []
-        for k in range(first, min(first + _AT_A_TIME, len(feel))):
-            values[[INDEX[key] for key in FEEL_SETTING]] = feel[k]
-            models.append(_model(values, laws.law if laws.gains is None else state_feedback(loader, laws.gains[k])))
-        a, b, c = (np.array(part) for part in zip(*models, strict=True))
-        # Y = sum of residues over s - pole, c v_k (V^-1 b)_k / (jw - p_k)
-        poles, vectors = np.linalg.eig(a)
-        residues = (c[:, None] @ vectors)[:, 0] * np.linalg.solve(vectors, b[..., None].astype(complex))[..., 0]
-        admittance = np.einsum("nk,nkf->nf", residues, 1 / (2j * np.pi * frequency - poles[..., None]))
-        good = (_short(admittance) >= _DECOMPOSED) & (poles.real.max(axis=1) < 0)[:, None]
-        found[:, first : first + len(models)] = good.all(axis=1), good[:, frequency <= ARM_HZ].all(axis=1)
+        some = slice(first, first + _AT_A_TIME)
+        grips = Grips.of(loader, laws.some(some), feel[some])
+        poles, residues = grips.poles_and_residues()
+        admittance = np.einsum("nk,nkf->nf", residues, 1 / (grips.points(frequency) - poles[..., None]))
+        good = (_short(admittance * grips.factor(frequency)) >= _DECOMPOSED) & grips.stable(poles)[:, None]
+        found[:, some] = good.all(axis=1), good[:, frequency <= ARM_HZ].all(axis=1)
     everywhere, below = found.mean(axis=1)
     return float(everywhere), float(below)
 

@@ -7,10 +7,10 @@ from types import MappingProxyType
 from typing import Annotated
 
 from forcefeel._core import Compensator
-from forcefeel.compensation import NAMED_DESIGNS, DesignSettings
-from forcefeel.envelopes import laws
-from forcefeel.envelopes.cases import CHANGES, REFERENCE_ARMS, Case, PilotArm, make_cases
-from forcefeel.envelopes.laws import Law
+from forcefeel.compensation import DesignSettings
+from forcefeel.designs.methods import Method
+from forcefeel.designs.setting_laws import NAMED_LAWS, Law, named
+from forcefeel.envelopes.cases import REFERENCE_ARMS, Case, PilotArm, changes_of, make_cases
 from forcefeel.envelopes.machines import plain_feel
 from forcefeel.envelopes.settings import Settings
 from forcefeel.errors import InputError
@@ -28,10 +28,10 @@ class Plan:
 
     Attributes:
         given: The loader as it was given. Its own feel and arm are not used.
-        compensators: The laws by name: names of ``compensation.NAMED_DESIGNS``, or laws of one's own.
+        compensators: The laws by name: names of ``setting_laws.NAMED_LAWS``, or laws of one's own.
         settings: The grid of settings.
         rule: Edition of the rule whose release test it must pass.
-        changes: By which share each parameter of the plant is off, to either side.
+        changes: By which share each parameter of the plant is off, to either side; ``cases.changes_of`` the loader if not given.
         arms: The arms at the grip, beside none.
         angle_rad: Angle of the release; if not given, the rule's largest share of the throw, of its shorter side.
         loader: The loader with a feel of I, B and G alone.
@@ -49,7 +49,7 @@ class Plan:
     compensators: Mapping[str, Law]
     settings: Settings
     rule: str = DEFAULT_EDITION
-    changes: Mapping[str, float] = field(default_factory=lambda: CHANGES)
+    changes: Mapping[str, float] | None = None
     arms: Sequence[PilotArm] = REFERENCE_ARMS
     angle_rad: Annotated[float, ANGLE] | None = None
     loader: Loader = field(init=False)
@@ -66,11 +66,11 @@ class Plan:
         if given is not None and not (isfinite(given) and 0 < given <= _LARGEST_ANGLE):
             raise InputError(f"angle_rad: expected an angle above 0 and up to 90 deg, got {show(given)} rad")
         if not self.compensators:
-            raise InputError(f"compensators: expected at least one, such as {', '.join(NAMED_DESIGNS)}")
+            raise InputError(f"compensators: expected at least one, such as {', '.join(NAMED_LAWS)}")
         found = {
             "loader": loader,
             "left_out": left_out,
-            "cases": make_cases(self.changes, self.arms),
+            "cases": make_cases(changes_of(loader) if self.changes is None else self.changes, self.arms),
             "rules": rules,
             "test": rules.of("release", "pitch"),
             "throw": Throw.of(self.given),
@@ -108,7 +108,7 @@ def make_plan(
 
     Args:
         loader: The loader.
-        compensators: Names of ``compensation.NAMED_DESIGNS``, or laws by name.
+        compensators: Names of ``setting_laws.NAMED_LAWS``, or laws by name.
         grid: Axes as ``Settings.of`` takes them.
         options: ``rule``, ``changes``, ``arms``, ``angle_rad`` of ``Plan``.
 
@@ -119,11 +119,11 @@ def make_plan(
         raise InputError(f"compensators: expected a list of names or laws by name, got {show(compensators)}")
     if isinstance(compensators, Mapping):
         for name, law in compensators.items():
-            if law is not None and not isinstance(law, DesignSettings | Compensator):
+            if law is not None and not isinstance(law, DesignSettings | Method | Compensator):
                 raise InputError(
-                    f"compensators: {name}: expected DesignSettings, a Compensator or None, got {show(law)}"
+                    f"compensators: {name}: expected DesignSettings, a Method, a Compensator or None, got {show(law)}"
                 )
         chosen = dict(compensators)
     else:
-        chosen = laws.named(tuple(compensators), loader)
+        chosen = named(tuple(compensators), loader)
     return Plan(loader, chosen, Settings.of(grid or {}), **options)  # type: ignore[arg-type]

@@ -1,4 +1,6 @@
-"""Releases of many settings: exact where the loader is linear, stepped by the engine where it is not.
+"""Releases of many settings: exact where the loader is linear and analog, stepped by the engine where it is not.
+
+Stable is what the linear model says: the analog loop's poles, or those of the sampled loop with its delay.
 
 What comes of either are the column's angles over time, at a rate that follows the programmed frequency.
 """
@@ -11,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
+from forcefeel.designs.setting_laws import SettingLaws
 from forcefeel.envelopes.cases import Case
-from forcefeel.envelopes.laws import SettingLaws
 from forcefeel.envelopes.machines import columns, full_rows, machines
 from forcefeel.envelopes.plan import Plan
 from forcefeel.inputs import Release
 from forcefeel.parameters import INDEX
+from forcefeel.sampled_loop import sampled_loops
 from forcefeel.simulation import RunStatus, Scenario, simulate_batch
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 
@@ -84,13 +87,19 @@ def released(
         record: How long, how finely.
         threads: How many.
     """
+    if plan.loader["controller.period"]:
+        rows = full_rows(plan.loader, case, feel, laws)
+        stable = sampled_loops(plan.loader, laws.found, rows, threads=threads).stable
+        return _stepped(plan, rows, laws, record, threads, stable)
     columns_ = [INDEX[key] for key in columns(case)]
     values = machines(plan.loader, case, feel, laws)
-    loops = _core.Loops(plan.loader.values, columns_, values, law=laws.law, gains=laws.gains)
+    loops = _core.Loops(plan.loader.values, columns_, values, law=laws.fixed, gains=laws.gains)
     angles = np.empty((len(feel), record.samples if plan.linear else 0))
     code = _core.released(loops, angles, plan.release_rad, record.step_s, threads)
     stable = (code == _STABLE) | (code == _STABLE_BY_POLES)
-    return (stable, angles) if plan.linear else _stepped(plan, case, feel, laws, record, threads, stable)
+    if plan.linear:
+        return stable, angles
+    return _stepped(plan, full_rows(plan.loader, case, feel, laws), laws, record, threads, stable)
 
 
 _STABLE, _STABLE_BY_POLES = 1, 3
@@ -99,24 +108,21 @@ _STABLE, _STABLE_BY_POLES = 1, 3
 
 def _stepped(
     plan: Plan,
-    case: Case,
-    feel: NDArray[np.float64],
+    rows: NDArray[np.float64],
     laws: SettingLaws,
     record: Record,
     threads: int,
     stable: NDArray[np.bool_],
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
     """The same on a loader with optional rows. A run that diverged is unstable, whatever the linear model says."""
-    angles = np.full((len(feel), record.samples), np.nan)
+    angles = np.full((len(rows), record.samples), np.nan)
     which = np.flatnonzero(stable)
     if not len(which):
         return stable, angles
     step = min(record.step_s, LONGEST_STEP_S)
     scenario = Scenario(Release(plan.release_rad), record.duration_s, step, record.step_s)
-    laws = laws.some(which)
-    rows = full_rows(plan.loader, case, feel[which], laws)
-    law = laws.law if laws.gains is None else laws.gains
-    runs = simulate_batch(plan.loader, scenario, rows, law, keep=["column_angle_rad"], threads=threads)
+    law = laws.some(which).found
+    runs = simulate_batch(plan.loader, scenario, rows[which], law, keep=["column_angle_rad"], threads=threads)
     angles[which] = runs["column_angle_rad"].values
     stable = stable.copy()
     stable[which[runs["status"].values == RunStatus.DIVERGED]] = False

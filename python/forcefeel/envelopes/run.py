@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from forcefeel.designs.setting_laws import Law, SettingLaws
 from forcefeel.envelopes.cases import PilotArm
 from forcefeel.envelopes.ideal import ideal_releases
-from forcefeel.envelopes.laws import Law, SettingLaws
 from forcefeel.envelopes.passivity import passivity
 from forcefeel.envelopes.plan import Plan, make_plan
 from forcefeel.envelopes.releases import Record, released
@@ -42,8 +42,8 @@ def envelope(
 
     Args:
         loader: The loader. Its programmed feel is replaced by the settings; optional rows of the feel and an arm are left out.
-        compensators: Names of ``compensation.NAMED_DESIGNS``, or laws by name: ``DesignSettings`` designs the gains for each
-            setting and the nominal plant, a ``Compensator`` is one law for all, ``None`` the original loop.
+        compensators: Names of ``setting_laws.NAMED_LAWS``, or laws by name: ``DesignSettings`` and ``Method`` design a law for
+            each setting and the nominal plant, a ``Compensator`` is one law for all, ``None`` the original loop.
         grid: Values by axis, ``stiffness`` (shares of G_max), ``frequency`` (rad/s), ``damping``, as numbers or as text such as
             ``"1..100 %:40:log"``, ``"0.5..4 Hz:25"``, ``"0.1..1.5:20"``.
         threads: How many; all cores if not given. The numbers do not depend on it.

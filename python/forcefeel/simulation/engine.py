@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Sequence
+from math import isclose
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from forcefeel._core import Compensator
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.parameters import TABLE
+from forcefeel.sampled_compensator import SampledCompensator
 from forcefeel.simulation import linear
 from forcefeel.simulation.outcome import (
     MEASURES,
@@ -32,29 +34,36 @@ MOST_HISTORY_BYTES = 4 * 2**30
 _SINGLE = 1
 
 
-def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | None = None) -> Run:
+Law = Compensator | SampledCompensator | NDArray[np.float64] | None
+"""One law for all runs, a sampled one for all or for each, gains c_1 .. c_7 (runs, 7), or the original position loop."""
+
+
+def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | SampledCompensator | None = None) -> Run:
     """Runs a loader through a scenario.
 
     Args:
         loader: The loader, with whatever effects its rows give it.
         scenario: What is done to it. The run begins at rest: hands off, under the first value of a recorded force, or held at the
             angle of a release.
-        compensator: The law; the original position loop, eq. (13), if not given.
+        compensator: The law; the original position loop, eq. (13), if not given. A sampled one goes with the loader's controller.
 
     Returns:
         The run. A loader without any optional row is linear, and its run is exact at the samples; any other is stepped, to
         some 1e-5 of full travel at steps of 1 ms. Peaks of an exact run are those of its samples.
 
     Raises:
-        InputError: If a time does not fall on a step, or the loader asks for an input that is not given.
+        InputError: If a time does not fall on a step, the loader asks for an input that is not given, or a sampled law was made
+            for another controller.
     """
-    law = compensator or Compensator.original(loader.values)
-    units = outputs(law.displacement_unit)
-    if linear.applies(loader, scenario):
+    law = Compensator.original(loader.values) if compensator is None else compensator
+    units = outputs(_displacement_unit(law))
+    exact = isinstance(law, Compensator) and linear.applies(loader, scenario)
+    if isinstance(law, Compensator) and exact:
         values, measured = linear.run(loader, law, scenario)
     else:
-        engine = _engine(loader, scenario, range(len(units)))
-        found, histories = engine.run(loader.values[np.newaxis], law=law, seed=scenario.seed, threads=_SINGLE)
+        engine = _engine(loader, scenario, range(len(units)), law)
+        laws = engine_law(loader, law)
+        found, histories = engine.run(loader.values[np.newaxis], **laws, seed=scenario.seed, threads=_SINGLE)
         values, measured = histories[0], found[0]
     status = RunStatus(statuses(measured[np.newaxis])[0])
     measures = Measures(*without_diverged(measured[np.newaxis])[0].tolist())
@@ -66,7 +75,7 @@ def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | None
         status=status,
         measures=measures,
         history=history(values, units, scenario.sample_s, about),
-        method="exact" if linear.applies(loader, scenario) else "stepped",
+        method="exact" if exact else "stepped",
     )
 
 
@@ -74,7 +83,7 @@ def simulate_batch(
     loader: Loader,
     scenario: Scenario,
     values: NDArray[np.float64],
-    compensator: Compensator | NDArray[np.float64] | None = None,
+    compensator: Law = None,
     *,
     keep: Sequence[str] = (),
     first_run: int = 0,
@@ -86,8 +95,8 @@ def simulate_batch(
         loader: The nominal loader: its curves, controller and force hold for all.
         scenario: What is done to each.
         values: SI values, one row per run in the order of ``parameters.TABLE``; ``pilot.force`` scales the scenario's force.
-        compensator: One law for all, or state-feedback gains c_1 .. c_7 (runs, 7). Not given, each run has the original
-            position loop of its own parameters.
+        compensator: One law for all, state-feedback gains c_1 .. c_7 (runs, 7), or a sampled law for all or for each. Not given,
+            each run has the original position loop of its own parameters.
         keep: Names of outputs whose histories are kept, such as ``column_angle_rad``.
         first_run: Index of the first run, for the noise: a batch cut in pieces gives the same numbers.
         threads: How many; all cores if not given. The numbers do not depend on it.
@@ -100,15 +109,12 @@ def simulate_batch(
     """
     values = np.ascontiguousarray(values, dtype=np.float64)
     _check(loader, values)
-    law = None if compensator is None or isinstance(compensator, np.ndarray) else compensator
-    gains = compensator if isinstance(compensator, np.ndarray) else None
-    unit = law.displacement_unit if law else "V" if gains is None else "rad"
-    units = outputs(unit)
+    units = outputs(_displacement_unit(compensator))
     for name in keep:
         if name not in units:
             raise InputError(f"keep: expected names of outputs ({', '.join(units)}), got {name!r}")
     order = list(units)
-    engine = _engine(loader, scenario, [order.index(name) for name in keep])
+    engine = _engine(loader, scenario, [order.index(name) for name in keep], compensator)
     samples = round(scenario.duration_s / scenario.sample_s) + 1
     if len(values) * len(keep) * samples * 8 > MOST_HISTORY_BYTES:
         raise InputError(
@@ -116,8 +122,7 @@ def simulate_batch(
         )
     measured, histories = engine.run(
         values,
-        law=law,
-        gains=None if gains is None else np.ascontiguousarray(gains, dtype=np.float64),
+        **engine_law(loader, compensator),
         force_scale=values[:, list(TABLE).index("pilot.force")] / loader["pilot.force"],
         seed=scenario.seed,
         first_run=first_run,
@@ -143,7 +148,39 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _engine(loader: Loader, scenario: Scenario, keep: Sequence[int]) -> _core.Simulation:
+def engine_law(loader: Loader, law: Law) -> dict[str, Any]:
+    """A law as the keywords by which the engine takes it.
+
+    Raises:
+        InputError: If a sampled law was made for another period or delay than the loader's controller has.
+    """
+    if isinstance(law, SampledCompensator):
+        check_controller(loader, law)
+        return {"observers": law.rows()}
+    if isinstance(law, np.ndarray):
+        return {"gains": np.ascontiguousarray(law, dtype=np.float64)}
+    return {"law": law}
+
+
+def check_controller(loader: Loader, law: SampledCompensator) -> None:
+    """Refuses a law that was made for another controller than the loader's."""
+    for key, made_for in (("controller.period", law.period_s), ("controller.delay", law.delay_s)):
+        if not isclose(loader[key], made_for, rel_tol=_SAME):
+            raise InputError(
+                f"compensator: made for a {key} of {1e3 * made_for:.6g} ms, the loader has {1e3 * loader[key]:.6g} ms; "
+                "design it for this loader"
+            )
+
+
+_SAME = 1e-9
+"""Relative; periods that went through a file are still the same."""
+
+
+def _displacement_unit(law: Law) -> str:
+    return "V" if law is None else law.displacement_unit if isinstance(law, Compensator) else "rad"
+
+
+def _engine(loader: Loader, scenario: Scenario, keep: Sequence[int], law: Law) -> _core.Simulation:
     steps = Steps.of(scenario, loader)
     curve = loader.force_curve
     return _core.Simulation(
@@ -155,8 +192,29 @@ def _engine(loader: Loader, scenario: Scenario, keep: Sequence[int]) -> _core.Si
         held=steps.held,
         timing=steps.timing,
         curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
-        changes=steps.changes,
+        changes=[
+            (*change, _next_law(loader, law, way.compensator))
+            for change, way in zip(steps.changes, scenario.feel_changes, strict=True)
+        ],
     )
+
+
+def _next_law(loader: Loader, law: Law, following: SampledCompensator | None) -> NDArray[np.float64] | None:
+    """The law after a change of the feel, as the engine takes it."""
+    if following is None:
+        return None
+    if not isinstance(law, SampledCompensator):
+        raise InputError(
+            "feel change: a sampled law can only follow a sampled law; give one as the compensator of the run"
+        )
+    check_controller(loader, following)
+    if (following.settings, following.states) != (1, law.states):
+        raise InputError(
+            f"feel change: expected one law of {law.states} states, as the one before, got {following.settings} laws of "
+            f"{following.states}"
+        )
+    row: NDArray[np.float64] = following.rows()[0]
+    return row
 
 
 SHARED = ("valve.orifice", "controller.period", "controller.delay", "feel.shaker_frequency")

@@ -11,6 +11,7 @@ from forcefeel.errors import InputError
 from forcefeel.inputs import Force, HandsOff, Recorded, Release, Sampled, Schedule
 from forcefeel.inputs.sampled import Grid
 from forcefeel.loader import Loader
+from forcefeel.sampled_compensator import SampledCompensator
 
 SHORTEST_STEP_S, LONGEST_STEP_S = 1e-5, 2e-3
 """Steps that the engine takes; beyond, the column on its linkage is no longer followed well."""
@@ -44,11 +45,14 @@ class FeelChange:
         at_s: When it begins.
         changes: New values of ``feel.`` rows, as ``Loader.replace`` takes them.
         over_s: How long it takes.
+        compensator: The sampled law that goes with the new feel; its numbers go over along with the feel. The law of before stays
+            if there is none.
     """
 
     at_s: float
     changes: Mapping[str, str | float | bool | None]
     over_s: float = 0.5
+    compensator: SampledCompensator | None = None
 
 
 @dataclass(frozen=True)
@@ -219,14 +223,21 @@ def _stiffness_factor(scenario: Scenario, loader: Loader, span: tuple[float, flo
 
 def _step(scenario: Scenario, loader: Loader) -> tuple[float, tuple[int, int] | None]:
     """The engine's step, and the controller's period and delay in steps."""
+    return (scenario.step_s, None) if loader["controller.period"] == 0 else controller_steps(loader, scenario.step_s)
+
+
+def controller_steps(loader: Loader, longest_s: float) -> tuple[float, tuple[int, int]]:
+    """A step that divides the controller's period and its delay, no longer than so much, and both in such steps.
+
+    Raises:
+        InputError: If the delay is too long, or no simple share of the period.
+    """
     period, delay = loader["controller.period"], loader["controller.delay"]
-    if period == 0:
-        return scenario.step_s, None
     if delay > MOST_UNDER_WAY * period * (1 + _WHOLE):
         raise InputError(
             f"controller.delay: expected at most {MOST_UNDER_WAY} periods of {period:g} s, got {delay:g} s"
         )
-    fewest = int(np.ceil(period / scenario.step_s * (1 - _WHOLE)))
+    fewest = int(np.ceil(period / longest_s * (1 - _WHOLE)))
     for steps in range(fewest, max(fewest, _MOST_STEPS_IN_PERIOD) + 1):
         share = delay / period * steps
         if abs(share - round(share)) < _WHOLE * max(steps, 1):

@@ -5,14 +5,19 @@
 use super::{Inputs, Machine, Moment, Now, Rest, Shared, State};
 use crate::Scalar;
 use crate::controller::{Timing, UnderWay};
+use crate::observer::{Estimate, MOST_STATES, SAMPLED, Says};
 use crate::transducers::SENSORS;
 
 /// What a digital controller remembers from sample to sample.
 #[derive(Debug, Clone, Copy)]
 pub struct Memory<S> {
-    under_way: UnderWay<S>,
+    pub(super) under_way: UnderWay<S>,
     /// Displacement of the base as sampled last.
-    base: S,
+    pub(super) base: S,
+    /// State of the observer.
+    pub(super) estimate: Estimate<S>,
+    /// What is added to every command on its way, in V.
+    pub(super) test_signal: S,
 }
 
 impl<S: Scalar> Machine<S> {
@@ -20,7 +25,9 @@ impl<S: Scalar> Machine<S> {
     #[inline(always)]
     pub fn remember(&self, rest: &Rest<S>) -> Memory<S> {
         let base = rest.base + self.transducers.offset[2];
-        Memory { under_way: UnderWay::holding(rest.command), base }
+        let y = self.sampled_at_rest(rest.base, rest.piston, rest.pressure);
+        let estimate = self.observer.at_rest(&y, rest.delta);
+        Memory { under_way: UnderWay::holding(rest.command), base, estimate, test_signal: base.zero() }
     }
 
     /// The digital controller's share of a step.
@@ -39,7 +46,7 @@ impl<S: Scalar> Machine<S> {
             let normal = if shared.effects.noise { normal() } else { [now.force.zero(); SENSORS] };
             let sample = self.transducers.sample(state.seen.shown, normal);
             let e = self.sample(shared, timing, (state, memory), inputs, now, sample);
-            memory.under_way.send(steps / timing.period, e);
+            memory.under_way.send(steps / timing.period, e + memory.test_signal);
         }
         if steps >= timing.delay && (steps - timing.delay).is_multiple_of(timing.period) {
             state.held = memory.under_way.arriving((steps - timing.delay) / timing.period);
@@ -62,15 +69,20 @@ impl<S: Scalar> Machine<S> {
         // There is no tachometer: the velocity is the last period's difference.
         let base_rate = (base - memory.base) / period;
         memory.base = base;
-        let [delta, delta_rate] = state.slow.feel;
-        let e =
-            self.law.command(&[piston, force / self.balance.area, delta, delta_rate, base, base_rate, now.pilot_force]);
+        let y = [force, piston, base * self.per_base];
+        let Says { command: e, torque } = if shared.effects.observer {
+            self.observed(memory, &y, state.slow.feel, inputs.fade[0])
+        } else {
+            let [delta, delta_rate] = state.slow.feel;
+            let x = [piston, force / self.balance.area, delta, delta_rate, base, base_rate, now.pilot_force];
+            Says { command: self.law.command(&x), torque: self.law.feel_torque(force) }
+        };
         // The neutral moves through the period: half of it before the feel runs, half after.
         let trim = period.constant(inputs.trim[0]);
         state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
-        self.run_feel(shared, state, inputs, self.law.feel_torque(force), period);
+        self.run_feel(shared, state, inputs, torque, period);
         state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
-        let gain = self.law.gains[2];
+        let gain = if shared.effects.observer { self.observer.per_delta() } else { self.law.gains[2] };
         let has_gain = gain.zero().less(gain.abs());
         let excess = S::select(has_gain, self.converters.cut_off(e) / gain, gain.zero());
         // delta' = ... - 2 a_w (e - e_cut) / c_3, delta'' = ... - a_w^2 (e - e_cut) / c_3: place and speed give way, or the speed
@@ -82,6 +94,30 @@ impl<S: Scalar> Machine<S> {
         let slower = if sticks { S::select(state.feel.stuck, rate.zero(), slower) } else { slower };
         state.slow.feel = [delta - given_way.times(2.0), rate - slower];
         self.converters.write(e)
+    }
+
+    /// What the observer's law says at a sample; while the feel changes, between the two laws.
+    #[inline(always)]
+    fn observed(&self, memory: &mut Memory<S>, y: &[S; SAMPLED], feel: [S; 2], fade: f64) -> Says<S> {
+        let xi = memory.estimate;
+        let now = self.observer.says(&xi, y, feel);
+        if fade == 0.0 {
+            memory.estimate = self.observer.next(&xi, y, self.answered(now.command));
+            return now;
+        }
+        let says = now.towards(self.next_observer.says(&xi, y, feel), fade);
+        let e = self.answered(says.command);
+        let (from, to) = (self.observer.next(&xi, y, e), self.next_observer.next(&xi, y, e));
+        for k in 0..MOST_STATES {
+            memory.estimate[k] = from[k] + (to[k] - from[k]).times(fade);
+        }
+        says
+    }
+
+    /// The command as far as the amplifier answers it.
+    #[inline(always)]
+    fn answered(&self, e: S) -> S {
+        e - self.converters.cut_off(e)
     }
 
     /// The feel computer over one period under a torque that stays: a Runge-Kutta step of its own.

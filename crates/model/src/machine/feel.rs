@@ -5,13 +5,16 @@ use crate::Scalar;
 use crate::dry_friction::DryFriction;
 use crate::effects::Effects;
 use crate::feel_law::{FeelLaw, Surroundings};
+use crate::observer::Observer;
 use crate::parameters::Parameters;
 
 impl<S: Scalar> Machine<S> {
-    /// Begins to change the feel to that of `parameters`; how far it is, the inputs' `fade` says.
+    /// Begins to change the feel to that of `parameters`, and the law to `observer` where there is one; how far it is, the inputs'
+    /// `fade` says.
     #[inline(always)]
-    pub fn fade_to(&mut self, parameters: &Parameters<S>) {
+    pub fn fade_to(&mut self, parameters: &Parameters<S>, observer: Option<&Observer<S>>) {
         self.next_feel = FeelLaw::new(parameters, &self.law);
+        self.next_observer = *observer.unwrap_or(&self.observer);
     }
 
     /// The next feel is the feel from now on.
@@ -20,6 +23,7 @@ impl<S: Scalar> Machine<S> {
         let before = self.feel_impulse;
         self.feel_impulse = before * self.next_feel.per_torque / self.feel.per_torque;
         self.feel = self.next_feel;
+        self.observer = self.next_observer;
         if shared.timing.is_none() {
             // The velocity stays; what is given back to it with the oil's impulse does not.
             let side = self.balance.side(&shared.effects, state.column.stuck);

@@ -11,6 +11,7 @@ use crate::Scalar;
 use crate::dry_friction::Grip;
 use crate::feel_law::Surroundings;
 use crate::machine::slow::Slow;
+use crate::observer::SAMPLED;
 use crate::transducers::Seen;
 
 /// A loader at rest, from which a run starts.
@@ -18,14 +19,21 @@ use crate::transducers::Seen;
 pub struct Rest<S> {
     /// Base, piston, programmed displacement, trimmed neutral and load pressure.
     pub(super) base: S,
-    piston: S,
-    delta: S,
+    pub(super) piston: S,
+    pub(super) delta: S,
     neutral: S,
-    pressure: S,
+    pub(super) pressure: S,
     /// Command that holds them.
     pub(super) command: S,
     /// Pilot force that holds the column.
     pub pilot_force: S,
+}
+
+impl<S: Scalar> Rest<S> {
+    /// Everything at zero.
+    pub(super) fn neutral(zero: S) -> Self {
+        Self { base: zero, piston: zero, delta: zero, neutral: zero, pressure: zero, command: zero, pilot_force: zero }
+    }
 }
 
 impl<S: Scalar> Machine<S> {
@@ -55,25 +63,56 @@ impl<S: Scalar> Machine<S> {
     #[inline(always)]
     fn rest(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, Rest<S>) {
         let effects = &shared.effects;
-        let [force_offset, piston_offset, base_offset] = self.transducers.offset;
         let zero = delta.zero();
-        // S(delta) = T = -r (F_c + F_0)                                                           eq. (11) at rest
+        // S(delta) = T                                                                            eq. (11) at rest
         let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around)
             + self.feel.resistance(effects, around.start, delta, zero);
-        let shown = -spring / self.law.load_cell_arm;
-        let p = (shown - force_offset) * self.per_area;
+        let p = if effects.observer { self.observed_pressure(x_b, delta, spring) } else { self.heard_pressure(spring) };
         let x_p = self.balance.ratio * x_b + self.balance.stretch_at_rest(p);
         // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
         let pull = self.column.per_link_force * self.balance.area * p + self.column.loads(effects, x_b, x_b, zero);
         let pilot_force = -pull / self.column.per_pilot_force;
-        let x = [x_p + piston_offset, shown / self.balance.area, delta, zero, x_b + base_offset, zero, pilot_force];
-        let e = self.law.command(&x);
+        let y = self.sampled_at_rest(x_b, x_p, p);
+        let e = if effects.observer {
+            self.observer.says(&self.observer.at_rest(&y, delta), &y, [delta, zero]).command
+        } else {
+            let [force, piston, angle] = y;
+            self.law.command(&[piston, force * self.per_area, delta, zero, angle / self.per_base, zero, pilot_force])
+        };
         let flow = self.valve.flow_per_current * self.valve.current(effects, e);
         let left_over = flow - self.balance.leakage(effects, p);
         (
             left_over,
             Rest { base: x_b, piston: x_p, delta, neutral: around.neutral, pressure: p, command: e, pilot_force },
         )
+    }
+
+    /// Load pressure at which the load cell is heard as the torque `T`: `T = -r (F_c + F_0)`.
+    #[inline(always)]
+    fn heard_pressure(&self, torque: S) -> S {
+        (-torque / self.law.load_cell_arm - self.transducers.offset[0]) * self.per_area
+    }
+
+    /// Load pressure at which an observer hears the torque `T` at rest, `T = t_F F_c + t_x x_p + t_theta theta + t_delta delta`.
+    #[inline(always)]
+    fn observed_pressure(&self, x_b: S, delta: S, torque: S) -> S {
+        let [per_force, per_piston, per_angle, per_delta] = self.observer.torque_at_rest();
+        let [force, piston, angle] = self.sampled_at_rest(x_b, self.balance.ratio * x_b, x_b.zero());
+        let one = x_b.constant(1.0);
+        let per_pressure =
+            per_force * self.balance.area + per_piston * (self.balance.area * self.balance.per_stiffness);
+        let left = torque - per_force * force - per_angle * angle - per_delta * delta - per_piston * piston;
+        let free = left / per_pressure;
+        // The link's play is on the side to which the pressure pushes.
+        let play = self.balance.stretch_at_rest(free) - self.balance.area * self.balance.per_stiffness * free;
+        free - per_piston * play * (one / per_pressure)
+    }
+
+    /// What the sensors show at rest.
+    #[inline(always)]
+    pub(super) fn sampled_at_rest(&self, x_b: S, x_p: S, p: S) -> [S; SAMPLED] {
+        let [force, piston, base] = self.transducers.offset;
+        [self.balance.area * p + force, x_p + piston, (x_b + base) * self.per_base]
     }
 
     /// A run's first state.

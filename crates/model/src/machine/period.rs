@@ -1,0 +1,97 @@
+//! The loader under a digital controller, from one period to the next: its state as a list of numbers.
+//!
+//! A period is a function of these numbers, of the pilot's force and of a test signal on the command, so dual numbers give the
+//! matrices of the sampled loop, its delay and its sensors' lags included, from the very step that runs it.
+
+use super::{Inputs, Machine, Memory, Rest, Shared, State};
+use crate::Scalar;
+use crate::controller::{MOST_UNDER_WAY, Timing};
+use crate::machine::slow::Slow;
+use crate::observer::MOST_STATES;
+use crate::transducers::{SENSORS, Seen};
+
+/// Numbers of the state between two periods: `z, q_i, q_i', x_b, w`, `delta, u`, the command held, those under way, the youngest
+/// first, the base as sampled last, the load pressure, what the sensors measured and showed, the observer.
+pub const PERIOD_STATES: usize = 5 + 2 + 1 + UNDER_WAY + 2 + 2 * SENSORS + MOST_STATES;
+
+/// Place of the column's base among them.
+pub const BASE: usize = 3;
+
+/// Place of the youngest command.
+pub const YOUNGEST: usize = 8;
+
+const UNDER_WAY: usize = MOST_UNDER_WAY - 1;
+
+/// A period from a state at rest at neutral, nothing pushing but the pilot's force.
+#[derive(Debug, Clone, Copy)]
+pub struct Period<'a, S> {
+    /// The loader.
+    pub machine: &'a Machine<S>,
+    /// What is in play; with a controller's timing.
+    pub shared: &'a Shared,
+    /// When the controller acts.
+    pub timing: Timing,
+}
+
+impl<S: Scalar> Period<'_, S> {
+    /// The state a period later, under a constant pilot force in N and with a test signal in V on the command.
+    pub fn next(&self, numbers: &[S; PERIOD_STATES], force: S, test_signal: S) -> [S; PERIOD_STATES] {
+        let zero = force.zero();
+        let inputs =
+            Inputs { force: [0.0; 2], trim: [0.0; 2], stiffness_factor: [1.0; 2], shaker: [0.0; 2], fade: [0.0; 2] };
+        let (mut state, mut memory) = self.put(numbers);
+        (state.hand, state.pilot_force) = (force, force);
+        memory.test_signal = test_signal;
+        for _ in 0..self.timing.period {
+            let none = || [zero; SENSORS];
+            let begun = self.machine.begin(self.shared, &mut state, &mut memory, &inputs, none);
+            self.machine.advance(self.shared, &mut state, &inputs, &begun);
+        }
+        Self::read(&state, &memory)
+    }
+
+    fn put(&self, numbers: &[S; PERIOD_STATES]) -> (State<S>, Memory<S>) {
+        let zero = numbers[0].zero();
+        let mut next = 0;
+        let mut take = || {
+            next += 1;
+            numbers[next - 1]
+        };
+        let rest = Rest::neutral(zero);
+        let (mut state, mut memory) = (self.machine.start(self.shared, &rest), self.machine.remember(&rest));
+        let plant = [take(), take(), take(), take(), take()];
+        state.slow = Slow { plant, feel: [take(), take()] };
+        state.held = take();
+        // Sample number MOST_UNDER_WAY is the first of this period.
+        for age in 1..=UNDER_WAY {
+            memory.under_way.send(MOST_UNDER_WAY - age, take());
+        }
+        memory.base = take();
+        state.pressure = take();
+        state.seen = Seen { measured: [take(), take(), take()], shown: [take(), take(), take()] };
+        for entry in &mut memory.estimate {
+            *entry = take();
+        }
+        state.steps = MOST_UNDER_WAY * self.timing.period;
+        (state, memory)
+    }
+
+    fn read(state: &State<S>, memory: &Memory<S>) -> [S; PERIOD_STATES] {
+        let mut numbers = [state.held; PERIOD_STATES];
+        let mut next = 0;
+        let mut write = |value: S| {
+            numbers[next] = value;
+            next += 1;
+        };
+        state.slow.plant.into_iter().chain(state.slow.feel).for_each(&mut write);
+        write(state.held);
+        for age in 1..=UNDER_WAY {
+            write(memory.under_way.arriving(MOST_UNDER_WAY + 1 - age));
+        }
+        write(memory.base);
+        write(state.pressure);
+        state.seen.measured.into_iter().chain(state.seen.shown).for_each(&mut write);
+        memory.estimate.into_iter().for_each(&mut write);
+        numbers
+    }
+}

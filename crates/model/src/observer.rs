@@ -1,0 +1,176 @@
+//! Sampled law with an observer, as data: what a digital controller runs in place of fixed gains.
+//!
+//! `xi` its state · `y = [F_c, x_p, theta]` what is sampled · `delta`, `delta'` the feel computer's displacement and rate ·
+//! `e` command · `T` torque that the feel computer hears
+//!
+//! | | |
+//! |---|---|
+//! | `T = t [xi; y; delta; delta']` | torque |
+//! | `e = c [xi; y; delta; delta']` | command |
+//! | `xi+ = A xi + B [y; e]` | state at the next sample, with `e` as the amplifier answers it |
+//! | `xi = R [y; delta]` | state at rest, with `e` its own command |
+//!
+//! Regulators, Kalman filters, feed-forward from the feel and disturbance estimates are all sets of numbers of this one law,
+//! so the step need not know which it runs. Coordinates of `xi` are the law's own.
+
+use crate::Scalar;
+
+/// Most states; a law with fewer leaves the others at zero.
+pub const MOST_STATES: usize = 9;
+
+/// What is sampled: load cell force (N), piston displacement (m), column angle (rad).
+pub const SAMPLED: usize = 3;
+
+/// Numbers of a law, in the order of [`Observer::from_numbers`].
+pub const NUMBERS: usize = MOST_STATES * (MOST_STATES + 2 * (SAMPLED + 1)) + 2 * KNOWN;
+
+/// What command and torque are made of: `[xi; y; delta; delta']`.
+const KNOWN: usize = MOST_STATES + SAMPLED + 2;
+
+/// State of the law.
+pub type Estimate<S> = [S; MOST_STATES];
+
+/// One law.
+#[derive(Debug, Clone, Copy)]
+pub struct Observer<S> {
+    transition: [[S; MOST_STATES]; MOST_STATES],
+    input: [[S; SAMPLED + 1]; MOST_STATES],
+    command: [S; KNOWN],
+    torque: [S; KNOWN],
+    settled: [[S; SAMPLED + 1]; MOST_STATES],
+}
+
+/// What a law says at a sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Says<S> {
+    /// Command `e` in V.
+    pub command: S,
+    /// Torque `T` in N m.
+    pub torque: S,
+}
+
+impl<S: Scalar> Observer<S> {
+    /// The law of these numbers: `A` and `B` row by row, `c`, `t`, then `R` row by row, SI units.
+    #[inline(always)]
+    pub fn from_numbers(numbers: &[S; NUMBERS]) -> Self {
+        let mut next = 0;
+        let mut take = || {
+            next += 1;
+            numbers[next - 1]
+        };
+        let zero = numbers[0].zero();
+        let mut law = Self::none(zero);
+        for row in &mut law.transition {
+            for entry in row {
+                *entry = take();
+            }
+        }
+        for row in &mut law.input {
+            for entry in row {
+                *entry = take();
+            }
+        }
+        for entry in &mut law.command {
+            *entry = take();
+        }
+        for entry in &mut law.torque {
+            *entry = take();
+        }
+        for row in &mut law.settled {
+            for entry in row {
+                *entry = take();
+            }
+        }
+        law
+    }
+
+    /// A law that says nothing.
+    #[inline(always)]
+    pub fn none(like: S) -> Self {
+        let zero = like.zero();
+        Self {
+            transition: [[zero; MOST_STATES]; MOST_STATES],
+            input: [[zero; SAMPLED + 1]; MOST_STATES],
+            command: [zero; KNOWN],
+            torque: [zero; KNOWN],
+            settled: [[zero; SAMPLED + 1]; MOST_STATES],
+        }
+    }
+
+    /// Command and torque at a sample.
+    #[inline(always)]
+    pub fn says(&self, xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2]) -> Says<S> {
+        Says { command: said(&self.command, xi, y, feel), torque: said(&self.torque, xi, y, feel) }
+    }
+
+    /// The state at the next sample, where the amplifier answers the command as `e`.
+    #[inline(always)]
+    pub fn next(&self, xi: &Estimate<S>, y: &[S; SAMPLED], e: S) -> Estimate<S> {
+        let mut next = *xi;
+        for row in 0..MOST_STATES {
+            let (a, b) = (&self.transition[row], &self.input[row]);
+            let mut sum = b[SAMPLED] * e;
+            for k in 0..SAMPLED {
+                sum = sum + b[k] * y[k];
+            }
+            for k in 0..MOST_STATES {
+                sum = sum + a[k] * xi[k];
+            }
+            next[row] = sum;
+        }
+        next
+    }
+
+    /// The state at rest.
+    #[inline(always)]
+    pub fn at_rest(&self, y: &[S; SAMPLED], delta: S) -> Estimate<S> {
+        let mut xi = [delta.zero(); MOST_STATES];
+        for (entry, r) in xi.iter_mut().zip(&self.settled) {
+            *entry = r[0] * y[0] + r[1] * y[1] + r[2] * y[2] + r[SAMPLED] * delta;
+        }
+        xi
+    }
+
+    /// Torque at rest per newton of the load cell, per metre of the piston, per radian of the column and per radian of the feel.
+    #[inline(always)]
+    pub fn torque_at_rest(&self) -> [S; SAMPLED + 1] {
+        let t = &self.torque;
+        let mut per = [t[MOST_STATES], t[MOST_STATES + 1], t[MOST_STATES + 2], t[MOST_STATES + SAMPLED]];
+        for (entry, r) in t.iter().zip(&self.settled) {
+            for (sum, r) in per.iter_mut().zip(r) {
+                *sum = *sum + *entry * *r;
+            }
+        }
+        per
+    }
+
+    /// Command per radian of the feel.
+    #[inline(always)]
+    pub fn per_delta(&self) -> S {
+        self.command[MOST_STATES + SAMPLED]
+    }
+}
+
+impl<S: Scalar> Says<S> {
+    /// Between what two laws say: what a law says whose numbers are between theirs.
+    #[inline(always)]
+    pub fn towards(self, next: Self, share: f64) -> Self {
+        Self {
+            command: self.command + (next.command - self.command).times(share),
+            torque: self.torque + (next.torque - self.torque).times(share),
+        }
+    }
+}
+
+/// What a row of numbers makes of `[xi; y; delta; delta']`.
+#[inline(always)]
+fn said<S: Scalar>(row: &[S; KNOWN], xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2]) -> S {
+    let mut sum = row[MOST_STATES + SAMPLED] * feel[0] + row[MOST_STATES + SAMPLED + 1] * feel[1];
+    for k in 0..MOST_STATES {
+        sum = sum + row[k] * xi[k];
+    }
+    for k in 0..SAMPLED {
+        sum = sum + row[MOST_STATES + k] * y[k];
+    }
+    sum
+}

@@ -1,0 +1,107 @@
+//! Many loops under a digital controller: the matrices of a period, exactly, from the step that runs it.
+//!
+//! `x+ = M x + b_e e_T + b_F F_p`, `x` what the loader and its controller carry from one period to the next
+//! ([`PERIOD_STATES`]), `e_T` a test signal on the command, `F_p` a pilot force that stays through the period. Each column is one
+//! evaluation on dual numbers at rest at neutral.
+//!
+//! What holds, touches or rounds, dry friction, play, stops, the feel's breakout and the steps of sensors and converters, is left
+//! out: it has no slope at rest. States that nothing depends on have no column and are left out: their poles are at zero.
+
+use crate::batch::Law;
+use forcefeel_model::controller::Timing;
+use forcefeel_model::dual::Dual;
+use forcefeel_model::machine::period::{PERIOD_STATES, Period, YOUNGEST};
+use forcefeel_model::machine::{Machine, Shared};
+use forcefeel_model::parameters::{COUNT, Parameters};
+use rayon::prelude::*;
+
+/// Inputs of a period: test signal on the command, pilot force.
+pub const INPUTS: usize = 2;
+
+/// Numbers of `[M, b_e, b_F]`, row by row.
+type Matrix = [[f64; PERIOD_STATES + INPUTS]; PERIOD_STATES];
+
+/// Loops that share their effects and their timing.
+#[derive(Debug, Clone)]
+pub struct SampledLoops<'a> {
+    /// What all share; with a controller's timing.
+    pub shared: Shared,
+    /// When the controller acts.
+    pub timing: Timing,
+    /// Parameters of each loop, in the order of the table.
+    pub values: &'a [[f64; COUNT]],
+    /// The law of each.
+    pub law: Law<'a>,
+}
+
+/// The matrices of loops.
+#[derive(Debug, Clone)]
+pub struct Periods {
+    /// Which states are kept, places among the [`PERIOD_STATES`].
+    pub states: Vec<usize>,
+    /// `[M, b_e, b_F]` of each loop, row by row.
+    pub matrices: Vec<f64>,
+}
+
+impl SampledLoops<'_> {
+    /// The matrices of all loops on so many threads.
+    ///
+    /// # Panics
+    /// If the threads cannot be had.
+    pub fn periods(&self, threads: usize) -> Periods {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the loops");
+        let whole: Vec<Matrix> =
+            pool.install(|| (0..self.values.len()).into_par_iter().map(|run| self.matrix(run)).collect());
+        let states = kept(&whole);
+        let columns = || states.iter().copied().chain(PERIOD_STATES..PERIOD_STATES + INPUTS);
+        let row = |matrix: &Matrix, state: usize| columns().map(|k| matrix[state][k]).collect::<Vec<_>>();
+        let matrices = whole.iter().flat_map(|matrix| states.iter().flat_map(|&state| row(matrix, state))).collect();
+        Periods { states, matrices }
+    }
+
+    fn matrix(&self, run: usize) -> Matrix {
+        let parameters = without_steps(Parameters::from_values(&self.values[run].map(Dual::constant)));
+        let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(of(run));
+        let mut machine = Machine::new(&parameters, self.law.compensator(&parameters, wide), &self.shared);
+        if let Some(observer) = self.law.observer(wide) {
+            machine = machine.with_observer(observer);
+        }
+        let period = Period { machine: &machine, shared: &self.shared, timing: self.timing };
+        let mut matrix = [[0.0; PERIOD_STATES + INPUTS]; PERIOD_STATES];
+        for column in 0..PERIOD_STATES + INPUTS {
+            let along = |k: usize| if k == column { Dual::variable(0.0) } else { Dual::constant(0.0) };
+            let state = core::array::from_fn(along);
+            let next = period.next(&state, along(PERIOD_STATES + 1), along(PERIOD_STATES));
+            for (row, number) in matrix.iter_mut().zip(next) {
+                row[column] = number.slope;
+            }
+        }
+        matrix
+    }
+}
+
+/// Sensors and converters that do not round: a staircase has no slope.
+fn without_steps(mut parameters: Parameters<Dual>) -> Parameters<Dual> {
+    let none = Dual::constant(0.0);
+    let Parameters { load_cell, potentiometer, column_sensor, controller, .. } = &mut parameters;
+    for resolution in [&mut load_cell.resolution, &mut potentiometer.resolution, &mut column_sensor.resolution] {
+        *resolution = none;
+    }
+    (controller.input_bits, controller.output_bits) = (none, none);
+    parameters
+}
+
+/// The states that any loop's next state depends on, of those that are left.
+fn kept(matrices: &[Matrix]) -> Vec<usize> {
+    let mut states: Vec<usize> = (0..PERIOD_STATES).collect();
+    loop {
+        let matters =
+            |column: usize| matrices.iter().any(|matrix| states.iter().any(|&row| matrix[row][column] != 0.0));
+        // The youngest command is what a loop is opened at.
+        let left: Vec<usize> = states.iter().copied().filter(|&state| state == YOUNGEST || matters(state)).collect();
+        if left.len() == states.len() {
+            return states;
+        }
+        states = left;
+    }
+}

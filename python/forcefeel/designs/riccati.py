@@ -1,0 +1,49 @@
+"""Stationary discrete Riccati equations, their solution checked by its residual."""
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+MOST_RESIDUAL = 1e-8
+"""Relative; a solution with more is refused. Those of the elevator's designs have 1e-12 at most."""
+
+_ROUNDING = 1e-12
+"""Of a pole near one."""
+
+
+def stationary(
+    a: NDArray[np.float64], b: NDArray[np.float64], q: NDArray[np.float64], r: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The stabilizing ``P`` of ``P = a' P a - a' P b (r + b' P b)^-1 b' P a + q``.
+
+    Raises:
+        numpy.linalg.LinAlgError: If there is none, or none in double precision.
+    """
+    try:
+        solution = np.asarray(scipy.linalg.solve_discrete_are(a, b, q, r))
+    except ValueError as error:  # a pencil that cannot be reordered
+        raise np.linalg.LinAlgError(str(error)) from error
+    left = residual(a, b, q, r, solution)
+    if not left <= MOST_RESIDUAL:
+        raise np.linalg.LinAlgError(f"Riccati equation: residual of {left:.1e}")
+    if not np.abs(np.linalg.eigvals(a - b @ _gain(a, b, r, solution))).max() < 1 - _ROUNDING:
+        raise np.linalg.LinAlgError("Riccati equation: a state is left that does not decay")
+    return solution
+
+
+def residual(
+    a: NDArray[np.float64],
+    b: NDArray[np.float64],
+    q: NDArray[np.float64],
+    r: NDArray[np.float64],
+    p: NDArray[np.float64],
+) -> float:
+    """How far ``p`` is from solving the equation, as a share of its largest number."""
+    closed = a - b @ _gain(a, b, r, p)
+    return float(np.abs(a.T @ p @ closed + q - p).max() / np.abs(p).max())
+
+
+def _gain(
+    a: NDArray[np.float64], b: NDArray[np.float64], r: NDArray[np.float64], p: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    return np.asarray(np.linalg.solve(r + b.T @ p @ b, b.T @ p @ a))

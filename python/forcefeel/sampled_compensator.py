@@ -1,0 +1,181 @@
+"""A sampled law with an observer, as data: what a digital controller runs once a period.
+
+``xi`` its state, in coordinates of its own · ``y = [F_c, x_p, theta]`` the sampled load cell force (N), piston displacement (m)
+and column angle (rad) · ``delta``, ``delta'`` the feel computer's displacement and rate · ``e`` command in V · ``T`` torque in
+N m that the feel computer hears in the period
+
+    T_k    = torque  [xi; y; delta; delta']
+    e_k    = command [xi; y; delta; delta']
+    xi_k+1 = transition xi_k + input [y; e_k]        e_k as the amplifier answers it, after limits
+
+``crates/model/src/observer.rs`` runs it. Observers, regulators and feed-forward are all sets of numbers of this one law.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.units import SECONDS, show
+
+MOST_STATES = 9
+"""Most states of a law; the engine runs one with fewer with zeros for the others."""
+
+SAMPLED = 3
+"""How many signals are sampled: F_c, x_p, theta."""
+
+_FEEL = 2
+"""delta, delta'."""
+
+_AT_ONE = 1e-11
+"""A pole of the law, left to itself, that is nearer to 1 may be one: rounding moves poles by 1e-13."""
+
+
+@dataclass(frozen=True, eq=False)
+class SampledCompensator:
+    """A sampled law for one setting or for many.
+
+    Attributes:
+        period_s: Sample period of the plant it was made for.
+        delay_s: Time from the sample to its command, likewise; at most a period.
+        transition: (settings, n, n); n at most ``MOST_STATES``.
+        input: (settings, n, 4), columns F_c, x_p, theta, e.
+        command: (settings, n + 5), in V on xi, F_c, x_p, theta, delta, delta'.
+        torque: (settings, n + 5), in N m on the same.
+        settled: (settings, n, 4), the state at rest per F_c, x_p, theta, delta; see ``_settled``.
+
+    Arrays are read-only.
+
+    Raises:
+        InputError: If shapes do not go together, a number is not finite, the delay is negative or longer than the period, or
+            the state at rest is not determined: a law that integrates without end has any.
+    """
+
+    period_s: Annotated[float, SECONDS]
+    delay_s: Annotated[float, SECONDS]
+    transition: NDArray[np.float64] = field(repr=False)
+    input: NDArray[np.float64] = field(repr=False)
+    command: NDArray[np.float64] = field(repr=False)
+    torque: NDArray[np.float64] = field(repr=False)
+    settled: NDArray[np.float64] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.period_s) and self.period_s > 0):
+            raise InputError(f"period_s: expected a time above 0, got {show(self.period_s)}")
+        if not 0 <= self.delay_s <= self.period_s:
+            raise InputError(f"delay_s: expected 0 to the period of {self.period_s:g} s, got {show(self.delay_s)}")
+        for name, array in _arrays(self).items():
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        settled = _settled(self)
+        settled.setflags(write=False)
+        object.__setattr__(self, "settled", settled)
+
+    @property
+    def settings(self) -> int:
+        """How many settings it has a law for."""
+        return len(self.transition)
+
+    @property
+    def states(self) -> int:
+        """How many states each law has."""
+        return int(self.transition.shape[1])
+
+    def some(self, which: int | slice | Sequence[int] | NDArray[np.integer | np.bool_]) -> "SampledCompensator":
+        """The laws of some settings: one index, or a slice, indices or a mask."""
+        chosen = np.atleast_1d(np.arange(self.settings)[which])
+        numbers = (getattr(self, name)[chosen] for name in _NUMBERS)
+        return SampledCompensator(self.period_s, self.delay_s, *numbers)
+
+    def between(self, other: "SampledCompensator", share: float) -> "SampledCompensator":
+        """The law whose every number is ``(1 - share) a + share b``: it says what lies between what the two say.
+
+        Args:
+            other: The law that it goes to; both are for one setting, of one plant, in the same coordinates.
+            share: How far it goes, 0 to 1.
+
+        Raises:
+            InputError: If period, delay or number of states differ, there is more than one setting, or the share is beyond.
+        """
+        for name in ("period_s", "delay_s", "states"):
+            one, two = getattr(self, name), getattr(other, name)
+            if one != two:
+                raise InputError(f"other: expected a law with the {name} {one:g} of this one, got {two:g}")
+        if (self.settings, other.settings) != (1, 1):
+            raise InputError(
+                f"other: expected two single laws, got {self.settings} and {other.settings} settings; pick with some(...)"
+            )
+        if not 0 <= share <= 1:
+            raise InputError(f"share: expected a number from 0 to 1, got {show(share)}")
+        numbers = ((1 - share) * getattr(self, name) + share * getattr(other, name) for name in _NUMBERS)
+        return SampledCompensator(self.period_s, self.delay_s, *numbers)
+
+    def rows(self) -> NDArray[np.float64]:
+        """A row of ``_core.OBSERVER_NUMBERS`` numbers for each setting, as the engine takes them.
+
+        transition (9 by 9), input (9 by 4), command (14), torque (14) and settled (9 by 4), row by row, with zeros for the
+        states that the law has not.
+        """
+        n, spare = self.states, MOST_STATES - self.states
+        wide = ((0, 0), (0, spare), (0, 0))
+        parts = (
+            np.pad(self.transition, ((0, 0), (0, spare), (0, spare))),
+            np.pad(self.input, wide),
+            np.insert(self.command, [n] * spare, 0.0, axis=1),
+            np.insert(self.torque, [n] * spare, 0.0, axis=1),
+            np.pad(self.settled, wide),
+        )
+        return np.ascontiguousarray(np.hstack([part.reshape(self.settings, -1) for part in parts]))
+
+
+_NUMBERS = ("transition", "input", "command", "torque")
+
+
+def _arrays(law: SampledCompensator) -> dict[str, NDArray[np.float64]]:
+    """The law's numbers as arrays that go together."""
+    found = {name: _array(name, getattr(law, name)) for name in _NUMBERS}
+    shape = found["transition"].shape
+    if len(shape) != 3 or shape[0] < 1 or shape[1] != shape[2] or not 1 <= shape[1] <= MOST_STATES:
+        raise InputError(
+            f"transition: expected the shape (settings, n, n) with 1 to {MOST_STATES} states n, got {shape}"
+        )
+    settings, n, _ = shape
+    said = (settings, n + SAMPLED + _FEEL)
+    for name, expected in {"input": (settings, n, SAMPLED + 1), "command": said, "torque": said}.items():
+        if found[name].shape != expected:
+            raise InputError(f"{name}: expected the shape {expected}, got {found[name].shape}")
+    for name, array in found.items():
+        good = np.isfinite(array).reshape(settings, -1).all(axis=1)
+        if not good.all():
+            raise InputError(f"{name}: expected finite numbers, got one that is not in setting {int(np.argmin(good))}")
+    return found
+
+
+def _array(name: str, given: ArrayLike) -> NDArray[np.float64]:
+    try:
+        return np.array(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: expected an array of numbers ({error})") from error
+
+
+def _settled(law: SampledCompensator) -> NDArray[np.float64]:
+    """The state at rest per F_c, x_p, theta, delta, with ``e`` the law's own command.
+
+    ``(I - A - b_e c_xi) xi = (B_y + b_e c_y) y + b_e c_delta delta``
+    """
+    n = law.states
+    by_signal, by_command = law.input[..., :SAMPLED], law.input[..., SAMPLED:]
+    alone = law.transition + by_command @ law.command[:, None, :n]
+    # Free of the units of xi, as the condition of the matrix is not.
+    nearest = np.abs(np.linalg.eigvals(alone) - 1).min(axis=1)
+    if (nearest < _AT_ONE).any():
+        raise InputError(
+            f"transition: expected a state at rest that is determined, got a pole at 1 in setting {int(np.argmin(nearest))}, "
+            "the command of the law itself included; let what integrates there leak"
+        )
+    moved = by_command @ law.command[:, None, n : n + SAMPLED + 1]
+    moved[..., :SAMPLED] += by_signal
+    return np.asarray(np.linalg.solve(np.eye(n) - alone, moved), dtype=np.float64)
