@@ -268,7 +268,9 @@ fn commands_under_way_grow_older_by_a_period() {
         for age in under_way.skip(1) {
             assert_near(next[age], x[age - 1], 0.0);
         }
-        // The one that has arrived last is held: that of this period, or an older one.
-        assert_near(next[HELD], next[YOUNGEST + delay / period], 0.0);
+        // Held is what arrived last: the command of this period, or one that was under way.
+        let periods = delay / period;
+        let held = if periods == 0 { next[YOUNGEST] } else { x[YOUNGEST + periods - 1] };
+        assert_near(next[HELD], held, 0.0);
     }
 }

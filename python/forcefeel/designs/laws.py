@@ -42,7 +42,7 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledCompensato
         InputError: If the loader has no period or a delay longer than that, a setting is not a row of three finite numbers
             with I > 0, B >= 0, G > 0, or there is no law in double precision.
     """
-    rows = _rows(feel)
+    rows = feel_rows(feel)
     plant = SampledPlant.of(loader)
     try:
         ahead = feed_forward(plant, rows)
@@ -106,7 +106,12 @@ def _assemble(
     )
 
 
-def _rows(feel: ArrayLike) -> NDArray[np.float64]:
+def feel_rows(feel: ArrayLike) -> NDArray[np.float64]:
+    """Settings I, B, G as an array, a row each.
+
+    Raises:
+        InputError: If one is not three finite numbers with I > 0, B >= 0, G > 0.
+    """
     try:
         rows = np.array(feel, dtype=np.float64)
     except (TypeError, ValueError) as error:

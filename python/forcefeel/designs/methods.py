@@ -1,12 +1,13 @@
 """The methods by name: what each is, and its law for any settings of a loader."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from types import MappingProxyType
 
 from numpy.typing import ArrayLike
 
-from forcefeel.designs.laws import design
+from forcefeel.designs import laws, load_cell_loop
 from forcefeel.designs.tuning import OBSERVER, RECOVERED, ROBUST, Tuning
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
@@ -21,30 +22,36 @@ class Method:
     Attributes:
         name: What it is called.
         summary: What it is, in a line.
-        tuning: Its weights and noises.
+        design: The laws of a loader for settings I, B, G in SI units, a row each.
     """
 
     name: str
     summary: str
-    tuning: Tuning = field(repr=False)
+    design: Callable[[Loader, ArrayLike], SampledCompensator] = field(repr=False)
 
-    def design(self, loader: Loader, feel: ArrayLike) -> SampledCompensator:
-        """The laws for settings I, B, G in SI units, a row each; ``laws.design`` with this method's tuning."""
-        return design(loader, feel, self.tuning)
+
+def tuned(name: str, summary: str, tuning: Tuning) -> Method:
+    """Regulator, feed-forward and observer with these weights and noises."""
+    return Method(name, summary, partial(laws.design, tuning=tuning))
 
 
 _METHODS = (
     Method(
+        "load-cell",
+        "state feedback with the load cell's loop in the plant, the column's inertia taken off the feel's",
+        load_cell_loop.design,
+    ),
+    tuned(
         "observer",
         "optimal regulator, feed-forward from the feel, observer that trusts every sensor and its plant",
         OBSERVER,
     ),
-    Method(
+    tuned(
         "recovered",
         "the same with strong noise at the plant's input, for the regulator's margins: loop transfer recovery",
         RECOVERED,
     ),
-    Method(
+    tuned(
         "robust",
         "the same without the potentiometer, weights and noises searched for over many perturbed plants at once",
         ROBUST,

@@ -103,28 +103,12 @@ class SampledPlant:
         Raises:
             InputError: If the loader has no ``controller.period``, or its delay is longer than that.
         """
-        period, delay = loader["controller.period"], loader["controller.delay"]
-        if period == 0:
-            raise InputError("controller.period: expected a sample period, got none; give one, for example 0.5 ms")
-        if delay > period:
-            raise InputError(
-                f"controller.delay: expected at most the period of {to_text(period * 1e3)} ms, got {to_text(delay * 1e3)} ms; "
-                "shorten the delay or lengthen controller.period"
-            )
+        timing = period_and_delay(loader)
         scale = Scale.of(loader)
         a, b = _continuous(loader, scale)
-        phi, whole = _core.discretize(a, b, period)
-        after, new = _core.discretize(a, b, period - delay)
-        _, old = _core.discretize(a, b, delay)
-        return cls(
-            period_s=period,
-            delay_s=delay,
-            scale=scale,
-            phi=phi,
-            by_held=after @ old[:, 1],
-            by_command=new[:, 1],
-            by_torque=whole[:, 0],
-        )
+        phi, by_held, by_command = delayed(a, b[:, 1:], *timing)
+        _, whole = _core.discretize(a, b, timing[0])
+        return cls(*timing, scale, phi, by_held[:, 0], by_command[:, 0], whole[:, 0])
 
     @property
     def periods_per_time(self) -> float:
@@ -148,6 +132,33 @@ class SampledPlant:
     def by_disturbance(self) -> NDArray[np.float64]:
         """How what is added to the held command enters ``x`` over a period, ``Gamma_0 + Gamma_1``, (6,)."""
         return self.by_held + self.by_command
+
+
+def period_and_delay(loader: Loader) -> tuple[float, float]:
+    """T and tau of a loader's controller.
+
+    Raises:
+        InputError: If it has none, or its delay is longer than its period.
+    """
+    period, delay = loader["controller.period"], loader["controller.delay"]
+    if period == 0:
+        raise InputError("controller.period: expected a sample period, got none; give one, for example 0.5 ms")
+    if delay > period:
+        raise InputError(
+            f"controller.delay: expected at most the period of {to_text(period * 1e3)} ms, got {to_text(delay * 1e3)} ms; "
+            "shorten the delay or lengthen controller.period"
+        )
+    return period, delay
+
+
+def delayed(
+    a: NDArray[np.float64], b: NDArray[np.float64], period_s: float, delay_s: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """``Phi``, and how the command of the sample before and the new one enter over a period: Gamma_0 and Gamma_1."""
+    phi, _ = _core.discretize(a, b, period_s)
+    after, new = _core.discretize(a, b, period_s - delay_s)
+    _, old = _core.discretize(a, b, delay_s)
+    return phi, after @ old, new
 
 
 def _continuous(loader: Loader, scale: Scale) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -47,6 +47,10 @@ impl<S: Scalar> Period<'_, S> {
             let begun = self.machine.begin(self.shared, &mut state, &mut memory, &inputs, none);
             self.machine.advance(self.shared, &mut state, &inputs, &begun);
         }
+        if !self.shared.effects.observer {
+            // Nothing moves it and nothing asks for it.
+            memory.estimate = [zero; MOST_STATES];
+        }
         Self::read(&state, &memory)
     }
 

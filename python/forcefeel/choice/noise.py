@@ -1,0 +1,170 @@
+"""What the sensors' noise does to the grip, from the linear loop.
+
+``x+ = M x + N v``, ``v = [F_c; x_p; theta]`` noise of the samples, white, of variance ``V`` · ``P`` covariance of ``x``
+
+    P = M P M' + N V N',    theta = c x
+
+``V`` has ``sigma^2 + d^2 / 12`` for a sensor of noise ``sigma`` and smallest step ``d``: rounding adds nearly white noise where the
+sample's own noise is no smaller than some half of the step (B. Widrow, 1956). Converters' steps are left out.
+
+The hand that holds the grip feels ``F = R_p (m theta'' + d theta' + k theta)`` of its own arm, with ``theta'`` and ``theta''`` as central
+differences from sample to sample.
+
+``N`` comes from the step that runs the loop: what a lagging sensor showed a step ago enters a sample by ``exp(-w h)``, as noise does
+by one. A sensor without a lag is given one for this alone.
+"""
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel.arms import ARM_ROWS
+from forcefeel.envelopes.cases import REFERENCE_ARMS, PilotArm
+from forcefeel.loader import Loader
+from forcefeel.parameters import TABLE, unit
+from forcefeel.sampled_loop import sampled_loops
+from forcefeel.simulation.engine import Law, engine_law
+from forcefeel.simulation.scenario import MOST_UNDER_WAY, controller_steps
+from forcefeel.units import ANGLE
+
+FORCE = unit(TABLE["pilot.force"])
+
+HOLDING: PilotArm = REFERENCE_ARMS[-1]
+"""The arm that holds the grip: the firmest of the reference."""
+
+_SENSORS = ("load_cell", "potentiometer", "column_sensor")
+_SHOWN = _core.PERIOD_COMMAND + MOST_UNDER_WAY + 5
+"""Place among the states of a period of what the first sensor showed; after the commands under way, the base as sampled last, the
+load pressure and what the three sensors measured (``crates/model/src/machine/period.rs``)."""
+
+_STEP_S = 1e-4
+_MOST_DOUBLINGS = 60
+_DONE = 1e-14
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What the sensors' noise does to the grip, r.m.s.
+
+    Attributes:
+        angle_rad: The column's angle, hands off; infinite where the loop is not stable.
+        force_n: Force on a hand that holds the grip with the arm ``HOLDING``; infinite where the loop is not stable with it.
+    """
+
+    angle_rad: Annotated[float, ANGLE]
+    force_n: Annotated[float, FORCE]
+
+
+@dataclass(frozen=True, eq=False)
+class NoisyLoop:
+    """A loop and how the noise of its sensors enters.
+
+    Attributes:
+        matrix: M, (states, states).
+        by_sample: N, (states, 3), per N, m and rad.
+        variance: Of a sample of each sensor, (3,).
+        angle: c, (states,), rad.
+        period_s: Sample period.
+    """
+
+    matrix: NDArray[np.float64] = field(repr=False)
+    by_sample: NDArray[np.float64] = field(repr=False)
+    variance: NDArray[np.float64]
+    angle: NDArray[np.float64] = field(repr=False)
+    period_s: float
+
+    @classmethod
+    def of(cls, loader: Loader, law: Law) -> "NoisyLoop":
+        """The loop of a loader with a digital controller under one law."""
+        arm = loader["column.base_arm"]
+        loops = sampled_loops(loader, law)
+        states, by_sample = _by_sample(loader, law)
+        if len(loops.matrix[0]) != len(states):
+            raise ValueError("the loop with lags has other states")
+        angle = np.zeros(len(states))
+        angle[loops.base] = 1 / arm
+        return cls(loops.matrix[0], by_sample * [1.0, 1.0, arm], sample_variance(loader), angle, loops.period_s)
+
+    @property
+    def stable(self) -> bool:
+        """Whether all poles are inside the unit circle."""
+        return bool(np.abs(np.linalg.eigvals(self.matrix)).max() < 1)
+
+    def covariance(self) -> NDArray[np.float64]:
+        """P of a stable loop, as the sum of ``M^k N V N' M'^k``, twice as many terms at each turn."""
+        power = self.matrix
+        found = (self.by_sample * self.variance) @ self.by_sample.T
+        for _ in range(_MOST_DOUBLINGS):
+            more = power @ found @ power.T
+            found = found + more
+            if np.all(np.diag(more) <= _DONE * np.diag(found)):
+                break
+            power = power @ power
+        return np.asarray(found)
+
+    def angle_rms(self) -> float:
+        """R.m.s. of the column's angle in rad; infinite where the loop is not stable."""
+        return float(np.sqrt(self.angle @ self.covariance() @ self.angle)) if self.stable else np.inf
+
+    def filtered_rms(self, before: float, now: float, after: float) -> float:
+        """R.m.s. of ``before theta(k-1) + now theta(k) + after theta(k+1)``; infinite where the loop is not stable."""
+        if not self.stable:
+            return np.inf
+        c_m = self.angle @ self.matrix
+        of_state = before * self.angle + now * c_m + after * (c_m @ self.matrix)
+        first = (now * self.angle + after * c_m) @ self.by_sample
+        second = after * self.angle @ self.by_sample
+        by_noise = (first**2 + second**2) @ self.variance
+        return float(np.sqrt(of_state @ self.covariance() @ of_state + by_noise))
+
+
+def noise_at_grip(loader: Loader, law: Law) -> Noise | None:
+    """What the sensors' noise does to the grip; ``None`` for an analog loader, which takes no samples.
+
+    Args:
+        loader: The loader, without an arm.
+        law: Its law, one.
+    """
+    if not loader["controller.period"]:
+        return None
+    held = loader.replace(dict(zip(ARM_ROWS, HOLDING.values, strict=True)))
+    return Noise(NoisyLoop.of(loader, law).angle_rms(), hand_force_rms(NoisyLoop.of(held, law), held))
+
+
+def hand_force_rms(loop: NoisyLoop, loader: Loader) -> float:
+    """R.m.s. of the force in N on the hand whose arm is at the grip of the loader."""
+    mass, damping, stiffness = (loader[row] for row in ARM_ROWS)
+    lever, t = loader["column.grip_arm"], loop.period_s
+    swing, drag = mass / t**2, damping / (2 * t)
+    return loop.filtered_rms(lever * (swing - drag), lever * (stiffness - 2 * swing), lever * (swing + drag))
+
+
+def sample_variance(loader: Loader) -> NDArray[np.float64]:
+    """Variance of a sample of each sensor: noise and rounding, in N^2, m^2 and rad^2."""
+    noise = np.array([loader[f"{sensor}.noise"] for sensor in _SENSORS])
+    step = np.array([loader[f"{sensor}.resolution"] for sensor in _SENSORS])
+    return np.asarray(noise**2 + step**2 / 12)
+
+
+def _by_sample(loader: Loader, law: Law) -> tuple[list[int], NDArray[np.float64]]:
+    """The states that matter, and N on them, per N, m and m at the base."""
+    step_s, timing = controller_steps(loader, _STEP_S)
+    keys = [f"{sensor}.bandwidth" for sensor in _SENSORS]
+    lagging = loader.replace({key: 1 / step_s for key in keys if np.isinf(loader[key])})
+    keywords = engine_law(loader, law)
+    states, _ = _core.sampled_loops(loader.values[np.newaxis], step_s, timing, **keywords)
+    wide, found = _core.sampled_loops(lagging.values[np.newaxis], step_s, timing, **keywords)
+    columns = np.zeros((len(states), len(keys)))
+    rows = [wide.index(state) for state in states]
+    for sensor, key in enumerate(keys):
+        if _SHOWN + sensor not in wide:
+            continue  # no law asks this sensor
+        place = wide.index(_SHOWN + sensor)
+        kept = np.exp(-lagging[key] * step_s)
+        column = found[0, :, place].copy()
+        column[place] -= kept ** timing[0]  # what the sensor itself remembers
+        columns[:, sensor] = column[rows] / kept
+    return states, columns

@@ -1,0 +1,149 @@
+"""The bound that no law beats: the worst-case share that is left when the column's inertia is known to a share e.
+
+Every sensor sits on the machine's side of the column's inertia. With ``T_link = alpha R_b F_c`` the torque of the link,
+
+    J theta'' = T_p + T_link,      eqs. (6), (7)
+
+and everything that the law measures (F_c, x_p, theta) or moves (the valve) meets the column only through theta and T_link.
+A column of inertia (1 + e) J with the hands off,
+
+    (1 + e) J theta'' = T_link     <=>     J theta'' = -e J theta'' + T_link,
+
+is to the law, sample by sample, the nominal column with T_p = -e J theta'': with a mass ``e J / R_p^2`` in the hand. The law is
+right for every hand, so it answers as to that mass; what the hand feels is its rendering plus e J, whatever the law, linear or
+not, adaptive or not. What would tell the two apart is a sensor beyond the inertia: of the force at the grip.
+
+**Proved** so: a law whose rendering is I', B', G with the nominal column is one of I' + e J, B', G with the other. A setting can be
+rendered for all inertias from (1 - e) J to (1 + e) J only if *one* I', B', G passes the rule at e J below, at and above, hands
+off, and with each arm at the nominal column.
+
+**Not proved**: that no rendering of higher order does better. The bound is taken over I' = I + s e J, s of ``SHIFTS``, and
+B' = b B, b of ``DAMPINGS``, with G as programmed, which the static force asks for. Laws that pass where it says none can are
+counted (``Frontier.beyond_bound``).
+
+**The torque's scale** alpha R_b acts likewise on a law that holds F_c against theta by the nominal alpha R_b. With a scale s times
+the nominal, ``J theta'' = s T``, T what the law believes it renders, ``-T = (I - J) theta'' + B theta' + G theta``:
+
+    [I + (1/s - 1) J] theta'' + B theta' + G theta = 0,
+
+the error e = 1/s - 1 of the inertia. This one is no law of nature: x_p = alpha R_b theta + F_c / k lets alpha R_b be measured.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.envelopes.plan import Plan
+from forcefeel.errors import InputError
+from forcefeel.frontier.referee import Referee, referees
+from forcefeel.simulation.engine import cores
+from forcefeel.units import show
+
+ERRORS = (0.001, 0.002, 0.003, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3)
+"""Relative errors of the inertia at which the bound is computed."""
+
+SHIFTS = (0.0, -1.0, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.0)
+"""How far a rendering leans to one side, as shares of e J."""
+
+DAMPINGS = (1.0, 0.9, 0.95, 1.05, 1.1)
+"""Factors on the programmed damping that a rendering may have."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """The bound over the error of the inertia.
+
+    Attributes:
+        errors: Relative errors e, rising.
+        possible: Which settings one response can render at -e, 0 and +e and with every arm, (errors, settings).
+        centred: The same of the response that is exact at e = 0 alone.
+    """
+
+    errors: tuple[float, ...]
+    possible: NDArray[np.bool_] = field(repr=False)
+    centred: NDArray[np.bool_] = field(repr=False)
+
+    @property
+    def shares(self) -> tuple[float, ...]:
+        """Share of the settings that can be rendered at each error."""
+        return tuple(self.possible.mean(axis=1).tolist())
+
+    @property
+    def centred_shares(self) -> tuple[float, ...]:
+        """The same, exact at e = 0."""
+        return tuple(self.centred.mean(axis=1).tolist())
+
+    def at(self, error: float) -> NDArray[np.bool_]:
+        """Which settings can be rendered at an error that was computed.
+
+        Raises:
+            InputError: If it was not.
+        """
+        places = np.flatnonzero(np.isclose(self.errors, error, rtol=_SAME))
+        if not len(places):
+            raise InputError(f"error: expected one of {', '.join(f'{one:g}' for one in self.errors)}, got {error:g}")
+        return np.asarray(self.possible[places[0]])
+
+
+_SAME = 1e-9
+"""Relative; errors that are the same but for rounding."""
+
+
+def inertia_bound(
+    plan: Plan,
+    errors: Sequence[float] = ERRORS,
+    *,
+    threads: int | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> Bound:
+    """The bound for a plan's settings, rule, angle and arms.
+
+    Args:
+        plan: The envelope; its compensators are not used.
+        errors: Relative errors of the column's inertia, above 0 and below 1.
+        threads: How many; all cores if not given.
+        progress: Called with the settings that are done and all there are.
+
+    Raises:
+        InputError: If the errors are not such, or do not rise.
+    """
+    given = tuple(map(float, errors))
+    if not given or not all(0 < one < 1 for one in given) or any(np.diff(given) <= 0):
+        raise InputError(f"errors: expected rising shares above 0 and below 1, got {show(list(given))}")
+    shape = len(given), plan.settings.count
+    possible, centred = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+    done = 0
+    for referee in referees(plan, threads or cores()):
+        for k, error in enumerate(given):
+            possible[k, referee.which], centred[k, referee.which] = _possible(referee, error)
+        done += len(referee.which)
+        progress(done, plan.settings.count)
+    return Bound(given, possible, centred)
+
+
+def _possible(referee: Referee, error: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Where some trial response passes in every case, and where the exact one, which is tried first, does."""
+    off = np.array([error * referee.plan.loader["column.inertia"], 0.0, 0.0])
+    # At e = 0, and with an arm, this one is the ideal itself.
+    centred = referee.passes(referee.feel - off) & referee.passes(referee.feel + off)
+    found = centred.copy()
+    for damping in DAMPINGS:
+        for shift in SHIFTS:
+            left = np.flatnonzero(~found)
+            if len(left):
+                found[left] = _renders(referee.some(left), shift * off, damping, off)
+    return found, centred
+
+
+def _renders(
+    referee: Referee, shift: NDArray[np.float64], damping: float, off: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    trial = referee.feel * [1.0, damping, 1.0] + shift
+    found = referee.passes(trial - off) & referee.passes(trial + off)
+    if found.any():
+        found &= referee.passes(trial)
+        for arm in referee.plan.arms:
+            found &= referee.passes(trial, arm)
+    return found

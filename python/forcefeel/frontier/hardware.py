@@ -1,0 +1,157 @@
+"""Which change of the hardware buys most: the law designed anew for each changed loader, its shares beside those of before."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated
+
+from forcefeel.envelopes.plan import Plan
+from forcefeel.envelopes.result import Shares
+from forcefeel.envelopes.run import compute
+from forcefeel.frontier.rungs import Rungs
+from forcefeel.frontier.tightening import INERTIA
+from forcefeel.loader import Loader
+from forcefeel.parameters import OFF, TABLE, in_range
+from forcefeel.units import PERCENT
+
+INERTIA_KNOWN_TO = 0.02
+"""Tolerance of an inertia that was measured on a bench."""
+
+_Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class HardwareChange:
+    """A change of the hardware.
+
+    Attributes:
+        name: What it is.
+        factors: By which rows of the parameter table are multiplied.
+        remark: What goes with it.
+    """
+
+    name: str
+    factors: Mapping[str, float]
+    remark: str = ""
+
+    def applies(self, loader: Loader) -> bool:
+        """Whether the loader has all that is changed, and stays in the ranges of the parameter table."""
+        return all(
+            loader[key] not in {OFF.get(key), 0.0} and in_range(TABLE[key], loader[key] * factor)
+            for key, factor in self.factors.items()
+        )
+
+    def on(self, loader: Loader) -> Loader:
+        """The changed loader."""
+        return loader.replace({key: loader[key] * factor for key, factor in self.factors.items()})
+
+
+_FINER = tuple(
+    f"{part}.{name}"
+    for part in ("load_cell", "potentiometer", "column_sensor")
+    for name in ("noise", "resolution")
+)
+
+CHANGES = (
+    HardwareChange(
+        "link twice as stiff",
+        {"linkage.stiffness": 2.0, "linkage.damping": 2**0.5},
+        "its damping ratio stays",
+    ),
+    HardwareChange("valve twice as fast", {"valve.natural_frequency": 2.0}),
+    HardwareChange(
+        "twice the sampling rate",
+        {"controller.period": 0.5, "controller.delay": 0.5},
+        "the delay stays the same share of the period",
+    ),
+    HardwareChange("half the delay", {"controller.delay": 0.5}, "at the same rate"),
+    HardwareChange("sensors four times finer", dict.fromkeys(_FINER, 0.25), "noise and resolution"),
+    HardwareChange(
+        "supply pressure +50 %",
+        {"valve.supply_pressure": 1.5, "valve.rated_flow": 1.5**0.5},
+        "the orifice's flow follows its root",
+    ),
+    HardwareChange(
+        "current and flow limit +50 %", {"amplifier.current_limit": 1.5, "valve.flow_limit": 1.5}, "a larger spool stroke"
+    ),
+    HardwareChange("column half as heavy", {INERTIA: 0.5}, "its tolerance stays the same share"),
+)
+"""The changes that are tried where a loader has what they change."""
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What a change gives.
+
+    Attributes:
+        name: The change.
+        remark: What goes with it.
+        nominal, worst, stable_worst: Shares of the settings that pass nominally, that pass in every case, that are stable in
+            every case.
+        nominal_gain, worst_gain, stable_worst_gain: The same less those of the loader as it is.
+    """
+
+    name: str
+    remark: str
+    nominal: Annotated[float, PERCENT]
+    worst: Annotated[float, PERCENT]
+    stable_worst: Annotated[float, PERCENT]
+    nominal_gain: Annotated[float, PERCENT]
+    worst_gain: Annotated[float, PERCENT]
+    stable_worst_gain: Annotated[float, PERCENT]
+
+
+def hardware_releases(plan: Plan) -> int:
+    """Releases of all changes that apply."""
+    return sum(change.applies(plan.loader) for change in CHANGES) * plan.settings.count * len(plan.cases)
+
+
+def hardware(
+    rungs: Rungs, *, threads: int | None = None, progress: _Progress = lambda done, total: None
+) -> tuple[Gain, ...]:
+    """The gains, the largest in the worst case first.
+
+    Args:
+        rungs: The law on the loader as it is.
+        threads: How many; all cores if not given.
+        progress: Called with the releases that are done and all there are.
+    """
+    plan, found, done = rungs.full.plan, [], 0
+    before = rungs.full.shares(rungs.compensator)
+    total = hardware_releases(plan)
+    for change in CHANGES:
+        if not change.applies(plan.loader):
+            continue
+        # G_max and so the settings stay; a law by its method's name is designed for the changed loader.
+        changed = Plan(
+            change.on(plan.given), plan.compensators, plan.settings, plan.rule, plan.changes, plan.arms, plan.release_rad
+        )
+        base = done
+        after = compute(changed, threads=threads, progress=lambda now, _, base=base: progress(base + now, total))
+        done += changed.settings.count * len(changed.cases)
+        found.append(_gain(change.name, change.remark, after.shares(rungs.compensator), before))
+    if INERTIA in rungs.tolerances:
+        found.append(_known_inertia(rungs, before))
+    return tuple(sorted(found, key=lambda one: (-one.worst_gain, -one.nominal_gain)))
+
+
+def _gain(name: str, remark: str, after: Shares, before: Shares) -> Gain:
+    return Gain(
+        name,
+        remark,
+        after.passes,
+        after.passes_worst,
+        after.stable_worst,
+        after.passes - before.passes,
+        after.passes_worst - before.passes_worst,
+        after.stable_worst - before.stable_worst,
+    )
+
+
+def _known_inertia(rungs: Rungs, before: Shares) -> Gain:
+    """The inertia at the rung nearest to 2 %, all else as it was: no other machine, only a better known one."""
+    full = rungs.tolerances[INERTIA]
+    rung = min(range(len(rungs.factors)), key=lambda k: abs(rungs.factors[k] * full - INERTIA_KNOWN_TO))
+    worst, stable = (float(rungs.worst((INERTIA,), rung, stable=one).mean()) for one in (False, True))
+    after = Shares(rungs.compensator, before.stable, before.passes, stable, worst)
+    name = f"column inertia known to {100 * rungs.factors[rung] * full:.3g} %"
+    return _gain(name, "measured on a bench; the same machine", after, before)

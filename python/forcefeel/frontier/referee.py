@@ -1,0 +1,76 @@
+"""Responses that need no machine: second-order releases of trial I', B', G, judged by the envelope's rule against I, B, G."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.envelopes.cases import PilotArm
+from forcefeel.envelopes.ideal import ideal_releases
+from forcefeel.envelopes.plan import Plan
+from forcefeel.envelopes.releases import Record
+from forcefeel.ideal_run import with_arm
+from forcefeel.qualification import ReleaseBatch, judge_releases, measure_releases
+
+
+@dataclass(frozen=True, eq=False)
+class Referee:
+    """Judges trial responses at settings of one natural frequency.
+
+    Attributes:
+        plan: The envelope whose rule, angle and throw hold.
+        which: The settings, as places in the plan's.
+        feel: Their I, B, G, a row each.
+        record: How releases are recorded.
+        threads: How many.
+    """
+
+    plan: Plan
+    which: NDArray[np.intp]
+    feel: NDArray[np.float64]
+    record: Record
+    threads: int
+    _ideal: dict[PilotArm | None, ReleaseBatch] = field(default_factory=dict, repr=False)
+
+    def some(self, rows: NDArray[np.intp]) -> "Referee":
+        """A referee of some of its settings."""
+        return replace(self, which=self.which[rows], feel=self.feel[rows], _ideal={})
+
+    def passes(self, trial: NDArray[np.float64], arm: PilotArm | None = None) -> NDArray[np.bool_]:
+        """Whether the release of each row I', B', G passes as that of the setting; with no inertia left it does not.
+
+        Args:
+            trial: The trial responses, a row for each setting, without the arm.
+            arm: The arm that both carry.
+        """
+        if arm not in self._ideal:
+            self._ideal[arm] = self._measured(self._carrying(self.feel, arm))
+        carried = self._carrying(trial, arm)
+        heavy = carried[:, 0] > 0
+        found = np.zeros(len(trial), dtype=bool)
+        if heavy.any():
+            # What has no inertia is not released at all: the setting's own stands in its row and is not counted.
+            measured = self._measured(np.where(heavy[:, None], carried, self._carrying(self.feel, arm)))
+            verdicts = judge_releases(measured, self._ideal[arm], self.plan.test, travel=self.plan.throw.travel_rad)
+            found = verdicts.passed & heavy
+        return found
+
+    def _carrying(self, feel: NDArray[np.float64], arm: PilotArm | None) -> NDArray[np.float64]:
+        return feel if arm is None else with_arm(self.plan.loader, feel, arm.values)
+
+    def _measured(self, feel: NDArray[np.float64]) -> ReleaseBatch:
+        angles = ideal_releases(feel, self.plan.release_rad, self.record.step_s, self.record.samples)
+        return measure_releases(
+            self.record.time_s, angles, held=1, rules=self.plan.rules.release, threads=self.threads
+        )
+
+
+def referees(plan: Plan, threads: int) -> Iterator[Referee]:
+    """A referee for each frequency of the grid, and each piece of it that is in memory together."""
+    feel = plan.settings.feel(plan.loader)
+    for frequency in plan.settings.frequency:
+        record = Record.of(frequency, plan.settings.damping[0])
+        which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
+        for chunk in record.chunks(len(which)):
+            yield Referee(plan, which[chunk], feel[which[chunk]], record, threads)

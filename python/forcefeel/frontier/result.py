@@ -1,0 +1,108 @@
+"""What a frontier says: the bound and what is achieved, what limits each setting, what tolerances and parts would buy."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.envelopes.plan import Plan
+from forcefeel.envelopes.result import Envelope, Smallest
+from forcefeel.frontier.bound import Bound
+from forcefeel.frontier.friction import SmallestFriction
+from forcefeel.frontier.hardware import Gain
+from forcefeel.frontier.rungs import Rungs
+from forcefeel.frontier.tightening import INERTIA, Tightening
+from forcefeel.frontier.valve_limits import ValveLimits
+from forcefeel.units import PERCENT
+
+
+class Limit(StrEnum):
+    """What keeps a setting from being rendered in every case, the most fundamental first."""
+
+    NONE = "rendered in every case"
+    VALVE = "forbidden by the valve"
+    INERTIA = "no law: inertia not known well enough"
+    NOMINAL = "the law, even with the nominal plant"
+    LAW = "the law, with something off or an arm"
+
+
+@dataclass(frozen=True, eq=False)
+class Frontier:
+    """A computed frontier.
+
+    Attributes:
+        rungs: The law on every rung of the ladder of tolerances.
+        bound: What no law beats, over the error of the inertia.
+        tightening: How the shares move with the tolerances.
+        valve: What the valve forbids.
+        friction: The smallest friction.
+        hardware: What changes of the hardware give, the largest gain first.
+    """
+
+    rungs: Rungs
+    bound: Bound
+    tightening: Tightening
+    valve: ValveLimits
+    friction: SmallestFriction
+    hardware: tuple[Gain, ...]
+
+    @property
+    def envelope(self) -> Envelope:
+        """The envelope at the full tolerances."""
+        return self.rungs.full
+
+    @property
+    def plan(self) -> Plan:
+        """Of what."""
+        return self.rungs.full.plan
+
+    @property
+    def compensator(self) -> str:
+        """Name of the law."""
+        return self.rungs.compensator
+
+    @property
+    def inertia_tolerance(self) -> Annotated[float, PERCENT]:
+        """Relative tolerance of the column's inertia."""
+        return self.rungs.tolerances[INERTIA]
+
+    @cached_property
+    def possible(self) -> NDArray[np.bool_]:
+        """Which settings some response renders with the inertia off by its tolerance, (settings,)."""
+        return self.bound.at(self.inertia_tolerance)
+
+    @cached_property
+    def limits(self) -> NDArray[np.int8]:
+        """What limits each setting (damping, frequency, stiffness): places in ``Limit``."""
+        passes = self.envelope.passes(self.compensator)
+        order = list(Limit)
+        found = np.select(
+            [passes.all(axis=0), self.valve.forbidden, ~self.possible, ~passes[0]],
+            [order.index(one) for one in (Limit.NONE, Limit.VALVE, Limit.INERTIA, Limit.NOMINAL)],
+            order.index(Limit.LAW),
+        )
+        return np.asarray(found.astype(np.int8).reshape(self.plan.settings.shape))
+
+    @property
+    def limit_shares(self) -> dict[Limit, float]:
+        """Share of all settings under each limit."""
+        return {limit: float((self.limits == place).mean()) for place, limit in enumerate(Limit)}
+
+    @property
+    def beyond_bound(self) -> Annotated[float, PERCENT]:
+        """Share of the settings that the law renders in every case though no response of second order would."""
+        return float((self.envelope.passes(self.compensator).all(axis=0) & ~self.possible).mean())
+
+    @property
+    def smallest(self) -> Smallest:
+        """The smallest inertia and stiffness that are rendered in every case."""
+        return self.envelope.smallest(self.compensator, worst=True)
+
+    @property
+    def largest_stiffness(self) -> Annotated[float, PERCENT]:
+        """The largest stiffness of the grid that is rendered in every case, as a share of G_max; not a number if none is."""
+        passes = self.envelope.passes(self.compensator).all(axis=0)
+        return float(self.plan.settings.rows[passes, 2].max()) if passes.any() else float("nan")

@@ -1,0 +1,98 @@
+"""Computes a frontier: the bound, the valve's limits, the law on the ladder of tolerances, the changes of the hardware."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from forcefeel.envelopes.plan import Plan, make_plan
+from forcefeel.errors import InputError
+from forcefeel.frontier.bound import ERRORS, inertia_bound
+from forcefeel.frontier.friction import smallest_friction
+from forcefeel.frontier.hardware import hardware, hardware_releases
+from forcefeel.frontier.result import Frontier
+from forcefeel.frontier.rungs import FACTORS, climb, rung_releases
+from forcefeel.frontier.tightening import INERTIA, tightening
+from forcefeel.frontier.valve_limits import valve_limits
+from forcefeel.loader import Loader
+
+Progress = Callable[[str, int, int], None]
+"""Called with what is being done, the releases that are done and all there are."""
+
+DEFAULT_GRID: Mapping[str, str] = {
+    "stiffness": "1..100 %:7:log",
+    "frequency": "0.5..4 Hz:5:log",
+    "damping": "0.1, 0.4, 0.7, 1.5",
+}
+"""140 settings: each is released some 450 times."""
+
+
+def frontier(
+    loader: Loader,
+    compensator: str | None = None,
+    grid: Mapping[str, str | Sequence[float]] | None = None,
+    *,
+    threads: int | None = None,
+    progress: Progress = lambda what, done, total: None,
+    **options: object,
+) -> Frontier:
+    """What cannot be rendered on this hardware and why, and what tighter tolerances or other parts would buy.
+
+    Args:
+        loader: The loader, as ``envelope`` takes it.
+        compensator: Name of a law of ``setting_laws.NAMED_LAWS``; ``robust`` if not given, ``published`` for a loader without a
+            digital controller.
+        grid: Axes as ``envelope`` takes them; ``DEFAULT_GRID`` where not given.
+        threads: How many; all cores if not given. The numbers do not depend on it.
+        progress: Called with what is being done, the releases that are done and all there are.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad`` of ``envelope``.
+
+    Returns:
+        The frontier.
+
+    Raises:
+        InputError: If an argument is bad; if ``changes`` leaves the column's inertia out.
+    """
+    return compute_frontier(frontier_plan(loader, compensator, grid, **options), threads=threads, progress=progress)
+
+
+def frontier_plan(
+    loader: Loader,
+    compensator: str | None = None,
+    grid: Mapping[str, str | Sequence[float]] | None = None,
+    **options: object,
+) -> Plan:
+    """The envelope that a frontier is about; arguments as ``frontier``."""
+    name = compensator or ("robust" if loader["controller.period"] else "published")
+    plan = make_plan(loader, (name,), {**DEFAULT_GRID, **(grid or {})}, **options)
+    if plan.changes is not None and INERTIA not in plan.changes:
+        raise InputError(f"changes: expected a tolerance of {INERTIA}, which the bound is about; add it, for example 0.2")
+    return plan
+
+
+def compute_frontier(
+    plan: Plan, *, threads: int | None = None, progress: Progress = lambda what, done, total: None
+) -> Frontier:
+    """Computes the frontier of a plan of one compensator; arguments as ``frontier``."""
+    climbing = rung_releases(plan)
+    total = climbing + hardware_releases(plan)
+    rungs = climb(plan, FACTORS, threads=threads, progress=lambda now, _: progress("tolerances", now, total))
+    gains = hardware(rungs, threads=threads, progress=lambda now, _: progress("hardware", climbing + now, total))
+    progress("bound", total, total)
+    errors = np.union1d(ERRORS, [rungs.tolerances[INERTIA]])
+    kept = [one for one in errors.tolist() if one == rungs.tolerances[INERTIA] or not _near(one, rungs.tolerances[INERTIA])]
+    return Frontier(
+        rungs=rungs,
+        bound=inertia_bound(plan, kept, threads=threads),
+        tightening=tightening(rungs),
+        valve=valve_limits(plan, threads=threads),
+        friction=smallest_friction(plan),
+        hardware=gains,
+    )
+
+
+def _near(one: float, other: float) -> bool:
+    return abs(one - other) < _SAME * other
+
+
+_SAME = 1e-6
+"""Relative; errors that are the same but for rounding."""

@@ -1,0 +1,121 @@
+"""The ladder of tolerances: what passes at every setting with the plant's parameters off by all, a half, ... of their tolerance.
+
+Every case stands by itself (one parameter off, hands off), so what passes with some tolerances tightened and others not is the
+logical and of cases that were run once.
+"""
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.envelopes.cases import Case, Kind, changes_of
+from forcefeel.envelopes.plan import Plan
+from forcefeel.envelopes.result import Envelope
+from forcefeel.envelopes.run import compute
+from forcefeel.errors import InputError
+
+FACTORS = (1.0, 0.5, 0.25, 0.15, 0.1, 0.05, 0.025)
+"""The rungs: every tolerance of the plant times this."""
+
+_Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Rungs:
+    """One law on every rung.
+
+    Attributes:
+        full: The envelope at the full tolerances.
+        factors: The rungs, falling from 1.
+        cases: The cases of each rung; arms on the first alone.
+        passes: Which settings pass in each case of each rung, (cases, settings).
+        stable: Which are stable there.
+    """
+
+    full: Envelope
+    factors: tuple[float, ...]
+    cases: tuple[tuple[Case, ...], ...] = field(repr=False)
+    passes: tuple[NDArray[np.bool_], ...] = field(repr=False)
+    stable: tuple[NDArray[np.bool_], ...] = field(repr=False)
+
+    @property
+    def compensator(self) -> str:
+        """Name of the law."""
+        return self.full.compensators[0]
+
+    @property
+    def tolerances(self) -> Mapping[str, float]:
+        """The full tolerances by parameter."""
+        return self.full.plan.changes or changes_of(self.full.plan.loader)
+
+    @property
+    def nominal(self) -> NDArray[np.bool_]:
+        """Which settings pass with the nominal plant, hands off."""
+        return np.asarray(self.passes[0][0])
+
+    def worst(self, tight: Collection[str], rung: int, rest: int = 0, *, stable: bool = False) -> NDArray[np.bool_]:
+        """Which settings pass in every case with some parameters on one rung and all others on another.
+
+        Args:
+            tight: The parameters that are on ``rung``.
+            rung: Place in ``factors``; one beyond the last for parameters that are known exactly.
+            rest: Place of all other parameters.
+            stable: Which are stable, in place of those that pass.
+        """
+        good = self.stable if stable else self.passes
+        at_nominal = [case.kind is not Kind.PLANT for case in self.cases[0]]
+        parts = [good[0][at_nominal], good[rest][self._off(rest, set(self.tolerances) - set(tight))]]
+        if rung < len(self.factors):
+            parts.append(good[rung][self._off(rung, tight)])
+        return np.asarray(np.concatenate(parts).all(axis=0))
+
+    def _off(self, rung: int, parameters: Collection[str]) -> list[bool]:
+        return [case.kind is Kind.PLANT and case.parameter in parameters for case in self.cases[rung]]
+
+
+def rung_releases(plan: Plan, factors: Collection[float] = FACTORS) -> int:
+    """Releases of a ladder."""
+    return plan.settings.count * (len(factors) * (len(plan.cases) - len(plan.arms)) + len(plan.arms))
+
+
+def climb(
+    plan: Plan,
+    factors: tuple[float, ...] = FACTORS,
+    *,
+    threads: int | None = None,
+    progress: _Progress = lambda done, total: None,
+) -> Rungs:
+    """Runs one law on every rung.
+
+    Args:
+        plan: The envelope, with one compensator.
+        factors: The rungs, falling from 1.
+        threads: How many; all cores if not given.
+        progress: Called with the releases that are done and all there are.
+
+    Raises:
+        InputError: If there is not one compensator, or the rungs do not fall from 1 and stay above 0.
+    """
+    if len(plan.compensators) != 1:
+        raise InputError(f"compensators: expected one, got {', '.join(plan.compensators)}; make a frontier for each")
+    if factors[:1] != (1.0,) or any(np.diff(factors) >= 0) or factors[-1] <= 0:
+        raise InputError(f"factors: expected rungs that fall from 1 and stay above 0, got {list(factors)}")
+    tolerances = changes_of(plan.loader) if plan.changes is None else plan.changes
+    total, done = rung_releases(plan, factors), 0
+    found: list[Envelope] = []
+    for factor in factors:
+        changes = {key: factor * share for key, share in tolerances.items()}
+        arms = plan.arms if factor == 1.0 else ()
+        rung = Plan(plan.given, plan.compensators, plan.settings, plan.rule, changes, arms, plan.angle_rad)
+        base = done
+        found.append(compute(rung, threads=threads, progress=lambda now, _, base=base: progress(base + now, total)))
+        done += rung.settings.count * len(rung.cases)
+    return Rungs(
+        found[0],
+        factors,
+        cases=tuple(one.plan.cases for one in found),
+        passes=tuple(one.passes(one.compensators[0]) for one in found),
+        stable=tuple(one.stable(one.compensators[0]) for one in found),
+    )
