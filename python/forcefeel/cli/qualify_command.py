@@ -11,8 +11,9 @@ from rich.table import Table
 from forcefeel.cli.qualify_options import ControlAxis, Overdamped
 from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.scenario_text import assignments
+from forcefeel.designs.setting_laws import names_for
 from forcefeel.errors import InputError
-from forcefeel.loader import open_loader
+from forcefeel.loader import Loader, open_loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.qualify import Qualification, QualificationSetup, qualify_loader
 from forcefeel.qualify.plain import plain_qualification
@@ -37,8 +38,8 @@ class QualifyOptions:
     out: Path
     pdf: bool
 
-    def setup(self, units: UnitSystem) -> QualificationSetup:
-        """How the loader is qualified.
+    def setup(self, loader: Loader, units: UnitSystem) -> QualificationSetup:
+        """How a loader is qualified.
 
         Raises:
             InputError: If an option is bad or does not go with another.
@@ -51,7 +52,7 @@ class QualifyOptions:
         if self.laws and self.compare:
             raise InputError("--compare: takes every law, and --compensator some; leave one out")
         return QualificationSetup(
-            laws=tuple(map(str, Law)) if self.compare else tuple(map(str, self.laws or [Law.ORIGINAL])),
+            laws=names_for(loader) if self.compare else tuple(map(str, self.laws or [Law.ORIGINAL])),
             rule=self.rule or DEFAULT_EDITION,
             axis=self.axis.value,
             throw_rad=_value("--throw", self.throw, "rad", "18 deg"),
@@ -71,10 +72,10 @@ def run_qualify(path: Path | None, options: QualifyOptions, units: UnitSystem, *
     )
 
     check_qualification_folder(options.out, pdf=options.pdf)  # before the work, not after it
-    setup = options.setup(units)
     changes = assignments("--set", tuple(options.changes or ()))
     loader = open_loader(path)
-    found = qualify_loader(loader.replace(changes) if changes else loader, setup)
+    loader = loader.replace(changes) if changes else loader
+    found = qualify_loader(loader, options.setup(loader, units))
     page = write_qualification(found, options.out, pdf=options.pdf)
     if as_json:
         print(json.dumps({"page": str(page), **plain_qualification(found)}, indent=2, allow_nan=False))

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from forcefeel.compensation import DesignSettings
     from forcefeel.inputs import Recorded, Schedule
     from forcefeel.loader import Loader
+    from forcefeel.sampled_compensator import SampledCompensator
     from forcefeel.simulation import FeelChange, Scenario
 
 
@@ -41,6 +42,10 @@ class Law(StrEnum):
     ORIGINAL = "original"
     PUBLISHED = "published"
     CONVERGED = "converged"
+    LOAD_CELL = "load-cell"
+    OBSERVER = "observer"
+    RECOVERED = "recovered"
+    ROBUST = "robust"
 
 
 STEP_S, SAMPLE_S, FADE_S = 1e-3, 1e-3, 0.5
@@ -238,23 +243,22 @@ class ScenarioOptions:
 
         return NAMED_DESIGNS[self.law](loader)
 
-    def compensator(self, loader: "Loader") -> "Compensator | None":
+    def compensator(self, loader: "Loader") -> "Compensator | SampledCompensator | None":
         """The law, designed for ``loader``; ``None`` is the original position loop.
 
         Raises:
-            InputError: If the recursion does not give the gains.
+            InputError: If it cannot be designed.
         """
-        settings = self.design(loader)
-        if settings is None:
+        if self.law is None:
             return None
-        from forcefeel.compensation import compensate  # noqa: PLC0415
+        from forcefeel.designs.setting_laws import own_law  # noqa: PLC0415
 
-        found = compensate(loader, settings)
-        if not found.reached:
+        try:
+            return own_law(self.law, loader)
+        except InputError as error:
             raise InputError(
-                f"--compensator: the recursion does not give the {self.law} gains for this loader: {found.note}"
-            )
-        return found.compensator(loader)
+                f"--{error}" if str(error).startswith("compensator:") else f"--compensator: {error}"
+            ) from error
 
     def scenario(self, loader: "Loader") -> "Scenario":
         """What is done to ``loader``.

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
-from forcefeel.compensation import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings
+from forcefeel.compensation import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, compensate
 from forcefeel.designs.methods import METHODS, Method
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
+from forcefeel.loader import FEEL_SETTING, Loader
 from forcefeel.models import state_feedback
 from forcefeel.sampled_compensator import SampledCompensator
 from forcefeel.schedule import schedule_gains
@@ -43,6 +43,22 @@ def named(names: Sequence[str], loader: Loader) -> dict[str, Law]:
     if not names or len(set(names)) < len(names):
         raise InputError(f"compensator: expected different ones of {', '.join(NAMED_LAWS)}, got {show(list(names))}")
     return {name: METHODS[name] if name in METHODS else NAMED_DESIGNS[name](loader) for name in names}
+
+
+def own_law(name: str, loader: Loader) -> Compensator | SampledCompensator | None:
+    """The law of a name for a loader's own setting; ``None`` is the original position loop.
+
+    Raises:
+        InputError: If the name is unknown, the recursion does not give the gains, or a sampled law cannot be designed.
+    """
+    (law,) = named((name,), loader).values()
+    if not isinstance(law, DesignSettings):
+        own = np.array([[loader[key] for key in FEEL_SETTING]])
+        return SettingLaws.of(law, loader, own).single(loader, 0)
+    found = compensate(loader, law)
+    if not found.reached:
+        raise InputError(f"compensator: the recursion does not give the {name} gains for this loader: {found.note}")
+    return found.compensator(loader)
 
 
 @dataclass(frozen=True, eq=False)

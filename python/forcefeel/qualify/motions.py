@@ -14,6 +14,7 @@ from forcefeel.loader import Loader
 from forcefeel.qualification import Record
 from forcefeel.qualify.sweep_force import SweepForce
 from forcefeel.qualify.throw import Throw
+from forcefeel.sampled_compensator import SampledCompensator
 from forcefeel.simulation import RunStatus, Scenario, simulate
 
 _SAMPLE_S = 1e-3
@@ -56,7 +57,7 @@ class SimulatedLoader:
     """
 
     loader: Loader
-    law: Compensator | None
+    law: Compensator | SampledCompensator | None
 
     def move(self, scenario: Scenario) -> NDArray[np.float64]:
         """The column's angle at the samples, rad.

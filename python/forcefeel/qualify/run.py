@@ -19,6 +19,7 @@ from forcefeel.qualify.motions import Motions, SimulatedLoader
 from forcefeel.qualify.programme import Trial, trials
 from forcefeel.qualify.result import Qualification, Section
 from forcefeel.qualify.throw import Throw
+from forcefeel.sampled_compensator import SampledCompensator
 from forcefeel.units import ANGLE, PRESSURE, UnitSystem, show
 
 Records = Sequence[str] | Mapping[str, Record]
@@ -30,7 +31,7 @@ class QualificationSetup:
     """How a loader is qualified.
 
     Attributes:
-        laws: Names of ``compensation.NAMED_DESIGNS``, or laws by name, ``None`` being the original loop; a section each.
+        laws: Names of ``setting_laws.NAMED_LAWS``, or laws by name, ``None`` being the original loop; a section each.
         rule: Edition of the rule.
         axis: Which control of the rule.
         throw_rad: Throw to either side; the loader's or its feel's stops, or a usual one if not given.
@@ -41,7 +42,7 @@ class QualificationSetup:
         system: Units; of the rule's two roundings of a force, that one holds.
     """
 
-    laws: Sequence[str] | Mapping[str, Compensator | None] = (ORIGINAL,)
+    laws: Sequence[str] | Mapping[str, Compensator | SampledCompensator | None] = (ORIGINAL,)
     rule: str = DEFAULT_EDITION
     axis: Axis = "pitch"
     throw_rad: Annotated[float, ANGLE] | None = None
@@ -110,7 +111,7 @@ def law_words(name: str) -> str:
     return LAW_WORDS.get(name, name)
 
 
-def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Compensator | None]:
+def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Compensator | SampledCompensator | None]:
     given = setup.laws
     if isinstance(given, str):
         raise InputError(f"laws: expected a list of names or laws by name, got {show(given)}")

@@ -17,8 +17,10 @@ from forcefeel.errors import InputError
 from forcefeel.loader import FEEL_SETTING, Loader
 from forcefeel.models import state_feedback
 from forcefeel.parameters import INDEX, TABLE
+from forcefeel.sampled_compensator import SampledCompensator
 from forcefeel.schedule import schedule_gains
 from forcefeel.simulation import Scenario
+from forcefeel.simulation.engine import Law
 from forcefeel.simulation.scenario import LARGEST_SEED, Steps
 from forcefeel.sweep import text
 from forcefeel.sweep.numbers import shares
@@ -74,7 +76,7 @@ class Sweep:
 
     loader: Loader
     scenario: Scenario
-    compensator: Compensator | DesignSettings | None = None
+    compensator: Compensator | SampledCompensator | DesignSettings | None = None
     runs: int | None = None
     seed: int = 0
     vary: Mapping[str, Any] = field(default_factory=dict)
@@ -149,7 +151,7 @@ class Sweep:
         given = (self.loader, self.scenario, self.compensator, self.runs, self.seed)
         return Sweep, (*given, dict(self.vary), dict(self.axes))
 
-    def law(self, values: NDArray[np.float64]) -> Compensator | NDArray[np.float64] | None:
+    def law(self, values: NDArray[np.float64]) -> Law:
         """The law of machines with these values (SI, a row each), as ``simulate_batch`` takes it."""
         if not isinstance(self.compensator, DesignSettings):
             return self.compensator
@@ -165,7 +167,7 @@ class Sweep:
         return isinstance(self.compensator, DesignSettings)
 
     @cached_property
-    def nominal_law(self) -> Compensator | None:
+    def nominal_law(self) -> Compensator | SampledCompensator | None:
         """The law of the nominal loader; ``None`` for the original position loop."""
         law = self.law(self.loader.values[np.newaxis])
         return state_feedback(self.loader, law[0]) if isinstance(law, np.ndarray) else law

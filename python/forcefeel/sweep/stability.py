@@ -8,10 +8,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.compensation import DesignSettings
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.parameters import INDEX, REQUIRED, TABLE, did_you_mean
+from forcefeel.sampled_compensator import SampledCompensator
+from forcefeel.sampled_loop import sampled_loops
 from forcefeel.simulation.engine import cores
 from forcefeel.simulation.linear import STABLE, STABLE_BY_POLES
 from forcefeel.sweep.plan import Sweep
@@ -80,19 +81,23 @@ def damping_map(sweep: Sweep) -> xr.DataArray | None:
         points = slice(first, first + _AT_A_TIME)
         places = np.unravel_index(np.arange(len(found))[points], sweep.shape)
         table = np.column_stack([axis[place] for axis, place in zip(axes, places, strict=True)])
-        poles = _loops(sweep.loader.values, keys, table, _law(sweep, keys, table)).poles(cores())
-        size = np.maximum(np.hypot(poles[..., 0], poles[..., 1]), np.finfo(float).tiny)
-        found[points] = np.min(-poles[..., 0] / size, axis=1)
+        poles = _poles(sweep, keys, table)
+        found[points] = np.min(-poles.real / np.maximum(np.abs(poles), np.finfo(float).tiny), axis=1)
     coordinates = {key: (key, axis, {"units": TABLE[key].unit_si}) for key, axis in zip(keys, axes, strict=True)}
     return xr.DataArray(found.reshape(sweep.shape), coordinates, tuple(keys), "least_damping_ratio")
 
 
-def _law(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> Compensator | NDArray[np.float64] | None:
-    if not isinstance(sweep.compensator, DesignSettings):
-        return sweep.compensator
+def _poles(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Poles of the loops; under a sampled law ``ln z / T`` of those of the sampled loop."""
     values = np.tile(sweep.loader.values, (len(table), 1))
     values[:, [INDEX[key] for key in keys]] = table
-    return sweep.law(values)
+    law = sweep.law(values)
+    if isinstance(law, SampledCompensator):
+        loops = sampled_loops(sweep.loader, law, values)
+        with np.errstate(divide="ignore"):  # a pole at zero is gone within the period
+            return np.asarray(np.log(loops.poles) / loops.period_s)
+    parts = _loops(sweep.loader.values, keys, table, law).poles(cores())
+    return np.asarray(parts[..., 0] + 1j * parts[..., 1])
 
 
 def _loops(
