@@ -37,6 +37,7 @@ bench: $(VENV)/built
 	$(BIN)/python benchmarks/linear.py
 	$(BIN)/python benchmarks/stability.py
 	$(BIN)/python benchmarks/envelope.py
+	$(BIN)/python benchmarks/sampled_laws.py
 
 docs: $(VENV)/built
 	$(BIN)/python docs/make.py

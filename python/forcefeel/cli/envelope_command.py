@@ -12,12 +12,13 @@ from rich.table import Table
 from forcefeel.cli.sweep_command import INTERRUPTED, Bar
 from forcefeel.designs.setting_laws import names_for
 from forcefeel.envelopes import Envelope
+from forcefeel.envelopes.cases import changes_of
 from forcefeel.envelopes.findings import envelope_conclusions
 from forcefeel.envelopes.plain import plain_envelope
 from forcefeel.envelopes.plan import Plan, make_plan
 from forcefeel.envelopes.run import compute
 from forcefeel.errors import InputError
-from forcefeel.loader import open_loader
+from forcefeel.loader import Loader, open_loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.sweep.findings import share_text
@@ -33,6 +34,7 @@ class EnvelopeOptions:
     compare: bool
     rule: str | None
     angle: str | None
+    off: list[str] | None
     out: Path
     replace: bool
     threads: int | None
@@ -52,7 +54,21 @@ class EnvelopeOptions:
         except InputError as error:
             raise InputError(f"--angle: {error}") from error
         grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:25:log")
-        return make_plan(loader, names, grid, rule=self.rule or DEFAULT_EDITION, angle_rad=angle)
+        options = {"rule": self.rule or DEFAULT_EDITION, "angle_rad": angle, "changes": self._changes(loader)}
+        return make_plan(loader, names, grid, **options)
+
+    def _changes(self, loader: Loader) -> dict[str, float]:
+        """How far each parameter of the plant is off."""
+        found = dict(changes_of(loader))
+        for key, given in text.assignments("--off", self.off, "column.inertia=2 %").items():
+            if given == "none":
+                found.pop(key, None)
+                continue
+            try:
+                found[key] = parse(given, "", "2 %")
+            except InputError as error:
+                raise InputError(f"--off: {key}: {error}") from error
+        return found
 
 
 def run_envelope(path: Path | None, options: EnvelopeOptions, units: UnitSystem, *, as_json: bool) -> None:

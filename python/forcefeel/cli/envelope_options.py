@@ -19,8 +19,8 @@ EnvelopeCompensators = Annotated[
     list[str] | None,
     typer.Option(
         "--compensator",
-        help="original, published or converged; gains are designed anew for each setting. May be given again.  [default: "
-        "published]",
+        help="original, published or converged; for a digital controller load-cell, observer, recovered or robust. Laws are "
+        "designed anew for each setting. May be given again.  [default: published]",
         rich_help_panel=_WHAT,
         show_default=False,
     ),
@@ -42,6 +42,16 @@ EnvelopeAngle = Annotated[
     typer.Option(
         "--angle",
         help="Angle of the release, such as '10 deg'.  [default: half the throw's shorter side; 10 deg without stops]",
+        rich_help_panel=_WHAT,
+        show_default=False,
+    ),
+]
+EnvelopeOff = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--off",
+        help="How far a parameter of the plant is off to either side, such as 'column.inertia=2 %', in place of 20 % (the valve's "
+        "gain 30 %); 'none' for not at all. May be given again.",
         rich_help_panel=_WHAT,
         show_default=False,
     ),

@@ -14,7 +14,7 @@ from forcefeel.cli.scenario_text import assignments
 from forcefeel.designs.setting_laws import names_for
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader, open_loader
-from forcefeel.qualification import DEFAULT_EDITION
+from forcefeel.qualification import DEFAULT_EDITION, Outcome
 from forcefeel.qualify import Qualification, QualificationSetup, qualify_loader
 from forcefeel.qualify.plain import plain_qualification
 from forcefeel.qualify.words import conclusions
@@ -88,17 +88,36 @@ def run_qualify(path: Path | None, options: QualifyOptions, units: UnitSystem, *
 
 def _show(console: Console, found: Qualification) -> None:
     title = f"{found.loader.name}, {found.rules.title} ({found.rules.edition}), {found.axis}"
+    console.print((_tests if len(found.sections) <= _SIDE_BY_SIDE else _counts)(found, title))
+    said = conclusions(found)
+    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)
+
+
+_SIDE_BY_SIDE = 3
+"""Laws whose outcomes a terminal shows test by test."""
+
+
+def _tests(found: Qualification, title: str) -> Table:
+    """Test by test, a column for each law."""
     table = Table("test", "what", title=title, title_justify="left", title_style="bold")
     for section in found.sections:
         table.add_column(section.title)
     for results in zip(*(section.results for section in found.sections), strict=True):
         trial = results[0].trial
         table.add_row(trial.test.number, trial.title, *(str(one.outcome) for one in results))
-    console.print(table)
-    said = conclusions(found)
-    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
-    for finding in said.findings:
-        console.print(f"- {finding}", highlight=False)
+    return table
+
+
+def _counts(found: Qualification, title: str) -> Table:
+    """How many tests came to what, a row for each law."""
+    table = Table("law", title=title, title_justify="left", title_style="bold")
+    for outcome in Outcome:
+        table.add_column(str(outcome), justify="right")
+    for section in found.sections:
+        table.add_row(section.title, *(str(section.count(outcome)) for outcome in Outcome))
+    return table
 
 
 def _value(option: str, given: str | None, unit: str, example: str) -> float | None:

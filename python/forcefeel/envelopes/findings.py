@@ -54,9 +54,10 @@ def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
         lines.append(f"Left out, because an envelope programs I, B and G alone: {rows}.")
     if not plan.linear:
         angle = f"{to_text(ANGLE.from_si(plan.release_rad, units), 3)} {ANGLE.shown(units)}"
+        loop = "sampled loop, its delay included" if plan.loader["controller.period"] else "linear model"
         lines.append(
-            f"The loader has optional rows: its releases, from {angle}, are stepped. Stability is that of the linear model; a "
-            "setting that is unstable there counts as unstable."
+            f"The loader has optional rows: its releases, from {angle}, are stepped. Stability is that of the {loop}; a setting "
+            "that is unstable there counts as unstable."
         )
     return tuple(lines)
 

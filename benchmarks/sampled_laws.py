@@ -1,0 +1,114 @@
+"""Sampled laws for many settings, and what an observer costs in the engine.
+
+Run ``python benchmarks/sampled_laws.py``. On one core: checks the regulator's gains against python-control's ``dlqr`` on the same
+sampled plant, then times a design of 1,000 settings beside it. Then a batch of releases under an observer beside the same batch
+under the report's gains in the same controller, whose step does everything but the observer. Ends with an error if the answers
+differ, or a design takes more than what is promised.
+"""
+
+import os
+
+# One thread: the limits are read when NumPy loads its linear algebra, so they stand before the imports.
+os.environ.update({f"{library}_NUM_THREADS": "1" for library in ("OMP", "OPENBLAS", "MKL", "VECLIB_MAXIMUM")})
+if hasattr(os, "sched_setaffinity"):
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+
+import sys
+import time
+
+import control
+import numpy as np
+from core_peak import peak_flops
+from schedule import random_settings
+
+from forcefeel.designs.methods import METHODS
+from forcefeel.designs.observer import observe
+from forcefeel.designs.plant import BASE, BASE_RATE, SampledPlant
+from forcefeel.designs.regulator import regulate
+from forcefeel.designs.setting_laws import SettingLaws
+from forcefeel.designs.tuning import ROBUST
+from forcefeel.inputs import Release
+from forcefeel.loader import FEEL_SETTING, digital_elevator
+from forcefeel.models import DESIGN_STATES
+from forcefeel.parameters import INDEX
+from forcefeel.schedule import schedule_gains
+from forcefeel.simulation import Scenario, simulate_batch
+
+SETTINGS, PEER_SETTINGS, RUNS, REPEATS = 1000, 20, 512, 5
+AGREEMENT = 1e-7  # of the largest gain; the two solvers agree to some 1e-10
+PROMISED_SECONDS = 10.0
+
+# Multiplications and additions of a sample: state 9 x 13, command and torque 14 each.
+OBSERVER_FLOPS = 2 * (9 * 13 + 2 * 14)
+
+
+def median_seconds(run):
+    times = []
+    for _ in range(REPEATS):
+        start = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - start)
+    return float(np.median(times))
+
+
+def peer_gains(plant, ratio):
+    """Regulator and filter of one setting by python-control, on the matrices of the design."""
+    a, b = plant.transition, plant.input[:, None]
+    q = np.zeros_like(a)
+    q[BASE, BASE] = 1.0
+    q[BASE_RATE, BASE_RATE] = ROBUST.rate_weight.at(ratio)
+    k, _, _ = control.dlqr(a, b, q, [[ROBUST.command_weight.at(ratio)]])
+    return k[0]
+
+
+def check(plant, ratios):
+    worst = 0.0
+    for ratio in ratios:
+        expected, found = peer_gains(plant, ratio), regulate(plant, ROBUST, ratio).gains
+        worst = max(worst, float(np.abs(found - expected).max() / np.abs(expected).max()))
+    if not worst < AGREEMENT:
+        sys.exit(f"gains differ by {worst:.1e}; expected less than {AGREEMENT:g}")
+    return worst
+
+
+def main():
+    loader = digital_elevator()
+    plant = SampledPlant.of(loader)
+    settings = random_settings(loader, SETTINGS)
+    ratios = settings[:PEER_SETTINGS, 0] / loader["column.inertia"]
+    worst = check(plant, ratios)
+    own = median_seconds(lambda: METHODS["robust"].design(loader, settings))
+    riccati = median_seconds(lambda: [(regulate(plant, ROBUST, r), observe(plant, ROBUST, r)) for r in ratios]) / len(
+        ratios
+    )
+    peer = median_seconds(lambda: [peer_gains(plant, r) for r in ratios]) / len(ratios)
+    print(
+        f"design of {SETTINGS} settings, each with an inertia of its own: {own:.2f} s, {1e3 * own / SETTINGS:.2f} ms each"
+    )
+    print(
+        f"  of that the two Riccati equations with their checks {1e3 * riccati:.2f} ms; control.dlqr alone {1e3 * peer:.2f} ms"
+    )
+    print(f"  regulator against control.dlqr: {worst:.0e} of the largest gain")
+    if own > PROMISED_SECONDS:
+        sys.exit(f"design: {own:.1f} s; promised {PROMISED_SECONDS:g} s")
+    rows = np.tile(loader.values, (RUNS, 1))
+    rows[:, [INDEX[key] for key in FEEL_SETTING]] = settings[:RUNS]
+    scenario = Scenario(Release(0.1), 2.0, 1e-3, 1e-3)
+    gains = np.zeros((RUNS, len(DESIGN_STATES)))
+    gains[:, :-1] = schedule_gains(loader, settings[:RUNS]).gains
+    laws = {"gains": gains, "observer": SettingLaws.of(METHODS["robust"], loader, settings[:RUNS]).found}
+    steps = RUNS * round(scenario.duration_s / loader["controller.period"])
+    seconds = {
+        name: median_seconds(lambda law=law: simulate_batch(loader, scenario, rows, law, threads=1))
+        for name, law in laws.items()
+    }
+    for name, one in seconds.items():
+        print(f"releases under {name:<9}{RUNS / one:>8.0f} runs/s{1e9 * one / steps:>8.0f} ns a sample")
+    extra = (seconds["observer"] - seconds["gains"]) / steps
+    share = OBSERVER_FLOPS / extra / peak_flops() if extra > 0 else np.nan
+    ratio = seconds["observer"] / seconds["gains"]
+    print(f"an observer costs {1e9 * extra:.0f} ns a sample, {share:.0%} of peak: {ratio:.2f} times the step without")
+
+
+if __name__ == "__main__":
+    main()

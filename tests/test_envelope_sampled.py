@@ -1,0 +1,155 @@
+"""The envelope under a digital controller: stability and releases against the exact plant, and what the methods are known for."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+import forcefeel as ff
+from forcefeel._core import Compensator
+from forcefeel.arms import ARM_ROWS
+from forcefeel.designs.methods import METHODS
+from forcefeel.designs.setting_laws import SettingLaws, names_for, own_law
+from forcefeel.envelopes.cases import changes_of
+from forcefeel.envelopes.grip import Grips
+from forcefeel.envelopes.plan import make_plan
+from forcefeel.envelopes.releases import Record, released
+from forcefeel.errors import InputError
+from forcefeel.loader import FEEL_SETTING
+from forcefeel.qualification import Outcome
+from forcefeel.qualify import QualificationSetup, qualify_loader
+
+GRID = {"stiffness": "3, 10, 40 %", "frequency": "0.7, 2, 3.5 Hz", "damping": "0.2, 0.9"}
+NEAR = 4e-3
+"""Of the deflection: the engine's steps of 0.5 ms and its slaved oil against the exact plant."""
+EDGE = 2e-3
+"""Of a pole's magnitude about one, within which either verdict may stand."""
+
+
+@pytest.fixture(scope="module")
+def loader() -> ff.Loader:
+    return ff.elevator().replace({"controller.period": "0.5 ms", "controller.delay": "0.5 ms"})
+
+
+def exact(loader, law, values, setting):
+    """Loop over a period of a machine that is off (``values``) under the law of a setting; and its base's place, held and let go.
+
+    ``[x (6); held command; delta, delta'; xi]``: eq. (17) with the arm, by SciPy's exponential.
+    """
+    period = loader["controller.period"]
+    machine = loader.replace(values)
+    mass, damper, spring = (machine[row] * machine["column.grip_arm"] ** 2 for row in ARM_ROWS)
+    model = ff.compliant_model(machine.replace(dict.fromkeys(ARM_ROWS, 0.0)), Compensator.none(machine.values))
+    kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
+    a, b = np.array(model.A)[np.ix_(kept, kept)], np.array(model.B)[kept]
+    share = machine["column.inertia"] / (machine["column.inertia"] + mass)
+    a[5], b[5] = share * a[5], share * b[5]
+    a[5, 4] -= spring / (machine["column.inertia"] + mass)
+    a[5, 5] -= damper / (machine["column.inertia"] + mass)
+    plant = scipy.linalg.expm(np.block([[a, b], [np.zeros((2, 8))]]) * period)
+    inertia, damping, stiffness = setting
+    feel = scipy.linalg.expm(
+        np.array([[0, 1, 0], [-stiffness / inertia, -damping / inertia, 1 / inertia], [0, 0, 0]]) * period
+    )
+    n = law.states
+    loop, push = np.zeros((9 + n, 9 + n)), np.zeros(9 + n)
+    push[:6] = plant[:6, 6]
+    for k in range(9 + n):
+        x = np.eye(9 + n)[k]
+        y = [machine["actuator.area"] * x[1], x[0], x[4] / machine["column.base_arm"]]
+        known = np.concatenate([x[9:], y, x[7:9]])
+        e, torque = law.command[0] @ known, law.torque[0] @ known
+        loop[:6, k] = plant[:6, :6] @ x[:6] + plant[:6, 7] * x[6]
+        loop[6, k] = e
+        loop[7:9, k] = (feel @ [x[7], x[8], torque])[:2]
+        loop[9:, k] = law.transition[0] @ x[9:] + law.input[0] @ [*y, e]
+    held = np.linalg.solve(np.eye(9 + n) - loop, push)
+    row = np.zeros(9 + n)
+    row[4] = 1 / machine["column.base_arm"]
+    return loop, held, row
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_verdicts_and_releases_are_those_of_the_exact_plant(loader: ff.Loader, name: str) -> None:
+    plan = make_plan(loader, (name,), GRID)
+    feel = plan.settings.feel(plan.loader)
+    laws = SettingLaws.of(METHODS[name], plan.loader, feel)
+    draw = np.random.default_rng(4)
+    record = Record(1e-3, 1500)
+    followed = 0
+    for place in (0, *draw.choice(np.arange(1, len(plan.cases)), 4, replace=False)):
+        case = plan.cases[place]
+        values = {case.parameter: plan.loader[case.parameter] * (1 + case.change)} if case.parameter else {}
+        values |= dict(zip(ARM_ROWS, case.arm.values, strict=True)) if case.arm else {}
+        stable, angles = released(plan, case, feel, laws, record, 1)
+        for k in draw.choice(len(feel), 5, replace=False):
+            loop, state, row = exact(plan.loader, laws.single(plan.loader, k), values, feel[k])
+            largest = np.abs(np.linalg.eigvals(loop)).max()
+            if abs(largest - 1) > EDGE:
+                assert stable[k] == (largest < 1), (case.name, k, largest)
+            if not (stable[k] and largest < 1):
+                continue
+            state = state / (row @ state) * plan.release_rad
+            path = []
+            for _ in range(record.samples):
+                path.append(row @ state)
+                state = loop @ (loop @ state)
+            np.testing.assert_allclose(angles[k], path, atol=NEAR * plan.release_rad, err_msg=f"{case.name} {k}")
+            followed += 1
+    assert followed > 8
+
+
+def test_trust_in_the_potentiometer_is_what_a_softer_link_takes_away(loader: ff.Loader) -> None:
+    changes = {"linkage.stiffness": 0.2}
+    found = ff.envelope(loader, ("observer", "recovered", "robust"), GRID, changes=changes, arms=())
+    lost = {name: found.shares(name).stable - found.shares(name).stable_worst for name in found.compensators}
+    assert lost["recovered"] > 0.9
+    assert lost["observer"] > 0.1
+    assert lost["robust"] == 0.0
+
+
+def test_grip_tends_to_the_analog_one_as_the_period_goes_to_zero() -> None:
+    frequency = np.array([0.3, 2.0, 11.0])
+    own = np.array([[ff.elevator()[key] for key in FEEL_SETTING]])
+    analog = Grips.of(ff.elevator(), SettingLaws(None), own).admittance(0, frequency)
+    errors = []
+    for period in ("0.4 ms", "0.1 ms"):
+        grips = Grips.of(ff.elevator().replace({"controller.period": period}), SettingLaws(None), own)
+        errors.append(float(np.abs(grips.admittance(0, frequency) / analog - 1).max()))
+    assert errors[0] < 0.1
+    assert errors[1] < 0.3 * errors[0]  # of the first order in the period
+
+
+def test_residues_are_the_admittance(loader: ff.Loader) -> None:
+    feel = make_plan(loader, ("robust",), GRID).settings.feel(loader)[[2, 11]]
+    grips = Grips.of(loader, SettingLaws.of(METHODS["robust"], loader, feel), feel)
+    frequency = np.geomspace(0.1, 300, 20)
+    poles, residues = grips.poles_and_residues()
+    for k in range(len(feel)):
+        summed = (residues[k, :, None] / (grips.points(frequency) - poles[k][:, None])).sum(axis=0) * grips.factor(
+            frequency
+        )
+        np.testing.assert_allclose(
+            summed, grips.admittance(k, frequency), rtol=1e-4
+        )  # poles near z = 1 and 0 in one sum
+
+
+def test_orifice_takes_the_place_of_its_gains() -> None:
+    found = changes_of(ff.digital_elevator())
+    assert (found["valve.rated_flow"], found["valve.supply_pressure"]) == (0.3, 0.2)
+    assert "valve.current_gain" not in found
+    assert changes_of(ff.elevator())["valve.current_gain"] == 0.3
+
+
+def test_robust_loader_qualifies() -> None:
+    loader = ff.digital_elevator()
+    found = qualify_loader(loader, QualificationSetup(laws=("published", "robust")))
+    assert [section.name for section in found.sections if section.outcome is Outcome.PASSED] == ["robust"]
+
+
+def test_analog_loader_takes_the_laws_of_the_report_alone(loader: ff.Loader) -> None:
+    assert names_for(ff.elevator()) == ("original", "published", "converged")
+    assert set(METHODS) < set(names_for(loader))
+    with pytest.raises(InputError, match=r"controller\.period: expected a sample period, got none"):
+        own_law("robust", ff.elevator())
+    with pytest.raises(InputError, match="compensator: expected original, published"):
+        own_law("best", loader)
