@@ -102,9 +102,44 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
     assert not (tmp_path / "forcefeel-envelope").exists()
 
 
+def test_how_far_a_part_is_off(run):
+    status, out, _ = run(*SMALL, "--off", "column.inertia=2 %", "--off", "linkage.damping=none", "--json")
+    assert status == 0
+    names = [case["name"] for case in json.loads(out)["cases"]]
+    assert {"column.inertia -2 %", "column.inertia +2 %"} < set(names)
+    assert not any(name.startswith(("column.inertia -20", "linkage.damping")) for name in names)
+    assert len(names) == CASES - 2
+
+
+def test_a_controller_brings_its_laws(run):
+    few = (*("--grid", "stiffness=10, 20 %"), *("--grid", "frequency=1, 2 Hz"), *("--grid", "damping=0.4, 1"))
+    words = (
+        "elevator-2khz",
+        "--compensator",
+        "load-cell",
+        "--compensator",
+        "robust",
+        *few,
+        "--off",
+        "valve.rated_flow=none",
+        "--set",
+        "load_cell.noise=0.2 lb",
+    )
+    status, out, _ = run(*words, "--json")
+    assert status == 0
+    found = json.loads(out)
+    assert list(found["compensators"]) == ["load-cell", "robust"]
+    assert found["compensators"]["robust"]["shares"]["passes"]["value"] == 100
+    assert "valve.supply_pressure -20 %" in [case["name"] for case in found["cases"]]
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
+        (("--off", "column.inertia=1 lb"), "--off: column.inertia: expected a number such as '2 %'"),
+        (("--off", "column.inertia=100 %"), "expected a share above 0 and below 1"),
+        (("--off", "colum.inertia=2 %"), "did you mean column.inertia?"),
+        (("--compensator", "robust"), "controller.period: expected a sample period, got none"),
         (("--rule", "part61"), "part60-a-2014"),
         (("--compensator", "best"), "original, published, converged"),
         (("--compare", "--compensator", "original"), "leave one out"),

@@ -9,6 +9,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from forcefeel.cli.scenario_text import assignments
 from forcefeel.cli.sweep_command import INTERRUPTED, Bar
 from forcefeel.designs.setting_laws import names_for
 from forcefeel.envelopes import Envelope
@@ -35,6 +36,7 @@ class EnvelopeOptions:
     rule: str | None
     angle: str | None
     off: list[str] | None
+    changes: list[str] | None
     out: Path
     replace: bool
     threads: int | None
@@ -47,17 +49,19 @@ class EnvelopeOptions:
         """
         if self.compare and self.compensators:
             raise InputError("--compare and --compensator: given both; --compare takes all, leave one out")
+        changes = assignments("--set", tuple(self.changes or ()))
         loader = open_loader(path)
+        loader = loader.replace(changes) if changes else loader
         names = names_for(loader) if self.compare else tuple(self.compensators or ("published",))
         try:
             angle = None if self.angle is None else parse(self.angle, ANGLE.si, "10 deg")
         except InputError as error:
             raise InputError(f"--angle: {error}") from error
         grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:25:log")
-        options = {"rule": self.rule or DEFAULT_EDITION, "angle_rad": angle, "changes": self._changes(loader)}
+        options = {"rule": self.rule or DEFAULT_EDITION, "angle_rad": angle, "changes": self._off(loader)}
         return make_plan(loader, names, grid, **options)
 
-    def _changes(self, loader: Loader) -> dict[str, float]:
+    def _off(self, loader: Loader) -> dict[str, float]:
         """How far each parameter of the plant is off."""
         found = dict(changes_of(loader))
         for key, given in text.assignments("--off", self.off, "column.inertia=2 %").items():
