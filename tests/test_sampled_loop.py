@@ -6,13 +6,16 @@ import scipy.linalg
 
 import forcefeel as ff
 from forcefeel._core import Compensator
+from forcefeel.command_loop import CommandLoop
 from forcefeel.designs.setting_laws import own_law
 from forcefeel.errors import InputError
 from forcefeel.loader import FEEL_SETTING
+from forcefeel.loop_margins import loop_margins
 from forcefeel.sampled_compensator import SampledCompensator
-from forcefeel.sampled_loop import sampled_loops, sampled_margins
+from forcefeel.sampled_loop import sampled_loops
 
 LAWS = ("load-cell", "observer", "recovered", "robust")
+LIGHT = {"feel.inertia": "0.5 lb in s^2/rad", "feel.damping": "2 lb in s/rad", "feel.stiffness": "300 lb in/rad"}
 FINE = 5e-3
 """Of a pole: what the slaved oil and steps of 0.1 ms leave of the exact plant."""
 
@@ -69,7 +72,7 @@ def test_poles_are_those_of_the_exact_plant(loader: ff.Loader, name: str) -> Non
 def test_margins_are_where_the_closed_loop_turns_unstable(loader: ff.Loader, name: str) -> None:
     """The gain between controller and amplifier is turned until a pole of the witness leaves the circle."""
     law = own(loader, name)
-    margins = sampled_margins(sampled_loops(loader, law))
+    margins = loop_margins(CommandLoop.sampled(sampled_loops(loader, law)))
 
     def largest(gain: float) -> float:
         return float(np.abs(np.linalg.eigvals(exact_loop(loader, law, gain))).max())
@@ -84,7 +87,7 @@ def test_delay_margin_is_where_more_delay_turns_it_unstable(loader: ff.Loader) -
     """Whole samples of delay are put between: stable with fewer than the margin, unstable with more."""
     law = own(loader, "robust")
     loop = exact_loop(loader, law)
-    period, margin = loader["controller.period"], sampled_margins(sampled_loops(loader, law)).delay_s
+    period, margin = loader["controller.period"], loop_margins(CommandLoop.sampled(sampled_loops(loader, law))).delay_s
     for samples in (int(margin / period), int(margin / period) + 1):
         n = len(loop)
         longer = np.zeros((n + samples, n + samples))
@@ -143,7 +146,9 @@ def test_what_has_no_slope_is_left_out(loader: ff.Loader) -> None:
 
 
 def test_unstable_loop_has_no_margins(loader: ff.Loader) -> None:
-    margins = sampled_margins(sampled_loops(loader.replace({"feel.stiffness": "300 lb in/rad"}), None))
+    unstable = sampled_loops(loader.replace(LIGHT), None)
+    assert not unstable.stable[0]
+    margins = loop_margins(CommandLoop.sampled(unstable))
     assert (margins.gain_up, margins.delay_s) == (1.0, 0.0)
 
 

@@ -47,6 +47,8 @@ PERIOD_BASE: int
 """Place of the column's base among the states of a period."""
 PERIOD_COMMAND: int
 """Place of the youngest command."""
+PERIOD_SHOWN: int
+"""Place of the first of what the sensors showed."""
 BOUND_RAD: float
 """A column that turns so far has no model."""
 _Matrices: TypeAlias = tuple[_Array, _Array, _Array, _Array]

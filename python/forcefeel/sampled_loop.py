@@ -1,16 +1,12 @@
-"""The loop under a digital controller, from one period to the next: its poles and its margins, delay included.
+"""The loop under a digital controller, from one period to the next, its delay included.
 
 ``x+ = M x + b_e e_T + b_F F_p``: what plant, sensors, controller and the commands under way carry from sample to sample, from
-the very step that runs them (``crates/model/src/machine/period.rs``). ``e_T`` is a test signal on the command. The loop is
-opened there, where the command leaves the controller: ``L(z) = -c (z - M + b_e c)^-1 b_e`` with ``e = c x``, and the closed loop's
-characteristic equation is ``1 + L = 0``.
+the very step that runs them (``crates/model/src/machine/period.rs``). ``e_T`` is a test signal on the command.
 """
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Annotated
 
-import control
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,7 +15,6 @@ from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.simulation.engine import Law, cores, engine_law
 from forcefeel.simulation.scenario import controller_steps
-from forcefeel.units import ANGLE, HERTZ, RATIO, SECONDS
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,20 +49,6 @@ class SampledLoops:
     def stable(self) -> NDArray[np.bool_]:
         """Whether all poles of each loop are inside the unit circle."""
         return np.asarray(np.abs(self.poles).max(axis=1) < 1)
-
-    def open_loop(self, loop: int) -> control.StateSpace:
-        """L of one loop, opened at its command."""
-        c, b = self.matrix[loop, self.command], self.by_command[loop]
-        opened = self.matrix[loop] - np.outer(b, c)
-        return control.StateSpace(
-            opened,
-            b[:, None],
-            -c[None],
-            [[0.0]],
-            self.period_s,
-            name="loop opened at the command",
-            remove_useless_states=False,
-        )
 
 
 def sampled_loops(
@@ -105,46 +86,3 @@ def sampled_loops(
 
 _LONGEST_STEP_S = 1e-4
 """So fine that the fast poles of a tight loop are those of the exact plant to some 1e-3."""
-
-
-@dataclass(frozen=True)
-class SampledMargins:
-    """What a loop bears at its command, one thing at a time, before it is on the edge of stability.
-
-    Attributes:
-        gain_up: Factor by which the loop's gain may grow; infinite where it may without end.
-        gain_down: Factor to which it may fall; zero where it may fall to nothing.
-        phase_rad: Least lag or lead.
-        delay_s: Least delay in addition to the controller's own.
-        disk: Largest of Seiler, Packard and Gahinet's disks (skew 0), within which gain and phase may change together.
-        crossover_rad_per_s: Highest frequency at which the gain is one.
-    """
-
-    gain_up: Annotated[float, RATIO]
-    gain_down: Annotated[float, RATIO]
-    phase_rad: Annotated[float, ANGLE]
-    delay_s: Annotated[float, SECONDS]
-    disk: Annotated[float, RATIO]
-    crossover_rad_per_s: Annotated[float, HERTZ]
-
-
-def sampled_margins(loops: SampledLoops, loop: int = 0) -> SampledMargins:
-    """The margins of one stable loop; all zero, gains one, where it is not stable."""
-    if not loops.stable[loop]:
-        return SampledMargins(1.0, 1.0, 0.0, 0.0, 0.0, np.nan)
-    opened = loops.open_loop(loop)
-    gains, phases, _, _, crossovers, _ = control.stability_margins(opened, returnall=True)
-    lags = np.radians(phases) % (2 * np.pi)
-    frequencies = np.geomspace(_LOWEST_RAD_PER_S, np.pi / loops.period_s, _FREQUENCIES)
-    return SampledMargins(
-        gain_up=float(min((gain for gain in gains if gain > 1), default=np.inf)),
-        gain_down=float(max((gain for gain in gains if gain < 1), default=0.0)),
-        phase_rad=float(min(np.minimum(lags, 2 * np.pi - lags), default=np.inf)),
-        delay_s=float(min(lags / crossovers, default=np.inf)),
-        disk=float(control.disk_margins(opened, frequencies)[0]),
-        crossover_rad_per_s=float(max(crossovers, default=np.nan)),
-    )
-
-
-_LOWEST_RAD_PER_S, _FREQUENCIES = 0.1, 2000
-"""Where the disk margin is looked for, up to half the sampling rate."""

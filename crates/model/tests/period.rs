@@ -93,16 +93,16 @@ struct Loop {
 }
 
 impl Loop {
-    fn new(parameters: Parameters<f64>, observer: Option<[f64; NUMBERS]>, timing: Timing) -> Self {
+    fn new(parameters: &Parameters<f64>, observer: Option<&[f64; NUMBERS]>, timing: Timing) -> Self {
         let effects = Effects { sampled: true, observer: observer.is_some(), ..Effects::of(&parameters.values()) };
         let shared = Shared { effects: effects.smooth(), step_s: STEP, timing: Some(timing), curve: None };
-        Self { parameters, observer, shared, timing }
+        Self { parameters: *parameters, observer: observer.copied(), shared, timing }
     }
 
     /// With gains and with an observer, for each timing.
     fn all(parameters: &Parameters<f64>) -> impl Iterator<Item = Self> {
-        let laws = [None, Some(random_law(&mut Draws::new(11)))];
-        TIMINGS.into_iter().flat_map(move |timing| laws.map(|law| Self::new(*parameters, law, timing)))
+        let law = random_law(&mut Draws::new(11));
+        TIMINGS.into_iter().flat_map(move |timing| [None, Some(&law)].map(|law| Self::new(parameters, law, timing)))
     }
 
     fn machine<S: Scalar>(&self, like: S) -> Machine<S> {

@@ -25,6 +25,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(simulate::sampled_loops, module)?)?;
     module.add("OBSERVER_NUMBERS", forcefeel_model::observer::NUMBERS)?;
     module.add("PERIOD_BASE", forcefeel_model::machine::period::BASE)?;
+    module.add("PERIOD_SHOWN", forcefeel_model::machine::period::SHOWN)?;
     module.add("PERIOD_COMMAND", forcefeel_model::machine::period::YOUNGEST)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_outputs, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measures, module)?)?;

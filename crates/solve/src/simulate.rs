@@ -105,14 +105,15 @@ pub fn run<S: Scalar>(
         if next == held_until {
             Machine::let_go(&mut state);
         }
-        if let Some(change) = changes.peek() {
-            if next == change.steps.0 {
-                machine.fade_to(&change.parameters, change.observer.as_ref());
-            }
-            if next == change.steps.1 {
-                machine.faded(shared, &mut state);
-                changes.next();
-            }
+        if changes.peek().is_some_and(|change| next == change.steps.1) {
+            machine.faded(shared, &mut state);
+            changes.next();
+        }
+        // Only then: the next change may begin where the last one ends.
+        if let Some(change) = changes.peek()
+            && next == change.steps.0
+        {
+            machine.fade_to(&change.parameters, change.observer.as_ref());
         }
         let ended = now.end();
         let coming = inputs.get(next).unwrap_or(&ended);

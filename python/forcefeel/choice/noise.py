@@ -4,14 +4,14 @@
 
     P = M P M' + N V N',    theta = c x
 
-``V`` has ``sigma^2 + d^2 / 12`` for a sensor of noise ``sigma`` and smallest step ``d``: rounding adds nearly white noise where the
-sample's own noise is no smaller than some half of the step (B. Widrow, 1956). Converters' steps are left out.
+``V`` has ``sigma^2 + d^2 / 12`` for a sensor of noise ``sigma`` and smallest step ``d``: rounding adds nearly white noise where
+the sample's own noise is no smaller than some half of the step (B. Widrow, 1956). Converters' steps are left out.
 
-The hand that holds the grip feels ``F = R_p (m theta'' + d theta' + k theta)`` of its own arm, with ``theta'`` and ``theta''`` as central
-differences from sample to sample.
+The hand that holds the grip feels ``F = R_p (m theta'' + d theta' + k theta)`` of its own arm, with ``theta'`` and ``theta''`` as
+central differences from sample to sample.
 
-``N`` comes from the step that runs the loop: what a lagging sensor showed a step ago enters a sample by ``exp(-w h)``, as noise does
-by one. A sensor without a lag is given one for this alone.
+``N`` comes from the step that runs the loop: what a lagging sensor showed a step ago enters a sample by ``exp(-w h)``, as noise
+does by one. A sensor without a lag is given one for this alone.
 """
 
 from dataclasses import dataclass, field
@@ -24,19 +24,18 @@ from forcefeel import _core
 from forcefeel.arms import ARM_ROWS
 from forcefeel.envelopes.cases import REFERENCE_ARMS, PilotArm
 from forcefeel.loader import Loader
-from forcefeel.parameters import TABLE, unit
 from forcefeel.sampled_loop import sampled_loops
 from forcefeel.simulation.engine import Law, engine_law
-from forcefeel.simulation.scenario import MOST_UNDER_WAY, controller_steps
-from forcefeel.units import ANGLE
+from forcefeel.simulation.scenario import controller_steps
+from forcefeel.units import ANGLE, Unit
 
-FORCE = unit(TABLE["pilot.force"])
+FORCE = Unit("N", "N", "lb", "n")
 
 HOLDING: PilotArm = REFERENCE_ARMS[-1]
 """The arm that holds the grip: the firmest of the reference."""
 
 _SENSORS = ("load_cell", "potentiometer", "column_sensor")
-_SHOWN = _core.PERIOD_COMMAND + MOST_UNDER_WAY + 5
+_SHOWN = _core.PERIOD_SHOWN
 """Place among the states of a period of what the first sensor showed; after the commands under way, the base as sampled last, the
 load pressure and what the three sensors measured (``crates/model/src/machine/period.rs``)."""
 

@@ -5,14 +5,25 @@ from typing import Annotated
 
 import typer
 
+from forcefeel.cli.compensate_options import (
+    CompensateEnvelope,
+    CompensateGrid,
+    CompensateMethod,
+    CompensateOut,
+    CompensateReplace,
+    CompensateRule,
+    CompensateThreads,
+)
 from forcefeel.cli.envelope_options import (
     EnvelopeAngle,
     EnvelopeCompare,
     EnvelopeCompensators,
     EnvelopeGrid,
+    EnvelopeOff,
     EnvelopeRule,
     EnvelopeThreads,
 )
+from forcefeel.cli.frontier_options import FrontierCompensator, FrontierGrid
 from forcefeel.cli.options import (
     R1,
     R2,
@@ -44,6 +55,13 @@ from forcefeel.cli.qualify_options import (
     ThrowOption,
 )
 from forcefeel.cli.scenario_options import ScenarioOptions, with_scenario
+from forcefeel.cli.schedule_options import (
+    ScheduleKnots,
+    ScheduleMethod,
+    ScheduleRefine,
+    ScheduleRule,
+    ScheduleThreads,
+)
 from forcefeel.cli.sweep_options import Grid, Redesign, Runs, Scheduler, Threads, Vary
 from forcefeel.units import UnitSystem
 
@@ -130,11 +148,18 @@ def analyze(loader: LoaderFile = None, units: Units = UnitSystem.US, json: Json 
     commands.analyze(loader, units, as_json=json)
 
 
-@app.command(epilog="Example: `forcefeel compensate my.toml --converge --r2 0.05`")
+@app.command(epilog="Example: `forcefeel compensate elevator-2khz --method auto --out methods`")
 def compensate(
     loader: LoaderFile = None,
     units: Units = UnitSystem.US,
     json: Json = False,
+    method: CompensateMethod = None,
+    envelope: CompensateEnvelope = False,
+    grid: CompensateGrid = None,
+    rule: CompensateRule = None,
+    out: CompensateOut = None,
+    replace: CompensateReplace = False,
+    threads: CompensateThreads = None,
     horizon: Horizon = None,
     converge: Converge = False,
     step: Step = None,
@@ -145,14 +170,17 @@ def compensate(
     pilot_coupling: PilotCoupling = None,
     q: Q = None,
 ) -> None:
-    """Compute the feedback gains by recursion (22) and close the loop with them.
+    """Compute the feedback gains by recursion (22) and close the loop with them; or try methods and choose one.
 
-    Exit status 1 if the compensated loader is unstable at the programmed setting.
+    With `--method auto` every method is scored over the envelope, on the valve, on noise and on margins, and one is chosen.
+
+    Exit status 1 if the compensated loader is unstable at the programmed setting, or no method qualifies.
     """
-    from forcefeel.cli import commands  # noqa: PLC0415
+    from forcefeel.cli import commands, compensate_command  # noqa: PLC0415
 
-    chosen = commands.Options(horizon, converge, step, tolerance, position_weight, r1, r2, pilot_coupling, q)
-    commands.compensate(loader, chosen, units, as_json=json)
+    recursion = commands.Options(horizon, converge, step, tolerance, position_weight, r1, r2, pilot_coupling, q)
+    chosen = compensate_command.MethodOptions(method, envelope, grid, rule, out, replace, threads)
+    compensate_command.run_compensate(loader, recursion, chosen, units, as_json=json)
 
 
 @app.command(epilog="Example: `forcefeel simulate my.toml --input release --angle '10 deg' --out run`")
@@ -215,6 +243,8 @@ def envelope(
     compare: EnvelopeCompare = False,
     rule: EnvelopeRule = None,
     angle: EnvelopeAngle = None,
+    off: EnvelopeOff = None,
+    set_: Changes = None,
     out: Annotated[Path, typer.Option("--out", help="Folder for envelope.html, settings.csv and results.json.")] = Path(
         "forcefeel-envelope"
     ),
@@ -225,12 +255,63 @@ def envelope(
 ) -> None:
     """Map which programmed feels the loader renders: stable, and its release within the tolerances of a rule.
 
-    With the nominal plant, with each plant parameter off by 20 % (the valve's gain 30 %) and with each pilot's arm at the grip.
+    With the nominal plant, with each plant parameter off by 20 % (the valve's gain 30 %; --off) and with each pilot's arm at the
+    grip.
     """
     from forcefeel.cli import envelope_command  # noqa: PLC0415
 
-    chosen = envelope_command.EnvelopeOptions(grid, compensator, compare, rule, angle, out, replace, threads)
+    chosen = envelope_command.EnvelopeOptions(grid, compensator, compare, rule, angle, off, set_, out, replace, threads)
     envelope_command.run_envelope(loader, chosen, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel frontier elevator-2khz --out frontier`")
+def frontier(
+    loader: LoaderFile = None,
+    grid: FrontierGrid = None,
+    compensator: FrontierCompensator = None,
+    rule: EnvelopeRule = None,
+    angle: EnvelopeAngle = None,
+    out: Annotated[Path, typer.Option("--out", help="Folder for frontier.html and results.json.")] = Path(
+        "forcefeel-frontier"
+    ),
+    replace: Annotated[bool, typer.Option("--replace", help="Replace a frontier that is in the folder.")] = False,
+    threads: EnvelopeThreads = None,
+    units: Units = UnitSystem.US,
+    json: Json = False,
+) -> None:
+    """Find what cannot be rendered on this hardware and why, and what tighter tolerances or other parts would buy.
+
+    Takes a few minutes with the default grid.
+    """
+    from forcefeel.cli import frontier_command  # noqa: PLC0415
+
+    chosen = frontier_command.FrontierOptions(grid, compensator, rule, angle, out, replace, threads)
+    frontier_command.run_frontier(loader, chosen, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel schedule elevator-2khz --knots knots.csv --out schedule`")
+def schedule(
+    knots: ScheduleKnots,
+    loader: LoaderFile = None,
+    method: ScheduleMethod = "robust",
+    refine: ScheduleRefine = 10,
+    rule: ScheduleRule = None,
+    out: Annotated[Path, typer.Option("--out", help="Folder for schedule.html, gains.csv and results.json.")] = Path(
+        "forcefeel-schedule"
+    ),
+    replace: Annotated[bool, typer.Option("--replace", help="Replace a schedule that is in the folder.")] = False,
+    threads: ScheduleThreads = None,
+    units: Units = UnitSystem.US,
+    json: Json = False,
+) -> None:
+    """Design laws over the settings an aircraft runs through, and check them at, between and on the way between the knots.
+
+    Exit status 1 unless every loop that was checked is stable.
+    """
+    from forcefeel.cli import schedule_command  # noqa: PLC0415
+
+    chosen = schedule_command.ScheduleCommandOptions(knots, method, refine, rule, out, replace, threads)
+    schedule_command.run_schedule(loader, chosen, units, as_json=json)
 
 
 @app.command(epilog="Example: `forcefeel qualify my.toml --compare --pdf`")

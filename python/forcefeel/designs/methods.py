@@ -48,12 +48,12 @@ _METHODS = (
     ),
     tuned(
         "recovered",
-        "the same with strong noise at the plant's input, for the regulator's margins: loop transfer recovery",
+        "the observer design with strong noise at the plant's input, for the regulator's margins: loop transfer recovery",
         RECOVERED,
     ),
     tuned(
         "robust",
-        "the same without the potentiometer, weights and noises searched for over many perturbed plants at once",
+        "the observer design without the potentiometer, weights and noises searched for over many perturbed plants at once",
         ROBUST,
     ),
 )

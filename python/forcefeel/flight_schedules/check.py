@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.command_loop import CommandLoop
 from forcefeel.designs.methods import method
 from forcefeel.envelopes.cases import REFERENCE_ARMS, Case, PilotArm, changes_of, make_cases
 from forcefeel.envelopes.machines import plain_feel
@@ -20,8 +21,8 @@ from forcefeel.flight_schedules.result import CheckedMargins, CheckedRelease, Pa
 from forcefeel.flight_schedules.schedule import FlightSchedule
 from forcefeel.flight_schedules.transitions import Transitions
 from forcefeel.loader import Loader
+from forcefeel.loop_margins import loop_margins
 from forcefeel.qualification import DEFAULT_EDITION, load_rules
-from forcefeel.sampled_loop import sampled_margins
 from forcefeel.simulation.engine import cores
 from forcefeel.units import show
 
@@ -68,7 +69,7 @@ def check_schedule(
     transitions = Transitions.of(schedule, refine)
     count = _check_count(schedule, refine, len(transitions.ends), len(cases))
     where = mesh([axis.refined(refine) for axis in schedule.axes])
-    steps = mesh([np.arange((len(axis.values) - 1) * refine + 1) for axis in schedule.axes])
+    steps = mesh([np.arange((len(axis.values) - 1) * refine + 1.0) for axis in schedule.axes])
     knot = np.asarray((steps % refine == 0).all(axis=1), dtype=np.bool_)
     done = 0
 
@@ -176,7 +177,8 @@ def _margins(
     feel, laws = schedule.between(points)
     loops = loops_of(loader, feel, laws, make_cases({}, ())[0], threads=1)
     return tuple(
-        CheckedMargins(place_text(schedule.axes, point), sampled_margins(loops, k)) for k, point in enumerate(points)
+        CheckedMargins(place_text(schedule.axes, point), loop_margins(CommandLoop.sampled(loops, k)))
+        for k, point in enumerate(points)
     )
 
 

@@ -16,22 +16,17 @@ LEAK = (
 def schedule_conclusions(found: ScheduleCheck) -> Conclusions:
     """The conclusions; ``good`` where every loop that was checked is stable."""
     verdict = _stable(found) if found.stable else _unstable(found)
-    lines = [_nearest(part) for part in found.parts] + [_margins(found), _knots(found), _between(found)]
+    lines = [_nearest(found), _margins(found), _knots(found), _between(found)]
     return Conclusions(found.stable, verdict, (*(line for line in lines if line), *_caveats(found)))
 
 
-def magnitude_text(value: float) -> str:
-    """A pole's magnitude; near 1 by what is missing, since 0.99999997 is not 1."""
-    missing = 1 - value
-    return f"1 - {to_text(missing, 2)}" if 0 < missing < 1e-4 else to_text(value, 5)
-
-
 def _stable(found: ScheduleCheck) -> str:
-    count = sum(part.loops for part in found.parts)
+    loops = sum(part.loops for part in found.parts)
+    between = _count(int((~found.knot).sum()), "place")
+    changes = _count(len(found.transitions.ends), "change")
     return (
-        f"Stable wherever it was checked: at {found.schedule.knots:,} knots, at {int((~found.knot).sum()):,} places between them and "
-        f"during {len(found.transitions.ends):,} changes, with the nominal plant and in {len(found.cases) - 1} other cases, "
-        f"{count:,} loops in all."
+        f"Stable wherever it was checked: at {found.schedule.knots:,} knots, at {between} between them and during {changes}, "
+        f"with the nominal plant and in {_count(len(found.cases) - 1, 'other case')}, {loops:,} loops in all."
     )
 
 
@@ -40,7 +35,8 @@ def _unstable(found: ScheduleCheck) -> str:
     counts = ", ".join(f"{part.unstable:,} of {part.loops:,} loops {part.part}" for part in bad)
     worst = max(bad, key=lambda part: part.critical)
     size = to_text(worst.critical, 5)
-    return f"Not stable: {counts}. Worst is {worst.place} in the case {worst.case}, with a pole of magnitude {size}. {_remedy(found, worst)}"
+    where = f"Worst is {worst.place} in the case {worst.case}, with a pole of magnitude {size}."
+    return f"Not stable: {counts}. {where} {_remedy(found, worst)}"
 
 
 def _remedy(found: ScheduleCheck, worst: PartFound) -> str:
@@ -51,16 +47,17 @@ def _remedy(found: ScheduleCheck, worst: PartFound) -> str:
             "or a feel that asks for less."
         )
     if between.unstable:
-        return f"A law that is designed there is stable: add a knot at {between.place}."
+        return f"A law that is designed for {between.place} is stable there: add a knot."
     return f"Go in steps: let changes to the knots in between follow each other, and none go from end to end as at {worst.place}."
 
 
-def _nearest(part: PartFound) -> str:
-    if part.unstable:
+def _nearest(found: ScheduleCheck) -> str:
+    if not found.stable:
         return ""
+    worst = found.worst
     return (
-        f"Nearest to the edge {part.part} is {part.place} in the case {part.case}: its largest pole that swings has the magnitude "
-        f"{magnitude_text(part.critical)}, the largest of all {magnitude_text(part.largest)}."
+        f"Nearest to the edge is {worst.place} in the case {worst.case}: its largest pole that swings has the magnitude "
+        f"{to_text(worst.critical, 5)}."
     )
 
 
@@ -70,10 +67,10 @@ def _margins(found: ScheduleCheck) -> str:
         return ""
     gain = min(stable, key=lambda one: one.margins.gain_up)
     delay = min(stable, key=lambda one: one.margins.delay_s)
+    factor, more = to_text(gain.margins.gain_up, 3), to_text(1e3 * delay.margins.delay_s, 2)
     return (
-        f"Of {len(stable)} places the nominal loop has its least gain margin, a factor of {to_text(gain.margins.gain_up, 3)}, at "
-        f"{gain.place}, and its least delay margin, {to_text(1e3 * delay.margins.delay_s, 2)} ms beyond the controller's own, at "
-        f"{delay.place}."
+        f"Of {_count(len(stable), 'place')} the nominal loop has its least gain margin, a factor of {factor}, at {gain.place}, "
+        f"and its least delay margin, {more} ms beyond the controller's own, at {delay.place}."
     )
 
 
@@ -88,12 +85,16 @@ def _between(found: ScheduleCheck) -> str:
     middle = [one for one in found.releases if not one.knot]
     failing = [one for one in middle if not one.passes]
     lost = [one for one in failing if one.lost]
-    text = f"In the middle between knots it is at {len(middle) - len(failing):,} of {len(middle):,} places"
+    text = f"In the middle between knots it is at {len(middle) - len(failing):,} of {_count(len(middle), 'place')}"
     if not failing:
         return f"{text}: the knots are dense enough for it."
     if lost:
         return f"{text}. A law of its own passes where the interpolated one fails: add a knot at {_named(lost)}."
     return f"{text}; where it is not, {_named(failing)}, a law of its own fails too, so more knots do not help."
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number:,} {what}" if number == 1 else f"{number:,} {what}s"
 
 
 def _named(places: list[CheckedRelease]) -> str:
@@ -105,10 +106,11 @@ def _named(places: list[CheckedRelease]) -> str:
 def _caveats(found: ScheduleCheck) -> tuple[str, ...]:
     test = found.test.rules.of("release", "pitch")
     rows = [test.is_verified(tolerance) for tolerance in test.tolerances]
+    ranked = [LEAK] if any(part.largest > part.critical for part in found.parts) else []
     lines = [
-        LEAK,
-        "Each place is checked as if the setting stood still there: one that moves as fast as the loop itself is not covered, nor is "
-        "what lies between the places.",
+        *ranked,
+        "Each place is checked as if the setting stood still there: one that moves as fast as the loop itself is not covered, "
+        "nor is what lies between the places.",
     ]
     if not (all(rows) and found.test.rules.release.verified):
         lines.append(f"Not verified against a source: {found.test.rules.title} ({found.test.rules.edition}).")

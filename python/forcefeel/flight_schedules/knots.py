@@ -16,13 +16,15 @@ from forcefeel.errors import InputError
 from forcefeel.flight_schedules.axes import MOST_AXES, ScheduleAxis, place_text
 from forcefeel.flight_schedules.schedule import second_order_feel
 from forcefeel.parameters import TABLE, unit
-from forcefeel.units import HERTZ, RATIO, Unit, factor, show
+from forcefeel.units import RATIO, Unit, factor, show
 
 EXAMPLE = "dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio"
 """A good header."""
 
 _B, _G = unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"])
-_SECOND_ORDER: Mapping[str, Unit] = MappingProxyType({"stiffness": _G, "frequency": HERTZ, "damping ratio": RATIO})
+_SECOND_ORDER: Mapping[str, Unit] = MappingProxyType(
+    {"stiffness": _G, "frequency": Unit("Hz", "Hz", "Hz"), "damping ratio": RATIO}
+)
 _COEFFICIENTS: Mapping[str, Unit] = MappingProxyType({"i": INERTIA, "b": _B, "g": _G})
 _HEADER = re.compile(r"(?P<name>[^()]*?)\s*(?:\((?P<unit>[^()]*)\))?")
 

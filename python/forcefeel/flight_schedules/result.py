@@ -12,7 +12,7 @@ from forcefeel.flight_schedules.poles import Poles
 from forcefeel.flight_schedules.releases import PASSES, ReleaseTest
 from forcefeel.flight_schedules.schedule import FlightSchedule
 from forcefeel.flight_schedules.transitions import Transitions
-from forcefeel.sampled_loop import SampledMargins
+from forcefeel.loop_margins import LoopMargins
 from forcefeel.units import RATIO
 
 
@@ -57,7 +57,7 @@ class CheckedMargins:
     """
 
     place: str
-    margins: SampledMargins
+    margins: LoopMargins
 
 
 @dataclass(frozen=True)

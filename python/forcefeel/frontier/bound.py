@@ -130,17 +130,20 @@ def _possible(referee: Referee, error: float) -> tuple[NDArray[np.bool_], NDArra
     centred = referee.passes(referee.feel - off) & referee.passes(referee.feel + off)
     found = centred.copy()
     for damping in DAMPINGS:
-        for shift in SHIFTS:
-            left = np.flatnonzero(~found)
-            if len(left):
-                found[left] = _renders(referee.some(left), shift * off, damping, off)
+        left = np.flatnonzero(~found)
+        if len(left):
+            # All shifts in one batch.
+            shifts = np.repeat(SHIFTS, len(left))[:, None] * off
+            renders = _renders(referee.some(np.tile(left, len(SHIFTS))), shifts, damping, off)
+            found[left] = renders.reshape(len(SHIFTS), -1).any(axis=0)
     return found, centred
 
 
 def _renders(
-    referee: Referee, shift: NDArray[np.float64], damping: float, off: NDArray[np.float64]
+    referee: Referee, shifts: NDArray[np.float64], damping: float, off: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    trial = referee.feel * [1.0, damping, 1.0] + shift
+    """Whether each trial response passes with the inertia off to either side, at its value, and with every arm."""
+    trial = referee.feel * [1.0, damping, 1.0] + shifts
     found = referee.passes(trial - off) & referee.passes(trial + off)
     if found.any():
         found &= referee.passes(trial)

@@ -16,12 +16,14 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel._core import Compensator
 from forcefeel.designs.setting_laws import Law, SettingLaws
 from forcefeel.envelopes.plan import Plan
 from forcefeel.ideal_run import ideal_response
 from forcefeel.loader import FEEL_SETTING
 from forcefeel.parameters import TABLE, unit
 from forcefeel.qualify.sweep_force import SweepForce
+from forcefeel.sampled_compensator import SampledCompensator
 from forcefeel.simulation import RunStatus, Scenario, simulate
 
 SWEEP_S = 40.0
@@ -76,7 +78,7 @@ def smallest_friction(plan: Plan) -> SmallestFriction:
     )
 
 
-def own_law(plan: Plan, law: Law) -> object:
+def own_law(plan: Plan, law: Law) -> Compensator | SampledCompensator | None:
     """The law that is designed for the loader's own setting."""
     own = np.array([[plan.loader[key] for key in FEEL_SETTING]])
     return SettingLaws.of(law, plan.loader, own).single(plan.loader, 0)

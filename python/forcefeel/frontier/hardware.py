@@ -1,22 +1,20 @@
 """Which change of the hardware buys most: the law designed anew for each changed loader, its shares beside those of before."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
 from forcefeel.envelopes.plan import Plan
 from forcefeel.envelopes.result import Shares
 from forcefeel.envelopes.run import compute
-from forcefeel.frontier.rungs import Rungs
-from forcefeel.frontier.tightening import INERTIA
+from forcefeel.frontier.rungs import Progress, Rungs, onward
+from forcefeel.frontier.tightening import INERTIA, KNOWN_BETTER
 from forcefeel.loader import Loader
 from forcefeel.parameters import OFF, TABLE, in_range
 from forcefeel.units import PERCENT
 
-INERTIA_KNOWN_TO = 0.02
-"""Tolerance of an inertia that was measured on a bench."""
-
-_Progress = Callable[[int, int], None]
+KNOWN_TO = 0.02
+"""Tolerance of what was measured on a bench; the nearest rung is taken."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +44,7 @@ class HardwareChange:
 
 
 _FINER = tuple(
-    f"{part}.{name}"
-    for part in ("load_cell", "potentiometer", "column_sensor")
-    for name in ("noise", "resolution")
+    f"{part}.{name}" for part in ("load_cell", "potentiometer", "column_sensor") for name in ("noise", "resolution")
 )
 
 CHANGES = (
@@ -71,7 +67,9 @@ CHANGES = (
         "the orifice's flow follows its root",
     ),
     HardwareChange(
-        "current and flow limit +50 %", {"amplifier.current_limit": 1.5, "valve.flow_limit": 1.5}, "a larger spool stroke"
+        "current and flow limit +50 %",
+        {"amplifier.current_limit": 1.5, "valve.flow_limit": 1.5},
+        "a larger spool stroke",
     ),
     HardwareChange("column half as heavy", {INERTIA: 0.5}, "its tolerance stays the same share"),
 )
@@ -106,7 +104,7 @@ def hardware_releases(plan: Plan) -> int:
 
 
 def hardware(
-    rungs: Rungs, *, threads: int | None = None, progress: _Progress = lambda done, total: None
+    rungs: Rungs, *, threads: int | None = None, progress: Progress = lambda done, total: None
 ) -> tuple[Gain, ...]:
     """The gains, the largest in the worst case first.
 
@@ -123,14 +121,18 @@ def hardware(
             continue
         # G_max and so the settings stay; a law by its method's name is designed for the changed loader.
         changed = Plan(
-            change.on(plan.given), plan.compensators, plan.settings, plan.rule, plan.changes, plan.arms, plan.release_rad
+            change.on(plan.given),
+            plan.compensators,
+            plan.settings,
+            plan.rule,
+            plan.changes,
+            plan.arms,
+            plan.release_rad,
         )
-        base = done
-        after = compute(changed, threads=threads, progress=lambda now, _, base=base: progress(base + now, total))
+        after = compute(changed, threads=threads, progress=onward(progress, done, total))
         done += changed.settings.count * len(changed.cases)
         found.append(_gain(change.name, change.remark, after.shares(rungs.compensator), before))
-    if INERTIA in rungs.tolerances:
-        found.append(_known_inertia(rungs, before))
+    found += [_known(rungs, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
     return tuple(sorted(found, key=lambda one: (-one.worst_gain, -one.nominal_gain)))
 
 
@@ -147,11 +149,11 @@ def _gain(name: str, remark: str, after: Shares, before: Shares) -> Gain:
     )
 
 
-def _known_inertia(rungs: Rungs, before: Shares) -> Gain:
-    """The inertia at the rung nearest to 2 %, all else as it was: no other machine, only a better known one."""
+def _known(rungs: Rungs, before: Shares, keys: Sequence[str]) -> Gain:
+    """Some parameters at the rung at which the inertia is known to 2 %, all else as it was: the same machine, better known."""
     full = rungs.tolerances[INERTIA]
-    rung = min(range(len(rungs.factors)), key=lambda k: abs(rungs.factors[k] * full - INERTIA_KNOWN_TO))
-    worst, stable = (float(rungs.worst((INERTIA,), rung, stable=one).mean()) for one in (False, True))
+    rung = min(range(len(rungs.factors)), key=lambda k: abs(rungs.factors[k] * full - KNOWN_TO))
+    worst, stable = (float(rungs.worst(keys, rung, stable=one).mean()) for one in (False, True))
     after = Shares(rungs.compensator, before.stable, before.passes, stable, worst)
-    name = f"column inertia known to {100 * rungs.factors[rung] * full:.3g} %"
-    return _gain(name, "measured on a bench; the same machine", after, before)
+    what = "column inertia" if len(keys) == 1 else "column inertia, linkage ratio and base arm"
+    return _gain(f"{what} known to {100 * rungs.factors[rung] * full:.3g} %", "the same machine", after, before)

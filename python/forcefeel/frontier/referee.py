@@ -61,9 +61,7 @@ class Referee:
 
     def _measured(self, feel: NDArray[np.float64]) -> ReleaseBatch:
         angles = ideal_releases(feel, self.plan.release_rad, self.record.step_s, self.record.samples)
-        return measure_releases(
-            self.record.time_s, angles, held=1, rules=self.plan.rules.release, threads=self.threads
-        )
+        return measure_releases(self.record.time_s, angles, held=1, rules=self.plan.rules.release, threads=self.threads)
 
 
 def referees(plan: Plan, threads: int) -> Iterator[Referee]:

@@ -24,9 +24,9 @@ class Limit(StrEnum):
 
     NONE = "rendered in every case"
     VALVE = "forbidden by the valve"
-    INERTIA = "no law: inertia not known well enough"
-    NOMINAL = "the law, even with the nominal plant"
-    LAW = "the law, with something off or an arm"
+    INERTIA = "inertia not known well enough, whatever the law"
+    NOMINAL = "this law, even with the nominal plant"
+    LAW = "this law, with something off or an arm"
 
 
 @dataclass(frozen=True, eq=False)

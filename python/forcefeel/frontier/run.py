@@ -1,8 +1,7 @@
 """Computes a frontier: the bound, the valve's limits, the law on the ladder of tolerances, the changes of the hardware."""
 
 from collections.abc import Callable, Mapping, Sequence
-
-import numpy as np
+from math import isclose
 
 from forcefeel.envelopes.plan import Plan, make_plan
 from forcefeel.errors import InputError
@@ -10,7 +9,7 @@ from forcefeel.frontier.bound import ERRORS, inertia_bound
 from forcefeel.frontier.friction import smallest_friction
 from forcefeel.frontier.hardware import hardware, hardware_releases
 from forcefeel.frontier.result import Frontier
-from forcefeel.frontier.rungs import FACTORS, climb, rung_releases
+from forcefeel.frontier.rungs import FACTORS, climb, rung_releases, tolerances_of
 from forcefeel.frontier.tightening import INERTIA, tightening
 from forcefeel.frontier.valve_limits import valve_limits
 from forcefeel.loader import Loader
@@ -26,7 +25,7 @@ DEFAULT_GRID: Mapping[str, str] = {
 """140 settings: each is released some 450 times."""
 
 
-def frontier(
+def find_frontier(
     loader: Loader,
     compensator: str | None = None,
     grid: Mapping[str, str | Sequence[float]] | None = None,
@@ -61,38 +60,32 @@ def frontier_plan(
     grid: Mapping[str, str | Sequence[float]] | None = None,
     **options: object,
 ) -> Plan:
-    """The envelope that a frontier is about; arguments as ``frontier``."""
+    """The envelope that a frontier is about; arguments as ``find_frontier``."""
     name = compensator or ("robust" if loader["controller.period"] else "published")
     plan = make_plan(loader, (name,), {**DEFAULT_GRID, **(grid or {})}, **options)
-    if plan.changes is not None and INERTIA not in plan.changes:
-        raise InputError(f"changes: expected a tolerance of {INERTIA}, which the bound is about; add it, for example 0.2")
+    if INERTIA not in tolerances_of(plan):
+        raise InputError(
+            f"changes: expected a tolerance of {INERTIA}, which the bound is about; add it, for example 0.2"
+        )
     return plan
 
 
 def compute_frontier(
     plan: Plan, *, threads: int | None = None, progress: Progress = lambda what, done, total: None
 ) -> Frontier:
-    """Computes the frontier of a plan of one compensator; arguments as ``frontier``."""
+    """Computes the frontier of a plan of one compensator; arguments as ``find_frontier``."""
     climbing = rung_releases(plan)
     total = climbing + hardware_releases(plan)
     rungs = climb(plan, FACTORS, threads=threads, progress=lambda now, _: progress("tolerances", now, total))
     gains = hardware(rungs, threads=threads, progress=lambda now, _: progress("hardware", climbing + now, total))
     progress("bound", total, total)
-    errors = np.union1d(ERRORS, [rungs.tolerances[INERTIA]])
-    kept = [one for one in errors.tolist() if one == rungs.tolerances[INERTIA] or not _near(one, rungs.tolerances[INERTIA])]
+    known_to = rungs.tolerances[INERTIA]
+    errors = sorted({*(one for one in ERRORS if not isclose(one, known_to)), known_to})
     return Frontier(
         rungs=rungs,
-        bound=inertia_bound(plan, kept, threads=threads),
+        bound=inertia_bound(plan, errors, threads=threads),
         tightening=tightening(rungs),
         valve=valve_limits(plan, threads=threads),
         friction=smallest_friction(plan),
         hardware=gains,
     )
-
-
-def _near(one: float, other: float) -> bool:
-    return abs(one - other) < _SAME * other
-
-
-_SAME = 1e-6
-"""Relative; errors that are the same but for rounding."""

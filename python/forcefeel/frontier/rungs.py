@@ -16,10 +16,11 @@ from forcefeel.envelopes.result import Envelope
 from forcefeel.envelopes.run import compute
 from forcefeel.errors import InputError
 
-FACTORS = (1.0, 0.5, 0.25, 0.15, 0.1, 0.05, 0.025)
+FACTORS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.025)
 """The rungs: every tolerance of the plant times this."""
 
-_Progress = Callable[[int, int], None]
+Progress = Callable[[int, int], None]
+"""Called with the releases that are done and all there are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +49,7 @@ class Rungs:
     @property
     def tolerances(self) -> Mapping[str, float]:
         """The full tolerances by parameter."""
-        return self.full.plan.changes or changes_of(self.full.plan.loader)
+        return tolerances_of(self.full.plan)
 
     @property
     def nominal(self) -> NDArray[np.bool_]:
@@ -75,6 +76,16 @@ class Rungs:
         return [case.kind is Kind.PLANT and case.parameter in parameters for case in self.cases[rung]]
 
 
+def tolerances_of(plan: Plan) -> Mapping[str, float]:
+    """The full tolerances of a plan by parameter."""
+    return changes_of(plan.loader) if plan.changes is None else plan.changes
+
+
+def onward(progress: Progress, done: int, total: int) -> Progress:
+    """A progress that goes on from what is done."""
+    return lambda now, _: progress(done + now, total)
+
+
 def rung_releases(plan: Plan, factors: Collection[float] = FACTORS) -> int:
     """Releases of a ladder."""
     return plan.settings.count * (len(factors) * (len(plan.cases) - len(plan.arms)) + len(plan.arms))
@@ -85,7 +96,7 @@ def climb(
     factors: tuple[float, ...] = FACTORS,
     *,
     threads: int | None = None,
-    progress: _Progress = lambda done, total: None,
+    progress: Progress = lambda done, total: None,
 ) -> Rungs:
     """Runs one law on every rung.
 
@@ -102,15 +113,14 @@ def climb(
         raise InputError(f"compensators: expected one, got {', '.join(plan.compensators)}; make a frontier for each")
     if factors[:1] != (1.0,) or any(np.diff(factors) >= 0) or factors[-1] <= 0:
         raise InputError(f"factors: expected rungs that fall from 1 and stay above 0, got {list(factors)}")
-    tolerances = changes_of(plan.loader) if plan.changes is None else plan.changes
+    tolerances = tolerances_of(plan)
     total, done = rung_releases(plan, factors), 0
     found: list[Envelope] = []
     for factor in factors:
         changes = {key: factor * share for key, share in tolerances.items()}
         arms = plan.arms if factor == 1.0 else ()
         rung = Plan(plan.given, plan.compensators, plan.settings, plan.rule, changes, arms, plan.angle_rad)
-        base = done
-        found.append(compute(rung, threads=threads, progress=lambda now, _, base=base: progress(base + now, total)))
+        found.append(compute(rung, threads=threads, progress=onward(progress, done, total)))
         done += rung.settings.count * len(rung.cases)
     return Rungs(
         found[0],

@@ -30,7 +30,7 @@ class Path:
     """
 
     name: str
-    tolerances: tuple[Annotated[float, PERCENT], ...]
+    tolerances: tuple[float, ...]
     shares: tuple[float, ...]
     limit: Annotated[float, PERCENT]
     needed: Annotated[float, PERCENT]
@@ -112,8 +112,7 @@ def tightening(rungs: Rungs) -> Tightening:
 
 
 def _path(rungs: Rungs, name: str, tight: Sequence[str]) -> Path:
-    full = rungs.tolerances.get(INERTIA, max(rungs.tolerances.values(), default=np.nan))
-    tolerances = tuple(factor * full for factor in rungs.factors)
+    tolerances = tuple(factor * rungs.tolerances[INERTIA] for factor in rungs.factors)
     shares = tuple(float(rungs.worst(tight, rung).mean()) for rung in range(len(tolerances)))
     limit = float(rungs.worst(tight, len(tolerances)).mean())
     return Path(name, tolerances, shares, limit, needed(tolerances, shares, WHOLE_WORST))
@@ -147,13 +146,13 @@ def _pair(rungs: Rungs, known: Sequence[str], last: int) -> Pair | None:
         for rung in range(last):
             share = float(rungs.worst(known, rung, rest).mean())
             if share >= WHOLE_WORST:
-                return Pair(rungs.factors[rung] * rungs.tolerances[known[0]], rungs.factors[rest], share)
+                return Pair(rungs.factors[rung] * rungs.tolerances[INERTIA], rungs.factors[rest], share)
     return None
 
 
 def _costs(rungs: Rungs) -> tuple[Cost, ...]:
     names = [*rungs.tolerances, *(case.name for case in rungs.cases[0] if case.kind is Kind.ARM)]
-    of = [np.array([case.parameter == name or case.name == name for case in rungs.cases[0]]) for name in names]
+    of = [np.array([name in {case.parameter, case.name} for case in rungs.cases[0]]) for name in names]
     found = []
     for name, mine in zip(names, of, strict=True):
         passes, others = rungs.passes[0][mine].all(axis=0), rungs.passes[0][~mine].all(axis=0)

@@ -20,6 +20,9 @@ pub const BASE: usize = 3;
 /// Place of the youngest command.
 pub const YOUNGEST: usize = 8;
 
+/// Place of the first of what the sensors showed: load cell, potentiometer, column.
+pub const SHOWN: usize = YOUNGEST + UNDER_WAY + 2 + SENSORS;
+
 const UNDER_WAY: usize = MOST_UNDER_WAY - 1;
 
 /// A period from a state at rest at neutral, nothing pushing but the pilot's force.

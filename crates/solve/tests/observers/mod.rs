@@ -73,12 +73,37 @@ impl Sampled {
         law
     }
 
-    /// The law with every number of its command but those on its estimates multiplied.
-    pub fn louder(mut self, factor: f64) -> Self {
-        for k in [LAST, FORCE, PISTON, ANGLE, DELTA, DELTA + 1] {
-            self.command[k] *= factor;
+    /// The law with the gain on the programmed displacement multiplied.
+    pub fn further(mut self, factor: f64) -> Self {
+        self.command[DELTA] *= factor;
+        self
+    }
+
+    /// The law with estimates that learn and leak so many times faster.
+    pub fn faster(mut self, factor: f64) -> Self {
+        for k in [MISSING, EXCESS] {
+            self.transition[(k, k)] = 1.0 - factor * (1.0 - self.transition[(k, k)]);
+            self.input.row_mut(k).scale_mut(factor);
         }
         self
+    }
+
+    /// Its state at neutral.
+    pub fn at_neutral() -> SVector<f64, MOST_STATES> {
+        SVector::zeros()
+    }
+
+    /// Its state at the next sample and its command as the amplifier answers it, from state, sample and feel.
+    pub fn replay(
+        &self,
+        xi: &SVector<f64, MOST_STATES>,
+        y: [f64; SAMPLED],
+        feel: [f64; 2],
+        answered: impl Fn(f64) -> f64,
+    ) -> (SVector<f64, MOST_STATES>, f64) {
+        let known = SVector::from_iterator(xi.iter().copied().chain(y).chain(feel));
+        let e = answered(self.command.dot(&known));
+        (self.transition * xi + self.input * SVector::from([y[0], y[1], y[2], e]), e)
     }
 
     /// Its numbers in their order; of the state at rest, `(1 - A - b_e c_xi) xi = (B_y + b_e c_y) y + b_e c_delta delta`.

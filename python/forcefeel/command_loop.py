@@ -79,7 +79,7 @@ class CommandLoop:
         """Its modes, slowest first, a conjugate pair once; of a sampled loop ``s = ln(z) / T``, without what is gone at once."""
         poles = self.poles
         if self.period_s is not None:
-            poles = np.log(poles[np.abs(poles) > _AT_ONCE]) / self.period_s
+            poles = np.asarray(np.log(poles[np.abs(poles) > _AT_ONCE]) / self.period_s, dtype=np.complex128)
         found = sorted((complex(s) for s in poles if s.imag >= 0), key=abs)
         return tuple(Mode(s.real, s.imag, abs(s), -s.real / abs(s) if s else 0.0) for s in found)
 

@@ -16,14 +16,16 @@ Source of the disk: P. Seiler, A. Packard, P. Gahinet, An Introduction to Disk M
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 from scipy.optimize import brentq
 
-from forcefeel.choice.command_loop import HIGHEST_ANALOG_RAD_PER_S, CommandLoop
-from forcefeel.sampled_loop import SampledMargins
+from forcefeel.command_loop import HIGHEST_ANALOG_RAD_PER_S, CommandLoop
+from forcefeel.units import ANGLE, HERTZ, RATIO, SECONDS
 
 LOWEST_RAD_PER_S, FREQUENCIES = 1e-3, 1500
 """From where, and how many even steps in proportion, to half the sampling rate."""
@@ -35,17 +37,38 @@ _NOTHING = 1e-6
 """A gain that is none: a loop that integrates has a pole at rest without it, but for rounding."""
 
 
-def loop_margins(loop: CommandLoop) -> SampledMargins:
+@dataclass(frozen=True)
+class LoopMargins:
+    """What a loop bears at its command, one thing at a time, before it is on the edge of stability.
+
+    Attributes:
+        gain_up: Factor by which the loop's gain may grow; infinite where it may without end.
+        gain_down: Factor to which it may fall; zero where it may fall to nothing.
+        phase_rad: Least lag or lead.
+        delay_s: Least delay in addition to the controller's own.
+        disk: Largest of Seiler, Packard and Gahinet's disks (skew 0), within which gain and phase may change together.
+        crossover_rad_per_s: Highest frequency at which the gain is one.
+    """
+
+    gain_up: Annotated[float, RATIO]
+    gain_down: Annotated[float, RATIO]
+    phase_rad: Annotated[float, ANGLE]
+    delay_s: Annotated[float, SECONDS]
+    disk: Annotated[float, RATIO]
+    crossover_rad_per_s: Annotated[float, HERTZ]
+
+
+def loop_margins(loop: CommandLoop) -> LoopMargins:
     """The margins of a stable loop; all zero, gains one, where it is not stable."""
     if not loop.stable:
-        return SampledMargins(1.0, 1.0, 0.0, 0.0, 0.0, np.nan)
+        return LoopMargins(1.0, 1.0, 0.0, 0.0, 0.0, np.nan)
     seen = _Response(loop)
     w = seen.frequencies()
     inverse = seen.inverse(w)
     gains = seen.edges(w, inverse)
     crossovers = _crossings(w, np.log(np.abs(inverse)), lambda one: float(np.log(abs(seen.single(one)))))
     lags = np.array([np.angle(-1 / seen.single(one)) % (2 * np.pi) for one in crossovers])
-    return SampledMargins(
+    return LoopMargins(
         gain_up=min((gain for gain in gains if gain > 1), default=np.inf),
         gain_down=max((gain for gain in gains if _NOTHING < gain < 1), default=0.0),
         phase_rad=float(np.minimum(lags, 2 * np.pi - lags).min(initial=np.inf)),
@@ -55,9 +78,9 @@ def loop_margins(loop: CommandLoop) -> SampledMargins:
     )
 
 
-def least_margins(found: Sequence[SampledMargins]) -> SampledMargins:
+def least_margins(found: Sequence[LoopMargins]) -> LoopMargins:
     """The least of each margin over several loops, and the highest crossover."""
-    return SampledMargins(
+    return LoopMargins(
         gain_up=min(one.gain_up for one in found),
         gain_down=max(one.gain_down for one in found),
         phase_rad=min(one.phase_rad for one in found),
@@ -89,7 +112,8 @@ class _Response:
 
     def inverse(self, w: NDArray[np.float64]) -> NDArray[np.complex128]:
         """1 / L at frequencies in rad/s."""
-        return self._solved(1j * w if self._period_s is None else np.exp(1j * w * self._period_s))
+        points = 1j * w if self._period_s is None else np.exp(1j * w * self._period_s)
+        return self._solved(np.asarray(points, dtype=np.complex128))
 
     def single(self, w: float) -> complex:
         """1 / L at one frequency."""

@@ -1,0 +1,135 @@
+"""What an engineer should conclude from methods that were tried, in words."""
+
+from math import degrees, inf, isfinite
+
+from forcefeel.analysis.modes import feel_mode
+from forcefeel.choice.noise import FORCE, HOLDING, Noise
+from forcefeel.choice.rule import Choice, obstacles
+from forcefeel.choice.score import OverEnvelope, Score, Scored
+from forcefeel.envelopes.result import PASSES
+from forcefeel.findings import Conclusions
+from forcefeel.loader import FEEL_SETTING
+from forcefeel.loop_margins import LoopMargins
+from forcefeel.sweep.findings import share_text
+from forcefeel.units import ANGLE, HERTZ, UnitSystem, to_text
+
+
+def choice_conclusions(scored: Scored, choice: Choice, units: UnitSystem) -> Conclusions:
+    """What to take, why, why not the others, and what the choice does not promise; ``good`` where a method qualifies."""
+    lines = [remark.sentence for remark in choice.remarks if remark.name != choice.chosen]
+    if choice.chosen is None:
+        among = f"None of the {len(scored.scores)} methods qualifies for {scored.plan.loader.name}."
+        return Conclusions(False, among, (*lines, *_caveats(scored)))
+    best = next(score for score in scored.scores if score.name == choice.chosen)
+    verdict = f"Take {best.name}. {choice.remarks[0].sentence}"
+    return Conclusions(True, verdict, (*_about(scored, best, units), *lines, *_caveats(scored)))
+
+
+def design_conclusions(scored: Scored, units: UnitSystem) -> Conclusions:
+    """What one method does; ``good`` where it is stable at the loader's own setting."""
+    score = scored.scores[0]
+    own, name = score.own, _capital(score.name)
+    where = "at the loader's own setting"
+    if not own.stable:
+        return Conclusions(False, f"{name} is unstable {where}.", _caveats(scored))
+    test = scored.plan.rules.title
+    outcome = f"passes {test}" if own.outcome == PASSES else f"fails {test} by {own.outcome}"
+    lines = [*_about(scored, score, units)]
+    if wrong := obstacles(score, scored.plan.loader["controller.period"]):
+        lines.append(f"It would not qualify under --method auto: {'; '.join(wrong)}.")
+    return Conclusions(True, f"{name} is stable {where}, and its release {outcome}.", (*lines, *_caveats(scored)))
+
+
+def margins_text(margins: LoopMargins) -> str:
+    """The margins as part of a sentence."""
+    up = "grow without end" if margins.gain_up == inf else f"grow {to_text(margins.gain_up, 3)} times"
+    down = "fall to nothing" if margins.gain_down == 0 else f"fall to {share_text(margins.gain_down)}"
+    delay = "any delay" if margins.delay_s == inf else f"{to_text(1e3 * margins.delay_s, 3)} ms more delay"
+    lag = "any lag" if margins.phase_rad == inf else f"{to_text(degrees(margins.phase_rad), 3)} deg of lag or lead"
+    return f"its gain may {up} or {down}, and it bears {lag} and {delay}"
+
+
+def _about(scored: Scored, score: Score, units: UnitSystem) -> list[str]:
+    own = score.own
+    lines = [f"At the loader's own setting the loop has room: {margins_text(own.margins)} (one of them at a time)."]
+    if score.over is not None:
+        lines += _elsewhere(score.over)
+    lines += _rendered(scored, score)
+    peak = own.demand
+    lines.append(
+        f"Its release from {to_text(ANGLE.from_si(scored.plan.release_rad, units), 3)} deg takes {share_text(peak.current)} of the "
+        f"current, {share_text(peak.flow)} of the flow and {share_text(peak.pressure)} of the pressure that there is."
+    )
+    return lines if own.noise is None else [*lines, _noise(own.noise, units)]
+
+
+def _noise(noise: Noise, units: UnitSystem) -> str:
+    angle = to_text(1e3 * degrees(noise.angle_rad), 2)
+    hand = f"a hand that holds it ({HOLDING.name} arm)"
+    force = f"{to_text(FORCE.from_si(noise.force_n, units), 2)} {FORCE.shown(units)} on {hand}"
+    return (
+        f"Noise of the sensors moves the column by {angle} thousandths of a degree r.m.s., hands off; "
+        f"{force if isfinite(noise.force_n) else f'with {hand} the loop is unstable'}."
+    )
+
+
+def _elsewhere(over: OverEnvelope) -> list[str]:
+    lines = []
+    if over.margins.disk == 0:
+        lines.append("At one of the grid's corners it is unstable.")
+    else:
+        lines.append(f"The least over the grid's corners: {margins_text(over.margins)}.")
+    if over.lost_most is not None:
+        lines.append(
+            f"Most is lost with {over.lost_most.case}: {share_text(over.lost_most.lost)} of what passes nominally."
+        )
+    if over.demand.current >= 1:
+        lines.append("At some settings its releases take all the current that there is.")
+    return lines
+
+
+def _rendered(scored: Scored, score: Score) -> list[str]:
+    """The mode that renders the feel beside the programmed one."""
+    inertia, damping, stiffness = (scored.plan.loader[key] for key in FEEL_SETTING)
+    frequency = (stiffness / inertia) ** 0.5
+    ratio = damping / (2 * inertia * frequency)
+    near = tuple(mode for mode in score.own.modes if mode.frequency_rad_per_s > _NEAR * frequency)
+    if len(near) < _PAIR:
+        return []
+    found = feel_mode(near, frequency, ratio)
+    shown = [to_text(HERTZ.from_si(one, UnitSystem.SI), 3) for one in (found.frequency_rad_per_s, frequency)]
+    return [
+        f"The column swings at {shown[0]} Hz with a damping ratio of {to_text(found.damping_ratio, 3)}; {shown[1]} Hz and "
+        f"{to_text(ratio, 3)} are programmed."
+    ]
+
+
+_NEAR = 0.05
+"""Share of the programmed frequency below which a mode is no part of the feel: an observer that learns offsets is as slow."""
+
+_PAIR = 2
+"""Real poles that an overdamped feel has."""
+
+
+def _caveats(scored: Scored) -> tuple[str, ...]:
+    plan = scored.plan
+    lines = []
+    if not scored.sampled:
+        lines.append(
+            "The loader is analog and can only take the report's methods. Those that were made since need a digital controller: "
+            "give controller.period and controller.delay, for example 0.5 ms each, or take the built-in loader elevator-2khz."
+        )
+    unverified = [] if plan.rule_verified else [f"{plan.rules.title} ({plan.rules.edition})"]
+    if any(score.over for score in scored.scores):
+        unverified += [case.name for case in plan.cases if not case.verified]
+    elif scored.sampled and not HOLDING.verified:
+        unverified.append(f"{HOLDING.name} arm")
+    if unverified:
+        lines.append(f"Not verified against a source: {', '.join(unverified)}.")
+    if plan.left_out:
+        lines.append(f"Left out, because I, B and G alone are programmed: {', '.join(plan.left_out)}.")
+    return tuple(lines)
+
+
+def _capital(name: str) -> str:
+    return name[:1].upper() + name[1:]

@@ -1,0 +1,101 @@
+"""One law at the loader's own setting: poles, margins, noise, demand, and its release against the ideal."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel._core import Compensator
+from forcefeel.analysis.modes import Mode
+from forcefeel.choice.demand import Demand, largest_demand
+from forcefeel.choice.noise import Noise, noise_at_grip
+from forcefeel.command_loop import command_loops
+from forcefeel.designs.setting_laws import Law, SettingLaws
+from forcefeel.envelopes.ideal import frequency_and_damping, ideal_releases
+from forcefeel.envelopes.plan import Plan
+from forcefeel.envelopes.releases import Record, released
+from forcefeel.envelopes.result import PASSES, UNSTABLE
+from forcefeel.loader import FEEL_SETTING
+from forcefeel.loop_margins import LoopMargins, loop_margins
+from forcefeel.qualification import judge_releases, measure_releases
+from forcefeel.sampled_compensator import SampledCompensator
+
+
+@dataclass(frozen=True, eq=False)
+class Released:
+    """A release of the column beside that of I, B and G alone.
+
+    Attributes:
+        time_s: Time, (samples,).
+        angle_rad: The column's angle; not numbers where the loop is unstable.
+        ideal_rad: The ideal's.
+    """
+
+    time_s: NDArray[np.float64] = field(repr=False)
+    angle_rad: NDArray[np.float64] = field(repr=False)
+    ideal_rad: NDArray[np.float64] = field(repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class OwnSetting:
+    """What a law does at the loader's own setting, hands off.
+
+    Attributes:
+        law: The law; ``None`` for the original loop.
+        stable: Whether it is stable there.
+        outcome: ``passes``, ``unstable``, or the figure of the rule's release test that fails first.
+        margins: What the loop bears at its command.
+        demand: What the release asks of the valve; not numbers where it is unstable.
+        noise: What the sensors' noise does to the grip; ``None`` for an analog loader.
+        modes: Of the closed loop, slowest first.
+        release: The release.
+    """
+
+    law: Compensator | SampledCompensator | None = field(repr=False)
+    stable: bool
+    outcome: str
+    margins: LoopMargins
+    demand: Demand
+    noise: Noise | None
+    modes: tuple[Mode, ...]
+    release: Released = field(repr=False)
+
+
+def own_setting(plan: Plan, law: Law, threads: int) -> OwnSetting:
+    """A law at the own setting of the plan's loader, with the plan's rule and angle.
+
+    Raises:
+        InputError: If the law cannot be designed.
+    """
+    loader = plan.loader
+    feel = np.array([[loader[key] for key in FEEL_SETTING]])
+    laws = SettingLaws.of(law, loader, feel)
+    loop = command_loops(loader, laws, feel)[0]
+    stable, outcome, release = _released(plan, laws, feel, threads)
+    stable = stable and loop.stable
+    single = laws.single(loader, 0)
+    return OwnSetting(
+        law=single,
+        stable=stable,
+        outcome=outcome if stable else UNSTABLE,
+        margins=loop_margins(loop),
+        demand=largest_demand(loader, laws, feel, plan.release_rad) if stable else Demand(np.nan, np.nan, np.nan),
+        noise=noise_at_grip(loader, single),
+        modes=loop.modes,
+        release=release,
+    )
+
+
+def _released(plan: Plan, laws: SettingLaws, feel: NDArray[np.float64], threads: int) -> tuple[bool, str, Released]:
+    """Whether it is stable, the outcome of the release test, and the release, as the envelope has them."""
+    (frequency,), (damping,) = (values.tolist() for values in frequency_and_damping(feel))
+    record = Record.of(frequency, damping)
+    stable, angles = released(plan, plan.cases[0], feel, laws, record, threads)
+    ideal = ideal_releases(feel, plan.release_rad, record.step_s, record.samples)
+    found, reference = (
+        measure_releases(record.time_s, one, held=1, rules=plan.rules.release, threads=threads)
+        for one in (angles, ideal)
+    )
+    verdict = judge_releases(found, reference, plan.test, travel=plan.throw.travel_rad)
+    failing = PASSES if verdict.passed[0] else verdict.names[int(verdict.first_failing[0])]
+    return bool(stable[0]), failing, Released(record.time_s, angles[0], ideal[0])

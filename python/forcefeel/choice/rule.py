@@ -1,0 +1,160 @@
+"""How a method is chosen, in words that can be argued with.
+
+A method qualifies if, with the nominal plant and hands off,
+
+1. it is stable at the loader's own setting and at every setting of the grid;
+2. at the loader's own setting its loop bears twice and half the gain (``LEAST_GAIN``, 6 dB), ``LEAST_PHASE_RAD`` of lag or lead,
+   and one more period of delay (a digital loader).
+
+Of those that qualify the one with the largest share of settings within tolerance in every case is chosen; of those less than
+``CLOSE`` behind it the one with the largest nominal share; of those as close again the one with the least noise at the grip.
+
+Margins elsewhere are not asked for: there the worst case, in which the valve's gain is off by 30 %, counts what the lack of them
+costs.
+"""
+
+from dataclasses import dataclass
+from math import degrees, inf, radians
+
+from forcefeel.choice.score import Score, Scored
+from forcefeel.sweep.findings import share_text
+from forcefeel.units import to_text
+
+LEAST_GAIN = 2.0
+"""Gain margin either way, 6 dB: the usual least of servo practice."""
+
+LEAST_PHASE_RAD = radians(30.0)
+"""Phase margin, the usual least."""
+
+LEAST_PERIODS = 1.0
+"""Delay margin in sample periods: a law that a single late sample would upset is none for a machine that holds a hand."""
+
+CLOSE = 0.01
+"""Shares that differ by less are level: on a coarse grid that is a setting."""
+
+
+@dataclass(frozen=True)
+class Remark:
+    """Why a method is chosen, or not.
+
+    Attributes:
+        name: The method.
+        qualifies: Whether it may be chosen.
+        sentence: Why it is chosen, or why not.
+    """
+
+    name: str
+    qualifies: bool
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The method that is chosen, and why.
+
+    Attributes:
+        chosen: Its name; ``None`` where none qualifies.
+        remarks: One for each method, the chosen one first.
+    """
+
+    chosen: str | None
+    remarks: tuple[Remark, ...]
+
+
+def choose(scored: Scored) -> Choice:
+    """Chooses among methods that were scored over the envelope, by the rule of this file."""
+    wrong = {score.name: obstacles(score, scored.plan.loader["controller.period"]) for score in scored.scores}
+    able = [score for score in scored.scores if not wrong[score.name]]
+    best = _best(able)
+    remarks = [
+        Remark(score.name, False, f"{_capital(score.name)} does not qualify: {'; '.join(wrong[score.name])}.")
+        for score in scored.scores
+        if wrong[score.name]
+    ]
+    if best is None:
+        return Choice(None, tuple(remarks))
+    behind = [Remark(score.name, True, _behind(score, best)) for score in able if score is not best]
+    return Choice(best.name, (Remark(best.name, True, _why(best, len(able))), *behind, *remarks))
+
+
+def obstacles(score: Score, period_s: float) -> list[str]:
+    """What keeps a method from being chosen; empty for one that qualifies."""
+    own, margins = score.own, score.own.margins
+    if not own.stable:
+        return ["it is unstable at the loader's own setting"]
+    found = []
+    if score.over is not None and score.over.shares.stable < 1:
+        found.append(
+            f"it is stable at only {share_text(score.over.shares.stable)} of the settings with the nominal plant"
+        )
+    if margins.gain_up < LEAST_GAIN or margins.gain_down > 1 / LEAST_GAIN:
+        found.append(
+            f"the loop's gain may only go from {to_text(margins.gain_down, 3)} to {to_text(margins.gain_up, 3)} of its own"
+        )
+    if margins.phase_rad < LEAST_PHASE_RAD:
+        found.append(f"its phase margin is {to_text(degrees(margins.phase_rad), 3)} deg")
+    if period_s and margins.delay_s < LEAST_PERIODS * period_s:
+        found.append(
+            f"it bears {to_text(1e3 * margins.delay_s, 3)} ms more delay, less than a period of {to_text(1e3 * period_s, 3)} ms"
+        )
+    return found
+
+
+def _best(able: list[Score]) -> Score | None:
+    """Worst case first, then nominal, then noise."""
+    for key in ("passes_worst", "passes"):
+        most = max((_share(score, key) for score in able), default=0.0)
+        able = [score for score in able if _share(score, key) > most - CLOSE]
+    return min(able, key=_noise, default=None)
+
+
+def _why(best: Score, qualified: int) -> str:
+    if best.over is None:
+        return f"{_capital(best.name)} is stable with the margins that are asked for."
+    shares = best.over.shares
+    what = (
+        f"{_capital(best.name)} renders {share_text(shares.passes_worst)} of the settings in every case and "
+        f"{share_text(shares.passes)} with the nominal plant"
+    )
+    if qualified == 1:
+        return f"{what}; no other method qualifies."
+    return f"{what}: the best of the {qualified} methods that qualify."
+
+
+def _behind(score: Score, best: Score) -> str:
+    """The first figure of the rule in which a method that qualifies falls behind."""
+    name = _capital(score.name)
+    for key, where in (("passes_worst", "in every case"), ("passes", "with the nominal plant")):
+        mine, its = _share(score, key), _share(best, key)
+        if its - mine >= CLOSE:
+            return (
+                f"{name} qualifies and renders {share_text(mine)} {where}, {best.name} {share_text(its)}"
+                f"{_better(score, best)}."
+            )
+    if _noise(best) < _noise(score) < inf:
+        return f"{name} qualifies and renders about as much as {best.name}, with more noise at the grip."
+    return (
+        f"{name} qualifies and renders about as much as {best.name}, which is as good by the rule and stands before it."
+    )
+
+
+def _better(score: Score, best: Score) -> str:
+    """What one gives up with the choice."""
+    given_up = []
+    if _share(score, "passes") - _share(best, "passes") >= CLOSE:
+        given_up.append(f"more with the nominal plant ({share_text(_share(score, 'passes'))})")
+    if _noise(score) < 0.5 * _noise(best):
+        given_up.append("less than half the noise at the grip")
+    return f"; it has {' and '.join(given_up)}" if given_up else ""
+
+
+def _share(score: Score, key: str) -> float:
+    return float(getattr(score.over.shares, key)) if score.over else 0.0
+
+
+def _noise(score: Score) -> float:
+    return score.own.noise.angle_rad if score.own.noise else inf
+
+
+def _capital(name: str) -> str:
+    return name[:1].upper() + name[1:]

@@ -1,0 +1,179 @@
+"""Methods tried on one loader, and what each is worth: over the envelope, on the valve, on noise and on margins."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.choice.demand import Demand, largest_demand, of_all
+from forcefeel.choice.own_setting import OwnSetting, own_setting
+from forcefeel.command_loop import command_loops
+from forcefeel.designs.methods import METHODS
+from forcefeel.designs.setting_laws import NAMED_LAWS, SettingLaws, names_for
+from forcefeel.envelopes.plan import Plan, make_plan
+from forcefeel.envelopes.result import CaseShares, Envelope, Shares
+from forcefeel.envelopes.run import Progress, compute
+from forcefeel.errors import InputError
+from forcefeel.loader import Loader
+from forcefeel.loop_margins import LoopMargins, least_margins, loop_margins
+from forcefeel.simulation.engine import cores
+from forcefeel.units import show
+
+COARSE: Mapping[str, str] = MappingProxyType(
+    {"stiffness": "1..100 %:6:log", "frequency": "0.5..4 Hz:4:log", "damping": "0.1, 0.3, 0.7, 1.5"}
+)
+"""Some hundred settings: enough to tell methods apart in a minute."""
+
+_OF_THE_REPORT = MappingProxyType(
+    {
+        "original": "the position loop of eq. (13), the feel computer's displacement as its command",
+        "published": "the report's state feedback, recursion (22) over its horizon of 50 ms",
+        "converged": "the report's state feedback, recursion (22) run until the gains stand still",
+    }
+)
+
+
+@dataclass(frozen=True, eq=False)
+class OverEnvelope:
+    """What a method does over the settings of a grid.
+
+    Attributes:
+        shares: Stable, and within tolerance: nominally and in every case.
+        lost_most: What costs most of what passes nominally; ``None`` where nothing is lost.
+        demand: Largest over the stable settings, nominal plant.
+        margins: Least of each over the loader's own setting and the grid's corners.
+    """
+
+    shares: Shares
+    lost_most: CaseShares | None
+    demand: Demand
+    margins: LoopMargins
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """What one method is worth.
+
+    Attributes:
+        name: Its name.
+        summary: What it is, in a line.
+        own: At the loader's own setting.
+        over: Over the grid; ``None`` where it was not asked for.
+    """
+
+    name: str
+    summary: str
+    own: OwnSetting
+    over: OverEnvelope | None
+
+
+@dataclass(frozen=True, eq=False)
+class Scored:
+    """Methods and what they were tried on.
+
+    Attributes:
+        plan: Loader, settings, rule and cases.
+        scores: One for each method.
+    """
+
+    plan: Plan
+    scores: tuple[Score, ...] = field(repr=False)
+
+    @property
+    def sampled(self) -> bool:
+        """Whether the loader has a digital controller."""
+        return bool(self.plan.loader["controller.period"])
+
+
+def score_methods(
+    loader: Loader,
+    names: Sequence[str] | None = None,
+    grid: Mapping[str, str | Sequence[float]] = COARSE,
+    *,
+    over_envelope: bool = True,
+    threads: int | None = None,
+    progress: Progress = lambda done, total: None,
+    **options: object,
+) -> Scored:
+    """Designs with each method and scores it.
+
+    Args:
+        loader: The loader. Its own setting is where single laws are looked at; optional rows of the feel and an arm are left out.
+        names: Methods, names of ``setting_laws.NAMED_LAWS``; all that the loader can run if not given.
+        grid: Settings, as ``envelope`` takes them.
+        over_envelope: Whether to try each over the grid too, which takes most of the time.
+        threads: How many; all cores if not given.
+        progress: Called with the releases that are done and all there are.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, as ``envelope`` takes them.
+
+    Returns:
+        A score for each, in the order of their names.
+
+    Raises:
+        InputError: If an argument is bad, or a method needs a digital controller that the loader has not.
+    """
+    chosen = names_for(loader) if names is None else tuple(names)
+    check_names(loader, chosen)
+    plan = make_plan(loader, chosen, grid, **options)
+    found = compute(plan, threads=threads, progress=progress) if over_envelope else None
+    return Scored(plan, tuple(_score(plan, name, found, threads or cores()) for name in chosen))
+
+
+def check_names(loader: Loader, names: Sequence[str]) -> None:
+    """Refuses a method that is not there, or that the loader cannot run.
+
+    Raises:
+        InputError: If so.
+    """
+    able = names_for(loader)
+    for name in names:
+        if name in NAMED_LAWS and name not in able:
+            raise InputError(
+                f"method: {name} is made for a digital controller, and the loader is analog; give controller.period and "
+                f"controller.delay, for example 0.5 ms each, or take the built-in loader elevator-2khz; without them there are "
+                f"{', '.join(able)}"
+            )
+        if name not in able:
+            raise InputError(f"method: expected {', '.join(able)}, got {show(name)}")
+
+
+def summary_of(name: str) -> str:
+    """What a method is, in a line."""
+    return METHODS[name].summary if name in METHODS else _OF_THE_REPORT[name]
+
+
+def _score(plan: Plan, name: str, found: Envelope | None, threads: int) -> Score:
+    own = own_setting(plan, plan.compensators[name], threads)
+    return Score(name, summary_of(name), own, None if found is None else _over(plan, name, found, own))
+
+
+def _over(plan: Plan, name: str, found: Envelope, own: OwnSetting) -> OverEnvelope:
+    feel = plan.settings.feel(plan.loader)
+    laws = SettingLaws.of(plan.compensators[name], plan.loader, feel)
+    lost = max(found.case_shares(name), key=lambda row: row.lost if row.lost > 0 else 0.0)
+    corners = _corners(plan)
+    loops = command_loops(plan.loader, laws.some(corners), feel[corners])
+    return OverEnvelope(
+        shares=found.shares(name),
+        lost_most=lost if lost.lost > 0 else None,
+        demand=_demand(plan, laws, feel, found.stable(name)[0]),
+        margins=least_margins([own.margins, *map(loop_margins, loops)]),
+    )
+
+
+def _demand(plan: Plan, laws: SettingLaws, feel: NDArray[np.float64], stable: NDArray[np.bool_]) -> Demand:
+    """The largest over the stable settings, those of one frequency together."""
+    frequency = plan.settings.rows[:, 1]
+    pieces = [np.flatnonzero(stable & (frequency == one)) for one in plan.settings.frequency]
+    return of_all(
+        [largest_demand(plan.loader, laws.some(which), feel[which], plan.release_rad) for which in pieces if len(which)]
+    )
+
+
+def _corners(plan: Plan) -> NDArray[np.intp]:
+    """Places of the grid's corners among its settings."""
+    ends = [(0, size - 1) for size in plan.settings.shape]
+    return np.array([np.ravel_multi_index(corner, plan.settings.shape) for corner in product(*ends)], dtype=np.intp)

@@ -1,0 +1,113 @@
+"""What ``forcefeel frontier`` does."""
+
+import json
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.sweep_command import INTERRUPTED, Bar
+from forcefeel.envelopes.plan import Plan
+from forcefeel.errors import InputError
+from forcefeel.frontier import Frontier
+from forcefeel.frontier.findings import frontier_conclusions, points_text, tolerance_text
+from forcefeel.frontier.plain import plain_frontier
+from forcefeel.frontier.run import compute_frontier, frontier_plan
+from forcefeel.loader import open_loader
+from forcefeel.qualification import DEFAULT_EDITION
+from forcefeel.sweep import text
+from forcefeel.sweep.findings import share_text
+from forcefeel.units import ANGLE, UnitSystem, parse
+
+
+@dataclass(frozen=True)
+class FrontierOptions:
+    """The options as given; ``None`` is not given."""
+
+    grid: list[str] | None
+    compensator: str | None
+    rule: str | None
+    angle: str | None
+    out: Path
+    replace: bool
+    threads: int | None
+
+    def plan(self, path: Path | None) -> Plan:
+        """What is to be computed.
+
+        Raises:
+            InputError: If an option is bad.
+        """
+        try:
+            angle = None if self.angle is None else parse(self.angle, ANGLE.si, "10 deg")
+        except InputError as error:
+            raise InputError(f"--angle: {error}") from error
+        grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:7:log")
+        rule = self.rule or DEFAULT_EDITION
+        return frontier_plan(open_loader(path), self.compensator, grid, rule=rule, angle_rad=angle)
+
+
+def run_frontier(path: Path | None, options: FrontierOptions, units: UnitSystem, *, as_json: bool) -> None:
+    """Computes a frontier and writes its folder."""
+    from forcefeel.report.frontier_folder import check_frontier_folder, write_frontier  # noqa: PLC0415  Plotly
+
+    plan = options.plan(path)
+    check_frontier_folder(options.out, replace=options.replace)  # before the work, not after it
+    with Bar(silent=as_json) as bar:
+
+        def show(what: str, done: int, total: int) -> None:
+            bar.describe(what)
+            bar.show(done, total)
+
+        try:
+            found = compute_frontier(plan, threads=options.threads, progress=show)
+            bar.describe("report")
+            page = write_frontier(found, options.out, units, replace=options.replace)
+        except KeyboardInterrupt:
+            bar.stop()
+            print("\nforcefeel: interrupted; nothing is written", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+    if as_json:
+        print(json.dumps({"page": str(page), **plain_frontier(found, units)}, indent=2, allow_nan=False))
+    else:
+        _show(Console(), found, units)
+        print(f"page: {page}")
+
+
+def _show(console: Console, found: Frontier, units: UnitSystem) -> None:
+    console.print(_tolerances(found))
+    console.print(_hardware(found))
+    said = frontier_conclusions(found, units)
+    console.print(said.verdict, style="bold", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)
+
+
+def _tolerances(found: Frontier) -> Table:
+    tight, known = found.tightening.inertia_and_geometry, found.tightening.all_in_proportion
+    table = Table("inertia known to", title="Passes in every case", title_justify="left", title_style="bold")
+    for name in ("inertia and geometry tightened", "all in proportion", "bound on any law"):
+        table.add_column(name, justify="right")
+    bounds = dict(zip(found.bound.errors, found.bound.shares, strict=True))
+    for tolerance, one, other in zip(tight.tolerances, tight.shares, known.shares, strict=True):
+        bound = next((share for error, share in bounds.items() if abs(error - tolerance) < _SAME * tolerance), None)
+        last = "" if bound is None else share_text(bound)
+        table.add_row(tolerance_text(tolerance), share_text(one), share_text(other), last)
+    return table
+
+
+_SAME = 1e-6
+"""Relative; tolerances that are the same but for rounding."""
+
+
+def _hardware(found: Frontier) -> Table:
+    table = Table("change", title="Points gained", title_justify="left", title_style="bold")
+    for name in ("in every case", "nominally", "stable in every case"):
+        table.add_column(name, justify="right")
+    for gain in found.hardware:
+        gains = (gain.worst_gain, gain.nominal_gain, gain.stable_worst_gain)
+        table.add_row(gain.name, *map(points_text, gains))
+    return table

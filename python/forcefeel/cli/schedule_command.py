@@ -1,0 +1,76 @@
+"""What ``forcefeel schedule`` does."""
+
+import json
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.sweep_command import INTERRUPTED, Bar
+from forcefeel.flight_schedules import ScheduleCheck, check_schedule, design_schedule, read_knots
+from forcefeel.flight_schedules.findings import schedule_conclusions
+from forcefeel.flight_schedules.plain import plain_schedule
+from forcefeel.loader import open_loader
+from forcefeel.qualification import DEFAULT_EDITION
+from forcefeel.units import UnitSystem, to_text
+
+
+@dataclass(frozen=True)
+class ScheduleCommandOptions:
+    """The options as given; ``None`` is not given."""
+
+    knots: Path
+    method: str
+    refine: int
+    rule: str | None
+    out: Path
+    replace: bool
+    threads: int | None
+
+
+def run_schedule(path: Path | None, options: ScheduleCommandOptions, units: UnitSystem, *, as_json: bool) -> None:
+    """Designs and checks a schedule and writes its folder."""
+    from forcefeel.report.schedule_folder import check_schedule_folder, write_schedule  # noqa: PLC0415  Plotly
+
+    loader, knots = open_loader(path), read_knots(options.knots)
+    check_schedule_folder(options.out, replace=options.replace)  # before the work, not after it
+    with Bar(silent=as_json) as bar:
+        try:
+            bar.describe("schedule")
+            schedule = design_schedule(loader, knots.axes, knots.feel, options.method)
+            found = check_schedule(
+                schedule,
+                options.refine,
+                rule=options.rule or DEFAULT_EDITION,
+                threads=options.threads,
+                progress=bar.show,
+            )
+            bar.describe("report")
+            page = write_schedule(found, options.out, units, replace=options.replace)
+        except KeyboardInterrupt:
+            bar.stop()
+            print("\nforcefeel: interrupted; nothing is written", file=sys.stderr)
+            raise typer.Exit(INTERRUPTED) from None
+    if as_json:
+        print(json.dumps({"page": str(page), **plain_schedule(found, units)}, indent=2, allow_nan=False))
+    else:
+        _show(Console(), found)
+        print(f"page: {page}")
+    if not found.stable:
+        raise typer.Exit(1)
+
+
+def _show(console: Console, found: ScheduleCheck) -> None:
+    table = Table("where", title="Sampled loops", title_justify="left", title_style="bold")
+    for name in ("loops", "unstable", "pole nearest to the edge"):
+        table.add_column(name, justify="right")
+    for part in found.parts:
+        table.add_row(str(part.part), f"{part.loops:,}", f"{part.unstable:,}", to_text(part.critical, 5))
+    console.print(table)
+    said = schedule_conclusions(found)
+    console.print(said.verdict, style="bold", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)

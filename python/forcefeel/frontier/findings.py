@@ -1,0 +1,198 @@
+"""What an engineer should conclude from a frontier, in words."""
+
+from math import isfinite
+
+from forcefeel.envelopes.findings import WHOLE_NOMINAL, WHOLE_WORST, caveats, name_text
+from forcefeel.envelopes.result import INERTIA as INERTIA_UNIT
+from forcefeel.findings import Conclusions
+from forcefeel.frontier.hardware import Gain
+from forcefeel.frontier.result import Frontier, Limit
+from forcefeel.frontier.tightening import KNOWN_BETTER
+from forcefeel.parameters import TABLE, unit
+from forcefeel.sweep.findings import share_text
+from forcefeel.units import PERCENT, Unit, UnitSystem, to_text
+
+GOAL = f"{100 * WHOLE_NOMINAL:.0f} % nominally and {100 * WHOLE_WORST:.0f} % in every case"
+
+MILLISECONDS = Unit("s", "ms", "ms", "s")
+
+_POINTS = 0.5e-2
+"""Gain of a share from which on a sentence calls it one."""
+
+
+def frontier_conclusions(found: Frontier, units: UnitSystem) -> Conclusions:
+    """The conclusions, with numbers in ``units``; ``good`` where the goal is reached at the full tolerances."""
+    tight = found.tightening
+    good = tight.nominal_is_enough and tight.worst >= WHOLE_WORST
+    verdict = (
+        f"Of {found.plan.settings.count:,} programmed feels {share_text(tight.nominal)} are rendered nominally and "
+        f"{share_text(tight.worst)} in every case with {name_text(found.compensator)}. With the column's inertia known to "
+        f"{tolerance_text(found.inertia_tolerance)}, {share_text(float(found.possible.mean()))} is the bound on any law, "
+        "computed over responses of second order."
+    )
+    lines = [_limits(found), _goal(found), _dearest(found), _hardware(found), _valve(found, units)]
+    lines += [_smallest(found, units), _friction(found, units), _sensor(), *caveats(found.envelope, units)]
+    return Conclusions(good, verdict, tuple(line for line in lines if line))
+
+
+def tolerance_text(share: float) -> str:
+    """A tolerance to either side, as people say it."""
+    return f"{to_text(PERCENT.from_si(share, UnitSystem.SI), 2)} %"
+
+
+def points_text(gain: float) -> str:
+    """A gain in percentage points, with its sign."""
+    return f"{100 * gain:+.1f}"
+
+
+def _limits(found: Frontier) -> str:
+    shares = {limit: share for limit, share in found.limit_shares.items() if share > 0 and limit is not Limit.NONE}
+    if not shares:
+        return "Nothing limits it: every setting of the grid is rendered in every case."
+    parts = [f"{limit} ({share_text(share)})" for limit, share in sorted(shares.items(), key=lambda row: -row[1])]
+    beyond = found.beyond_bound
+    more = (
+        f" {share_text(beyond)} of the settings pass although no response of second order would: there the bound does not hold."
+        if beyond
+        else ""
+    )
+    return f"What limits the others, as shares of all settings: {'; '.join(parts)}.{more}"
+
+
+def _goal(found: Frontier) -> str:
+    tight = found.tightening
+    if not tight.nominal_is_enough:
+        return (
+            f"The goal of {GOAL} is out of reach by tolerances alone: they do not change the nominal share of "
+            f"{share_text(tight.nominal)}. " + _reach(found)
+        )
+    if tight.worst >= WHOLE_WORST:
+        return f"The goal of {GOAL} is reached at the full tolerances."
+    return _reach(found) + _pair(found)
+
+
+def _reach(found: Frontier) -> str:
+    path = found.tightening.inertia_and_geometry
+    goal = f"{100 * WHOLE_WORST:.0f} %"
+    if isfinite(path.needed):
+        return (
+            f"The worst case reaches {goal} with {path.name} known to {tolerance_text(path.needed)} (interpolated between two "
+            "computed tolerances), all others at their full tolerance."
+        )
+    if path.limit >= WHOLE_WORST:
+        finest = tolerance_text(path.tolerances[-1])
+        return (
+            f"The worst case does not reach {goal} with {path.name} known to {finest}, the finest that was computed; exactly "
+            f"known it is {share_text(path.limit)}."
+        )
+    return f"Even where {path.name} are known exactly, the worst case is {share_text(path.limit)}: {_rest(found)}."
+
+
+def _rest(found: Frontier) -> str:
+    """What limits the worst case once inertia and geometry are known exactly."""
+    if found.tightening.nominal < WHOLE_WORST:
+        return "the nominal share itself limits it"
+    others = [cost for cost in found.tightening.costs if cost.name not in KNOWN_BETTER and cost.lost > 0]
+    if not others:
+        return "the rest limits it"
+    dearest = max(others, key=lambda one: one.lost)
+    return (
+        f"the rest limits it, {dearest.name} before all, with which {share_text(dearest.lost)} of all settings are lost"
+    )
+
+
+def _pair(found: Frontier) -> str:
+    pair = found.tightening.pair
+    if pair is None:
+        return ""
+    return (
+        f" With all other tolerances at {tolerance_text(pair.others)} of theirs and column inertia and geometry known to "
+        f"{tolerance_text(pair.inertia_and_geometry)}, it is {share_text(pair.share)}."
+    )
+
+
+def _dearest(found: Frontier) -> str:
+    dearest = max(found.tightening.costs, key=lambda one: one.lost)
+    if dearest.lost <= 0:
+        return "No single tolerance loses a setting that passes nominally."
+    text = f"The dearest by itself is {dearest.name}, with which {share_text(dearest.lost)} of all settings are lost"
+    only = max(found.tightening.costs, key=lambda one: one.only)
+    if only.only > 0:
+        return f"{text}; most is lost to {only.name} alone, {share_text(only.only)}, which no other case loses."
+    path = found.tightening.inertia_and_geometry
+    together = path.limit - path.shares[0]
+    return (
+        f"{text}; but no setting is lost to one of them alone, so one alone made perfect gains nothing. {path.name.capitalize()} "
+        f"together, made perfect, gain {100 * together:.1f} points."
+    )
+
+
+def _hardware(found: Frontier) -> str:
+    gains = [gain for gain in found.hardware if gain.worst_gain >= _POINTS]
+    best = max(found.hardware, key=lambda one: one.nominal_gain)
+    nominal = (
+        f" Nominally most comes of {best.name}, {points_text(best.nominal_gain)} points."
+        if best.nominal_gain >= _POINTS
+        else " None gains half a point nominally."
+    )
+    if not gains:
+        return "No change of the hardware that was tried gains half a point in the worst case." + nominal
+    return f"In the worst case most is bought by {_listed(gains[:3])}.{nominal}"
+
+
+def _listed(gains: list[Gain]) -> str:
+    return ", then ".join(f"{gain.name} ({points_text(gain.worst_gain)} points)" for gain in gains)
+
+
+def _valve(found: Frontier, units: UnitSystem) -> str:
+    valve = found.valve
+    milliseconds = to_text(MILLISECONDS.from_si(valve.longest_unload_s, units), 2)
+    unload = (
+        f" As the hand lets go, the valve needs up to {milliseconds} ms to take its torque off the link, "
+        f"{share_text(valve.longest_unload_of_period)} of a period at most."
+    )
+    if valve.forbidden.any():
+        return f"The valve's flow forbids {share_text(valve.forbidden_share)} of the settings whatever the law.{unload}"
+    return (
+        f"The valve forbids none: the ideal releases ask for at most {share_text(float(valve.demand.max()))} of the flow that it "
+        f"lets through.{unload}"
+        if valve.beyond_ideal_share == 0
+        else f"The valve forbids none, though {share_text(valve.beyond_ideal_share)} of the ideals are beyond its flow: within the "
+        f"tolerances there is a response that is not.{unload}"
+    )
+
+
+def _smallest(found: Frontier, units: UnitSystem) -> str:
+    edge = found.smallest
+    if not isfinite(edge.inertia_n_m_s2_per_rad):
+        return "No setting of the grid is rendered in every case."
+    inertia = f"{to_text(INERTIA_UNIT.from_si(edge.inertia_n_m_s2_per_rad, units), 3)} {INERTIA_UNIT.shown(units)}"
+    return (
+        f"The smallest inertia rendered in every case is I = {inertia}, {to_text(edge.inertia_share, 2)} times the column's own; "
+        f"stiffness goes from {share_text(edge.stiffness_share)} to {share_text(found.largest_stiffness)} of G_max, of a grid from "
+        f"{share_text(found.plan.settings.stiffness[0])} to {share_text(found.plan.settings.stiffness[-1])}."
+    )
+
+
+def _friction(found: Frontier, units: UnitSystem) -> str:
+    one = found.friction
+    if not isfinite(one.felt_n):
+        return "At the loader's own setting the run diverges under a slow push: nothing is said of friction."
+    felt, noise = (_force(value, units) for value in (one.felt_n, one.noise_n))
+    own = f", where the column's own dry friction is {_force(one.column_n, units)}" if one.column_n else ""
+    return (
+        f"With no friction programmed the hand feels {felt} of friction, play and lag at the loader's own setting{own}; what is "
+        f"less than {noise}, r.m.s., is lost in the noise."
+    )
+
+
+def _force(value: float, units: UnitSystem) -> str:
+    shown = unit(TABLE["pilot.force"])
+    return f"{to_text(shown.from_si(value, units), 2)} {shown.shown(units)}"
+
+
+def _sensor() -> str:
+    return (
+        "A sensor of the force at the grip, beyond the column's inertia, would lift the bound on the inertia: the law could then "
+        "tell a heavier column from a hand. It is not computed here."
+    )

@@ -1,0 +1,140 @@
+"""``forcefeel compensate --method`` as a user types it, and the folder that it writes."""
+
+import json
+import re
+import sys
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.choice import score as scoring
+from forcefeel.cli import main
+from forcefeel.report.choice_folder import PAGE, RESULTS
+
+SMALL = ("--grid", "stiffness=10, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
+FOLDER = "forcefeel-compensate"
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Runs ``forcefeel compensate ...``; gives exit status, output and error output."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["forcefeel", "compensate", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        printed = capsys.readouterr()
+        return ended.value.code or 0, printed.out, " ".join(printed.err.split())
+
+    return call
+
+
+def test_one_method_at_the_own_setting(run, tmp_path):
+    status, out, err = run("elevator-2khz", "--method", "robust")
+    assert (status, err) == (0, "")
+    assert "Robust is stable" in out
+    assert "every case" not in out
+    assert {one.name for one in (tmp_path / FOLDER).iterdir()} == {PAGE, RESULTS}
+    stored = json.loads((tmp_path / FOLDER / RESULTS).read_text(encoding="utf-8"))
+    assert (stored["chosen"], stored["law"]["period_s"]) == ("robust", 0.0005)
+    assert "envelope" not in stored["methods"]["robust"]
+
+
+def test_one_method_over_the_envelope(run):
+    status, out, _ = run("--method", "converged", "--envelope", *SMALL, "--json", "--units", "si")
+    assert status == 0
+    found = json.loads(out)
+    assert found["methods"]["converged"]["envelope"]["shares"]["stable"]["value"] > 0
+    assert found["grid"]["frequency"]["values"] == pytest.approx([1, 3])
+
+
+def test_auto_chooses_and_says_why(run, tmp_path, monkeypatch):
+    names = ("published", "observer", "robust")
+    monkeypatch.setattr(scoring, "names_for", lambda _: names)  # all seven take their time
+    grid = ("--grid", "stiffness=30, 100 %", "--grid", "frequency=3, 4 Hz", "--grid", "damping=0.7, 1")
+    status, out, err = run("elevator-2khz", "--method", "auto", *grid, "--out", "found")
+    assert (status, err) == (0, "")
+    stored = json.loads((tmp_path / "found" / RESULTS).read_text(encoding="utf-8"))
+    assert tuple(stored["methods"]) == names
+    assert f"Take {stored['chosen']}." in out
+    text = re.sub(
+        r"<(script|style).*?</\1>", "", (tmp_path / "found" / PAGE).read_text(encoding="utf-8"), flags=re.DOTALL
+    )
+    assert not re.search(r"\d\.\d{7}", re.sub(r"<[^>]*>", " ", text))
+
+
+def test_none_qualifies(run):
+    grid = ("--grid", "stiffness=1, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
+    status, out, _ = run("--method", "auto", *grid)
+    assert status == 1
+    assert "None of the 3 methods qualifies" in out
+    assert "elevator-2khz" in out
+
+
+def test_an_unstable_law_ends_with_one(run, tmp_path):
+    soft = ff.elevator().replace(
+        {"feel.inertia": "0.6 lb in s^2/rad", "feel.damping": "3.04 lb in s/rad", "feel.stiffness": "96 lb in/rad"}
+    )
+    (tmp_path / "soft.toml").write_text(soft.to_toml(), encoding="utf-8")
+    status, out, _ = run("soft.toml", "--method", "published")
+    assert status == 1
+    assert "unstable" in out
+
+
+def test_without_a_method_it_is_recursion_22(run, tmp_path):
+    status, out, _ = run("--json")
+    assert status == 0
+    assert set(json.loads(out)) == {"loader", "compensation", "assessment", "peaks"}
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_there_is_not_overwritten(run, tmp_path):
+    assert run("--method", "published")[0] == 0
+    before = (tmp_path / FOLDER / RESULTS).read_bytes()
+    status, _, err = run("--method", "converged")
+    assert status == 2
+    assert "--replace" in err
+    assert (tmp_path / FOLDER / RESULTS).read_bytes() == before
+    assert run("--method", "converged", "--replace")[0] == 0
+    assert json.loads((tmp_path / FOLDER / RESULTS).read_text())["chosen"] == "converged"
+
+
+def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(scoring, "compute", interrupted)
+    status, _, err = run("--method", "auto", *SMALL)
+    assert status == 130
+    assert "nothing is written" in err
+    assert not (tmp_path / FOLDER).exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--method", "auto", "--r2", "0.05"), "--r2: is for recursion (22)"),
+        (("--method", "robust", "--converge"), "--converge: is for recursion (22)"),
+        (("--method", "auto", "--pilot-coupling", "column"), "--pilot-coupling: is for recursion (22)"),
+        (("--method", "auto", "--horizon", "0.05"), "--horizon: is for recursion (22)"),
+        (("--method", "best"), "original, published, converged"),
+        (("--method", "robust"), "elevator-2khz"),
+        (("--method", "auto", "--envelope"), "--envelope: is for one method"),
+        (("--method", "published", *SMALL), "--grid: is for the envelope"),
+        (("--method", "auto", "--grid", "mass=1..2:3"), "unknown axis"),
+        (("--method", "auto", "--rule", "part61"), "part60-a-2014"),
+        (("--out", "here"), "--out: is for --method"),
+        (("--replace",), "--replace: is for --method"),
+        (("--envelope",), "--envelope: is for --method"),
+        (SMALL, "--grid: is for --method"),
+        (("there-is-none.toml", "--method", "auto"), "there-is-none.toml"),
+    ],
+)
+def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
+    status, out, err = run(*words)
+    assert (status, out) == (2, "")
+    assert message in err
+    assert "Traceback" not in err
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,144 @@
+"""``forcefeel schedule`` as a user types it, and the folder that it writes."""
+
+import csv
+import io
+import json
+import re
+import sys
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.cli import main
+from forcefeel.designs.methods import METHODS
+from forcefeel.flight_schedules import check, read_knots
+from forcefeel.report.schedule_folder import GAINS, PAGE, RESULTS
+
+KNOTS = """dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio
+50,2880,1.0,0.6
+200,11520,1.5,0.6
+"""
+SOFT = KNOTS.replace("2880", "60")
+"""So soft that an observer that trusts its plant loses it."""
+
+CASES = 32
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Runs ``forcefeel schedule ...``; gives exit status, output and error output."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "120")
+    (tmp_path / "knots.csv").write_text(KNOTS)
+    (tmp_path / "soft.csv").write_text(SOFT)
+
+    def call(*words):
+        monkeypatch.setattr(sys, "argv", ["forcefeel", "schedule", *map(str, words)])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        printed = capsys.readouterr()
+        return ended.value.code or 0, printed.out, " ".join(printed.err.split())
+
+    return call
+
+
+GOOD = ("elevator-2khz", "--knots", "knots.csv", "--refine", "2")
+
+
+def test_a_schedule_that_is_stable(run, tmp_path):
+    status, out, err = run(*GOOD, "--out", "found")
+    assert (status, err) == (0, "")
+    assert "Stable wherever it was checked: at 2 knots, at 1 place between" in out.replace("\n", " ")
+    assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, GAINS}
+
+
+def test_the_gains_are_every_number_of_each_law(run, tmp_path):
+    run(*GOOD)
+    head, *rows = csv.reader(io.StringIO((tmp_path / "forcefeel-schedule" / GAINS).read_text(encoding="utf-8")))
+    found = read_knots(tmp_path / "knots.csv")
+    laws = METHODS["robust"].design(ff.digital_elevator(), found.feel)
+    n = laws.states
+    assert head[:4] == ["dynamic pressure (lb/ft^2)", "I (N m s^2/rad)", "B (N m s/rad)", "G (N m/rad)"]
+    assert len(head) == len(set(head)) == 4 + n * n + 4 * n + 2 * (n + 5)
+    for k, row in enumerate(rows):
+        numbers = dict(zip(head, map(float, row), strict=True))
+        np.testing.assert_array_equal([numbers[f"{name}"] for name in head[1:4]], found.feel[k])
+        assert numbers["transition[2,1]"] == laws.transition[k, 1, 0]
+        assert numbers["input[3,e]"] == laws.input[k, 2, 3]
+        assert numbers["command[F_c]"] == laws.command[k, n]
+        assert numbers["torque[delta']"] == laws.torque[k, -1]
+
+
+def test_the_results_agree_with_what_is_printed(run, tmp_path):
+    status, out, _ = run(*GOOD, "--json", "--units", "si")
+    found = json.loads(out)
+    stored = json.loads((tmp_path / "forcefeel-schedule" / RESULTS).read_text(encoding="utf-8"))
+    assert status == 0
+    assert {key: value for key, value in found.items() if key != "page"} == stored
+    assert found["stable"]
+    assert found["axes"] == [{"name": "dynamic pressure", "unit": "lb/ft^2", "values": [50.0, 200.0]}]
+    assert [part["loops"] for part in found["parts"]] == [2 * CASES, CASES, CASES]
+    assert found["knots"][0]["where"] == [50.0]
+    assert found["knots"][0]["G"]["unit"] == "N m/rad"
+    assert [one["knot"] for one in found["releases"]] == [True, True, False]
+    assert len(found["cases"]) == CASES
+
+
+def test_one_that_is_not_stable_ends_with_one(run, tmp_path):
+    status, out, err = run("elevator-2khz", "--knots", "soft.csv", "--method", "observer", "--refine", "2")
+    assert (status, err) == (1, "")
+    assert "Not stable: " in out
+    results = json.loads((tmp_path / "forcefeel-schedule" / RESULTS).read_text(encoding="utf-8"))
+    assert not results["stable"]
+    assert not results["conclusions"]["good"]
+
+
+def test_a_folder_with_a_schedule_is_not_overwritten(run, tmp_path):
+    run(*GOOD)
+    before = (tmp_path / "forcefeel-schedule" / RESULTS).read_bytes()
+    status, _, err = run(*GOOD, "--method", "observer")
+    assert status == 2
+    assert "--replace" in err
+    assert (tmp_path / "forcefeel-schedule" / RESULTS).read_bytes() == before
+    run(*GOOD, "--method", "observer", "--replace")
+    assert json.loads((tmp_path / "forcefeel-schedule" / RESULTS).read_text())["method"] == "observer"
+
+
+def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(check, "poles_of", interrupted)
+    status, _, err = run(*GOOD)
+    assert status == 130
+    assert "nothing is written" in err
+    assert not (tmp_path / "forcefeel-schedule").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ((), "--knots"),
+        (("elevator-2khz", "--knots", "none.csv"), "none.csv: cannot be read"),
+        (("elevator", "--knots", "knots.csv"), "controller.period: expected a sample period"),
+        ((*GOOD, "--method", "published"), "method: expected"),
+        ((*GOOD, "--rule", "part61"), "part60-a-2014"),
+        (("elevator-2khz", "--knots", "knots.csv", "--refine", "1"), "refine"),
+        (("elevator-2khz", "--knots", "knots.csv", "--refine", "1000000"), "smaller refine"),
+    ],
+)
+def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
+    status, out, err = run(*words)
+    assert (status, out) == (2, "")
+    assert message in err
+    assert "Traceback" not in err
+    assert not (tmp_path / "forcefeel-schedule").exists()
+
+
+def test_the_page_has_no_endless_numbers(run, tmp_path):
+    run(*GOOD)
+    page = (tmp_path / "forcefeel-schedule" / PAGE).read_text(encoding="utf-8")
+    text = re.sub(r"<[^>]*>", " ", re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL))
+    assert not re.search(r"\d\.\d{7}", text)
+    assert "dynamic pressure 125 lb" in text

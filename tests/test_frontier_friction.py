@@ -1,0 +1,39 @@
+"""The smallest friction: what sits on the column's side of every sensor is felt whole, by the balance at rest."""
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.envelopes.plan import make_plan
+from forcefeel.frontier.friction import smallest_friction
+
+GRID = {"stiffness": "50, 100 %", "frequency": "2, 3 Hz", "damping": "0.5, 1"}
+STILL_MOVING = 0.05  # relative; the push goes on while the column slips
+POUND_N = 4.4482216
+
+
+LOADERS = {"published": ff.elevator, "robust": ff.digital_elevator}
+
+
+@pytest.mark.parametrize("law", LOADERS)
+def test_the_columns_own_friction_is_felt_whole(law):
+    """R_p F_p = G theta + R_p F_c sgn(theta'): a law that does not know of it cannot take it off."""
+    smooth = LOADERS[law]()
+    dry = smooth.replace({"column.coulomb_friction": "2 lb"})
+    without, found = (smallest_friction(make_plan(each, (law,), GRID)) for each in (smooth, dry))
+    assert found.column_n == pytest.approx(2 * POUND_N)
+    assert found.felt_n - without.felt_n == pytest.approx(found.column_n, rel=STILL_MOVING)
+
+
+def test_without_friction_nothing_but_rounding_is_felt():
+    found = smallest_friction(make_plan(ff.elevator(), ("published",), GRID))
+    assert found.felt_n < 1e-2 * found.force_n
+    assert found.noise_n < 1e-4 * found.force_n
+
+
+def test_noise_of_the_sensors_is_felt():
+    loader = ff.digital_elevator()
+    quiet, loud = (
+        smallest_friction(make_plan(each, ("robust",), GRID))
+        for each in (loader, loader.replace({"load_cell.noise": 10 * loader["load_cell.noise"]}))
+    )
+    assert 0 < quiet.noise_n < loud.noise_n

@@ -1,0 +1,140 @@
+"""The ladder of tolerances against envelopes that are computed directly, and what is read off it against sets by hand."""
+
+from math import isnan
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.envelopes.cases import REFERENCE_ARMS, Case, Kind
+from forcefeel.envelopes.plan import make_plan
+from forcefeel.errors import InputError
+from forcefeel.frontier.hardware import CHANGES, hardware
+from forcefeel.frontier.rungs import Rungs, climb, rung_releases
+from forcefeel.frontier.tightening import KNOWN_BETTER, needed, tightening
+
+GRID = {"stiffness": "10..100 %:6:log", "frequency": "1..4 Hz:4:log", "damping": "0.2, 0.4, 1.2"}
+SMALL = {"column.inertia": 0.2, "linkage.ratio": 0.2, "linkage.stiffness": 0.2, "valve.current_gain": 0.3}
+LAW = "published"
+
+
+@pytest.fixture(scope="module")
+def rungs():
+    return climb(make_plan(ff.elevator(), (LAW,), GRID, changes=SMALL), (1.0, 0.5, 0.1), threads=1)
+
+
+@pytest.mark.parametrize(("rung", "rest"), [(0, 0), (1, 0), (2, 1), (3, 1)])
+def test_tolerances_that_are_mixed_are_those_of_an_envelope(rungs, rung, rest):
+    factors = (*rungs.factors, None)
+    changes = {
+        key: share * factors[rung if key in KNOWN_BETTER else rest]
+        for key, share in SMALL.items()
+        if not (key in KNOWN_BETTER and factors[rung] is None)
+    }
+    found = ff.envelope(ff.elevator(), (LAW,), GRID, changes=changes)
+    known = [key for key in SMALL if key in KNOWN_BETTER]
+    assert np.array_equal(rungs.worst(known, rung, rest), found.passes(LAW).all(axis=0))
+    assert np.array_equal(rungs.worst(known, rung, rest, stable=True), found.stable(LAW).all(axis=0))
+
+
+def test_every_release_is_counted(rungs):
+    done = []
+    climb(rungs.full.plan, (1.0, 0.5), threads=1, progress=lambda now, total: done.append((now, total)))
+    assert done[-1][0] == done[-1][1] == rung_releases(rungs.full.plan, (1.0, 0.5))
+    assert sorted(done) == done
+
+
+def test_paths_and_costs(rungs):
+    found = tightening(rungs)
+    shares = rungs.full.shares(LAW)
+    assert (found.nominal, found.worst) == (shares.passes, shares.passes_worst)
+    assert found.all_in_proportion.shares[0] == found.inertia_and_geometry.shares[0] == found.worst
+    assert found.all_in_proportion.limit >= found.inertia_and_geometry.limit >= found.inertia_and_geometry.shares[-1]
+    by_case = {row.case: row for row in rungs.full.case_shares(LAW)}
+    passes = dict(zip(by_case, rungs.full.passes(LAW), strict=True))
+    for cost in found.costs:
+        mine = [name for name in by_case if name.startswith(f"{cost.name} ") or name == cost.name]
+        both = np.all([passes[name] for name in mine], axis=0)
+        others = np.all([row for name, row in passes.items() if name not in mine], axis=0)
+        assert cost.passes == both.mean()
+        assert cost.lost == (passes["nominal"] & ~both).mean()
+        assert cost.only == (others & ~both).mean()
+    assert {cost.name for cost in found.costs} == {*SMALL, *(f"{arm.name} arm" for arm in REFERENCE_ARMS)}
+    # What one alone loses and what is left add up to no more than all.
+    assert found.worst + sum(cost.only for cost in found.costs) <= 1
+
+
+def _by_hand(rungs, *, arms=20, stiff=18):
+    """Twenty settings of which the arms leave some, the linkage at full tolerance some, the inertia more the better it is known."""
+    settings = np.arange(20)
+    cases = (
+        Case("nominal", Kind.NOMINAL),
+        Case("column.inertia +20 %", Kind.PLANT, "column.inertia", 0.2),
+        Case("linkage.stiffness +20 %", Kind.PLANT, "linkage.stiffness", 0.2),
+    )
+    left = [
+        np.array([settings < arms, settings < heavy, settings < limp])
+        for heavy, limp in ((10, stiff), (14, 19), (20, 19))
+    ]
+    return Rungs(rungs.full, (1.0, 0.5, 0.1), (cases,) * 3, tuple(left), tuple(left))
+
+
+def test_the_smallest_tightening_by_hand(rungs):
+    path = tightening(_by_hand(rungs)).inertia_and_geometry
+    assert path.shares == (0.5, 0.7, 0.9)
+    assert path.tolerances == pytest.approx((0.2, 0.1, 0.02))
+    assert (path.limit, path.needed) == (0.9, pytest.approx(0.02))
+    assert tightening(_by_hand(rungs)).pair is None
+
+
+def test_where_the_inertia_alone_does_not_do(rungs):
+    found = tightening(_by_hand(rungs, stiff=17))
+    assert isnan(found.inertia_and_geometry.needed)
+    assert found.inertia_and_geometry.limit == 0.85
+    assert (found.pair.others, found.pair.share) == (0.5, 0.95)
+    assert found.pair.inertia_and_geometry == pytest.approx(0.02)
+    assert tightening(_by_hand(rungs, arms=17)).pair is None
+
+
+def test_between_two_rungs():
+    assert needed((0.2, 0.1, 0.05), (0.5, 0.8, 1.0), 0.9) == pytest.approx(0.1 * 0.5**0.5)
+    assert needed((0.2, 0.1), (0.95, 0.97), 0.9) == 0.2
+    assert isnan(needed((0.2, 0.1), (0.5, 0.6), 0.9))
+
+
+def test_two_laws_or_rungs_that_do_not_fall(rungs):
+    with pytest.raises(InputError, match="expected one, got original, published"):
+        climb(make_plan(ff.elevator(), ("original", "published"), GRID))
+    for factors in ((0.5, 0.1), (1.0, 1.0), (1.0, 0.0)):
+        with pytest.raises(InputError, match="fall from 1"):
+            climb(rungs.full.plan, factors)
+
+
+def test_gains_are_those_of_the_changed_loader(rungs):
+    before = rungs.full.shares(LAW)
+    gains = {gain.name: gain for gain in hardware(rungs, threads=1)}
+    for change in CHANGES:
+        assert (change.name in gains) == change.applies(rungs.full.plan.loader)
+        if change.name in gains:
+            after = ff.envelope(change.on(ff.elevator()), (LAW,), GRID, changes=SMALL).shares(LAW)
+            gain = gains[change.name]
+            assert (gain.nominal, gain.worst, gain.stable_worst) == (
+                after.passes,
+                after.passes_worst,
+                after.stable_worst,
+            )
+            assert gain.worst_gain == pytest.approx(after.passes_worst - before.passes_worst)
+    assert "half the delay" not in gains  # an analog loader has none
+    assert gains["column inertia known to 2 %"].worst == rungs.worst(("column.inertia",), 2).mean()
+    order = [gain.worst_gain for gain in hardware(rungs, threads=1)]
+    assert order == sorted(order, reverse=True)
+
+
+def test_every_change_applies_to_the_digital_loader():
+    loader = ff.digital_elevator()
+    assert all(change.applies(loader) for change in CHANGES)
+    heavy = loader.replace({"column.inertia": loader["column.inertia"]})
+    for change in CHANGES:
+        changed = change.on(heavy)
+        for key, factor in change.factors.items():
+            assert changed[key] == pytest.approx(factor * loader[key])
