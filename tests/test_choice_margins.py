@@ -23,7 +23,7 @@ def _feel(share, hertz, damping):
 SETTINGS = np.array(
     [[DIGITAL[key] for key in FEEL_SETTING], _feel(0.01, 0.5, 0.1), _feel(0.01, 4, 0.1), _feel(1, 4, 1.5)]
 )
-METHODS = ("load-cell", "observer", "recovered", "robust")
+METHODS = ("load-cell", "observer", "recovered", "h-infinity", "robust")
 
 
 @pytest.fixture(scope="module", params=METHODS)

@@ -39,7 +39,7 @@ def _rms(values):
     return float(np.sqrt(np.mean(np.asarray(values) ** 2)))
 
 
-@pytest.mark.parametrize("name", ["published", "load-cell", "observer", "recovered", "robust"])
+@pytest.mark.parametrize("name", ["published", "load-cell", "observer", "recovered", "h-infinity", "robust"])
 def test_the_covariance_satisfies_its_equation(name):
     loop = NoisyLoop.of(DIGITAL, _law(name, DIGITAL))
     p = loop.covariance()

@@ -253,7 +253,9 @@ def test_methods():
         laws = found.design(loader, FEELS)
         assert (laws.settings, laws.states, laws.period_s, laws.delay_s) == (3, 9, PERIOD, PERIOD)
         np.testing.assert_array_equal(laws.rows(), design(loader, FEELS, TUNINGS[name]).rows())
-    with pytest.raises(InputError, match="method: expected load-cell, observer, recovered, robust, got 'h2'"):
+    with pytest.raises(
+        InputError, match="method: expected load-cell, observer, recovered, h-infinity, robust, got 'h2'"
+    ):
         method("h2")
 
 

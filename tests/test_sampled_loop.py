@@ -14,7 +14,7 @@ from forcefeel.loop_margins import loop_margins
 from forcefeel.sampled_compensator import SampledCompensator
 from forcefeel.sampled_loop import sampled_loops
 
-LAWS = ("load-cell", "observer", "recovered", "robust")
+LAWS = ("load-cell", "observer", "recovered", "h-infinity", "robust")
 LIGHT = {"feel.inertia": "0.5 lb in s^2/rad", "feel.damping": "2 lb in s/rad", "feel.stiffness": "300 lb in/rad"}
 FINE = 5e-3
 """Of a pole: what the slaved oil and steps of 0.1 ms leave of the exact plant."""

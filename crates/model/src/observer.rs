@@ -104,6 +104,7 @@ impl<S: Scalar> Observer<S> {
     }
 
     /// The state at the next sample, where the amplifier answers the command as `e`.
+    #[expect(clippy::needless_range_loop, reason = "iterators are not sure to be compiled into the lanes' loop")]
     #[inline(always)]
     pub fn next(&self, xi: &Estimate<S>, y: &[S; SAMPLED], e: S) -> Estimate<S> {
         let mut next = *xi;

@@ -156,5 +156,5 @@ fn law_that_says_nothing_says_nothing() {
     let says = law.says(&xi, &y, feel);
     assert_eq!((says.command, says.torque, law.per_delta()), (0.0, 0.0, 0.0));
     assert_eq!((law.next(&xi, &y, 1.0), law.at_rest(&y, 1.0)), ([0.0; MOST_STATES], [0.0; MOST_STATES]));
-    assert_eq!(law.torque_at_rest(), [0.0; SAMPLED + 1]);
+    assert!(law.torque_at_rest().iter().all(|&torque| torque.abs() < f64::MIN_POSITIVE));
 }

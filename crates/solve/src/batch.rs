@@ -39,10 +39,9 @@ impl Law<'_> {
     /// Whether more than piston and programmed displacement is fed back.
     pub fn feeds_back(&self) -> bool {
         match self {
-            Self::Original => false,
+            Self::Original | Self::Observers(_) => false,
             Self::Fixed(law) => [1, 3, 4, 5, 6].iter().any(|&k| law.gains[k] != 0.0),
             Self::Gains(_) => true,
-            Self::Observers(_) => false,
         }
     }
 

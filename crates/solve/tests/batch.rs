@@ -313,7 +313,7 @@ fn change_of_the_feel_to_what_it_is_changes_nothing() {
     for (k, now) in (0_u8..).zip(&mut inputs[40..60]) {
         now.fade = [f64::from(k) / 20.0, f64::from(k + 1) / 20.0];
     }
-    let change = [Change { steps: (40, 60), values: values[0] }];
+    let change = [Change { steps: (40, 60), values: values[0], observer: None }];
     for timing in [None, Some(TIMING)] {
         let plain = Job { outputs: &ALL, ..job(&inputs, &values, timing) };
         let (_, with) = run(&Job { changes: &change, ..plain.clone() }, 1);

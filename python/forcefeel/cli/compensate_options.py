@@ -12,7 +12,8 @@ CompensateMethod = Annotated[
     typer.Option(
         "--method",
         help="auto tries all methods that the loader can run and chooses one; or the name of one: original, published, converged, "
-        "and for a digital controller load-cell, observer, recovered, robust. In place of the options of recursion (22).",
+        "and for a digital controller load-cell, observer, recovered, h-infinity, robust. In place of the options of "
+        "recursion (22).",
         rich_help_panel=_METHOD,
         show_default=False,
     ),

@@ -19,7 +19,8 @@ EnvelopeCompensators = Annotated[
     list[str] | None,
     typer.Option(
         "--compensator",
-        help="original, published or converged; for a digital controller load-cell, observer, recovered or robust. Laws are "
+        help="original, published or converged; for a digital controller load-cell, observer, recovered, "
+        "h-infinity or robust. Laws are "
         "designed anew for each setting. May be given again.  [default: published]",
         rich_help_panel=_WHAT,
         show_default=False,

@@ -45,6 +45,7 @@ class Law(StrEnum):
     LOAD_CELL = "load-cell"
     OBSERVER = "observer"
     RECOVERED = "recovered"
+    H_INFINITY = "h-infinity"
     ROBUST = "robust"
 
 

@@ -20,7 +20,9 @@ ScheduleKnots = Annotated[
 ScheduleMethod = Annotated[
     str,
     typer.Option(
-        "--method", help="How the laws are designed: robust, observer, recovered or load-cell.", rich_help_panel=_WHAT
+        "--method",
+        help="How the laws are designed: robust, h-infinity, recovered, observer or load-cell.",
+        rich_help_panel=_WHAT,
     ),
 ]
 ScheduleRefine = Annotated[

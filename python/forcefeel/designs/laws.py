@@ -51,27 +51,27 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledCompensato
         raise InputError(
             f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
         ) from error
-    return _assemble(plant, gains, *_followed(gains.regulator, ahead.states, ahead.command))
+    return assemble(plant, gains, *followed(gains.regulator, ahead.states, ahead.command))
 
 
 @dataclass(frozen=True, eq=False)
-class _Gains:
+class Gains:
     """K, (settings, 7), and L, (settings, 9, 3)."""
 
     regulator: NDArray[np.float64] = field(repr=False)
     observer: NDArray[np.float64] = field(repr=False)
 
 
-def _gains(plant: SampledPlant, feel: NDArray[np.float64], column_inertia: float, tuning: Tuning) -> _Gains:
+def _gains(plant: SampledPlant, feel: NDArray[np.float64], column_inertia: float, tuning: Tuning) -> Gains:
     """The gains of each setting; both Riccati equations once for each programmed inertia."""
     inertias, of_setting = np.unique(feel[:, 0], return_inverse=True)
     ratios = (inertias / column_inertia).tolist()
     regulators = np.array([regulate(plant, tuning, ratio).gains for ratio in ratios])
     observers = np.array([observe(plant, tuning, ratio).gains for ratio in ratios])
-    return _Gains(regulators[of_setting], observers[of_setting])
+    return Gains(regulators[of_setting], observers[of_setting])
 
 
-def _followed(
+def followed(
     gains: NDArray[np.float64], states: NDArray[np.float64], command: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """What the command is of the estimate, (settings, 9), and of delta, delta', (settings, 2), in the plant's units."""
@@ -82,8 +82,8 @@ def _followed(
     return of_estimate, of_w[:, :2]
 
 
-def _assemble(
-    plant: SampledPlant, gains: _Gains, of_estimate: NDArray[np.float64], of_feel: NDArray[np.float64]
+def assemble(
+    plant: SampledPlant, gains: Gains, of_estimate: NDArray[np.float64], of_feel: NDArray[np.float64]
 ) -> SampledCompensator:
     """The law as data: signals and what it says in SI units, its state in the plant's."""
     settings, scale = len(gains.regulator), plant.scale

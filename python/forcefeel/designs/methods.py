@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from numpy.typing import ArrayLike
 
-from forcefeel.designs import laws, load_cell_loop
+from forcefeel.designs import h_infinity, laws, load_cell_loop
 from forcefeel.designs.tuning import OBSERVER, RECOVERED, ROBUST, Tuning
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
@@ -50,6 +50,11 @@ _METHODS = (
         "recovered",
         "the observer design with strong noise at the plant's input, for the regulator's margins: loop transfer recovery",
         RECOVERED,
+    ),
+    Method(
+        "h-infinity",
+        "no potentiometer, the pilot's torque by an H-infinity filter: least error under the worst disturbance",
+        h_infinity.design,
     ),
     tuned(
         "robust",

@@ -60,9 +60,9 @@ def observe(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Observ
         numpy.linalg.LinAlgError: If there is none in double precision.
     """
     transition, reads = observed(plant), readings()
-    noise, trusted = _sensor_noise(plant, tuning, inertia_ratio)
+    noise, trusted = sensor_noise(plant, tuning, inertia_ratio)
     a, c = transition[_ESTIMATED, _ESTIMATED], reads[trusted][:, _ESTIMATED]
-    w, r = _process_noise(plant, tuning, inertia_ratio), np.diag(noise**2)
+    w, r = process_noise(plant, tuning, inertia_ratio), np.diag(noise**2)
     covariance = stationary(a.T, c.T, w, r)
     gains = np.zeros((STATES, len(reads)))
     gains[_ESTIMATED, trusted] = np.linalg.solve(r + c @ covariance @ c.T, c @ covariance).T
@@ -93,7 +93,7 @@ def readings() -> NDArray[np.float64]:
     return found
 
 
-def _process_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> NDArray[np.float64]:
+def process_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> NDArray[np.float64]:
     """Covariance of what a period adds to x, T_p, d."""
     h = plant.periods_per_time
     found = np.zeros((HELD, HELD))
@@ -106,7 +106,7 @@ def _process_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) ->
     return found
 
 
-def _sensor_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> tuple[NDArray[np.float64], list[int]]:
+def sensor_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> tuple[NDArray[np.float64], list[int]]:
     """Noise of a sample of each trusted sensor, and which those are among F_c, x_p, theta."""
     given = (tuning.pressure_noise, tuning.piston_noise, tuning.angle_noise)
     trusted = [k for k, noise in enumerate(given) if noise is not None]

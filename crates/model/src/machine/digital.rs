@@ -82,7 +82,12 @@ impl<S: Scalar> Machine<S> {
         state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
         self.run_feel(shared, state, inputs, torque, period);
         state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
-        let gain = if shared.effects.observer { self.observer.per_delta() } else { self.law.gains[2] };
+        let gain = if shared.effects.observer {
+            let (from, to) = (self.observer.per_delta(), self.next_observer.per_delta());
+            from + (to - from).times(inputs.fade[0])
+        } else {
+            self.law.gains[2]
+        };
         let has_gain = gain.zero().less(gain.abs());
         let excess = S::select(has_gain, self.converters.cut_off(e) / gain, gain.zero());
         // delta' = ... - 2 a_w (e - e_cut) / c_3, delta'' = ... - a_w^2 (e - e_cut) / c_3: place and speed give way, or the speed

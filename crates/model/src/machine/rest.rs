@@ -67,8 +67,9 @@ impl<S: Scalar> Machine<S> {
         // S(delta) = T                                                                            eq. (11) at rest
         let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around)
             + self.feel.resistance(effects, around.start, delta, zero);
-        let p = if effects.observer { self.observed_pressure(x_b, delta, spring) } else { self.heard_pressure(spring) };
-        let x_p = self.balance.ratio * x_b + self.balance.stretch_at_rest(p);
+        let (p, stretch) =
+            if effects.observer { self.observed_rest(x_b, delta, spring) } else { self.heard_rest(spring) };
+        let x_p = self.balance.ratio * x_b + stretch;
         // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
         let pull = self.column.per_link_force * self.balance.area * p + self.column.loads(effects, x_b, x_b, zero);
         let pilot_force = -pull / self.column.per_pilot_force;
@@ -87,25 +88,30 @@ impl<S: Scalar> Machine<S> {
         )
     }
 
-    /// Load pressure at which the load cell is heard as the torque `T`: `T = -r (F_c + F_0)`.
+    /// Load pressure at which the load cell is heard as the torque `T`, `T = -r (F_c + F_0)`, and the link's stretch.
     #[inline(always)]
-    fn heard_pressure(&self, torque: S) -> S {
-        (-torque / self.law.load_cell_arm - self.transducers.offset[0]) * self.per_area
+    fn heard_rest(&self, torque: S) -> (S, S) {
+        let p = (-torque / self.law.load_cell_arm - self.transducers.offset[0]) * self.per_area;
+        (p, self.balance.stretch_at_rest(p))
     }
 
-    /// Load pressure at which an observer hears the torque `T` at rest, `T = t_F F_c + t_x x_p + t_theta theta + t_delta delta`.
+    /// Load pressure and stretch at which an observer hears the torque `T` at rest, `T = t_F F_c + t_x x_p + t_theta theta + t_delta delta`.
+    ///
+    /// Where the piston hangs free within the link's play, there is no pressure, and the law says where it hangs.
     #[inline(always)]
-    fn observed_pressure(&self, x_b: S, delta: S, torque: S) -> S {
+    fn observed_rest(&self, x_b: S, delta: S, torque: S) -> (S, S) {
         let [per_force, per_piston, per_angle, per_delta] = self.observer.torque_at_rest();
         let [force, piston, angle] = self.sampled_at_rest(x_b, self.balance.ratio * x_b, x_b.zero());
-        let one = x_b.constant(1.0);
-        let per_pressure =
-            per_force * self.balance.area + per_piston * (self.balance.area * self.balance.per_stiffness);
+        let per_stretch = self.balance.area * self.balance.per_stiffness;
+        let per_pressure = per_force * self.balance.area + per_piston * per_stretch;
         let left = torque - per_force * force - per_angle * angle - per_delta * delta - per_piston * piston;
-        let free = left / per_pressure;
-        // The link's play is on the side to which the pressure pushes.
-        let play = self.balance.stretch_at_rest(free) - self.balance.area * self.balance.per_stiffness * free;
-        free - per_piston * play * (one / per_pressure)
+        let play = per_piston * self.balance.half_play;
+        let one = x_b.constant(1.0);
+        let side = one.times_sign(left).times_sign(per_pressure);
+        let pressed = (left - play * side) / per_pressure;
+        let hangs = left.abs().less(play.abs());
+        let p = S::select(hangs, one.zero(), pressed);
+        (p, S::select(hangs, left / S::select(hangs, per_piston, one), self.balance.stretch_at_rest(p)))
     }
 
     /// What the sensors show at rest.
