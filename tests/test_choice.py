@@ -15,11 +15,11 @@ from forcefeel.choice.noise import Noise
 from forcefeel.choice.own_setting import own_setting
 from forcefeel.choice.plain import plain_choice
 from forcefeel.choice.score import OverEnvelope, check_names
+from forcefeel.command_margins import LoopMargins
 from forcefeel.designs.setting_laws import SettingLaws, names_for
 from forcefeel.envelopes.plan import make_plan
 from forcefeel.envelopes.result import Shares
 from forcefeel.loader import FEEL_SETTING
-from forcefeel.loop_margins import LoopMargins
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.units import UnitSystem
 

@@ -7,10 +7,10 @@ import scipy.linalg
 import forcefeel as ff
 from forcefeel._core import Compensator
 from forcefeel.command_loop import CommandLoop
+from forcefeel.command_margins import loop_margins
 from forcefeel.designs.setting_laws import own_law
 from forcefeel.errors import InputError
 from forcefeel.loader import FEEL_SETTING
-from forcefeel.loop_margins import loop_margins
 from forcefeel.sampled_compensator import SampledCompensator
 from forcefeel.sampled_loop import sampled_loops
 

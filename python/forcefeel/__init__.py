@@ -55,7 +55,7 @@ _PUBLIC = {
     "designs.setting_laws": ("own_law",),
     "designs.tuning": ("Power", "Tuning"),
     "envelopes.tune": ("Tuned", "tune"),
-    "loop_margins": ("LoopMargins", "loop_margins"),
+    "command_margins": ("LoopMargins", "loop_margins"),
     "sampled_compensator": ("SampledCompensator",),
     "sampled_loop": ("SampledLoops", "sampled_loops"),
     "loader": ("Loader", "digital_elevator", "elevator", "load"),

@@ -22,6 +22,8 @@ from forcefeel.choice import choose as choose
 from forcefeel.choice import score_methods as score_methods
 from forcefeel.command_loop import CommandLoop as CommandLoop
 from forcefeel.command_loop import command_loops as command_loops
+from forcefeel.command_margins import LoopMargins as LoopMargins
+from forcefeel.command_margins import loop_margins as loop_margins
 from forcefeel.compensation import Compensation as Compensation
 from forcefeel.compensation import DesignSettings as DesignSettings
 from forcefeel.compensation import compensate as compensate
@@ -66,8 +68,6 @@ from forcefeel.loader import Loader as Loader
 from forcefeel.loader import digital_elevator as digital_elevator
 from forcefeel.loader import elevator as elevator
 from forcefeel.loader import load as load
-from forcefeel.loop_margins import LoopMargins as LoopMargins
-from forcefeel.loop_margins import loop_margins as loop_margins
 from forcefeel.models import Linkage as Linkage
 from forcefeel.models import compliant_model as compliant_model
 from forcefeel.models import design_plant as design_plant

@@ -11,6 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "BOUND_RAD",
+    "OBSERVER_NUMBERS",
+    "PERIOD_BASE",
+    "PERIOD_COMMAND",
+    "PERIOD_SHOWN",
     "Compensator",
     "Loops",
     "Parameter",

@@ -52,7 +52,8 @@ impl Div for Dual {
     type Output = Self;
     fn div(self, b: Self) -> Self {
         let value = self.value / b.value;
-        Self { value, slope: scaled(self.slope - scaled(b.slope, value), 1.0 / b.value) }
+        let slope = self.slope - scaled(b.slope, value);
+        Self { value, slope: if slope == 0.0 { 0.0 } else { slope / b.value } }
     }
 }
 

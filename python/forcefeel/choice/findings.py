@@ -6,10 +6,10 @@ from forcefeel.analysis.modes import feel_mode
 from forcefeel.choice.noise import FORCE, HOLDING, Noise
 from forcefeel.choice.rule import Choice, obstacles
 from forcefeel.choice.score import OverEnvelope, Score, Scored
+from forcefeel.command_margins import LoopMargins
 from forcefeel.envelopes.result import PASSES
 from forcefeel.findings import Conclusions
 from forcefeel.loader import FEEL_SETTING
-from forcefeel.loop_margins import LoopMargins
 from forcefeel.sweep.findings import share_text
 from forcefeel.units import ANGLE, HERTZ, UnitSystem, to_text
 

@@ -10,13 +10,13 @@ from forcefeel.analysis.modes import Mode
 from forcefeel.choice.demand import Demand, largest_demand
 from forcefeel.choice.noise import Noise, noise_at_grip
 from forcefeel.command_loop import command_loops
+from forcefeel.command_margins import LoopMargins, loop_margins
 from forcefeel.designs.setting_laws import Law, SettingLaws
 from forcefeel.envelopes.ideal import frequency_and_damping, ideal_releases
 from forcefeel.envelopes.plan import Plan
 from forcefeel.envelopes.releases import Record, released
 from forcefeel.envelopes.result import PASSES, UNSTABLE
 from forcefeel.loader import FEEL_SETTING
-from forcefeel.loop_margins import LoopMargins, loop_margins
 from forcefeel.qualification import judge_releases, measure_releases
 from forcefeel.sampled_compensator import SampledCompensator
 

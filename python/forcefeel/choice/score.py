@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from forcefeel.choice.demand import Demand, largest_demand, of_all
 from forcefeel.choice.own_setting import OwnSetting, own_setting
 from forcefeel.command_loop import command_loops
+from forcefeel.command_margins import LoopMargins, least_margins, loop_margins
 from forcefeel.designs.methods import METHODS
 from forcefeel.designs.setting_laws import NAMED_LAWS, SettingLaws, names_for
 from forcefeel.envelopes.plan import Plan, make_plan
@@ -18,7 +19,6 @@ from forcefeel.envelopes.result import CaseShares, Envelope, Shares
 from forcefeel.envelopes.run import Progress, compute
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
-from forcefeel.loop_margins import LoopMargins, least_margins, loop_margins
 from forcefeel.simulation.engine import cores
 from forcefeel.units import show
 

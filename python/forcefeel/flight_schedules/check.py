@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.command_loop import CommandLoop
+from forcefeel.command_margins import loop_margins
 from forcefeel.designs.methods import method
 from forcefeel.envelopes.cases import REFERENCE_ARMS, Case, PilotArm, changes_of, make_cases
 from forcefeel.envelopes.machines import plain_feel
@@ -21,7 +22,6 @@ from forcefeel.flight_schedules.result import CheckedMargins, CheckedRelease, Pa
 from forcefeel.flight_schedules.schedule import FlightSchedule
 from forcefeel.flight_schedules.transitions import Transitions
 from forcefeel.loader import Loader
-from forcefeel.loop_margins import loop_margins
 from forcefeel.qualification import DEFAULT_EDITION, load_rules
 from forcefeel.simulation.engine import cores
 from forcefeel.units import show

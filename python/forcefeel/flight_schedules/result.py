@@ -7,12 +7,12 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.command_margins import LoopMargins
 from forcefeel.envelopes.cases import Case
 from forcefeel.flight_schedules.poles import Poles
 from forcefeel.flight_schedules.releases import PASSES, ReleaseTest
 from forcefeel.flight_schedules.schedule import FlightSchedule
 from forcefeel.flight_schedules.transitions import Transitions
-from forcefeel.loop_margins import LoopMargins
 from forcefeel.units import RATIO
 
 

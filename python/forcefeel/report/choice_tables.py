@@ -6,8 +6,8 @@ from forcefeel.analysis.modes import Mode
 from forcefeel.choice import Choice, Score, Scored
 from forcefeel.choice.demand import Demand
 from forcefeel.choice.noise import FORCE
+from forcefeel.command_margins import LoopMargins
 from forcefeel.envelopes.settings import AXES
-from forcefeel.loop_margins import LoopMargins
 from forcefeel.report.table import Cell, Table, heads, number, words
 from forcefeel.report.typography import NONE, heading_text, number_text, prose_html
 from forcefeel.sweep.findings import share_text
