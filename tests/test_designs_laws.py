@@ -281,8 +281,8 @@ def test_a_loader_that_is_not_sampled_is_refused():
 
 @pytest.mark.parametrize(
     "beyond",
-    [{"command_weight": 16.0}, {"torque_walk": -20.0}, {"torque_walk": 15.0}, {"disturbance_walk": 11.0}],
-    ids=["a pole stays", "poles on the circle", "residual", "no order"],
+    [{"command_weight": 20.0}, {"torque_walk": -20.0}, {"torque_walk": 15.0}, {"disturbance_walk": 11.0}],
+    ids=["no finite solution", "poles on the circle", "residual", "no order"],
 )
 def test_a_tuning_without_a_law_is_refused(beyond):
     changes = {name: Power(decades) for name, decades in beyond.items()}
