@@ -30,7 +30,6 @@ from forcefeel.designs.tuning import ROBUST
 from forcefeel.inputs import Release
 from forcefeel.loader import FEEL_SETTING, digital_elevator
 from forcefeel.models import DESIGN_STATES
-from forcefeel.parameters import INDEX
 from forcefeel.schedule import schedule_gains
 from forcefeel.simulation import Scenario, simulate_batch
 
@@ -91,8 +90,7 @@ def main():
     print(f"  regulator against control.dlqr: {worst:.0e} of the largest gain")
     if own > PROMISED_SECONDS:
         sys.exit(f"design: {own:.1f} s; promised {PROMISED_SECONDS:g} s")
-    rows = np.tile(loader.values, (RUNS, 1))
-    rows[:, [INDEX[key] for key in FEEL_SETTING]] = settings[:RUNS]
+    rows = loader.rows(FEEL_SETTING, settings[:RUNS])
     scenario = Scenario(Release(0.1), 2.0, 1e-3, 1e-3)
     gains = np.zeros((RUNS, len(DESIGN_STATES)))
     gains[:, :-1] = schedule_gains(loader, settings[:RUNS]).gains

@@ -2,14 +2,13 @@
 
 import json
 import re
-import sys
 
 import pytest
 
 import forcefeel as ff
 from forcefeel.choice import score as scoring
-from forcefeel.cli import main
 from forcefeel.report.choice_folder import PAGE, RESULTS
+from tests.command_line import runner
 
 SMALL = ("--grid", "stiffness=10, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
 FOLDER = "forcefeel-compensate"
@@ -18,17 +17,7 @@ FOLDER = "forcefeel-compensate"
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
     """Runs ``forcefeel compensate ...``; gives exit status, output and error output."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", "compensate", *map(str, words)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out, " ".join(printed.err.split())
-
-    return call
+    return runner(monkeypatch, capsys, tmp_path, "compensate", columns=100)
 
 
 def test_one_method_at_the_own_setting(run, tmp_path):

@@ -4,15 +4,14 @@ import csv
 import io
 import json
 import re
-import sys
 
 import pytest
 import xarray as xr
 
 import forcefeel as ff
-from forcefeel.cli import main
 from forcefeel.envelopes import run as envelope_run
 from forcefeel.report.envelope_folder import MAPS, PAGE, RESULTS, SETTINGS
+from tests.command_line import runner
 
 SMALL = (
     *("--grid", "stiffness=1..100 %:5:log"),
@@ -25,17 +24,7 @@ COUNT, CASES = 30, 32
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
     """Runs ``forcefeel envelope ...``; gives exit status, output and error output."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "120")
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", "envelope", *map(str, words)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out, " ".join(printed.err.split())
-
-    return call
+    return runner(monkeypatch, capsys, tmp_path, "envelope")
 
 
 def test_the_built_in_loader_compared(run, tmp_path):

@@ -4,16 +4,15 @@ import csv
 import io
 import json
 import re
-import sys
 
 import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.cli import main
 from forcefeel.designs.methods import METHODS
 from forcefeel.flight_schedules import check, read_knots
 from forcefeel.report.schedule_folder import GAINS, PAGE, RESULTS
+from tests.command_line import runner
 
 KNOTS = """dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio
 50,2880,1.0,0.6
@@ -28,19 +27,9 @@ CASES = 32
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
     """Runs ``forcefeel schedule ...``; gives exit status, output and error output."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "120")
     (tmp_path / "knots.csv").write_text(KNOTS)
     (tmp_path / "soft.csv").write_text(SOFT)
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", "schedule", *map(str, words)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out, " ".join(printed.err.split())
-
-    return call
+    return runner(monkeypatch, capsys, tmp_path, "schedule")
 
 
 GOOD = ("elevator-2khz", "--knots", "knots.csv", "--refine", "2")

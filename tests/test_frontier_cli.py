@@ -2,17 +2,16 @@
 
 import json
 import re
-import sys
 
 import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.cli import main
 from forcefeel.errors import InputError
 from forcefeel.frontier import run as frontier_run
 from forcefeel.frontier.result import Limit
 from forcefeel.report.frontier_folder import PAGE, RESULTS
+from tests.command_line import runner
 
 SMALL = (
     *("--grid", "stiffness=3, 100 %"),
@@ -25,18 +24,8 @@ COUNT = 8
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
     """Runs ``forcefeel frontier ...``; gives exit status, output and error output."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "120")
     monkeypatch.setattr(frontier_run, "ERRORS", (0.02, 0.1))  # the others have their own tests
-
-    def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", "frontier", *map(str, words)])
-        with pytest.raises(SystemExit) as ended:
-            main()
-        printed = capsys.readouterr()
-        return ended.value.code or 0, printed.out, " ".join(printed.err.split())
-
-    return call
+    return runner(monkeypatch, capsys, tmp_path, "frontier")
 
 
 def test_the_built_in_loader(run, tmp_path):

@@ -20,7 +20,6 @@ from forcefeel.analysis.modes import Mode, is_stable
 from forcefeel.designs.setting_laws import SettingLaws
 from forcefeel.loader import FEEL_SETTING, Loader
 from forcefeel.models import INPUTS, compliant_model
-from forcefeel.parameters import INDEX
 from forcefeel.sampled_loop import SampledLoops, sampled_loops
 
 HIGHEST_ANALOG_RAD_PER_S = 2 * pi * 1e4
@@ -86,10 +85,8 @@ class CommandLoop:
 
 def command_loops(loader: Loader, laws: SettingLaws, feel: NDArray[np.float64]) -> Sequence[CommandLoop]:
     """The loops of a loader at settings I, B, G, a row each."""
-    rows = np.tile(loader.values, (len(feel), 1))
-    rows[:, [INDEX[key] for key in FEEL_SETTING]] = feel
     if loader["controller.period"]:
-        found = sampled_loops(loader, laws.found, rows)
+        found = sampled_loops(loader, laws.found, loader.rows(FEEL_SETTING, feel))
         return [CommandLoop.sampled(found, loop) for loop in range(len(feel))]
     return [_analog_at(loader, laws, feel, setting) for setting in range(len(feel))]
 

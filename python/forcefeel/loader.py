@@ -1,6 +1,6 @@
 """A loader: the machine of one axis, as a frozen set of checked numbers in SI units."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -140,6 +140,17 @@ class Loader:
     def given(self) -> tuple[str, ...]:
         """The optional rows that differ from what stands where a loader file does not give them."""
         return tuple(key for key, off in OFF.items() if self[key] != off)
+
+    def rows(self, keys: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """SI values of many loaders that differ from this one in some rows, a row each in the order of ``parameters.TABLE``.
+
+        Args:
+            keys: The rows ``part.name`` that differ.
+            values: Their SI values, (loaders, keys); not checked.
+        """
+        found = np.tile(self.values, (len(values), 1))
+        found[:, [_position(key) for key in keys]] = values
+        return found
 
     def replace(self, changes: Mapping[str, str | float | bool | None]) -> "Loader":
         """A copy with some values changed.

@@ -54,7 +54,7 @@ def schedule_gains(
         raise InputError("design: expected the weights of eq. (21); leave out q")
     if continuous and design.horizon_s is not None:
         raise InputError("design: expected an endless horizon in continuous time; leave out horizon_s")
-    rows = _rows(settings)
+    rows = setting_rows(settings)
     if design.horizon_s is not None:
         plant_gains, feel_gains = _over_horizon(loader, design, rows)
     else:
@@ -73,17 +73,22 @@ def schedule_gains(
     return GainSchedule(rows, gains)
 
 
-def _rows(settings: ArrayLike) -> NDArray[np.float64]:
+def setting_rows(given: ArrayLike, name: str = "settings") -> NDArray[np.float64]:
+    """Settings I, B, G as an array, a row each; ``name`` is what messages call them.
+
+    Raises:
+        InputError: If one is not three finite numbers with I > 0, B >= 0, G > 0.
+    """
     try:
-        rows = np.ascontiguousarray(settings, dtype=np.float64)
+        rows = np.ascontiguousarray(given, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise InputError(f"settings: expected rows of I, B, G ({error})") from error
+        raise InputError(f"{name}: expected rows of I, B, G ({error})") from error
     if rows.ndim != 2 or rows.shape[1] != 3:
-        raise InputError(f"settings: expected rows of I, B, G, got shape {rows.shape}")
+        raise InputError(f"{name}: expected rows of I, B, G, got shape {rows.shape}")
     good = np.isfinite(rows).all(axis=1) & (rows[:, 0] > 0) & (rows[:, 1] >= 0) & (rows[:, 2] > 0)
     if not good.all():
         bad = int(np.argmin(good))
-        raise InputError(f"settings: expected finite I > 0, B >= 0, G > 0, got {rows[bad].tolist()} in row {bad}")
+        raise InputError(f"{name}: expected finite I > 0, B >= 0, G > 0, got {rows[bad].tolist()} in row {bad}")
     return rows
 
 

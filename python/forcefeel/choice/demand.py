@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from forcefeel.designs.setting_laws import SettingLaws
 from forcefeel.inputs import Release
 from forcefeel.loader import FEEL_SETTING, Loader
-from forcefeel.parameters import INDEX
 from forcefeel.simulation import Scenario, simulate_batch
 from forcefeel.units import PERCENT
 
@@ -45,12 +44,10 @@ def largest_demand(loader: Loader, laws: SettingLaws, feel: NDArray[np.float64],
         feel: I, B, G.
         angle_rad: Where the grip is let go.
     """
-    rows = np.tile(loader.values, (len(feel), 1))
-    rows[:, [INDEX[key] for key in FEEL_SETTING]] = feel
     slowest = 2 * pi * float(np.sqrt(feel[:, 0] / feel[:, 2]).max())
     duration = ceil(_PERIODS * slowest / _SAMPLE_S) * _SAMPLE_S
     scenario = Scenario(Release(angle_rad), duration, sample_s=_SAMPLE_S)
-    runs = simulate_batch(loader, scenario, rows, laws.found)
+    runs = simulate_batch(loader, scenario, loader.rows(FEEL_SETTING, feel), laws.found)
     peaks = np.array([runs[name].values for name in _PEAKS])
     known = np.isfinite(peaks).all(axis=0)
     shares = peaks[:, known] / limits(loader)[:, None]

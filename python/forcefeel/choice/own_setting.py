@@ -14,10 +14,10 @@ from forcefeel.command_margins import LoopMargins, loop_margins
 from forcefeel.designs.setting_laws import Law, SettingLaws
 from forcefeel.envelopes.ideal import frequency_and_damping, ideal_releases
 from forcefeel.envelopes.plan import Plan
-from forcefeel.envelopes.releases import Record, released
+from forcefeel.envelopes.releases import Record, measured, released
 from forcefeel.envelopes.result import PASSES, UNSTABLE
 from forcefeel.loader import FEEL_SETTING
-from forcefeel.qualification import judge_releases, measure_releases
+from forcefeel.qualification import judge_releases
 from forcefeel.sampled_compensator import SampledCompensator
 
 
@@ -92,10 +92,7 @@ def _released(plan: Plan, laws: SettingLaws, feel: NDArray[np.float64], threads:
     record = Record.of(frequency, damping)
     stable, angles = released(plan, plan.cases[0], feel, laws, record, threads)
     ideal = ideal_releases(feel, plan.release_rad, record.step_s, record.samples)
-    found, reference = (
-        measure_releases(record.time_s, one, held=1, rules=plan.rules.release, threads=threads)
-        for one in (angles, ideal)
-    )
+    found, reference = (measured(plan, record, one, threads) for one in (angles, ideal))
     verdict = judge_releases(found, reference, plan.test, travel=plan.throw.travel_rad)
     failing = PASSES if verdict.passed[0] else verdict.names[int(verdict.first_failing[0])]
     return bool(stable[0]), failing, Released(record.time_s, angles[0], ideal[0])

@@ -59,8 +59,6 @@ from forcefeel.cli.schedule_options import (
     ScheduleKnots,
     ScheduleMethod,
     ScheduleRefine,
-    ScheduleRule,
-    ScheduleThreads,
 )
 from forcefeel.cli.sweep_options import Grid, Redesign, Runs, Scheduler, Threads, Vary
 from forcefeel.units import UnitSystem
@@ -295,12 +293,12 @@ def schedule(
     loader: LoaderFile = None,
     method: ScheduleMethod = "robust",
     refine: ScheduleRefine = 10,
-    rule: ScheduleRule = None,
+    rule: EnvelopeRule = None,
     out: Annotated[Path, typer.Option("--out", help="Folder for schedule.html, gains.csv and results.json.")] = Path(
         "forcefeel-schedule"
     ),
     replace: Annotated[bool, typer.Option("--replace", help="Replace a schedule that is in the folder.")] = False,
-    threads: ScheduleThreads = None,
+    threads: EnvelopeThreads = None,
     units: Units = UnitSystem.US,
     json: Json = False,
 ) -> None:

@@ -1,7 +1,6 @@
 """What ``forcefeel compensate --method`` does; without it, recursion (22) as ``commands.compensate`` runs it."""
 
 import json
-import sys
 from dataclasses import dataclass, fields
 from math import degrees, isfinite
 from pathlib import Path
@@ -15,7 +14,7 @@ from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.plain import plain_choice
 from forcefeel.choice.score import COARSE, check_names
 from forcefeel.cli import commands
-from forcefeel.cli.sweep_command import INTERRUPTED, Bar
+from forcefeel.cli.progress import all_or_nothing
 from forcefeel.errors import InputError
 from forcefeel.loader import open_loader
 from forcefeel.qualification import DEFAULT_EDITION
@@ -95,24 +94,19 @@ def _run(path: Path | None, options: MethodOptions, units: UnitSystem, *, as_jso
         check_names(loader, names)
     grid = {**COARSE, **text.assignments("--grid", options.grid, "stiffness=1..100 %:6:log")}
     check_choice_folder(out, replace=options.replace)  # before the work, not after it
-    with Bar(silent=as_json) as bar:
-        try:
-            scored = score_methods(
-                loader,
-                names,
-                grid,
-                over_envelope=names is None or options.envelope,
-                threads=options.threads,
-                progress=bar.show,
-                rule=options.rule or DEFAULT_EDITION,
-            )
-            choice = choose(scored) if names is None else None
-            bar.describe("report")
-            page = write_choice(scored, choice, out, units, replace=options.replace)
-        except KeyboardInterrupt:
-            bar.stop()
-            print("\nforcefeel: interrupted; nothing is written", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
+    with all_or_nothing(silent=as_json) as bar:
+        scored = score_methods(
+            loader,
+            names,
+            grid,
+            over_envelope=names is None or options.envelope,
+            threads=options.threads,
+            progress=bar.show,
+            rule=options.rule or DEFAULT_EDITION,
+        )
+        choice = choose(scored) if names is None else None
+        bar.describe("report")
+        page = write_choice(scored, choice, out, units, replace=options.replace)
     if as_json:
         print(json.dumps({"page": str(page), **plain_choice(scored, choice, units)}, indent=2, allow_nan=False))
     else:

@@ -1,16 +1,14 @@
 """What ``forcefeel envelope`` does."""
 
 import json
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-import typer
 from rich.console import Console
 from rich.table import Table
 
+from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_text import assignments
-from forcefeel.cli.sweep_command import INTERRUPTED, Bar
 from forcefeel.designs.setting_laws import names_for
 from forcefeel.envelopes import Envelope
 from forcefeel.envelopes.cases import changes_of
@@ -53,12 +51,12 @@ class EnvelopeOptions:
         loader = open_loader(path)
         loader = loader.replace(changes) if changes else loader
         names = names_for(loader) if self.compare else tuple(self.compensators or ("published",))
-        try:
-            angle = None if self.angle is None else parse(self.angle, ANGLE.si, "10 deg")
-        except InputError as error:
-            raise InputError(f"--angle: {error}") from error
         grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:25:log")
-        options = {"rule": self.rule or DEFAULT_EDITION, "angle_rad": angle, "changes": self._off(loader)}
+        options = {
+            "rule": self.rule or DEFAULT_EDITION,
+            "angle_rad": release_angle(self.angle),
+            "changes": self._off(loader),
+        }
         return make_plan(loader, names, grid, **options)
 
     def _off(self, loader: Loader) -> dict[str, float]:
@@ -75,21 +73,28 @@ class EnvelopeOptions:
         return found
 
 
+def release_angle(given: str | None) -> float | None:
+    """The angle of a release in rad; ``None`` if it is not given.
+
+    Raises:
+        InputError: If it is no angle.
+    """
+    try:
+        return None if given is None else parse(given, ANGLE.si, "10 deg")
+    except InputError as error:
+        raise InputError(f"--angle: {error}") from error
+
+
 def run_envelope(path: Path | None, options: EnvelopeOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Computes an envelope and writes its folder."""
     from forcefeel.report.envelope_folder import check_envelope_folder, write_envelope  # noqa: PLC0415  Plotly
 
     plan = options.plan(path)
     check_envelope_folder(options.out, replace=options.replace)  # before the work, not after it
-    with Bar(silent=as_json) as bar:
-        try:
-            found = compute(plan, threads=options.threads, progress=bar.show)
-            bar.describe("report")
-            page = write_envelope(found, options.out, units, replace=options.replace)
-        except KeyboardInterrupt:
-            bar.stop()
-            print("\nforcefeel: interrupted; nothing is written", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
+    with all_or_nothing(silent=as_json) as bar:
+        found = compute(plan, threads=options.threads, progress=bar.show)
+        bar.describe("report")
+        page = write_envelope(found, options.out, units, replace=options.replace)
     if as_json:
         print(json.dumps({"page": str(page), **plain_envelope(found, units)}, indent=2, allow_nan=False))
     else:

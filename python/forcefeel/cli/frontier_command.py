@@ -1,17 +1,15 @@
 """What ``forcefeel frontier`` does."""
 
 import json
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-import typer
 from rich.console import Console
 from rich.table import Table
 
-from forcefeel.cli.sweep_command import INTERRUPTED, Bar
+from forcefeel.cli.envelope_command import release_angle
+from forcefeel.cli.progress import all_or_nothing
 from forcefeel.envelopes.plan import Plan
-from forcefeel.errors import InputError
 from forcefeel.frontier import Frontier
 from forcefeel.frontier.findings import frontier_conclusions, points_text, tolerance_text
 from forcefeel.frontier.plain import plain_frontier
@@ -20,7 +18,7 @@ from forcefeel.loader import open_loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.sweep.findings import share_text
-from forcefeel.units import ANGLE, UnitSystem, parse
+from forcefeel.units import UnitSystem
 
 
 @dataclass(frozen=True)
@@ -41,10 +39,7 @@ class FrontierOptions:
         Raises:
             InputError: If an option is bad.
         """
-        try:
-            angle = None if self.angle is None else parse(self.angle, ANGLE.si, "10 deg")
-        except InputError as error:
-            raise InputError(f"--angle: {error}") from error
+        angle = release_angle(self.angle)
         grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:7:log")
         rule = self.rule or DEFAULT_EDITION
         return frontier_plan(open_loader(path), self.compensator, grid, rule=rule, angle_rad=angle)
@@ -56,20 +51,15 @@ def run_frontier(path: Path | None, options: FrontierOptions, units: UnitSystem,
 
     plan = options.plan(path)
     check_frontier_folder(options.out, replace=options.replace)  # before the work, not after it
-    with Bar(silent=as_json) as bar:
+    with all_or_nothing(silent=as_json) as bar:
 
         def show(what: str, done: int, total: int) -> None:
             bar.describe(what)
             bar.show(done, total)
 
-        try:
-            found = compute_frontier(plan, threads=options.threads, progress=show)
-            bar.describe("report")
-            page = write_frontier(found, options.out, units, replace=options.replace)
-        except KeyboardInterrupt:
-            bar.stop()
-            print("\nforcefeel: interrupted; nothing is written", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
+        found = compute_frontier(plan, threads=options.threads, progress=show)
+        bar.describe("report")
+        page = write_frontier(found, options.out, units, replace=options.replace)
     if as_json:
         print(json.dumps({"page": str(page), **plain_frontier(found, units)}, indent=2, allow_nan=False))
     else:

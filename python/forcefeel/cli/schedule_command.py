@@ -1,7 +1,6 @@
 """What ``forcefeel schedule`` does."""
 
 import json
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +8,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from forcefeel.cli.sweep_command import INTERRUPTED, Bar
+from forcefeel.cli.progress import all_or_nothing
 from forcefeel.flight_schedules import ScheduleCheck, check_schedule, design_schedule, read_knots
 from forcefeel.flight_schedules.findings import schedule_conclusions
 from forcefeel.flight_schedules.plain import plain_schedule
@@ -37,23 +36,18 @@ def run_schedule(path: Path | None, options: ScheduleCommandOptions, units: Unit
 
     loader, knots = open_loader(path), read_knots(options.knots)
     check_schedule_folder(options.out, replace=options.replace)  # before the work, not after it
-    with Bar(silent=as_json) as bar:
-        try:
-            bar.describe("schedule")
-            schedule = design_schedule(loader, knots.axes, knots.feel, options.method)
-            found = check_schedule(
-                schedule,
-                options.refine,
-                rule=options.rule or DEFAULT_EDITION,
-                threads=options.threads,
-                progress=bar.show,
-            )
-            bar.describe("report")
-            page = write_schedule(found, options.out, units, replace=options.replace)
-        except KeyboardInterrupt:
-            bar.stop()
-            print("\nforcefeel: interrupted; nothing is written", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
+    with all_or_nothing(silent=as_json) as bar:
+        bar.describe("schedule")
+        schedule = design_schedule(loader, knots.axes, knots.feel, options.method)
+        found = check_schedule(
+            schedule,
+            options.refine,
+            rule=options.rule or DEFAULT_EDITION,
+            threads=options.threads,
+            progress=bar.show,
+        )
+        bar.describe("report")
+        page = write_schedule(found, options.out, units, replace=options.replace)
     if as_json:
         print(json.dumps({"page": str(page), **plain_schedule(found, units)}, indent=2, allow_nan=False))
     else:

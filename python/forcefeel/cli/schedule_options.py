@@ -31,15 +31,3 @@ ScheduleRefine = Annotated[
         "--refine", help="Into how many parts the way between two knots is cut.", min=2, rich_help_panel=_WHAT
     ),
 ]
-ScheduleRule = Annotated[
-    str | None,
-    typer.Option(
-        "--rule",
-        help="Edition of the rule whose release test is asked for.  [default: part60-a-2014]",
-        rich_help_panel=_WHAT,
-        show_default=False,
-    ),
-]
-ScheduleThreads = Annotated[
-    int | None, typer.Option("--threads", help="Threads.  [default: all cores]", min=1, show_default=False)
-]

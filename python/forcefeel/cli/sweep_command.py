@@ -8,10 +8,9 @@ from pathlib import Path
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
-from rich.text import Text
 
+from forcefeel.cli.progress import INTERRUPTED, Bar
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
 from forcefeel.errors import InputError
 from forcefeel.loader import open_loader
@@ -21,9 +20,6 @@ from forcefeel.sweep.findings import main_measures, number_of, share_text, sweep
 from forcefeel.sweep.plain import plain_sweep
 from forcefeel.sweep.summary import Summary, measure_name, measure_unit, summarize
 from forcefeel.units import UnitSystem
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells have it: 128 and the number of the signal."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +95,7 @@ def run_sweep_command(
         raise typer.Exit(1)
 
 
-def _kept(bar: "Bar", out: Path) -> str:
+def _kept(bar: Bar, out: Path) -> str:
     """What is kept, and the command that goes on."""
     words = [word for word in sys.argv[1:] if word not in {"--replace", "--resume"}]
     command = shlex.join(["forcefeel", *words, "--resume"])
@@ -126,52 +122,3 @@ def _measures(result: SweepResult, summary: Summary, units: UnitSystem) -> Table
         values = (number_of(name, value, units) for value in marks)
         table.add_row(f"{measure_name(name)}, {measure_unit(name).shown(units)}", *values)
     return table
-
-
-class Bar:
-    """Runs done, their rate and the time that is left, on the terminal's error stream; nothing where that is no terminal."""
-
-    def __init__(self, *, silent: bool) -> None:
-        console = Console(stderr=True)
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.completed:,.0f} of {task.total:,.0f} runs"),
-            _Rate(),
-            TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
-        )
-        self._bar = Progress(*columns, console=console, transient=True, disable=silent or not console.is_terminal)
-        self._task = self._bar.add_task("sweep", total=1, start=False, visible=False)
-        self.done = self.total = 0
-
-    def show(self, done: int, total: int) -> None:
-        """So many runs are done."""
-        if not self.total:
-            self._bar.start_task(self._task)
-        self.done, self.total = done, total
-        self._bar.update(self._task, completed=done, total=total, visible=True)
-
-    def describe(self, what: str) -> None:
-        """What is being done."""
-        self._bar.update(self._task, description=what)
-
-    def stop(self) -> None:
-        """Takes the bar off the terminal."""
-        self._bar.stop()
-
-    def __enter__(self) -> "Bar":
-        self._bar.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.stop()
-
-
-class _Rate(ProgressColumn):
-    """Runs per second."""
-
-    def render(self, task: Task) -> Text:
-        speed = task.finished_speed or task.speed
-        return Text(f"{speed:,.0f} per s" if speed else "")

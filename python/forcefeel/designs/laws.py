@@ -20,6 +20,7 @@ from forcefeel.designs.tuning import Tuning
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.sampled_compensator import SAMPLED, SampledCompensator
+from forcefeel.schedule import setting_rows
 
 _ON_PLANT = [*range(len(PLANT_STATES)), HELD]
 """[x; e_h] in the observer's state."""
@@ -107,19 +108,12 @@ def assemble(
 
 
 def feel_rows(feel: ArrayLike) -> NDArray[np.float64]:
-    """Settings I, B, G as an array, a row each.
+    """Settings I, B, G as an array, a row each and one at least.
 
     Raises:
-        InputError: If one is not three finite numbers with I > 0, B >= 0, G > 0.
+        InputError: If there is none, or one is not three finite numbers with I > 0, B >= 0, G > 0.
     """
-    try:
-        rows = np.array(feel, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"feel: expected rows of I, B, G ({error})") from error
-    if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
-        raise InputError(f"feel: expected rows of I, B, G, got shape {rows.shape}")
-    good = np.isfinite(rows).all(axis=1) & (rows[:, 0] > 0) & (rows[:, 1] >= 0) & (rows[:, 2] > 0)
-    if not good.all():
-        bad = int(np.argmin(good))
-        raise InputError(f"feel: expected finite I > 0, B >= 0, G > 0, got {rows[bad].tolist()} in row {bad}")
+    rows = setting_rows(feel, "feel")
+    if not len(rows):
+        raise InputError(f"feel: expected one row of I, B, G at least, got shape {rows.shape}")
     return rows

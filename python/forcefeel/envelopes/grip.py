@@ -43,8 +43,7 @@ class Grips:
     @classmethod
     def of(cls, loader: Loader, laws: SettingLaws, feel: NDArray[np.float64]) -> "Grips":
         """The grips of a loader at settings I, B, G, a row each."""
-        rows = np.tile(loader.values, (len(feel), 1))
-        rows[:, [INDEX[key] for key in FEEL_SETTING]] = feel
+        rows = loader.rows(FEEL_SETTING, feel)
         if not loader["controller.period"]:
             return cls(*_balanced([_analog(values, laws.single(loader, k)) for k, values in enumerate(rows)]), None)
         loops = sampled_loops(loader, laws.found, rows)

@@ -12,7 +12,6 @@ from forcefeel.arms import ARM_ROWS
 from forcefeel.designs.setting_laws import SettingLaws
 from forcefeel.envelopes.cases import Case
 from forcefeel.loader import FEEL_SETTING, Loader
-from forcefeel.parameters import INDEX
 
 _GEOMETRY = ("linkage.ratio", "column.base_arm")
 
@@ -47,6 +46,4 @@ def machines(loader: Loader, case: Case, feel: NDArray[np.float64], laws: Settin
 
 def full_rows(loader: Loader, case: Case, feel: NDArray[np.float64], laws: SettingLaws) -> NDArray[np.float64]:
     """The same as whole rows of the parameter table."""
-    rows = np.tile(loader.values, (len(feel), 1))
-    rows[:, [INDEX[key] for key in columns(case)]] = machines(loader, case, feel, laws)
-    return rows
+    return loader.rows(columns(case), machines(loader, case, feel, laws))

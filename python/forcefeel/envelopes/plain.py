@@ -7,8 +7,9 @@ from importlib.metadata import version
 import numpy as np
 
 from forcefeel.envelopes.findings import envelope_conclusions
+from forcefeel.envelopes.plan import Plan
 from forcefeel.envelopes.result import INERTIA, Envelope
-from forcefeel.envelopes.settings import AXES
+from forcefeel.envelopes.settings import AXES, Settings
 from forcefeel.parameters import TABLE, unit
 from forcefeel.results import Plain, plain, quantity
 from forcefeel.units import ANGLE, UnitSystem
@@ -21,27 +22,37 @@ def plain_envelope(found: Envelope, units: UnitSystem) -> dict[str, Plain]:
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "loader": plan.loader.name,
-        "rule": {
-            "edition": plan.rule,
-            "title": plan.rules.title,
-            "test": plan.test.number,
-            "verified": plan.rule_verified,
-        },
+        "rule": plain_rule(plan),
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "method": "exact" if plan.linear else "stepped",
         "settings": plan.settings.count,
-        "grid": {
-            name: {
-                "unit": axis.unit.shown(units),
-                "values": [axis.unit.from_si(value, units) for value in getattr(plan.settings, name)],
-            }
-            for name, axis in AXES.items()
-        },
+        "grid": plain_grid(plan.settings, units),
         "cases": [plain(case, units) for case in plan.cases],
         "releases": int(np.prod(found.data["outcome"].shape)),
         "left_out": list(plan.left_out),
         "conclusions": plain(envelope_conclusions(found, units), units),
         "compensators": {name: _compensator(found, name, units) for name in found.compensators},
+    }
+
+
+def plain_rule(plan: Plan) -> dict[str, Plain]:
+    """The release test that is asked for."""
+    return {
+        "edition": plan.rule,
+        "title": plan.rules.title,
+        "test": plan.test.number,
+        "verified": plan.rule_verified,
+    }
+
+
+def plain_grid(settings: Settings, units: UnitSystem) -> dict[str, Plain]:
+    """The values along each axis."""
+    return {
+        name: {
+            "unit": axis.unit.shown(units),
+            "values": [axis.unit.from_si(value, units) for value in getattr(settings, name)],
+        }
+        for name, axis in AXES.items()
     }
 
 

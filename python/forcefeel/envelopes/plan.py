@@ -84,7 +84,7 @@ class Plan:
         """Angle of the release."""
         if self.angle_rad is not None:
             return self.angle_rad
-        return self.rules.release.deflection[1] * min(self.throw.high_rad, -self.throw.low_rad)
+        return self.throw.release_rad(self.rules)
 
     @property
     def linear(self) -> bool:

@@ -14,11 +14,14 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.designs.setting_laws import SettingLaws
-from forcefeel.envelopes.cases import Case
+from forcefeel.envelopes.cases import Case, PilotArm
 from forcefeel.envelopes.machines import columns, full_rows, machines
 from forcefeel.envelopes.plan import Plan
+from forcefeel.ideal_run import with_arm
 from forcefeel.inputs import Release
+from forcefeel.loader import Loader
 from forcefeel.parameters import INDEX
+from forcefeel.qualification import ReleaseBatch, measure_releases
 from forcefeel.sampled_loop import sampled_loops
 from forcefeel.simulation import RunStatus, Scenario, simulate_batch
 from forcefeel.simulation.scenario import LONGEST_STEP_S
@@ -72,6 +75,25 @@ class Record:
         """So many records in pieces that fit into ``_CHUNK_BYTES``."""
         size = max(8, _CHUNK_BYTES // (8 * self.samples) // 8 * 8)
         return (slice(first, min(first + size, count)) for first in range(0, count, size))
+
+
+def pieces(plan: Plan) -> Iterator[tuple[NDArray[np.intp], Record]]:
+    """The settings of one frequency after the other, as many as are in memory together, with how they are recorded."""
+    for frequency in plan.settings.frequency:
+        record = Record.of(frequency, plan.settings.damping[0])
+        which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
+        for chunk in record.chunks(len(which)):
+            yield which[chunk], record
+
+
+def measured(plan: Plan, record: Record, angles: NDArray[np.float64], threads: int) -> ReleaseBatch:
+    """Releases measured as the plan's rule says."""
+    return measure_releases(record.time_s, angles, held=1, rules=plan.rules.release, threads=threads)
+
+
+def carrying(loader: Loader, feel: NDArray[np.float64], arm: PilotArm | None) -> NDArray[np.float64]:
+    """I, B, G, a row each, with the arm that both the column and the ideal carry."""
+    return feel if arm is None else with_arm(loader, feel, arm.values)
 
 
 def released(

@@ -1,6 +1,6 @@
 """Computes an envelope: for each frequency, piece by piece, the ideal once and then every compensator in every case."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,12 +12,11 @@ from forcefeel.envelopes.cases import PilotArm
 from forcefeel.envelopes.ideal import ideal_releases
 from forcefeel.envelopes.passivity import passivity
 from forcefeel.envelopes.plan import Plan, make_plan
-from forcefeel.envelopes.releases import Record, released
+from forcefeel.envelopes.releases import carrying, measured, pieces, released
 from forcefeel.envelopes.result import PASSES, UNSTABLE, Envelope
 from forcefeel.envelopes.settings import AXES
-from forcefeel.ideal_run import with_arm
 from forcefeel.loader import Loader
-from forcefeel.qualification import ReleaseBatch, judge_releases, measure_releases
+from forcefeel.qualification import ReleaseBatch, judge_releases
 from forcefeel.simulation.engine import cores
 
 Progress = Callable[[int, int], None]
@@ -70,17 +69,17 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
     done, total = 0, int(np.prod(shape))
     progress(0, total)
     names: tuple[str, ...] = ()
-    for which, record in _pieces(plan):
+    for which, record in pieces(plan):
         references: dict[PilotArm | None, ReleaseBatch] = {}
         for place, case in enumerate(plan.cases):
             if case.arm not in references:
-                ideal = feel[which] if case.arm is None else with_arm(plan.loader, feel[which], case.arm.values)
+                ideal = carrying(plan.loader, feel[which], case.arm)
                 responses = ideal_releases(ideal, plan.release_rad, record.step_s, record.samples)
-                references[case.arm] = _measured(plan, record, responses, threads)
+                references[case.arm] = measured(plan, record, responses, threads)
             for k, law in enumerate(laws.values()):
                 stable, angles = released(plan, case, feel[which], law.some(which), record, threads)
-                measured = _measured(plan, record, angles, threads)
-                verdicts = judge_releases(measured, references[case.arm], plan.test, travel=plan.throw.travel_rad)
+                found = measured(plan, record, angles, threads)
+                verdicts = judge_releases(found, references[case.arm], plan.test, travel=plan.throw.travel_rad)
                 names = verdicts.names
                 failing = np.where(verdicts.passed, _PASSES, verdicts.first_failing + _FIRST)
                 outcome[k, place, which] = np.where(stable, failing, _UNSTABLE)
@@ -94,19 +93,6 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
 
 _PASSES, _UNSTABLE, _FIRST = 0, 1, 2
 """Places among the outcomes; what can fail follows from the third on."""
-
-
-def _pieces(plan: Plan) -> Iterator[tuple[NDArray[np.intp], Record]]:
-    """The settings of one frequency after the other, as many as are in memory together, with how they are recorded."""
-    for frequency in plan.settings.frequency:
-        record = Record.of(frequency, plan.settings.damping[0])
-        which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
-        for chunk in record.chunks(len(which)):
-            yield which[chunk], record
-
-
-def _measured(plan: Plan, record: Record, angles: NDArray[np.float64], threads: int) -> ReleaseBatch:
-    return measure_releases(record.time_s, angles, held=1, rules=plan.rules.release, threads=threads)
 
 
 def _dataset(

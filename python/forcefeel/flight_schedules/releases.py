@@ -45,7 +45,7 @@ class ReleaseTest:
     def of(cls, rules: Rules, loader: Loader) -> "ReleaseTest":
         """For a loader with its stops."""
         throw = Throw.of(loader)
-        return cls(rules, rules.release.deflection[1] * min(throw.high_rad, -throw.low_rad), throw.travel_rad)
+        return cls(rules, throw.release_rad(rules), throw.travel_rad)
 
     def outcomes(self, loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator, threads: int) -> list[str]:
         """How each feel (settings, 3) with its law ends: passes, or the figure that fails first."""

@@ -2,7 +2,7 @@
 
 from importlib.metadata import version
 
-from forcefeel.envelopes.settings import AXES
+from forcefeel.envelopes.plain import plain_grid, plain_rule
 from forcefeel.frontier.findings import frontier_conclusions
 from forcefeel.frontier.result import Frontier
 from forcefeel.frontier.tightening import Path
@@ -18,21 +18,10 @@ def plain_frontier(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
         "units": str(units),
         "loader": plan.loader.name,
         "compensator": found.compensator,
-        "rule": {
-            "edition": plan.rule,
-            "title": plan.rules.title,
-            "test": plan.test.number,
-            "verified": plan.rule_verified,
-        },
+        "rule": plain_rule(plan),
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "settings": plan.settings.count,
-        "grid": {
-            name: {
-                "unit": axis.unit.shown(units),
-                "values": [axis.unit.from_si(value, units) for value in getattr(plan.settings, name)],
-            }
-            for name, axis in AXES.items()
-        },
+        "grid": plain_grid(plan.settings, units),
         "conclusions": plain(frontier_conclusions(found, units), units),
         "shares": plain(found.envelope.shares(found.compensator), units),
         "limits": {str(limit): quantity(share, PERCENT, units) for limit, share in found.limit_shares.items()},

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from forcefeel.envelopes.cases import PilotArm
 from forcefeel.envelopes.ideal import ideal_releases
 from forcefeel.envelopes.plan import Plan
-from forcefeel.envelopes.releases import Record
-from forcefeel.ideal_run import with_arm
-from forcefeel.qualification import ReleaseBatch, judge_releases, measure_releases
+from forcefeel.envelopes.releases import Record, carrying, measured, pieces
+from forcefeel.qualification import ReleaseBatch, judge_releases
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,24 +50,21 @@ class Referee:
         found = np.zeros(len(trial), dtype=bool)
         if heavy.any():
             # What has no inertia is not released at all: the setting's own stands in its row and is not counted.
-            measured = self._measured(np.where(heavy[:, None], carried, self._carrying(self.feel, arm)))
-            verdicts = judge_releases(measured, self._ideal[arm], self.plan.test, travel=self.plan.throw.travel_rad)
+            released = self._measured(np.where(heavy[:, None], carried, self._carrying(self.feel, arm)))
+            verdicts = judge_releases(released, self._ideal[arm], self.plan.test, travel=self.plan.throw.travel_rad)
             found = verdicts.passed & heavy
         return found
 
     def _carrying(self, feel: NDArray[np.float64], arm: PilotArm | None) -> NDArray[np.float64]:
-        return feel if arm is None else with_arm(self.plan.loader, feel, arm.values)
+        return carrying(self.plan.loader, feel, arm)
 
     def _measured(self, feel: NDArray[np.float64]) -> ReleaseBatch:
         angles = ideal_releases(feel, self.plan.release_rad, self.record.step_s, self.record.samples)
-        return measure_releases(self.record.time_s, angles, held=1, rules=self.plan.rules.release, threads=self.threads)
+        return measured(self.plan, self.record, angles, self.threads)
 
 
 def referees(plan: Plan, threads: int) -> Iterator[Referee]:
     """A referee for each frequency of the grid, and each piece of it that is in memory together."""
     feel = plan.settings.feel(plan.loader)
-    for frequency in plan.settings.frequency:
-        record = Record.of(frequency, plan.settings.damping[0])
-        which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
-        for chunk in record.chunks(len(which)):
-            yield Referee(plan, which[chunk], feel[which[chunk]], record, threads)
+    for which, record in pieces(plan):
+        yield Referee(plan, which, feel[which], record, threads)

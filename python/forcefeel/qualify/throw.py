@@ -6,6 +6,7 @@ from typing import Annotated
 
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
+from forcefeel.qualification import Rules
 from forcefeel.units import ANGLE, UnitSystem, show, to_text
 
 USUAL_RAD = radians(20.0)
@@ -59,3 +60,7 @@ class Throw:
     def end(self, sign: int) -> float:
         """The end above (+1) or below (-1) neutral."""
         return self.high_rad if sign > 0 else self.low_rad
+
+    def release_rad(self, rules: Rules) -> float:
+        """Angle of a release: the rule's largest share of the shorter side."""
+        return rules.release.deflection[1] * min(self.high_rad, -self.low_rad)

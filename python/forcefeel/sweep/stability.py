@@ -89,8 +89,7 @@ def damping_map(sweep: Sweep) -> xr.DataArray | None:
 
 def _poles(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> NDArray[np.complex128]:
     """Poles of the loops; under a sampled law ``ln z / T`` of those of the sampled loop."""
-    values = np.tile(sweep.loader.values, (len(table), 1))
-    values[:, [INDEX[key] for key in keys]] = table
+    values = sweep.loader.rows(keys, table)
     law = sweep.law(values)
     if isinstance(law, SampledCompensator):
         loops = sampled_loops(sweep.loader, law, values)
