@@ -5,7 +5,7 @@ other row's stead. Matrices come as `(A, B, C, D)` of eqs. (14a), (14b).
 """
 
 from collections.abc import Sequence
-from typing import Self, TypeAlias, final
+from typing import Literal, Self, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,14 @@ __all__ = [
     "Recursion",
     "ReleaseMeasuring",
     "Simulation",
+    "channels",
     "compliant",
     "design_plant",
     "discretize",
     "feel_frequency",
     "feel_from_frequency",
     "ideal_feel",
+    "linear_slopes",
     "linkage_from_resonance",
     "orifice_flow",
     "parameters",
@@ -37,6 +39,7 @@ __all__ = [
     "released",
     "rigid",
     "sampled_loops",
+    "sampled_slopes",
     "schedule",
     "simulation_measure",
     "simulation_measures",
@@ -57,6 +60,8 @@ PERIOD_SHOWN: int
 BOUND_RAD: float
 """A column that turns so far has no model."""
 _Matrices: TypeAlias = tuple[_Array, _Array, _Array, _Array]
+_Sloped: TypeAlias = tuple[_Array, _Array, _Array, _Array, _Array, _Array, _Array, _Array]
+_Law: TypeAlias = Compensator | Literal["open", "position", "original"]
 
 @final
 class Parameter:
@@ -210,7 +215,7 @@ class Simulation:
         self,
         values: _Array,
         *,
-        law: Compensator | None = None,
+        law: _Law | None = None,
         gains: _Array | None = None,
         observers: _Array | None = None,
         force_scale: _Array | None = None,
@@ -218,13 +223,28 @@ class Simulation:
         first_run: int = 0,
         threads: int = 1,
     ) -> tuple[_Array, _Array]: ...
+    def slopes(
+        self,
+        values: _Array,
+        keys: Sequence[int],
+        *,
+        channels: Sequence[int],
+        law: _Law | None = None,
+        observers: _Array | None = None,
+        threads: int = 1,
+    ) -> tuple[_Array, _Array]:
+        """What ``channels`` of a bench show, and its exact slopes along the parameters at ``keys``.
+
+        Returns histories (runs, channels, samples) and slopes (runs, keys, channels, samples). Noise and the steps of sensors
+        and converters are left out. What a change of the feel programs does not move with the parameters.
+        """
 
 def sampled_loops(
     values: _Array,
     step_s: float,
     timing: tuple[int, int],
     *,
-    law: Compensator | None = None,
+    law: _Law | None = None,
     gains: _Array | None = None,
     observers: _Array | None = None,
     threads: int = 1,
@@ -233,6 +253,34 @@ def sampled_loops(
 
     Returns the places of the states that are kept, and `[M, b_e, b_F]` of a period of each loader (loops, states, states + 2),
     with a test signal on the command and a pilot force that stays through the period.
+    """
+
+def channels() -> list[tuple[str, str]]:
+    """Name and SI unit of each channel of a bench."""
+
+def linear_slopes(values: _Array, keys: Sequence[int], *, linkage: Literal["rigid", "compliant"], law: _Law) -> _Sloped:
+    """The loader on a bench in continuous time, `x' = A x + B u`, `y = C x + D u`, and its exact slopes along parameters.
+
+    Inputs are the test signal in V and the pilot's force in N, outputs the `channels`, states those of `rigid` or `compliant`.
+    A law by name is made of the values and moves with them: "open" leaves the amplifier without a command, "position" closes the
+    servo's position loop, "original" is eq. (13). Those of a Compensator stand.
+
+    Returns `(A, B, C, D, dA, dB, dC, dD)`, the slopes with a leading axis over `keys`, places in the parameter table.
+    """
+
+def sampled_slopes(
+    values: _Array,
+    keys: Sequence[int],
+    step_s: float,
+    timing: tuple[int, int],
+    *,
+    law: _Law | None = None,
+    observers: _Array | None = None,
+) -> _Sloped:
+    """The same for the loader under a digital controller, from one period to the next: `x+ = M x + B u`, `y = C x + D u`.
+
+    `y` is what the channels show at the start of a period, the sample; the states are those of `sampled_loops` and what the
+    channels see besides. Steps of sensors and converters are left out, and so is what holds or touches.
     """
 
 def parameters() -> list[Parameter]: ...

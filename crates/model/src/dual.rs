@@ -2,108 +2,149 @@
 //!
 //! `f(x + ε) = f(x) + f'(x) ε` with `ε² = 0`, so evaluating the model on a dual number differentiates it to rounding,
 //! with no step size to choose.
+//!
+//! Value and slope may be of any number type: dual numbers of dual numbers give the slope of a slope, those of vector lanes many
+//! runs with their slopes side by side.
 
 use crate::Scalar;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
+/// A slope beside which all others vanish: whatever the units, the slopes of parameters do not drown it.
+const FAST: f64 = 1e30;
+
 /// `value + slope ε`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dual {
+pub struct Dual<T = f64> {
     /// The number itself.
-    pub value: f64,
+    pub value: T,
     /// Its derivative along the chosen direction.
-    pub slope: f64,
+    pub slope: T,
 }
 
-impl Dual {
+impl<T: Scalar> Dual<T> {
     /// The variable that is differentiated by: slope one.
-    pub fn variable(value: f64) -> Self {
-        Self { value, slope: 1.0 }
+    #[inline(always)]
+    pub fn variable(value: T) -> Self {
+        Self { value, slope: value.constant(1.0) }
+    }
+
+    /// A number that does not depend on the variable.
+    #[inline(always)]
+    pub fn constant(value: T) -> Self {
+        Self { value, slope: value.zero() }
     }
 }
 
-/// A constant has no slope, however large the number it is multiplied by: limits that are off are infinite.
-fn scaled(slope: f64, by: f64) -> f64 {
-    if slope == 0.0 { 0.0 } else { slope * by }
-}
-
-impl Add for Dual {
+impl<T: Scalar> Add for Dual<T> {
     type Output = Self;
+    #[inline(always)]
     fn add(self, b: Self) -> Self {
         Self { value: self.value + b.value, slope: self.slope + b.slope }
     }
 }
 
-impl Sub for Dual {
+impl<T: Scalar> Sub for Dual<T> {
     type Output = Self;
+    #[inline(always)]
     fn sub(self, b: Self) -> Self {
         Self { value: self.value - b.value, slope: self.slope - b.slope }
     }
 }
 
-impl Mul for Dual {
+impl<T: Scalar> Mul for Dual<T> {
     type Output = Self;
+    #[inline(always)]
     fn mul(self, b: Self) -> Self {
-        Self { value: self.value * b.value, slope: scaled(self.slope, b.value) + scaled(b.slope, self.value) }
+        // (a b)' = a' b + b' a
+        Self { value: self.value * b.value, slope: self.slope.slope_times(b.value) + b.slope.slope_times(self.value) }
     }
 }
 
-impl Div for Dual {
+impl<T: Scalar> Div for Dual<T> {
     type Output = Self;
+    #[inline(always)]
     fn div(self, b: Self) -> Self {
+        // (a / b)' = (a' - b' (a / b)) / b
         let value = self.value / b.value;
-        let slope = self.slope - scaled(b.slope, value);
-        Self { value, slope: if slope == 0.0 { 0.0 } else { slope / b.value } }
+        Self { value, slope: (self.slope - b.slope.slope_times(value)).slope_over(b.value) }
     }
 }
 
-impl Neg for Dual {
+impl<T: Scalar> Neg for Dual<T> {
     type Output = Self;
+    #[inline(always)]
     fn neg(self) -> Self {
         Self { value: -self.value, slope: -self.slope }
     }
 }
 
-impl Dual {
-    /// A number that does not depend on the variable.
-    pub fn constant(value: f64) -> Self {
-        Self { value, slope: 0.0 }
-    }
-}
-
-impl Scalar for Dual {
-    type Mask = bool;
+impl<T: Scalar> Scalar for Dual<T> {
+    type Mask = T::Mask;
+    #[inline(always)]
     fn constant(self, value: f64) -> Self {
-        Self::constant(value)
+        Self::constant(self.value.constant(value))
     }
+    #[inline(always)]
     fn sqrt(self) -> Self {
-        let root = libm::sqrt(self.value);
         // A constant zero has no slope; the rule would divide zero by zero.
-        let slope = if self.slope == 0.0 { 0.0 } else { self.slope / (2.0 * root) };
-        Self { value: root, slope }
+        let root = self.value.sqrt();
+        Self { value: root, slope: self.slope.slope_over(root.times(2.0)) }
     }
+    #[inline(always)]
     fn abs(self) -> Self {
-        if self.value < 0.0 { -self } else { self }
+        self.times_sign(self)
     }
+    #[inline(always)]
     fn round(self) -> Self {
-        Self::constant(libm::rint(self.value))
+        Self::constant(self.value.round())
     }
+    #[inline(always)]
     fn min(self, other: Self) -> Self {
-        if self.value < other.value { self } else { other }
+        Self::select(self.less(other), self, other)
     }
+    #[inline(always)]
     fn max(self, other: Self) -> Self {
-        if self.value > other.value { self } else { other }
+        Self::select(other.less(self), self, other)
     }
+    #[inline(always)]
     fn times_sign(self, other: Self) -> Self {
-        if other.value.is_sign_negative() { -self } else { self }
+        Self { value: self.value.times_sign(other.value), slope: self.slope.times_sign(other.value) }
     }
-    fn less(self, other: Self) -> bool {
-        self.value < other.value
+    #[inline(always)]
+    fn less(self, other: Self) -> T::Mask {
+        self.value.less(other.value)
     }
-    fn any(mask: bool) -> bool {
-        mask
+    #[inline(always)]
+    fn any(mask: T::Mask) -> bool {
+        T::any(mask)
     }
-    fn select(mask: bool, yes: Self, no: Self) -> Self {
-        if mask { yes } else { no }
+    #[inline(always)]
+    fn select(mask: T::Mask, yes: Self, no: Self) -> Self {
+        Self { value: T::select(mask, yes.value, no.value), slope: T::select(mask, yes.slope, no.slope) }
+    }
+    #[inline(always)]
+    fn slope_times(self, by: Self) -> Self {
+        let (a, b) = (self.value, by.value);
+        Self { value: a.slope_times(b), slope: self.slope.slope_times(b) + by.slope.slope_times(a) }
+    }
+    #[inline(always)]
+    fn slope_over(self, by: Self) -> Self {
+        let value = self.value.slope_over(by.value);
+        Self { value, slope: (self.slope - by.slope.slope_times(value)).slope_over(by.value) }
+    }
+    const HAS_SLOPE: bool = true;
+    #[inline(always)]
+    fn still(self) -> Self {
+        Self::constant(self.value)
+    }
+    #[inline(always)]
+    fn moving(self) -> Self {
+        Self { value: self.value, slope: self.value.constant(FAST) }
+    }
+    #[inline(always)]
+    fn root(self, residual: Self, change: Self) -> Self {
+        // The root moves so that the residual r(x) stays zero, r_p + r_x x' = 0: by Newton's rule, as r' is linear in x'
+        let per_slope = change.slope.times(1.0 / FAST);
+        Self { value: self.value, slope: self.slope - residual.slope.slope_over(per_slope) }
     }
 }

@@ -43,6 +43,8 @@ pub struct Effects {
     pub observer: bool,
     /// Trim, a factor on the feel's spring, or the stick shaker.
     pub surroundings: bool,
+    /// A test signal on the command.
+    pub test_signal: bool,
     /// Something that moves the column from neutral while nobody touches it.
     pub biased: bool,
 }
@@ -83,6 +85,7 @@ impl Effects {
             feedback: true,
             observer: false,
             surroundings: true,
+            test_signal: true,
             biased: any(&offsets) || any(&[p.column.gravity_torque, feel.preload, feel.detent_force]),
         }
     }
@@ -123,6 +126,7 @@ impl Effects {
             feedback: self.feedback | other.feedback,
             observer: self.observer | other.observer,
             surroundings: self.surroundings | other.surroundings,
+            test_signal: self.test_signal | other.test_signal,
             biased: self.biased | other.biased,
         }
     }

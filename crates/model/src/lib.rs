@@ -29,6 +29,7 @@
 //! | sensors | [`transducers`] |
 //! | digital controller, its law with an observer | [`controller`], [`observer`] |
 //! | which of these are in play | [`effects`] |
+//! | what a bench measures of it | [`channels`] |
 //!
 //! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
 //! No allocation, no input or output, no standard library.
@@ -37,6 +38,7 @@
 
 pub mod actuator;
 pub mod amplifier;
+pub mod channels;
 pub mod column;
 pub mod column_motion;
 pub mod compensator;

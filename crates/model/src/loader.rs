@@ -7,6 +7,7 @@
 //! State order is the report's, so that the matrices can be laid beside the printed ones.
 
 use crate::Scalar;
+use crate::channels::{self, Bench};
 use crate::compensator::Compensator;
 use crate::parameters::Parameters;
 
@@ -39,6 +40,10 @@ pub struct Compliant<S> {
     /// The law that drives the amplifier.
     pub compensator: Compensator<S>,
 }
+
+/// A loader on a bench: its states, with the channels as outputs. The test signal comes first: inputs `e_T, F_p`.
+#[derive(Debug, Clone, Copy)]
+pub struct OnBench<M>(pub M);
 
 /// Plant for the design of the compensation: valve dynamics neglected, load-cell loop open, `F_p` a constant state.
 /// States `x_p, p, delta, delta', x_b, x_b', F_p`; input `e`; output `delta - theta`, the error of eq. (21).
@@ -146,6 +151,32 @@ impl<S: Scalar> System<S, 8, 2, OUTPUTS> for Compliant<S> {
         let Servo { current, flow, force } = self.servo(x, u);
         let theta = self.parameters.column.angle(x[6]); // eq. (18)
         [theta, x[4], x[0], force, self.parameters.potentiometer.signal(x[0]), current, flow]
+    }
+}
+
+impl<S: Scalar> System<S, 7, 2, { channels::COUNT }> for OnBench<Rigid<S>> {
+    fn derivative(&self, x: &[S; 7], &[test_signal, pilot_force]: &[S; 2]) -> [S; 7] {
+        self.0.derivative(x, &[pilot_force, test_signal])
+    }
+
+    fn outputs(&self, x: &[S; 7], &[test_signal, pilot_force]: &[S; 2]) -> [S; channels::COUNT] {
+        let parameters = &self.0.parameters;
+        let &[piston, piston_rate, pressure, ..] = x;
+        let Servo { current, flow, .. } = self.0.servo(x, &[pilot_force, test_signal]);
+        let (base, base_rate) = (parameters.linkage.rigid_base(piston), parameters.linkage.rigid_base(piston_rate));
+        Bench { base, base_rate, piston, pressure, flow, current }.channels(parameters)
+    }
+}
+
+impl<S: Scalar> System<S, 8, 2, { channels::COUNT }> for OnBench<Compliant<S>> {
+    fn derivative(&self, x: &[S; 8], &[test_signal, pilot_force]: &[S; 2]) -> [S; 8] {
+        self.0.derivative(x, &[pilot_force, test_signal])
+    }
+
+    fn outputs(&self, x: &[S; 8], &[test_signal, pilot_force]: &[S; 2]) -> [S; channels::COUNT] {
+        let &[piston, pressure, .., base, base_rate] = x;
+        let Servo { current, flow, .. } = self.0.servo(x, &[pilot_force, test_signal]);
+        Bench { base, base_rate, piston, pressure, flow, current }.channels(&self.0.parameters)
     }
 }
 

@@ -60,9 +60,21 @@ pub struct Inputs {
     pub shaker: [f64; 2],
     /// Share of the next feel, while the feel is being changed.
     pub fade: [f64; 2],
+    /// Test signal on the command in V.
+    pub test_signal: [f64; 2],
 }
 
 impl Inputs {
+    /// Nothing at all, the spring as it is.
+    pub const NONE: Self = Self {
+        force: [0.0; 2],
+        trim: [0.0; 2],
+        stiffness_factor: [1.0; 2],
+        shaker: [0.0; 2],
+        fade: [0.0; 2],
+        test_signal: [0.0; 2],
+    };
+
     /// The inputs as they stand at the end of the step, and stay.
     #[inline(always)]
     pub fn end(&self) -> Self {
@@ -73,6 +85,7 @@ impl Inputs {
             stiffness_factor: stay(self.stiffness_factor),
             shaker: stay(self.shaker),
             fade: stay(self.fade),
+            test_signal: stay(self.test_signal),
         }
     }
 }
@@ -477,7 +490,8 @@ impl<S: Scalar> Machine<S> {
             let fade = stage.moment.of(stage.inputs.fade);
             feel = [now.delta_rate, self.feel_acceleration(stage.shared, now, torque, &around, fade)];
             let x = [piston, force / self.balance.area, now.delta, now.delta_rate, base, base_rate, now.pilot_force];
-            self.law.command(&x)
+            let e = self.law.command(&x);
+            if effects.test_signal { e + e.constant(stage.moment.of(stage.inputs.test_signal)) } else { e }
         };
         now.current = self.valve.current(effects, e);
         let pull = self.column.per_link_force * now.force

@@ -35,6 +35,30 @@ pub trait Scalar:
     /// `yes` where the mask holds, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
+    /// `self by` for a slope: zero stays zero, however large the number beside it, since limits that are off are infinite.
+    fn slope_times(self, by: Self) -> Self;
+    /// `self / by` for a slope: zero stays zero, even over zero.
+    fn slope_over(self, by: Self) -> Self;
+    /// Whether it has a slope of its own, see [`Dual`](crate::dual::Dual). The next three change that slope and nothing else; a slope
+    /// of the slope they do not carry.
+    const HAS_SLOPE: bool = false;
+    /// The number without its slope.
+    #[inline(always)]
+    fn still(self) -> Self {
+        self
+    }
+    /// The number with a slope beside which all others vanish.
+    #[inline(always)]
+    fn moving(self) -> Self {
+        self
+    }
+    /// The number, a root of a residual by value, with a slope nearer to the root's: from the residual at it, and from the change of
+    /// the residual from such a number that is still to one that is moving.
+    #[inline(always)]
+    fn root(self, _residual: Self, _change: Self) -> Self {
+        self
+    }
+
     /// `self` times a constant.
     #[inline(always)]
     fn times(self, factor: f64) -> Self {
@@ -142,6 +166,14 @@ macro_rules! scalar {
             #[inline(always)]
             fn select(mask: bool, yes: Self, no: Self) -> Self {
                 if mask { yes } else { no }
+            }
+            #[inline(always)]
+            fn slope_times(self, by: Self) -> Self {
+                if self == 0.0 { 0.0 } else { self * by }
+            }
+            #[inline(always)]
+            fn slope_over(self, by: Self) -> Self {
+                if self == 0.0 { 0.0 } else { self / by }
             }
         }
     };

@@ -34,7 +34,7 @@ fn everything() -> Parameters<f64> {
 }
 
 fn still(force: f64) -> Inputs {
-    Inputs { force: [force; 2], trim: [0.0; 2], stiffness_factor: [1.0; 2], shaker: [0.0; 2], fade: [0.0; 2] }
+    Inputs { force: [force; 2], ..Inputs::NONE }
 }
 
 /// A machine with its state.

@@ -173,13 +173,7 @@ fn periods_one_after_the_other_are_the_run_bit_for_bit() {
             for period in 0..40 {
                 // A push, then a pull.
                 let force = if period < 20 { 150.0 } else { -220.0 };
-                let inputs = Inputs {
-                    force: [force; 2],
-                    trim: [0.0; 2],
-                    stiffness_factor: [1.0; 2],
-                    shaker: [0.0; 2],
-                    fade: [0.0; 2],
-                };
+                let inputs = Inputs { force: [force; 2], ..Inputs::NONE };
                 for step in 0..timing.period {
                     let begun = machine.begin(shared, &mut state, &mut memory, &inputs, || [0.0; 3]);
                     if step == 0 {

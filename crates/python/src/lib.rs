@@ -2,11 +2,13 @@
 #![allow(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
 mod arrays;
+mod laws;
 mod loops;
 mod model;
 mod release;
 mod releases;
 mod simulate;
+mod slopes;
 mod solve;
 
 use pyo3::prelude::*;
@@ -27,6 +29,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("PERIOD_BASE", forcefeel_model::machine::period::BASE)?;
     module.add("PERIOD_SHOWN", forcefeel_model::machine::period::SHOWN)?;
     module.add("PERIOD_COMMAND", forcefeel_model::machine::period::YOUNGEST)?;
+    module.add_function(wrap_pyfunction!(slopes::channels, module)?)?;
+    module.add_function(wrap_pyfunction!(slopes::linear_slopes, module)?)?;
+    module.add_function(wrap_pyfunction!(slopes::sampled_slopes, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_outputs, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measures, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measure, module)?)?;

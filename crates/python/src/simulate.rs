@@ -1,24 +1,29 @@
 //! Runs in time.
 
 use crate::arrays::{rows, vector};
-use crate::model::Compensator;
-use forcefeel_model::compensator::Compensator as Gains;
+use crate::laws::{Laws, NamedLaw, check_runs, effects_of};
+use crate::slopes::check_keys;
+use forcefeel_model::channels::CHANNELS;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::Curve;
-use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::COUNT;
 use forcefeel_solve::batch::{Change, Job, Law, OUTPUTS, Sampling};
 use forcefeel_solve::measures::{MEASURES, Peaks, measure};
+use forcefeel_solve::record_slopes::SlopeJob;
 use forcefeel_solve::sampled_loops::{INPUTS, Periods, SampledLoops};
 use forcefeel_solve::simulate::Start;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{
+    PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 type Names = Vec<(&'static str, &'static str)>;
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
+/// Histories and their slopes.
+type Sloped<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray4<f64>>);
 /// Begin, end, the values and the observer that hold afterwards.
 type ChangeOf<'py> = (usize, usize, PyReadonlyArray1<'py, f64>, Option<PyReadonlyArray1<'py, f64>>);
 
@@ -73,13 +78,16 @@ pub struct Simulation {
     changes: Vec<Change>,
     /// Trim, a factor on the spring, or the shaker is among the inputs.
     stirred: bool,
+    /// There is a test signal among the inputs.
+    tested: bool,
 }
 
 #[pymethods]
 impl Simulation {
     /// A sample every so many steps, or two a step where `every` is zero.
     ///
-    /// `inputs`: (steps, 5, 2): pilot force, trim, factor on the spring, shaker, fade, each at the start and the end of a step.
+    /// `inputs`: (steps, 6, 2): pilot force, trim, factor on the spring, shaker, fade, test signal, each at the start and the end of
+    /// a step.
     #[new]
     #[pyo3(signature = (inputs, step_s, *, every = 1, outputs = vec![], start_force = 0.0, held = None, timing = None, curve = None, changes = vec![]))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
@@ -102,6 +110,7 @@ impl Simulation {
         let still = |step: &Inputs| (step.trim, step.stiffness_factor, step.shaker) == ([0.0; 2], [1.0; 2], [0.0; 2]);
         Ok(Self {
             stirred: !inputs.iter().all(still),
+            tested: inputs.iter().flat_map(|step| step.test_signal).any(|volts| volts != 0.0),
             step_s,
             sampling: if every == 0 { Sampling::Halves } else { Sampling::Every(every) },
             outputs: outputs.into_iter().map(|output| output.min(OUTPUTS.len() - 1)).collect(),
@@ -120,7 +129,7 @@ impl Simulation {
         &self,
         py: Python<'py>,
         values: PyReadonlyArray2<'py, f64>,
-        law: Option<&Compensator>,
+        law: Option<NamedLaw>,
         gains: Option<PyReadonlyArray2<'py, f64>>,
         observers: Option<PyReadonlyArray2<'py, f64>>,
         force_scale: Option<PyReadonlyArray1<'py, f64>>,
@@ -134,21 +143,7 @@ impl Simulation {
         let law = laws.law();
         let force_scale: Option<Vec<f64>> = force_scale.map(|scale| scale.as_array().iter().copied().collect());
         check_runs("force_scale", force_scale.as_ref().map(Vec::len), runs)?;
-        let all = self.changes.iter().map(|change| &change.values).chain(&values);
-        let mut effects = effects_of(all, &law);
-        effects.surroundings = self.stirred;
-        let job = Job {
-            shared: Shared { effects, step_s: self.step_s, timing: self.timing, curve: self.curve },
-            start: self.start,
-            inputs: &self.inputs,
-            values: &values,
-            law,
-            force_scale: force_scale.as_deref(),
-            changes: &self.changes,
-            noise: (seed, first_run),
-            sampling: self.sampling,
-            outputs: &self.outputs,
-        };
+        let job = Job { force_scale: force_scale.as_deref(), noise: (seed, first_run), ..self.job(&values, law) };
         // NumPy's memory, which it asks the system for in large pages: a third of the time of a short run otherwise.
         let histories = PyArray3::zeros(py, [runs, self.outputs.len(), job.samples()], false);
         let mut writable = histories.readwrite();
@@ -157,46 +152,62 @@ impl Simulation {
         drop(writable);
         Ok((PyArray1::from_vec(py, measures.into_flattened()).reshape([runs, MEASURES.len()])?, histories))
     }
-}
 
-/// The laws of many runs, as Python gives them.
-struct Laws {
-    fixed: Option<Gains<f64>>,
-    gains: Option<Vec<[f64; 7]>>,
-    observers: Option<Vec<[f64; NUMBERS]>>,
-}
-
-impl Laws {
-    fn of(
-        law: Option<&Compensator>,
-        gains: Option<&PyReadonlyArray2<'_, f64>>,
-        observers: Option<&PyReadonlyArray2<'_, f64>>,
-        runs: usize,
-    ) -> PyResult<Self> {
-        let gains = gains.map(|gains| rows::<7>("gains", gains)).transpose()?;
-        let observers = observers.map(|observers| rows::<NUMBERS>("observers", observers)).transpose()?;
-        check_runs("gains", gains.as_ref().map(Vec::len), runs)?;
-        // One observer may serve all runs.
-        check_runs("observers", observers.as_ref().map(Vec::len).filter(|&laws| laws != 1), runs)?;
-        Ok(Self { fixed: law.map(Compensator::law), gains, observers })
+    /// Channels (runs, channels, samples) of the loaders with these values, and their slopes (runs, keys, channels, samples) along the
+    /// parameters at `keys`.
+    #[pyo3(signature = (values, keys, *, channels, law = None, observers = None, threads = 1))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of a Python method")]
+    fn slopes<'py>(
+        &self,
+        py: Python<'py>,
+        values: PyReadonlyArray2<'py, f64>,
+        keys: Vec<usize>,
+        channels: Vec<usize>,
+        law: Option<NamedLaw>,
+        observers: Option<PyReadonlyArray2<'py, f64>>,
+        threads: usize,
+    ) -> PyResult<Sloped<'py>> {
+        let values = rows::<COUNT>("values", &values)?;
+        check_keys(&keys)?;
+        if keys.is_empty() {
+            return Err(PyValueError::new_err("keys: expected one at least; run gives the histories alone"));
+        }
+        if let Some(channel) = channels.iter().find(|&&channel| channel >= CHANNELS.len()) {
+            return Err(PyValueError::new_err(format!(
+                "channels: expected places of channels below {}, got {channel}",
+                CHANNELS.len()
+            )));
+        }
+        let laws = Laws::of(law, None, observers.as_ref(), values.len())?;
+        let job = SlopeJob { job: self.job(&values, laws.law()), keys: &keys, channels: &channels };
+        let shape = [values.len(), channels.len(), job.job.samples()];
+        let slopes = PyArray4::zeros(py, [shape[0], keys.len(), shape[1], shape[2]], false);
+        let mut writable = slopes.readwrite();
+        let into = writable.as_slice_mut()?;
+        let histories = py.detach(|| job.run(threads.max(1), into));
+        drop(writable);
+        Ok((PyArray1::from_vec(py, histories).reshape(shape)?, slopes))
     }
+}
 
-    fn law(&self) -> Law<'_> {
-        match self {
-            Self { observers: Some(observers), .. } => Law::Observers(observers),
-            Self { gains: Some(gains), .. } => Law::Gains(gains),
-            Self { fixed: Some(law), .. } => Law::Fixed(*law),
-            _ => Law::Original,
+impl Simulation {
+    fn job<'a>(&'a self, values: &'a [[f64; COUNT]], law: Law<'a>) -> Job<'a> {
+        let all = self.changes.iter().map(|change| &change.values).chain(values);
+        let mut effects = effects_of(all, &law);
+        (effects.surroundings, effects.test_signal) = (self.stirred, self.tested);
+        Job {
+            shared: Shared { effects, step_s: self.step_s, timing: self.timing, curve: self.curve },
+            start: self.start,
+            inputs: &self.inputs,
+            values,
+            law,
+            force_scale: None,
+            changes: &self.changes,
+            noise: (0, 0),
+            sampling: self.sampling,
+            outputs: &self.outputs,
         }
     }
-}
-
-/// The effects in play for any of these loaders under a law.
-fn effects_of<'a>(values: impl Iterator<Item = &'a [f64; COUNT]>, law: &Law<'_>) -> Effects {
-    let mut effects = values.map(Effects::of).reduce(Effects::or).unwrap_or_default();
-    effects.feedback = law.feeds_back();
-    effects.observer = matches!(law, Law::Observers(_));
-    effects
 }
 
 /// Places of the states that are kept, and the matrices (loops, states, states + 2) of a period of each loader under a digital
@@ -209,7 +220,7 @@ pub fn sampled_loops<'py>(
     values: PyReadonlyArray2<'py, f64>,
     step_s: f64,
     timing: (usize, usize),
-    law: Option<&Compensator>,
+    law: Option<NamedLaw>,
     gains: Option<PyReadonlyArray2<'py, f64>>,
     observers: Option<PyReadonlyArray2<'py, f64>>,
     threads: usize,
@@ -229,12 +240,19 @@ pub fn sampled_loops<'py>(
 fn steps(inputs: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<Inputs>> {
     let inputs = inputs.as_array();
     let (_, signals, ends) = inputs.dim();
-    if (signals, ends) != (5, 2) {
-        return Err(PyValueError::new_err(format!("inputs: expected shape (steps, 5, 2), got {:?}", inputs.dim())));
+    if (signals, ends) != (6, 2) {
+        return Err(PyValueError::new_err(format!("inputs: expected shape (steps, 6, 2), got {:?}", inputs.dim())));
     }
     let step = |row: numpy::ndarray::ArrayView2<'_, f64>| {
         let pair = |k: usize| [row[(k, 0)], row[(k, 1)]];
-        Inputs { force: pair(0), trim: pair(1), stiffness_factor: pair(2), shaker: pair(3), fade: pair(4) }
+        Inputs {
+            force: pair(0),
+            trim: pair(1),
+            stiffness_factor: pair(2),
+            shaker: pair(3),
+            fade: pair(4),
+            test_signal: pair(5),
+        }
     };
     Ok(inputs.outer_iter().map(step).collect())
 }
@@ -243,13 +261,4 @@ fn spring_curve(knots: &PyReadonlyArray1<'_, f64>, coefficients: &PyReadonlyArra
     let knots: Vec<f64> = knots.as_array().iter().copied().collect();
     let coefficients = rows::<4>("curve", coefficients)?;
     Curve::new(&knots, &coefficients).ok_or_else(|| PyValueError::new_err("curve: knots and coefficients do not fit"))
-}
-
-fn check_runs(name: &str, found: Option<usize>, runs: usize) -> PyResult<()> {
-    match found {
-        Some(found) if found != runs => {
-            Err(PyValueError::new_err(format!("{name}: expected {runs} rows, got {found}")))
-        }
-        _ => Ok(()),
-    }
 }

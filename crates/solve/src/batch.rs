@@ -27,6 +27,10 @@ pub type Values = [f64; MEASURES.len()];
 pub enum Law<'a> {
     /// The original position loop, with each run's own parameters.
     Original,
+    /// The position loop without the feel computer, with each run's own parameters.
+    Position,
+    /// No law: the servo's amplifier is open.
+    Open,
     /// One law for all runs: what was designed for the nominal loader meets each.
     Fixed(Compensator<f64>),
     /// State feedback with gains `c_1 .. c_7` for each run, the load cell's arm by its own geometry.
@@ -39,7 +43,7 @@ impl Law<'_> {
     /// Whether more than piston and programmed displacement is fed back.
     pub fn feeds_back(&self) -> bool {
         match self {
-            Self::Original | Self::Observers(_) => false,
+            Self::Original | Self::Position | Self::Open | Self::Observers(_) => false,
             Self::Fixed(law) => [1, 3, 4, 5, 6].iter().any(|&k| law.gains[k] != 0.0),
             Self::Gains(_) => true,
         }
@@ -55,6 +59,8 @@ impl Law<'_> {
         let zero = parameters.column.inertia.zero();
         match self {
             Self::Original => Compensator::original(parameters),
+            Self::Position => Compensator::position_loop(parameters),
+            Self::Open => Compensator::none(parameters),
             Self::Fixed(law) => law.map(|value| zero.constant(value)),
             Self::Gains(gains) => {
                 Compensator::state_feedback(parameters, core::array::from_fn(|k| wide(&|run| gains[run][k])))
@@ -304,7 +310,7 @@ const CACHE_LINE: usize = 8;
 
 impl Change {
     #[inline(always)]
-    fn of<S: Scalar>(&self, parameters: &Parameters<S>) -> FeelChange<S> {
+    pub(crate) fn of<S: Scalar>(&self, parameters: &Parameters<S>) -> FeelChange<S> {
         let like = parameters.column.inertia;
         let changed = Parameters::from_values(&self.values.map(|value| like.constant(value)));
         FeelChange {

@@ -159,6 +159,16 @@ impl<S: Simd> Scalar for Lanes<S> {
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         Self(mask.select(yes.0, no.0))
     }
+    #[inline(always)]
+    fn slope_times(self, by: Self) -> Self {
+        let zero = self.zero();
+        Self(self.0.simd_eq(zero.0).select(zero.0, self.0 * by.0))
+    }
+    #[inline(always)]
+    fn slope_over(self, by: Self) -> Self {
+        let zero = self.zero();
+        Self(self.0.simd_eq(zero.0).select(zero.0, self.0 / by.0))
+    }
 }
 
 /// Returns what `$run` gives with `$simd`, the widest vector instructions that the machine has; goes on where it has none.

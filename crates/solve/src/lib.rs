@@ -3,11 +3,13 @@
 //! | question | file |
 //! |---|---|
 //! | state-space matrices of a model | [`linearize`](mod@linearize) |
+//! | matrices and their slopes along parameters | [`slopes`] |
 //! | state transition over one step | [`discretize`](mod@discretize) |
 //! | recursion (22), dynamic programming | [`riccati`] |
 //! | gains for many feel settings of one plant | [`schedule`] |
 //! | a run in time | [`simulate`] |
 //! | many runs, in vector lanes over the cores | [`batch`], [`lanes`] |
+//! | runs and their slopes along parameters | [`record_slopes`] |
 //! | what is asked of a run | [`measures`] |
 //! | stability of many loops, proved | [`stability`], [`bounded`] |
 //! | their poles | [`poles`] |
@@ -31,12 +33,14 @@ pub mod measures;
 pub mod noise;
 pub mod pair;
 pub mod poles;
+pub mod record_slopes;
 pub mod release;
 pub mod releases;
 pub mod riccati;
 pub mod sampled_loops;
 pub mod schedule;
 pub mod simulate;
+pub mod slopes;
 pub mod stability;
 pub mod transition;
 

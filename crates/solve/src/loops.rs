@@ -54,6 +54,8 @@ impl Loops<'_> {
         let parameters = Parameters::from_values(&values);
         let compensator = match self.law {
             Law::Original => Compensator::original(&parameters),
+            Law::Position => Compensator::position_loop(&parameters),
+            Law::Open => Compensator::none(&parameters),
             Law::Fixed(law) => law.map(|value| zero.constant(value)),
             Law::Gains(gains) => {
                 let gain = |k: usize| T::gather(token, |lane| gains[(first + lane).min(last)][k]);

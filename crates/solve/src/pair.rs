@@ -98,4 +98,12 @@ impl<T: Scalar> Scalar for Pair<T> {
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         Self(T::select(mask.0, yes.0, no.0), T::select(mask.1, yes.1, no.1))
     }
+    #[inline(always)]
+    fn slope_times(self, by: Self) -> Self {
+        Self(self.0.slope_times(by.0), self.1.slope_times(by.1))
+    }
+    #[inline(always)]
+    fn slope_over(self, by: Self) -> Self {
+        Self(self.0.slope_over(by.0), self.1.slope_over(by.1))
+    }
 }

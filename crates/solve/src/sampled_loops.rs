@@ -8,6 +8,8 @@
 //! out: it has no slope at rest. States that nothing depends on have no column and are left out: their poles are at zero.
 
 use crate::batch::Law;
+use forcefeel_model::Scalar;
+use forcefeel_model::channels::{self, Bench};
 use forcefeel_model::controller::Timing;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::machine::period::{PERIOD_STATES, Period, YOUNGEST};
@@ -18,8 +20,14 @@ use rayon::prelude::*;
 /// Inputs of a period: test signal on the command, pilot force.
 pub const INPUTS: usize = 2;
 
+/// States, then inputs.
+pub(crate) const COLUMNS: usize = PERIOD_STATES + INPUTS;
+
 /// Numbers of `[M, b_e, b_F]`, row by row.
-type Matrix = [[f64; PERIOD_STATES + INPUTS]; PERIOD_STATES];
+type Matrix<T = f64> = [[T; COLUMNS]; PERIOD_STATES];
+
+/// The channels at the start of a period as rows on the same columns.
+type Rows<T> = [[T; COLUMNS]; channels::COUNT];
 
 /// Loops that share their effects and their timing.
 #[derive(Debug, Clone)]
@@ -52,37 +60,69 @@ impl SampledLoops<'_> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the loops");
         let whole: Vec<Matrix> =
             pool.install(|| (0..self.values.len()).into_par_iter().map(|run| self.matrix(run)).collect());
-        let states = kept(&whole);
-        let columns = || states.iter().copied().chain(PERIOD_STATES..PERIOD_STATES + INPUTS);
+        let states = kept(&whole, |_| false);
+        let columns = || states.iter().copied().chain(PERIOD_STATES..COLUMNS);
         let row = |matrix: &Matrix, state: usize| columns().map(|k| matrix[state][k]).collect::<Vec<_>>();
         let matrices = whole.iter().flat_map(|matrix| states.iter().flat_map(|&state| row(matrix, state))).collect();
         Periods { states, matrices }
     }
 
     fn matrix(&self, run: usize) -> Matrix {
-        let parameters = without_steps(Parameters::from_values(&self.values[run].map(Dual::constant)));
-        let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(of(run));
+        self.matrix_of(run, &Parameters::from_values(&self.values[run]))
+    }
+
+    /// The matrix of a run, whose parameters may have slopes of their own.
+    pub(crate) fn matrix_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Matrix<T> {
+        let zero = parameters.column.inertia.zero();
+        let mut matrix = [[zero; COLUMNS]; PERIOD_STATES];
+        self.each_column(run, parameters, |period, column, state, [test_signal, force]| {
+            for (row, number) in matrix.iter_mut().zip(period.next(state, force, test_signal)) {
+                row[column] = number.slope;
+            }
+        });
+        matrix
+    }
+
+    /// The channels at the start of a period.
+    pub(crate) fn rows_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Rows<T> {
+        let zero = parameters.column.inertia.zero();
+        let mut rows = [[zero; COLUMNS]; channels::COUNT];
+        let on_bench = parameters.map(Dual::constant);
+        self.each_column(run, parameters, |period, column, state, [test_signal, force]| {
+            let now = period.now(state, force, test_signal);
+            for (row, number) in rows.iter_mut().zip(Bench::of(&now).channels(&on_bench)) {
+                row[column] = number.slope;
+            }
+        });
+        rows
+    }
+
+    /// Goes through the columns: the state and the inputs `[e_T, F_p]` at neutral, dual along the column.
+    fn each_column<T: Scalar>(
+        &self,
+        run: usize,
+        parameters: &Parameters<T>,
+        mut take: impl FnMut(&Period<'_, Dual<T>>, usize, &[Dual<T>; PERIOD_STATES], [Dual<T>; INPUTS]),
+    ) {
+        let zero = parameters.column.inertia.zero();
+        let parameters = without_steps(parameters.map(Dual::constant));
+        let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(zero.constant(of(run)));
         let mut machine = Machine::new(&parameters, self.law.compensator(&parameters, wide), &self.shared);
         if let Some(observer) = self.law.observer(wide) {
             machine = machine.with_observer(observer);
         }
         let period = Period { machine: &machine, shared: &self.shared, timing: self.timing };
-        let mut matrix = [[0.0; PERIOD_STATES + INPUTS]; PERIOD_STATES];
-        for column in 0..PERIOD_STATES + INPUTS {
-            let along = |k: usize| if k == column { Dual::variable(0.0) } else { Dual::constant(0.0) };
-            let state = core::array::from_fn(along);
-            let next = period.next(&state, along(PERIOD_STATES + 1), along(PERIOD_STATES));
-            for (row, number) in matrix.iter_mut().zip(next) {
-                row[column] = number.slope;
-            }
+        for column in 0..COLUMNS {
+            let along = |k: usize| if k == column { Dual::variable(zero) } else { Dual::constant(zero) };
+            let inputs = [along(PERIOD_STATES), along(PERIOD_STATES + 1)];
+            take(&period, column, &core::array::from_fn(along), inputs);
         }
-        matrix
     }
 }
 
 /// Sensors and converters that do not round: a staircase has no slope.
-fn without_steps(mut parameters: Parameters<Dual>) -> Parameters<Dual> {
-    let none = Dual::constant(0.0);
+pub(crate) fn without_steps<T: Scalar>(mut parameters: Parameters<T>) -> Parameters<T> {
+    let none = parameters.column.inertia.zero();
     let Parameters { load_cell, potentiometer, column_sensor, controller, .. } = &mut parameters;
     for resolution in [&mut load_cell.resolution, &mut potentiometer.resolution, &mut column_sensor.resolution] {
         *resolution = none;
@@ -91,14 +131,15 @@ fn without_steps(mut parameters: Parameters<Dual>) -> Parameters<Dual> {
     parameters
 }
 
-/// The states that any loop's next state depends on, of those that are left.
-fn kept(matrices: &[Matrix]) -> Vec<usize> {
+/// The states that any loop's next state depends on, of those that are left, and those that are seen.
+pub(crate) fn kept(matrices: &[Matrix], seen: impl Fn(usize) -> bool) -> Vec<usize> {
     let mut states: Vec<usize> = (0..PERIOD_STATES).collect();
     loop {
         let matters =
             |column: usize| matrices.iter().any(|matrix| states.iter().any(|&row| matrix[row][column] != 0.0));
         // The youngest command is what a loop is opened at.
-        let left: Vec<usize> = states.iter().copied().filter(|&state| state == YOUNGEST || matters(state)).collect();
+        let left: Vec<usize> =
+            states.iter().copied().filter(|&state| state == YOUNGEST || seen(state) || matters(state)).collect();
         if left.len() == states.len() {
             return states;
         }

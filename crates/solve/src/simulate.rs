@@ -9,7 +9,7 @@ use forcefeel_model::transducers::SENSORS;
 /// Where a run begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Start {
-    /// At rest under this pilot force in N.
+    /// At rest under this pilot force in N; at neutral where the amplifier is open and there is no rest.
     Under(f64),
     /// At rest, the grip held at this angle in rad up to the start of this step.
     Held(f64, usize),
@@ -18,13 +18,17 @@ pub enum Start {
 impl Start {
     fn rest<S: Scalar>(self, machine: &Machine<S>, shared: &Shared, first: &Inputs, like: S) -> Rest<S> {
         let [trim, factor] = [first.trim[0], first.stiffness_factor[0]].map(|value| like.constant(value));
-        match self {
-            Self::Held(angle, _) => machine.held_at(shared, like.constant(angle), trim, factor),
-            Self::Under(force) if shared.effects.biased || force != 0.0 || first.trim[0] != 0.0 => {
-                machine.held_by(shared, machine.force(force), trim, factor)
+        let angle = match self {
+            Self::Held(angle, _) => angle,
+            // Where the amplifier is open nothing brings the column back, so it begins at neutral.
+            Self::Under(force)
+                if (shared.effects.biased || force != 0.0 || first.trim[0] != 0.0) && !machine.drifts() =>
+            {
+                return machine.held_by(shared, machine.force(force), trim, factor);
             }
-            Self::Under(_) => machine.held_at(shared, like.zero(), trim, factor),
-        }
+            Self::Under(_) => 0.0,
+        };
+        machine.held_at(shared, like.constant(angle), trim, factor)
     }
 
     /// Up to which step a hand holds the grip.

@@ -90,6 +90,12 @@ impl Scalar for Counted {
         count(2);
         if mask { yes } else { no }
     }
+    fn slope_times(self, by: Self) -> Self {
+        self * by
+    }
+    fn slope_over(self, by: Self) -> Self {
+        self / by
+    }
 }
 
 /// Looks on and does nothing.
@@ -109,12 +115,11 @@ fn counts(steps: usize) -> [u64; 3] {
     (loader.valve.orifice, loader.amplifier.current_limit, loader.column.coulomb_friction) = (1.0, 8e-4, 13.3);
     (loader.column.stop_low, loader.column.stop_high) = (-0.35, 0.35);
     let values = loader.values();
-    let effects = Effects { feedback: false, surroundings: false, ..Effects::of(&values) };
+    let effects = Effects { feedback: false, surroundings: false, test_signal: false, ..Effects::of(&values) };
     let shared = Shared { effects, step_s: 2e-3, timing: None, curve: None };
     let parameters = Parameters::from_values(&values.map(Counted));
     let mut machine = Machine::new(&parameters, Compensator::original(&parameters), &shared);
-    let push =
-        Inputs { force: [427.0; 2], trim: [0.0; 2], stiffness_factor: [1.0; 2], shaker: [0.0; 2], fade: [0.0; 2] };
+    let push = Inputs { force: [427.0; 2], ..Inputs::NONE };
     COUNTS.set([0; 3]);
     let normal = || unreachable!("no sensor has noise");
     run(&mut machine, &shared, Start::Under(0.0), &vec![push; steps], &[], normal, &mut Nothing);

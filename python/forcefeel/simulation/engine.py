@@ -61,7 +61,7 @@ def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | Samp
     if isinstance(law, Compensator) and exact:
         values, measured = linear.run(loader, law, scenario)
     else:
-        engine = _engine(loader, scenario, range(len(units)), law)
+        engine = prepared(loader, scenario, range(len(units)), law)
         laws = engine_law(loader, law)
         found, histories = engine.run(loader.values[np.newaxis], **laws, seed=scenario.seed, threads=_SINGLE)
         values, measured = histories[0], found[0]
@@ -114,7 +114,7 @@ def simulate_batch(
         if name not in units:
             raise InputError(f"keep: expected names of outputs ({', '.join(units)}), got {name!r}")
     order = list(units)
-    engine = _engine(loader, scenario, [order.index(name) for name in keep], compensator)
+    engine = prepared(loader, scenario, [order.index(name) for name in keep], compensator)
     samples = round(scenario.duration_s / scenario.sample_s) + 1
     if len(values) * len(keep) * samples * 8 > MOST_HISTORY_BYTES:
         raise InputError(
@@ -180,7 +180,8 @@ def _displacement_unit(law: Law) -> str:
     return "V" if law is None else law.displacement_unit if isinstance(law, Compensator) else "rad"
 
 
-def _engine(loader: Loader, scenario: Scenario, keep: Sequence[int], law: Law) -> _core.Simulation:
+def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: Law = None) -> _core.Simulation:
+    """The engine, ready to run loaders through a scenario; ``law`` is the one that the scenario's changes follow."""
     steps = Steps.of(scenario, loader)
     curve = loader.force_curve
     return _core.Simulation(

@@ -21,7 +21,13 @@ from forcefeel.simulation.scenario import Scenario, Steps, on_samples
 
 def applies(loader: Loader, scenario: Scenario) -> bool:
     """Whether the run is one of the linear models: nothing optional, and nothing but the pilot's force at work."""
-    others = (scenario.trim_rad, scenario.dynamic_pressure_pa, scenario.shaker, scenario.feel_changes or None)
+    others = (
+        scenario.trim_rad,
+        scenario.dynamic_pressure_pa,
+        scenario.shaker,
+        scenario.test_signal_v,
+        scenario.feel_changes or None,
+    )
     return not loader.given and not loader.curves and all(other is None for other in others)
 
 

@@ -16,7 +16,7 @@ pub struct Memory<S> {
     pub(super) base: S,
     /// State of the observer.
     pub(super) estimate: Estimate<S>,
-    /// What is added to every command on its way, in V.
+    /// What is added to every command on its way, in V, beside the inputs' test signal.
     pub(super) test_signal: S,
 }
 
@@ -46,7 +46,7 @@ impl<S: Scalar> Machine<S> {
             let normal = if shared.effects.noise { normal() } else { [now.force.zero(); SENSORS] };
             let sample = self.transducers.sample(state.seen.shown, normal);
             let e = self.sample(shared, timing, (state, memory), inputs, now, sample);
-            memory.under_way.send(steps / timing.period, e + memory.test_signal);
+            memory.under_way.send(steps / timing.period, e + memory.test_signal + e.constant(inputs.test_signal[0]));
         }
         if steps >= timing.delay && (steps - timing.delay).is_multiple_of(timing.period) {
             state.held = memory.under_way.arriving((steps - timing.delay) / timing.period);

@@ -3,7 +3,7 @@
 //! A period is a function of these numbers, of the pilot's force and of a test signal on the command, so dual numbers give the
 //! matrices of the sampled loop, its delay and its sensors' lags included, from the very step that runs it.
 
-use super::{Inputs, Machine, Memory, Rest, Shared, State};
+use super::{Begun, Inputs, Machine, Memory, Now, Rest, Shared, State};
 use crate::Scalar;
 use crate::controller::{MOST_UNDER_WAY, Timing};
 use crate::machine::slow::Slow;
@@ -40,15 +40,10 @@ impl<S: Scalar> Period<'_, S> {
     /// The state a period later, under a constant pilot force in N and with a test signal in V on the command.
     pub fn next(&self, numbers: &[S; PERIOD_STATES], force: S, test_signal: S) -> [S; PERIOD_STATES] {
         let zero = force.zero();
-        let inputs =
-            Inputs { force: [0.0; 2], trim: [0.0; 2], stiffness_factor: [1.0; 2], shaker: [0.0; 2], fade: [0.0; 2] };
-        let (mut state, mut memory) = self.put(numbers);
-        (state.hand, state.pilot_force) = (force, force);
-        memory.test_signal = test_signal;
+        let (mut state, mut memory) = self.put(numbers, force, test_signal);
         for _ in 0..self.timing.period {
-            let none = || [zero; SENSORS];
-            let begun = self.machine.begin(self.shared, &mut state, &mut memory, &inputs, none);
-            self.machine.advance(self.shared, &mut state, &inputs, &begun);
+            let begun = self.begin(&mut state, &mut memory);
+            self.machine.advance(self.shared, &mut state, &Inputs::NONE, &begun);
         }
         if !self.shared.effects.observer {
             // Nothing moves it and nothing asks for it.
@@ -57,7 +52,18 @@ impl<S: Scalar> Period<'_, S> {
         Self::read(&state, &memory)
     }
 
-    fn put(&self, numbers: &[S; PERIOD_STATES]) -> (State<S>, Memory<S>) {
+    /// What there is at the start of the period, its command on the way.
+    pub fn now(&self, numbers: &[S; PERIOD_STATES], force: S, test_signal: S) -> Now<S> {
+        let (mut state, mut memory) = self.put(numbers, force, test_signal);
+        self.begin(&mut state, &mut memory).now
+    }
+
+    fn begin(&self, state: &mut State<S>, memory: &mut Memory<S>) -> Begun<S> {
+        let none = [memory.test_signal.zero(); SENSORS];
+        self.machine.begin(self.shared, state, memory, &Inputs::NONE, || none)
+    }
+
+    fn put(&self, numbers: &[S; PERIOD_STATES], force: S, test_signal: S) -> (State<S>, Memory<S>) {
         let zero = numbers[0].zero();
         let mut next = 0;
         let mut take = || {
@@ -80,6 +86,8 @@ impl<S: Scalar> Period<'_, S> {
             *entry = take();
         }
         state.steps = MOST_UNDER_WAY * self.timing.period;
+        (state.hand, state.pilot_force) = (force, force);
+        memory.test_signal = test_signal;
         (state, memory)
     }
 

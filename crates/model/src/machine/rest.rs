@@ -4,7 +4,10 @@
 //!
 //! Given `theta` and `delta`, everything at rest follows in turn: the feel's spring gives the load cell's force, that gives the
 //! stretch of the link and so the piston, and the law the command. `delta` is where the flow that the command asks for is the
-//! one that is lost; for a given pilot force, `theta` is where that force holds the column.
+//! one that is lost; for a given pilot force, `theta` is where that force holds the column. A feel computer that is deaf stays at
+//! neutral; then it is `p` at which the flows agree.
+//!
+//! Roots are halved in to rounding by value; their slopes, for numbers that have one, follow from those of the residual.
 
 use super::{Machine, Shared, State};
 use crate::Scalar;
@@ -42,10 +45,24 @@ impl<S: Scalar> Machine<S> {
     pub fn held_at(&self, shared: &Shared, theta: S, trim: S, stiffness_factor: S) -> Rest<S> {
         let x_b = theta / self.per_base;
         let neutral = trim * self.feel.per_angle;
-        let centre = theta * self.feel.per_angle;
-        let reach = self.feel.per_angle.times(SEARCH_RAD);
-        bisect((centre - reach, centre + reach), |delta| {
-            self.rest(shared, x_b, delta, &Surroundings::at_rest(neutral, stiffness_factor, delta))
+        let deaf = self.is_deaf();
+        let (centre, reach) = if self.drifts() {
+            (x_b.zero(), x_b.zero())
+        } else if deaf {
+            // The link stretches by no more than the travel that is looked at.
+            let travel = self.balance.ratio / self.per_base * (theta.abs() + theta.constant(SEARCH_RAD));
+            (x_b.zero(), travel / self.balance.per_stiffness * self.per_area)
+        } else {
+            (theta * self.feel.per_angle, self.feel.per_angle.times(SEARCH_RAD))
+        };
+        bisect((centre - reach, centre + reach), |x| {
+            // A feel computer that is deaf stays at neutral, and it is the pressure that is looked for.
+            let (delta, oil) = if deaf {
+                (neutral, (x, self.balance.stretch_at_rest(x)))
+            } else {
+                (x, self.heard(shared, x_b, x, &Surroundings::at_rest(neutral, stiffness_factor, x)))
+            };
+            self.standing(shared, [x_b, delta, neutral], oil)
         })
     }
 
@@ -59,16 +76,36 @@ impl<S: Scalar> Machine<S> {
         })
     }
 
-    /// What holds at rest for a column at `x_b` and a programmed displacement `delta`, and the flow that is then left over.
+    /// Whether the feel computer hears nothing of the load cell, as in a servo on its own.
     #[inline(always)]
-    fn rest(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, Rest<S>) {
+    fn is_deaf(&self) -> bool {
+        let arm = self.law.load_cell_arm;
+        !S::any(arm.zero().less(arm.abs()))
+    }
+
+    /// Whether nothing brings the piston back: the amplifier is open.
+    #[inline(always)]
+    pub fn drifts(&self) -> bool {
+        let follows = self.law.gains[0];
+        self.is_deaf() && !S::any(follows.zero().less(follows.abs()))
+    }
+
+    /// Load pressure at which the feel computer hears what its spring asks for at a programmed displacement, and the link's stretch.
+    #[inline(always)]
+    fn heard(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, S) {
         let effects = &shared.effects;
-        let zero = delta.zero();
         // S(delta) = T                                                                            eq. (11) at rest
         let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around)
-            + self.feel.resistance(effects, around.start, delta, zero);
-        let (p, stretch) =
-            if effects.observer { self.observed_rest(x_b, delta, spring) } else { self.heard_rest(spring) };
+            + self.feel.resistance(effects, around.start, delta, delta.zero());
+        if effects.observer { self.observed_rest(x_b, delta, spring) } else { self.heard_rest(spring) }
+    }
+
+    /// What holds at rest for a base, a programmed displacement and its neutral, and a load pressure with the link's stretch, and the flow
+    /// that is then left over.
+    #[inline(always)]
+    fn standing(&self, shared: &Shared, [x_b, delta, neutral]: [S; 3], (p, stretch): (S, S)) -> (S, Rest<S>) {
+        let effects = &shared.effects;
+        let zero = delta.zero();
         let x_p = self.balance.ratio * x_b + stretch;
         // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
         let pull = self.column.per_link_force * self.balance.area * p + self.column.loads(effects, x_b, x_b, zero);
@@ -82,10 +119,7 @@ impl<S: Scalar> Machine<S> {
         };
         let flow = self.valve.flow_per_current * self.valve.current(effects, e);
         let left_over = flow - self.balance.leakage(effects, p);
-        (
-            left_over,
-            Rest { base: x_b, piston: x_p, delta, neutral: around.neutral, pressure: p, command: e, pilot_force },
-        )
+        (left_over, Rest { base: x_b, piston: x_p, delta, neutral, pressure: p, command: e, pilot_force })
     }
 
     /// Load pressure at which the load cell is heard as the torque `T`, `T = -r (F_c + F_0)`, and the link's stretch.
@@ -151,19 +185,51 @@ impl<S: Scalar> Machine<S> {
 /// Angle to either side within which a state of rest is looked for.
 const SEARCH_RAD: f64 = 1.5;
 
-/// The end of an interval between whose ends a residual changes sign, halved until the interval is below rounding.
+/// The end of an interval between whose ends a residual changes sign, halved until the interval is below rounding; with the slope of
+/// the root, for numbers that have one. The residual is worked out in one place, as it is compiled into every vector's loop.
 #[inline(always)]
 fn bisect<S: Scalar>((low, high): (S, S), residual: impl Fn(S) -> (S, Rest<S>)) -> Rest<S> {
     let (mut low, mut high) = (low, high);
-    let at_low = residual(low).0;
-    for _ in 0..60 {
-        let middle = (low + high).times(0.5);
-        let found = residual(middle).0;
-        let (zero, same) = (low.zero(), low.zero().less(found * at_low));
-        // An exact root is kept from below, so that a symmetric loader rests at zero.
-        let exact = !zero.less(found.abs());
-        low = S::select(same | exact, middle, low);
-        high = S::select(same, high, middle);
+    let zero = low.zero();
+    let (mut at_low, mut still, mut change, mut rest) = (zero, zero, zero, Rest::neutral(zero));
+    for turn in 0..=LAST {
+        if !S::HAS_SLOPE && (STILL..LAST).contains(&turn) {
+            continue;
+        }
+        let x = match turn {
+            0 => low,
+            1..=HALVINGS => (low + high).times(0.5),
+            STILL => high.still(),
+            MOVING => high.moving(),
+            _ => high,
+        };
+        let (found, at) = residual(x);
+        match turn {
+            0 => at_low = found,
+            1..=HALVINGS => {
+                let same = zero.less(found * at_low);
+                // An exact root is kept from below, so that a symmetric loader rests at zero.
+                let exact = !zero.less(found.abs());
+                low = S::select(same | exact, x, low);
+                high = S::select(same, high, x);
+            }
+            STILL => still = found,
+            MOVING => {
+                change = found - still;
+                high = high.still().root(still, change);
+            }
+            // What the change was short of digits, where the root moves by very different amounts with one thing and another.
+            AGAIN => high = high.root(found, change),
+            _ => rest = at,
+        }
     }
-    residual(high).1
+    rest
 }
+
+/// Halvings of an interval.
+const HALVINGS: usize = 60;
+/// After them, the residual's slopes: with a root that stands still, with one that moves, and with the root's own; then the rest.
+const STILL: usize = HALVINGS + 1;
+const MOVING: usize = HALVINGS + 2;
+const AGAIN: usize = HALVINGS + 3;
+const LAST: usize = HALVINGS + 4;

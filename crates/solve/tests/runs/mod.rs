@@ -46,7 +46,7 @@ pub fn drawn(runs: usize, spread: f64) -> Vec<[f64; COUNT]> {
 
 /// Inputs of a step under this force and nothing else.
 pub fn pushed(force: [f64; 2]) -> Inputs {
-    Inputs { force, trim: [0.0; 2], stiffness_factor: [1.0; 2], shaker: [0.0; 2], fade: [0.0; 2] }
+    Inputs { force, ..Inputs::NONE }
 }
 
 /// A push and a pull, the neutral trimmed, the spring stiffened and the shaker on.
@@ -69,7 +69,7 @@ pub fn steps(count: u32, h: f64) -> Vec<Inputs> {
             trim: [trim, next.0],
             stiffness_factor: [factor, next.1],
             shaker: [shaker, next.2],
-            fade: [0.0; 2],
+            ..Inputs::NONE
         }
     };
     (0..count).map(one).collect()
