@@ -23,7 +23,44 @@ from forcefeel.cli.envelope_options import (
     EnvelopeRule,
     EnvelopeThreads,
 )
+from forcefeel.cli.excite_options import (
+    ExciteCurrent,
+    ExciteDrive,
+    ExciteExperiment,
+    ExciteFit,
+    ExciteForce,
+    ExciteFrom,
+    ExciteKind,
+    ExciteKindOption,
+    ExciteLaw,
+    ExciteMeasure,
+    ExciteNoise,
+    ExciteOut,
+    ExciteRate,
+    ExciteTime,
+    ExciteTo,
+    ExciteTravel,
+)
 from forcefeel.cli.frontier_options import FrontierCompensator, FrontierGrid
+from forcefeel.cli.identify_options import (
+    AsResponses,
+    BenchColumn,
+    BenchExperiment,
+    BenchFile,
+    BenchFiles,
+    BenchFrom,
+    BenchHold,
+    BenchTo,
+    BenchUnit,
+    IdentifyFit,
+    IdentifyLaw,
+    IdentifyLoss,
+    IdentifyLossOption,
+    IdentifyStarts,
+    NoPriors,
+    ResonanceBand,
+    ResonanceChannel,
+)
 from forcefeel.cli.options import (
     R1,
     R2,
@@ -340,6 +377,111 @@ def qualify(
         rule, axis, throw, overdamped, dynamic_pressure, reference, record, compensator, compare, set_, out, pdf
     )
     qualify_command.run_qualify(loader, chosen, units, as_json=json)
+
+
+@app.command(
+    epilog="Example: `forcefeel identify my.toml --data closed.csv --data release.mat --fit k,c,J,C_i --out identified`"
+)
+def identify(
+    data: BenchFiles,
+    fit: IdentifyFit,
+    loader: LoaderFile = None,
+    experiment: BenchExperiment = None,
+    from_: BenchFrom = None,
+    to: BenchTo = None,
+    column: BenchColumn = None,
+    unit: BenchUnit = None,
+    hold: BenchHold = None,
+    starts: IdentifyStarts = 5,
+    loss: IdentifyLossOption = IdentifyLoss.HUBER,
+    no_priors: NoPriors = False,
+    responses: AsResponses = False,
+    compensator: IdentifyLaw = None,
+    set_: Changes = None,
+    out: Annotated[
+        Path, typer.Option("--out", help="Folder for the new loader.toml, identification.html and results.json.")
+    ] = Path("forcefeel-identified"),
+    replace: Annotated[
+        bool, typer.Option("--replace", help="Replace an identification that is in the folder.")
+    ] = False,
+    units: Units = UnitSystem.US,
+    json: Json = False,
+) -> None:
+    """Find parameters of a loader from what was measured on the bench, with how sure they are.
+
+    LOADER is never changed. Exit status 1 if the data do not determine a parameter: then no loader file is written, and the page
+    says what cannot be told apart and which experiment would.
+    """
+    from forcefeel.cli import bench_data, identify_command  # noqa: PLC0415
+
+    bench = bench_data.BenchData(data, experiment, from_, to, column, unit, hold)
+    chosen = identify_command.IdentifyOptions(
+        bench, fit, starts, loss, no_priors, responses, compensator, set_, out, replace
+    )
+    identify_command.run_identify(loader, chosen, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel resonance my.toml --data closed.csv --band '8..16 Hz'`")
+def resonance(
+    data: BenchFile,
+    loader: LoaderFile = None,
+    band: ResonanceBand = None,
+    channel: ResonanceChannel = None,
+    experiment: BenchExperiment = None,
+    from_: BenchFrom = None,
+    to: BenchTo = None,
+    column: BenchColumn = None,
+    unit: BenchUnit = None,
+    hold: BenchHold = None,
+    set_: Changes = None,
+    units: Units = UnitSystem.US,
+    json: Json = False,
+) -> None:
+    """Read a resonance off a measured response, and the link's k and c from it, as the 1974 report did.
+
+    Exit status 1 if no resonance can be read.
+    """
+    from forcefeel.cli import bench_data, resonance_command  # noqa: PLC0415
+
+    bench = bench_data.BenchData([data], experiment, from_, to, column, unit, hold)
+    resonance_command.run_resonance(loader, bench, channel, band, set_, units, as_json=json)
+
+
+@app.command(epilog="Example: `forcefeel excite elevator --fit k,c,J,C_i --time 60 --rate 1000 --out excite.csv`")
+def excite(
+    fit: ExciteFit,
+    loader: LoaderFile = None,
+    experiment: ExciteExperiment = "servo-closed",
+    measure: ExciteMeasure = None,
+    noise: ExciteNoise = None,
+    kind: ExciteKindOption = ExciteKind.MULTISINE,
+    time: ExciteTime = 60.0,
+    rate: ExciteRate = 1000.0,
+    from_: ExciteFrom = None,
+    to: ExciteTo = None,
+    limit_current: ExciteCurrent = None,
+    limit_travel: ExciteTravel = None,
+    limit_force: ExciteForce = None,
+    limit_drive: ExciteDrive = None,
+    compensator: ExciteLaw = None,
+    set_: Changes = None,
+    out: ExciteOut = Path("forcefeel-excite.csv"),
+    replace: Annotated[bool, typer.Option("--replace", help="Replace a file that is there.")] = False,
+    units: Units = UnitSystem.US,
+    json: Json = False,
+) -> None:
+    """Design the signal for the bench that determines chosen parameters best within the limits of the loader.
+
+    The file, with measured columns added, is what `forcefeel identify` reads. Exit status 1 if this experiment cannot tell the
+    parameters apart, and then nothing is written, or does not determine one.
+    """
+    from forcefeel.cli import excite_command  # noqa: PLC0415
+
+    limits = {"current": limit_current, "travel": limit_travel, "force": limit_force, "drive": limit_drive}
+    chosen = excite_command.ExciteOptions(
+        fit, experiment, measure, noise, kind, (time, rate), (from_, to), limits, compensator, set_, out, replace
+    )
+    excite_command.run_excite(loader, chosen, units, as_json=json)
 
 
 @app.command(epilog="Example: `forcefeel reproduce`")

@@ -3,7 +3,7 @@
 import csv
 import io
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -65,12 +65,35 @@ def read_csv(path: Path, wanted: Sequence[Column], example: str) -> Columns:
     Raises:
         InputError: With the file, the line, what is wrong, what was expected and the remedy.
     """
-    rows = _rows(path, _text(path, example), example)
+    rows = csv_rows(path, decode(path, read_bytes(path, example)), example)
+    header, line = csv_header(path, rows, example)
+    return csv_columns(path, rows, header, line, find_columns(header, wanted, f"{path}: line {line}", example))
+
+
+def csv_header(path: Path, rows: Iterator[tuple[int, list[str]]], example: str) -> tuple[list[str], int]:
+    """The cells of the first of the rows, and its line.
+
+    Raises:
+        InputError: If there is none.
+    """
     line, header = next(rows, (1, []))
     if not header:
         raise InputError(f"{path}: line 1: is empty; expected a header such as {example!r} and rows of numbers")
-    header = [" ".join(cell.split()) for cell in header]
-    found = find_columns(header, wanted, f"{path}: line {line}", example)
+    return [" ".join(cell.split()) for cell in header], line
+
+
+def csv_columns(
+    path: Path,
+    rows: Iterator[tuple[int, list[str]]],
+    header: Sequence[str],
+    line: int,
+    found: Mapping[str, tuple[int, str, float]],
+) -> Columns:
+    """The numbers of the columns that were found, from the rows below the header on ``line``.
+
+    Raises:
+        InputError: If a row has another length than the header or something that is no finite number.
+    """
     lines, numbers = [line], []
     for at, row in rows:
         if len(row) != len(header):
@@ -126,13 +149,25 @@ def find_columns(
     return {name: place for name, place in found.items() if place}
 
 
-def _text(path: Path, example: str) -> str:
-    """What is in the file; a byte order mark, which some editors write, is no part of the text."""
+def read_bytes(path: Path, example: str) -> bytes:
+    """What is in the file.
+
+    Raises:
+        InputError: If it cannot be read; ``example`` is a good header, for the message.
+    """
     try:
-        data = path.read_bytes()
+        return path.read_bytes()
     except (OSError, ValueError) as error:  # a name with a zero byte is a ValueError
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{path}: cannot be read ({reason}); expected a CSV file such as {example!r}") from error
+
+
+def decode(path: Path, data: bytes) -> str:
+    """The text of a file; a byte order mark, which some editors write, is no part of it.
+
+    Raises:
+        InputError: If it is not UTF-8.
+    """
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -142,8 +177,12 @@ def _text(path: Path, example: str) -> str:
         ) from error
 
 
-def _rows(path: Path, text: str, example: str) -> Iterator[tuple[int, list[str]]]:
-    """The rows that are not empty, each with the line it ends on."""
+def csv_rows(path: Path, text: str, example: str) -> Iterator[tuple[int, list[str]]]:
+    """The rows that are not empty, each with the line it ends on.
+
+    Raises:
+        InputError: If the text is no CSV.
+    """
     reader = csv.reader(io.StringIO(text, newline=None), strict=True)
     try:
         yield from ((reader.line_num, row) for row in reader if row)

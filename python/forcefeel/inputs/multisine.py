@@ -20,10 +20,11 @@ _CLIP_AT = (0.75, 0.95)  # of the peak, first and last: deep cuts to leave a poo
 
 @dataclass(frozen=True)
 class Multisine:
-    """A sum of equal cosines on chosen lines: ``F(t) = A sum_i cos(2 pi f_i t + phi_i)``, periodic from the start.
+    """A sum of cosines on chosen lines: ``F(t) = A sum_i w_i cos(2 pi f_i t + phi_i)``, periodic from the start.
 
-    Without a seed the phases are Schroeder's, ``phi_i = -pi i (i - 1) / N`` for the i-th of N lines: low peaks where the
-    lines are evenly spaced. With a seed, random phases are improved by clipping the signal and keeping the phases of
+    The weights w_i are all 1 if not given. Without a seed the phases are Schroeder's, ``phi_i = -2 pi sum_{j<i} (i - j) p_j`` with
+    the shares ``p_j = w_j^2 / sum w^2`` of the power, ``-pi i (i - 1) / N`` for N equal lines: low peaks where the lines are
+    evenly spaced. With a seed, random phases are improved by clipping the signal and keeping the phases of
     what is left, over and over: lower peaks, also where the lines are spread. A is such that the greatest ``|F|`` over
     the period, anywhere and not only at the steps, is ``force_n``.
 
@@ -32,6 +33,7 @@ class Multisine:
         lines_hz: Frequencies f_i, Hz, above 0, rising, each a whole multiple of ``1 / duration_s``.
         duration_s: Period, s, above 0.
         seed: Seed of the random phases, 0 or more; ``None`` for Schroeder's phases.
+        weights: Relative amplitude w_i of each line, above 0; ``None`` for equal lines.
 
     Raises:
         InputError: When built, if a number is not so, or the highest line has more than 100000 cycles in a period.
@@ -45,6 +47,7 @@ class Multisine:
     lines_hz: tuple[float, ...]
     duration_s: float
     seed: int | None = None
+    weights: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         check_number("Multisine", "force_n", self.force_n, "finite number")
@@ -53,16 +56,28 @@ class Multisine:
             raise InputError(
                 f"Multisine: expected seed to be a whole number of 0 or more, or None, got {show(self.seed)}"
             )
-        try:
-            object.__setattr__(self, "lines_hz", tuple(self.lines_hz))
-        except TypeError as error:
-            raise InputError(
-                f"Multisine: expected lines_hz to be a row of numbers, got {show(self.lines_hz)}"
-            ) from error
+        self._freeze("lines_hz")
         if not self.lines_hz:
             raise InputError("Multisine: expected one line at least in lines_hz, got none")
         for i, line in enumerate(self.lines_hz):
             self._check_line(i, line)
+        if self.weights is not None:
+            self._freeze("weights")
+            self._check_weights(self.weights)
+
+    def _freeze(self, name: str) -> None:
+        try:
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        except TypeError as error:
+            came = show(getattr(self, name))
+            raise InputError(f"Multisine: expected {name} to be a row of numbers, got {came}") from error
+
+    def _check_weights(self, weights: tuple[float, ...]) -> None:
+        if len(weights) != len(self.lines_hz):
+            came = f"{len(weights)} weights for {len(self.lines_hz)} lines"
+            raise InputError(f"Multisine: expected as many weights as lines, got {came}")
+        for i, weight in enumerate(weights):
+            check_number("Multisine", f"weights[{i}]", weight, "number above 0")
 
     def _check_line(self, i: int, line: float) -> None:
         name = f"lines_hz[{i}]"
@@ -88,13 +103,16 @@ class Multisine:
         """The phases phi_i, rad."""
         count = len(self.lines_hz)
         if self.seed is None:
-            i = np.arange(1, count + 1)
-            return -np.pi * i * (i - 1) / count
+            i, weights = np.arange(1, count + 1), self._weights
+            if self.weights is None:
+                return -np.pi * i * (i - 1) / count
+            below = np.cumsum(weights**2) / np.sum(weights**2)
+            return -2 * np.pi * (np.cumsum(below) - below)
         return self._clipped(np.random.default_rng(self.seed).uniform(-np.pi, np.pi, count))
 
     @cached_property
     def amplitude_n(self) -> float:
-        """The amplitude A of each line, N."""
+        """The amplitude A of a line of weight 1, N."""
         return float(self.force_n / self._peak())
 
     def sample(self, time_s: float, step_s: float) -> Sampled:
@@ -112,17 +130,22 @@ class Multisine:
         """Cycles of each line in a period."""
         return np.rint(np.array(self.lines_hz) * self.duration_s).astype(np.int64)
 
+    @property
+    def _weights(self) -> NDArray[np.float64]:
+        """The weight of each line."""
+        return np.ones(len(self.lines_hz)) if self.weights is None else np.array(self.weights, dtype=np.float64)
+
     def _sum(self, periods: NDArray[np.float64]) -> NDArray[np.float64]:
         """The sum of the cosines; line by line, because lines times steps may not fit in memory."""
         total = np.zeros_like(periods)
-        for harmonic, phase in zip(self._harmonics, self.phases_rad, strict=True):
-            total += np.cos(2 * np.pi * harmonic * periods + phase)
+        for harmonic, phase, weight in zip(self._harmonics, self.phases_rad, self._weights, strict=True):
+            total += weight * np.cos(2 * np.pi * harmonic * periods + phase)
         return total
 
     def _wave(self, phases: NDArray[np.float64], points: int) -> NDArray[np.float64]:
         """One period of the sum of the cosines at evenly spaced points."""
         spectrum = np.zeros(points // 2 + 1, dtype=np.complex128)
-        spectrum[self._harmonics] = points / 2 * np.exp(1j * phases)
+        spectrum[self._harmonics] = points / 2 * self._weights * np.exp(1j * phases)
         return np.fft.irfft(spectrum, points)
 
     def _clipped(self, phases: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -149,9 +172,9 @@ class Multisine:
 
     def _top(self, i: int, points: int) -> float:
         """The greatest height within half a point of point ``i``."""
-        turn, phases = 2 * np.pi * self._harmonics, self.phases_rad
+        turn, phases, weights = 2 * np.pi * self._harmonics, self.phases_rad, self._weights
         found = minimize_scalar(
-            lambda t: -abs(float(np.cos(turn * t + phases).sum())),
+            lambda t: -abs(float(weights @ np.cos(turn * t + phases))),
             bounds=((i - 0.5) / points, (i + 0.5) / points),
             method="bounded",
             options={"xatol": 1e-4 / points},  # the height is then right to (1e-4 pi / 64)^2 / 2, 1e-11

@@ -1,0 +1,162 @@
+"""What ``forcefeel excite`` does."""
+
+import json
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, get_args
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.scenario_options import Law
+from forcefeel.cli.scenario_text import assignments
+from forcefeel.designs.setting_laws import own_law
+from forcefeel.errors import InputError
+from forcefeel.excitation import Excitation, ExcitationPlan, NotSeparableError, excite, write_excitation
+from forcefeel.excitation.bench_file import check_excitation_file
+from forcefeel.excitation.limits import KINDS
+from forcefeel.excitation.plain import plain_excitation
+from forcefeel.excitation.plan import Kind
+from forcefeel.identification.channels import CHANNELS, channel
+from forcefeel.identification.experiments import Drive, Experiment
+from forcefeel.identification.shown import percent
+from forcefeel.loader import Loader, open_loader
+from forcefeel.parameters import TABLE, with_unit
+from forcefeel.units import UnitSystem, parse
+
+if TYPE_CHECKING:
+    from forcefeel.identification.linear import Law as FixedLaw
+
+_EXAMPLES = {"current": "12 mA", "travel": "8 deg", "force": "1500 lb"}
+_DRIVE_EXAMPLES = {Drive.TEST_SIGNAL: "5 V", Drive.PILOT_FORCE: "50 lb"}
+
+
+@dataclass(frozen=True)
+class ExciteOptions:
+    """The options as given; ``None`` is not given.
+
+    Attributes:
+        limits: By name, as text.
+    """
+
+    fit: str
+    experiment: str
+    measure: str | None
+    noise: list[str] | None
+    kind: str
+    span: tuple[float, float]
+    band: tuple[float | None, float | None]
+    limits: dict[str, str | None]
+    law: Law | None
+    changes: list[str] | None
+    out: Path
+    replace: bool
+
+    def loader(self, path: Path | None) -> Loader:
+        """The loader with ``--set``."""
+        changes = assignments("--set", tuple(self.changes or ()))
+        loader = open_loader(path)
+        return loader.replace(changes) if changes else loader
+
+    def fixed_law(self, loader: Loader) -> "FixedLaw":
+        """The law of the whole loader; ``None`` is the original one.
+
+        Raises:
+            InputError: If it cannot be designed.
+        """
+        return None if self.law is None or self.law is Law.ORIGINAL else own_law(self.law, loader)
+
+    def plan(self, drive: Drive) -> ExcitationPlan:
+        """What is wanted, SI units.
+
+        Raises:
+            InputError: If an option is bad.
+        """
+        known = ExcitationPlan()
+        share, noise = _noise(self.noise or [])
+        measured = known.measured if self.measure is None else tuple(map(channel, self.measure.split(",")))
+        kind: Kind = next(it for it in get_args(Kind) if it == self.kind)
+        return ExcitationPlan(
+            kind,
+            *self.span,
+            *self.band,
+            measured,
+            known.noise_share if share is None else share,
+            noise,
+            {name: _limit(name, given, drive) for name, given in self.limits.items() if given is not None},
+        )
+
+
+def run_excite(path: Path | None, options: ExciteOptions, units: UnitSystem, *, as_json: bool) -> None:
+    """Designs an excitation and writes it for the bench."""
+    check_excitation_file(options.out, replace=options.replace)  # before the work, not after it
+    experiment = Experiment.read(options.experiment)
+    loader = options.loader(path)
+    try:
+        found = excite(loader, options.fit, experiment, options.plan(experiment.drive), options.fixed_law(loader))
+    except NotSeparableError as error:
+        print(f"forcefeel: {error}", file=sys.stderr)
+        raise typer.Exit(1) from None
+    write_excitation(found, options.out, units, replace=options.replace)
+    if as_json:
+        print(json.dumps({"file": str(options.out), **plain_excitation(found, units)}, indent=2, allow_nan=False))
+    else:
+        _show(Console(), found, units)
+        print(f"file: {options.out}")
+    if found.vague:
+        raise typer.Exit(1)
+
+
+def _noise(given: list[str]) -> tuple[float | None, dict[str, float]]:
+    """The share of all channels, if it is given, and the noise of single ones, SI units."""
+    share, single = None, {}
+    for text in given:
+        name, equals, value = text.rpartition("=")
+        if not equals:
+            if share is not None:
+                raise InputError(f"--noise: expected one share for all channels, got another, {text!r}; leave one out")
+            share = _parsed("--noise", text, "", "1 %")
+        else:
+            single[channel(name)] = _parsed("--noise", value, CHANNELS[channel(name)], "0.01 deg")
+    return share, single
+
+
+def _limit(name: str, given: str, drive: Drive) -> float:
+    channel = KINDS.get(name, str(drive))
+    return _parsed(f"--limit-{name}", given, CHANNELS[channel], _EXAMPLES.get(name, _DRIVE_EXAMPLES.get(drive, "")))
+
+
+def _parsed(option: str, given: str, unit_si: str, example: str) -> float:
+    try:
+        return parse(given.strip(), unit_si, example)
+    except InputError as error:
+        raise InputError(f"{option}: {error}") from error
+
+
+def _show(console: Console, found: Excitation, units: UnitSystem) -> None:
+    parameters = Table("parameter", title="Predicted standard errors", title_justify="left", title_style="bold")
+    for name in ("symbol", "value", "standard error"):
+        parameters.add_column(name, justify="right")
+    for key, error in found.standard_errors.items():
+        parameters.add_row(key, TABLE[key].symbol, with_unit(TABLE[key], found.loader[key], units, 4), percent(error))
+    limits = Table("limit", title="Peaks on the loader", title_justify="left", title_style="bold")
+    for name in ("peak", "limit", "used"):
+        limits.add_column(name, justify="right")
+    limits.add_column("where from")
+    for use in found.uses:
+        limit = use.limit
+        limits.add_row(
+            limit.channel.replace("_", " "),
+            limit.shown(use.peak, units),
+            limit.shown(limit.value, units),
+            f"{use.share:.0%}",
+            limit.reason,
+        )
+    console.print(f"{found.experiment}: {found.words}", highlight=False)
+    console.print(parameters)
+    console.print(limits)
+    console.print(found.verdict, style="bold red" if found.vague else "bold", highlight=False)
+    for finding in found.findings(units):
+        console.print(f"- {finding}", highlight=False)

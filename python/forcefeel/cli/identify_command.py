@@ -1,0 +1,179 @@
+"""What ``forcefeel identify`` does."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.bench_data import BenchData
+from forcefeel.cli.identify_options import IdentifyLoss
+from forcefeel.cli.progress import all_or_nothing
+from forcefeel.cli.scenario_options import Law
+from forcefeel.cli.scenario_text import assignments
+from forcefeel.designs.setting_laws import own_law
+from forcefeel.errors import InputError
+from forcefeel.identification.bench_records import BenchRecord
+from forcefeel.identification.experiments import Loop
+from forcefeel.identification.findings import identification_conclusions
+from forcefeel.identification.fit import identify
+from forcefeel.identification.plain import FitSettings, plain_identification
+from forcefeel.identification.responses import Response
+from forcefeel.identification.result import Estimate, Identification, Status, data_of
+from forcefeel.identification.shown import error, estimated, interval, nominal, relative_error, rounded, unit_of
+from forcefeel.loader import BUILT_IN, Loader, open_loader
+from forcefeel.units import UnitSystem
+
+if TYPE_CHECKING:
+    from forcefeel.identification.linear import Law as FixedLaw
+
+_NONE = "-"
+_DATA = Sequence[Response | BenchRecord]
+
+
+@dataclass(frozen=True)
+class IdentifyOptions:
+    """The options as given; ``None`` is not given."""
+
+    data: BenchData
+    fit: str
+    starts: int
+    loss: IdentifyLoss
+    no_priors: bool
+    as_responses: bool
+    law: Law | None
+    changes: list[str] | None
+    out: Path
+    replace: bool
+
+    @property
+    def settings(self) -> FitSettings:
+        """How the fit is to be made."""
+        law = str(self.law or Law.ORIGINAL)
+        return FitSettings(str(self.loss), self.starts, not self.no_priors, self.as_responses, law)
+
+    def loader(self, path: Path | None) -> Loader:
+        """The loader with ``--set``."""
+        changes = assignments("--set", tuple(self.changes or ()))
+        loader = open_loader(path)
+        return loader.replace(changes) if changes else loader
+
+    def fixed_law(self, loader: Loader, data: _DATA) -> "FixedLaw":
+        """The law of the whole loader in the data; ``None`` is the original one.
+
+        Raises:
+            InputError: If it is of no use to these data or cannot be designed.
+        """
+        if self.law is None or self.law is Law.ORIGINAL:
+            return None
+        if all(one.experiment.loop is not Loop.LOADER for one in data):
+            raise InputError(
+                "--compensator: is the law of the whole loader, and all data are of the servo alone; leave it out"
+            )
+        try:
+            return own_law(self.law, loader)
+        except InputError as problem:
+            text = str(problem)
+            raise InputError(f"--{text}" if text.startswith("compensator:") else f"--compensator: {text}") from problem
+
+
+def run_identify(path: Path | None, options: IdentifyOptions, units: UnitSystem, *, as_json: bool) -> None:
+    """Identifies a loader and writes the folder."""
+    from forcefeel.report.identification_folder import (  # noqa: PLC0415  Plotly
+        LOADER,
+        check_identification_folder,
+        write_identification,
+    )
+
+    inputs = [*_loader_file(path), *options.data.files]
+    check_identification_folder(options.out, inputs, replace=options.replace)  # before the work, not after it
+    loader, data = options.loader(path), options.data.read()
+    law = options.fixed_law(loader, data)
+    settings = options.settings
+    with all_or_nothing(silent=as_json) as bar:
+        bar.describe("identify")
+        found = identify(
+            loader,
+            data,
+            options.fit,
+            law=law,
+            starts=settings.starts,
+            loss=options.loss.value,
+            priors=settings.priors,
+            as_responses=settings.as_responses,
+            progress=bar.show,
+        )
+        bar.describe("report")
+        page = write_identification(
+            found,
+            options.out,
+            units,
+            settings,
+            estimated=_estimated(found, data),
+            inputs=inputs,
+            replace=options.replace,
+        )
+    written = None if found.loader is None else options.out / LOADER
+    if as_json:
+        paths = {"page": str(page), "loader_file": written and str(written)}
+        print(json.dumps({**paths, **plain_identification(found, units, settings)}, indent=2, allow_nan=False))
+    else:
+        _show(Console(), found, units)
+        print(f"page: {page}")
+        if written:
+            print(f"loader: {written}")
+    if not found.determined:
+        raise typer.Exit(1)
+
+
+def _percent(share: float) -> str:
+    return rounded(100 * share, 2) if math.isfinite(share) else _NONE
+
+
+def _loader_file(path: Path | None) -> list[Path]:
+    """The loader file, where it is one and not a built-in loader."""
+    return [] if path is None or (str(path) in BUILT_IN and not path.exists()) else [path]
+
+
+def _estimated(found: Identification, given: _DATA) -> list[Response]:
+    """Responses that were not given but estimated from records."""
+    own = {id(one) for one in given}
+    return [one for one in data_of(found.fitted) if isinstance(one, Response) and id(one) not in own]
+
+
+def _show(console: Console, found: Identification, units: UnitSystem) -> None:
+    table = Table(
+        title=f"{found.before.name}, identified; error is the standard error", title_justify="left", title_style="bold"
+    )
+    table.add_column("parameter", no_wrap=True)
+    for name in ("file", "estimate", "unit", "error", "error, %", "95 % interval"):
+        table.add_column(name, justify="right")
+    table.add_column("status")
+    for one in found.estimates:
+        table.add_row(*_row(one, units))
+    console.print(table)
+    said = identification_conclusions(found, units)
+    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False, markup=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False, markup=False)
+
+
+def _row(one: Estimate, units: UnitSystem) -> tuple[str, ...]:
+    unknown = one.unknown
+    start = (f"{unknown.symbol} {unknown.key}", nominal(one, units))
+    if one.status is Status.UNDETERMINED:
+        return (*start, _NONE, unit_of(one, units), *[_NONE] * 3, str(one.status))
+    return (
+        *start,
+        estimated(one, one.value, units),
+        unit_of(one, units),
+        error(one, units),
+        _percent(relative_error(one)),
+        interval(one, units),
+        str(one.status),
+    )

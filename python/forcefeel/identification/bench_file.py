@@ -1,0 +1,50 @@
+"""Bench data of either kind from a file."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from forcefeel.errors import InputError
+from forcefeel.identification import record_file, response_file
+from forcefeel.identification.bench_records import BenchRecord, Hold
+from forcefeel.identification.experiments import Experiment
+from forcefeel.identification.header import heading
+from forcefeel.identification.responses import Response
+from forcefeel.identification.tables import open_table
+from forcefeel.units import show
+
+
+def read_bench_data(
+    path: str | Path,
+    *,
+    experiment: Experiment | str | None = None,
+    input: str | None = None,  # noqa: A002  the word for it
+    output: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    hold: Hold | None = None,
+) -> Response | BenchRecord:
+    """Reads a frequency response or a record: a response has a column ``frequency``, a record one ``time``.
+
+    Arguments are those of ``read_response`` and ``read_bench_record``. With a response ``columns`` and ``hold`` are refused, with
+    a record ``input`` and ``output``.
+
+    Raises:
+        InputError: As these two, and if the file has neither column or both.
+    """
+    table = open_table(path, response_file.EXAMPLE)
+    own = (columns or {}).get("time", "time")
+    names = {heading(cell, ("frequency", own)).name for cell in table.header}
+    is_response, is_record = "frequency" in names, "_".join(own.lower().split()) in names
+    if is_response == is_record:
+        has = "both a column 'frequency' and one 'time'" if is_record else "neither a column 'frequency' nor 'time'"
+        raise InputError(
+            f"{table.where}: has {has}; expected "
+            f"{response_file.EXAMPLE!r} or {record_file.EXAMPLE!r}, got {show(','.join(table.header))}"
+        )
+    strangers = {"columns": columns, "hold": hold} if is_response else {"input": input, "output": output}
+    if given := [name for name, value in strangers.items() if value]:
+        kind = "frequency response" if is_response else "record in time"
+        raise InputError(f"{table.path}: is a {kind}, to which {given[0]} does not apply; leave it out")
+    if is_response:
+        return response_file.response_of(table, experiment, (input, output), units or {})
+    return record_file.record_of(table, experiment, columns or {}, units or {}, hold)

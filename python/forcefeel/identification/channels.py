@@ -1,0 +1,28 @@
+"""What a bench measures: the channels, their SI units and how headers call them."""
+
+from types import MappingProxyType
+
+from forcefeel import _core
+from forcefeel.errors import InputError
+from forcefeel.units import show
+
+INPUTS = MappingProxyType({"test_signal": "V", "pilot_force": "N"})
+"""What drives the bench, and its SI unit: the test signal e_T at the amplifier, the pilot's force F_p at the grip."""
+
+OUTPUTS = MappingProxyType(dict(_core.channels()))
+"""What is measured of it, and its SI unit, in the order of the model's channels."""
+
+CHANNELS = MappingProxyType({**INPUTS, **OUTPUTS})
+"""All of them."""
+
+
+def channel(given: str) -> str:
+    """The channel that a header or an option calls ``given``: ``column angle`` is ``column_angle``.
+
+    Raises:
+        InputError: If there is none.
+    """
+    name = "_".join(given.strip().lower().split())
+    if name not in CHANNELS:
+        raise InputError(f"unknown channel {show(given)}; the channels are {', '.join(CHANNELS)}")
+    return name

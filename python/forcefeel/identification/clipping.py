@@ -1,0 +1,77 @@
+"""Whether a signal is cut off: it runs into its extreme value at speed and stands there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.qualification.records import found_resolution
+
+_CLIPPED = 3
+"""Samples at one extreme value, reached at speed, that are a clipped signal."""
+_AT_SPEED = 0.002
+"""Share of the range that a signal at speed covers in a step."""
+_SLOW = 2e-4
+"""The same of a slow signal that does not brake: ten steps earlier it is at most twice as fast. What comes to rest by friction
+brakes evenly, and ten steps earlier it is seven times as fast."""
+_EARLIER = 10
+"""Those steps."""
+_DELAY = 5
+"""Samples by which a signal follows its drive late at most: a digital controller's delay."""
+_SMOOTH = 6.0
+"""More steps of its resolution than a smooth signal takes in one sample before it stays at its top for three: at most 5 on a
+parabola, on which three neighbours lie within one. Standard deviations of its noise too."""
+_THIRD = 20.0
+"""Variance of the third difference of white noise of variance one: 1 + 9 + 9 + 1."""
+_NORMAL = 1.4826
+"""Standard deviation of what is normally spread, over the median of its size."""
+
+
+@dataclass(frozen=True)
+class Clipped:
+    """Samples from ``begin`` to before ``end`` that are cut off."""
+
+    begin: int
+    end: int
+
+
+def clipped(values: NDArray[np.float64], drive: NDArray[np.float64] | None = None) -> Clipped | None:
+    """The first stretch of a measured signal that is cut off; ``None`` if none is.
+
+    Three samples or more at the largest or the smallest value, reached at speed. A signal at rest, one that was recorded in
+    steps, and one that jumps with a drive that then keeps its value are not cut off.
+
+    Args:
+        values: The signal, (samples,).
+        drive: What drives it, (samples,), if that was recorded.
+    """
+    noise = (
+        _NORMAL * float(np.median(np.abs(np.diff(values, 3)))) / np.sqrt(_THIRD)
+    )  # the median passes over the corners
+    least = max(_SMOOTH * noise, _SMOOTH * found_resolution(values))
+    found = []
+    for extreme in (values.min(), values.max()):
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], (values == extreme).astype(np.int8), [0]))))
+        for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+            if end - begin >= _CLIPPED and _at_speed(values, begin, least) and not _follows(drive, begin, end):
+                found.append(Clipped(begin, end))
+    return min(found, key=lambda it: it.begin, default=None)
+
+
+def _at_speed(values: NDArray[np.float64], begin: int, least: float) -> bool:
+    """Whether a signal comes to sample ``begin`` at speed, by more than ``least`` a step."""
+    if begin < 2:
+        return False
+    steps = np.abs(np.diff(values[max(begin - 2 - _EARLIER, 0) : begin + 1]))
+    reach = float(np.ptp(values))
+    last = float(np.max(steps[-2:]))  # the last step before it is cut off too
+    brakes = len(steps) < _EARLIER + 2 or last < 0.5 * steps[0]
+    return last > max(least, (_AT_SPEED if brakes else _SLOW) * reach)
+
+
+def _follows(drive: NDArray[np.float64] | None, begin: int, end: int) -> bool:
+    """Whether the drive jumps where the signal does, or just before, and keeps its value for as long."""
+    if drive is None:
+        return False
+    jumps = bool(np.any(np.diff(drive[max(begin - _DELAY, 0) : begin + 1])))
+    return jumps and bool(np.all(drive[begin:end] == drive[begin]))

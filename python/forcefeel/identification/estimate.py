@@ -1,0 +1,171 @@
+"""Frequency responses from records in time."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.identification.bench_records import BenchRecord
+from forcefeel.identification.channels import channel
+from forcefeel.identification.periods import Periods, find_periods, settled
+from forcefeel.identification.response_checks import FEWEST_LINES, check_response
+from forcefeel.identification.responses import Response
+from forcefeel.identification.spectra import Signals, Spectra, by_hann, by_periods
+from forcefeel.identification.stated import drive_channel
+from forcefeel.units import show
+
+SEGMENTS = 8
+"""Segments that a record without periods is cut into, if nothing else is said."""
+
+_JITTER = 0.01
+"""Share of a step by which samples may come early or late."""
+_ON_SAMPLE = 1e-3
+"""Share of a sample by which a period that is given may miss a whole number of them."""
+_DRIVEN_PERIODIC = 1e-4
+"""Least power of a line as a share of the strongest: whole periods leak nothing, but noise and resolution are on every line."""
+_DRIVEN = 1e-3
+"""The same for Hann segments, whose first side lobe has 7e-4 of a strong line's power: what is below may be another line's."""
+_SHORTEST = 16
+"""Samples of a Hann segment at least."""
+_ROUNDING = float(np.finfo(np.float64).eps)
+"""Least ``1 - gamma^2`` that can be told from none."""
+_AT_ONCE = ("valve_current",)
+"""Channels that jump when the drive does: their samples follow the drive's samples, however it runs between them."""
+
+
+def estimate_response(
+    record: BenchRecord,
+    output: str,
+    *,
+    input: str | None = None,  # noqa: A002  the word for it
+    period_s: float | None = None,
+    segments: int | None = None,
+) -> Response:
+    """The frequency response between two channels of a record: ``G = S_uy / S_uu``, where the input has power.
+
+    A drive that repeats itself is cut into its periods, without those at the beginning in which the output still settles: nothing
+    leaks from line to line. Any other one is cut into Hann segments that overlap by half. Means are taken out of each.
+
+    Coherence is ``gamma^2 = |S_uy|^2 / (S_uu S_yy)``. The deviation of a line, of its gain as a share and of its phase in rad, is
+    ``sqrt((1 - gamma^2) / (2 (n - 1) gamma^2))``: of n averages the response takes one. n counts periods; of overlapping segments
+    it is fewer, see ``spectra.independent_averages``. With one average both are ``None``. The deviation is that by noise at the
+    output; noise at the input lowers the gain, and segments without periods leak where a response changes within a line.
+
+    Between samples the drive runs as ``record.hold`` says, and the response is that to this drive: its spectrum is that of its
+    samples times ``exp(-i pi f T) sinc(f T)`` for a staircase, ``sinc(f T)^2`` for straight lines. The valve's current jumps
+    with the drive, and a measured input is taken as it was sampled: no such factor for them.
+
+    Args:
+        record: The record; evenly sampled, to 1 % of a step.
+        output: Channel that the response leads to.
+        input: Channel it leads from; the one that drives the experiment if not given.
+        period_s: Period of the drive; found if not given.
+        segments: How many periods at the end of the record, or how many Hann segments; all of them, or ``SEGMENTS``, if not given.
+
+    Raises:
+        InputError: If a channel is missing, samples are uneven, the drive does not have that period, the record is too short,
+            or fewer than three lines are driven.
+
+    Source: J. S. Bendat and A. G. Piersol, Random Data, 4th ed. (2010), ch. 9; R. Pintelon and J. Schoukens, System
+    Identification, 2nd ed. (2012), ch. 2.
+    """
+    drive = drive_channel(record.experiment)
+    if drive is None:
+        raise InputError(f"{record.name}: a release has no drive; fit its record in time instead")
+    start, end = channel(input or drive), channel(output)
+    for name in (start, end):
+        if name not in record.channels:
+            raise InputError(f"{record.name}: has no channel {name}; it has {', '.join(record.channels)}")
+    if start == end:
+        raise InputError(f"{record.name}: expected two channels, got {start} twice")
+    if segments is not None and (not isinstance(segments, int) or segments < 1):
+        raise InputError(f"{record.name}: segments: expected a whole number above 0, got {show(segments)}")
+    step = _step(record)
+    u, y = record.channels[start], record.channels[end]
+    found = _periods(record, drive, step, period_s)
+    spectra = _spectra(record, (u, y), step, found, segments)
+    kept = spectra.uu >= (_DRIVEN if found is None else _DRIVEN_PERIODIC) * np.max(spectra.uu)
+    f = spectra.frequency_hz
+    if (lines := int(np.count_nonzero(kept))) < FEWEST_LINES:
+        raise InputError(
+            f"{record.name}: {start} drives {lines} lines; expected {FEWEST_LINES} at least; drive with a multisine, a chirp "
+            "or noise, or record for longer"
+        )
+    value = spectra.uy[kept] / spectra.uu[kept]
+    if start == drive and end not in _AT_ONCE:
+        value = value / _between_samples(record.hold, f[kept] * step)
+    coherence, deviation = _quality(spectra, kept)
+    name = f"{record.name} {start} to {end}"
+    response = Response(name, record.experiment, start, end, f[kept], value, coherence, deviation, record.data_hash)
+    check_response(response)
+    return response
+
+
+def _step(record: BenchRecord) -> float:
+    """The time between samples, s."""
+    steps = np.diff(record.time_s)
+    step = float(np.mean(steps))
+    if (worst := float(np.max(np.abs(steps - step)))) > _JITTER * step:
+        raise InputError(
+            f"{record.name}: samples come at uneven times, up to {worst / step:.1%} of a step of {step:.6g} s early or late; "
+            f"expected {_JITTER:.0%} at most for a frequency response; record with a steady clock, or fit the record in time"
+        )
+    return step
+
+
+def _periods(record: BenchRecord, drive: str, step: float, period_s: float | None) -> Periods | None:
+    u = record.channels.get(drive)
+    if period_s is None:
+        return None if u is None else find_periods(u)
+    samples = period_s / step if math.isfinite(period_s) else math.nan
+    if not samples >= 2 or abs(samples - round(samples)) > max(_ON_SAMPLE, _ROUNDING * samples):
+        raise InputError(
+            f"{record.name}: period_s: expected a whole number of steps of {step:.9g} s, got {period_s:.9g} s, "
+            f"which is {samples:.6g} of them; sample at a multiple of the drive's frequency, or leave period_s out"
+        )
+    found = None if u is None else find_periods(u, round(samples))
+    if found is None:
+        raise InputError(
+            f"{record.name}: {drive} does not repeat itself every {period_s:.6g} s for two periods; expected a periodic drive; "
+            "correct period_s or leave it out"
+        )
+    return found
+
+
+def _spectra(
+    record: BenchRecord, signals: Signals, step: float, found: Periods | None, segments: int | None
+) -> Spectra:
+    """Spectra of the periods, or of Hann segments if there are none."""
+    if found is not None:
+        count = settled(found, signals[1]).count if segments is None else segments
+        if count > found.count:
+            came = f"{found.count} at most, as many as there are periods, got {count}"
+            raise InputError(f"{record.name}: segments: expected {came}; take fewer")
+        u, y = (it[found.end - count * found.samples : found.end] for it in signals)
+        return by_periods((u, y), step, found.samples)
+    count = SEGMENTS if segments is None else segments
+    samples = len(signals[0]) // (count + 1) * 2 if count > 1 else len(signals[0]) // 2 * 2
+    if samples < _SHORTEST:
+        raise InputError(
+            f"{record.name}: segments: {count} of {len(signals[0])} samples are too short; take fewer, or record for longer"
+        )
+    return by_hann(signals, step, samples)
+
+
+def _between_samples(hold: str, cycles: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """A drive's spectrum over that of its samples; ``cycles`` are f T."""
+    straight = np.sinc(cycles).astype(np.complex128)
+    return straight * (straight if hold == "straight" else np.exp(-1j * np.pi * cycles))
+
+
+def _quality(
+    spectra: Spectra, kept: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
+    """Coherence and deviation of each line."""
+    if spectra.averages <= 1:
+        return None, None
+    power = spectra.uu[kept] * spectra.yy[kept]
+    coherence = np.clip(np.abs(spectra.uy[kept]) ** 2 / power, _ROUNDING, 1.0)
+    left = np.maximum(1 - coherence, _ROUNDING)
+    return coherence, np.sqrt(left / (2 * (spectra.averages - 1) * coherence))

@@ -1,0 +1,279 @@
+"""A loader from bench data."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from forcefeel.errors import InputError
+from forcefeel.identification.advice import advice_of
+from forcefeel.identification.bench_records import BenchRecord
+from forcefeel.identification.confidence import Confidence, confidence_of, half_widths
+from forcefeel.identification.confusions import DETERMINED, confusions_of
+from forcefeel.identification.estimate import estimate_response
+from forcefeel.identification.experiments import Drive
+from forcefeel.identification.fitted_loader import fitted_loader
+from forcefeel.identification.jagged import surroundings
+from forcefeel.identification.linear import Law, LinearModel
+from forcefeel.identification.observations import Observation
+from forcefeel.identification.problem import Loss, Place, Problem
+from forcefeel.identification.record_observation import RecordObservation
+from forcefeel.identification.record_run import RecordRun
+from forcefeel.identification.response_observation import ResponseObservation
+from forcefeel.identification.responses import Response
+from forcefeel.identification.result import Ended, Estimate, Fitted, Identification, RigidTest, Status
+from forcefeel.identification.rigid import rigid_test
+from forcefeel.identification.suspicions import suspicions
+from forcefeel.identification.unknowns import Unknown, parameter_keys, starts, unknowns_of
+from forcefeel.loader import Loader
+
+_SAME_COST = 0.01
+"""Relative; two searches that end within this are taken to have found the same place if their unknowns agree."""
+
+_SAME_PLACE = 0.02
+"""Shares of a value within which two ends of a search from afar are the same."""
+
+_DROP, _MOST_DESCENTS = 1.0, 4
+"""In units of the noise: a place lower by so much is worth going to; and how often."""
+
+MOST_STARTS = 256
+"""More starts than anybody waits for."""
+
+
+def identify(  # noqa: PLR0913  keywords of what is asked
+    loader: Loader,
+    data: Sequence[Response | BenchRecord],
+    fit: str | Sequence[str],
+    *,
+    law: Law = None,
+    starts: int = 5,
+    loss: Loss = "huber",
+    priors: bool = True,
+    as_responses: bool = False,
+    progress: Callable[[int, int], None] | None = None,
+) -> Identification:
+    """Finds parameters of a loader from what was measured of it.
+
+    Frequency responses are compared with the linear model, records with the nonlinear one, all at once; the noise of each is found
+    along with the parameters. See ``problem`` for what is minimised and ``confidence`` for the standard errors.
+
+    Args:
+        loader: The loader as its file has it. Tolerances bound the search, normal ones count as knowledge.
+        data: Responses and records, one at least.
+        fit: Symbols or rows of the parameters: ``"k,c,J,C_i"``.
+        law: The law of the whole loader in the data; the original one if not given.
+        starts: How many places the search starts from: the file's values, then others within tolerance.
+        loss: ``huber`` lets residuals beyond three standard deviations count less; ``linear`` is plain least squares.
+        priors: Whether normal tolerances count as knowledge.
+        as_responses: Turn records into frequency responses first, and use the linear model alone.
+        progress: Told how many of the searches are done.
+
+    Returns:
+        The identification; its ``loader`` is ``None`` where the data do not determine a parameter.
+
+    Raises:
+        InputError: If a parameter cannot be fitted, there are no data or fewer points than unknowns, data are not what they are
+            said to be, or the model diverges at every start.
+    """
+    keys = parameter_keys(fit)
+    unknowns = unknowns_of(loader, keys)
+    if not data:
+        raise InputError("data: expected a frequency response or a record, got none")
+    if not 1 <= starts <= MOST_STARTS:
+        raise InputError(f"starts: expected 1 to {MOST_STARTS}, got {starts}")
+    _check_valve(loader, keys, data, as_responses=as_responses)
+    used = [it for one in data for it in (_as_responses(one) if as_responses else [one])]
+    for response in used:
+        if isinstance(response, Response):
+            _suspect(loader, law, response)
+    problem = Problem(unknowns, [_observe(it, loader, keys, law) for it in used], loss, priors)
+    _check_points(problem)
+    place, ends = _search(problem, starts, progress or (lambda done, total: None))
+    place, confidence = _surely(problem, place)
+    estimates = _estimates(unknowns, problem, place, confidence)
+    found = _at_estimates(loader, estimates)
+    rigid, notes = _rigid(found, law, unknowns, used)
+    identified = Identification(
+        before=loader,
+        estimates=estimates,
+        correlation=confidence.correlation,
+        fitted=_fitted(problem, place),
+        ends=ends,
+        confusions=confusions_of(unknowns, confidence.information, confidence.quantile),
+        advice=(),
+        rigid=rigid,
+        notes=notes,
+    )
+    if identified.determined:
+        return replace(identified, loader=fitted_loader(identified))
+    return replace(identified, advice=advice_of(found, law, unknowns, confidence.information))
+
+
+def _check_valve(
+    loader: Loader, keys: Sequence[str], data: Sequence[Response | BenchRecord], *, as_responses: bool
+) -> None:
+    """Refuses the valve's gains at an operating point where records are run with its orifice."""
+    gains = [key for key in ("valve.current_gain", "valve.pressure_gain") if key in keys]
+    runs = any(isinstance(it, BenchRecord) for it in data) and not as_responses
+    if gains and loader["valve.orifice"] and (runs or loader["controller.period"]):
+        raise InputError(
+            f"fit: the loader's flow follows the orifice, eq. (1), which has no {' and '.join(gains)}; fit valve.rated_flow (q_r), "
+            "or take valve.orifice out of the loader file"
+        )
+
+
+def _as_responses(data: Response | BenchRecord) -> list[Response]:
+    """A record's responses to every channel that was measured; a response is one already."""
+    if isinstance(data, Response):
+        return [data]
+    if data.experiment.drive is Drive.RELEASE:
+        raise InputError(f"{data.name}: a release has no frequency response; leave it out, or fit records as they are")
+    return [estimate_response(data, channel) for channel in data.channels if channel not in set(Drive)]
+
+
+def _suspect(loader: Loader, law: Law, response: Response) -> None:
+    model = LinearModel(loader, response.experiment.loop, law)
+    found = model.responses(loader.values, (), response.frequency_hz)
+    predicted, _ = found.between(response.input, response.output, response.experiment.drive)
+    if sentence := suspicions(response, predicted):
+        raise InputError(sentence)
+
+
+def _observe(data: Response | BenchRecord, loader: Loader, keys: Sequence[str], law: Law) -> Observation:
+    if isinstance(data, Response):
+        return ResponseObservation(data, LinearModel(loader, data.experiment.loop, law), keys)
+    return RecordObservation(RecordRun(data, loader, law), keys)
+
+
+def _check_points(problem: Problem) -> None:
+    points, unknowns = problem.groups[-1].stop, len(problem.unknowns)
+    if points < 2 * unknowns:
+        raise InputError(
+            f"data: expected {2 * unknowns} points at least for {unknowns} parameters, got {points}; measure more lines or fit "
+            "fewer parameters"
+        )
+
+
+def _search(problem: Problem, count: int, progress: Callable[[int, int], None]) -> tuple[Place, tuple[Ended, ...]]:
+    """The best place: from every start over a smaller set of the data, from the best ends over all."""
+    coarse = replace(problem, observations=[it.coarse() for it in problem.observations], _last={})
+    begun = starts(problem.unknowns, count)
+    afar: list[Place | None] = []
+    for values in begun:
+        progress(len(afar), count + 1)
+        begin = coarse.start(values)
+        runs = bool(np.isfinite(coarse.compare(begin)[0]).all())  # or the model diverges there
+        afar.append(coarse.search(begin, coarse=True) if runs else None)
+    reached = [it for it in afar if it is not None]
+    if not reached:
+        raise InputError(
+            "data: the model diverges at the file's values and at every other start; expected a loop that is stable there: check "
+            "the experiment, the law and the loader file"
+        )
+    progress(count, count + 1)
+    # Noise is found anew at each end, so what is left is compared by it.
+    best = min(reached, key=_left)
+    place = problem.search(best.x)
+    progress(count + 1, count + 1)
+    ends = tuple(
+        Ended(values, problem.values(it.x), _left(it), _same(it, best, len(problem.unknowns)))
+        for values, it in zip(begun, afar, strict=True)
+        if it is not None
+    )
+    return place, ends
+
+
+def _left(place: Place) -> float:
+    """What is left after a search: the mean logarithm of the noise, as in the likelihood of normal errors of unknown size."""
+    return float(np.mean(np.log(place.noise)))
+
+
+def _same(place: Place, best: Place, unknowns: int) -> bool:
+    near = np.allclose(place.x[:unknowns], best.x[:unknowns], rtol=_SAME_PLACE)
+    return near or abs(_left(place) - _left(best)) < _SAME_COST
+
+
+def _surely(problem: Problem, place: Place) -> tuple[Place, Confidence]:
+    """A place below which no lower one is in sight, and the confidence there, jags of the cost counted.
+
+    The cost of responses is smooth; only that of records has jags.
+    """
+    confidence = confidence_of(problem, place)
+    if not any(isinstance(it.data, BenchRecord) for it in problem.observations):
+        return place, confidence
+    around = surroundings(problem, place, confidence)
+    for _ in range(_MOST_DESCENTS):
+        if around.drop < _DROP:
+            break
+        place = problem.search(around.lowest)
+        confidence = confidence_of(problem, place)
+        around = surroundings(problem, place, confidence)
+    return place, confidence.widened(around.growth)
+
+
+def _estimates(
+    unknowns: Sequence[Unknown], problem: Problem, place: Place, confidence: Confidence
+) -> tuple[Estimate, ...]:
+    values = problem.values(place.x)
+    deviation = confidence.deviation[: len(unknowns)] * np.abs(values)
+    shares = confidence.quantile * half_widths(confidence.information)
+    found = []
+    for j, (unknown, value) in enumerate(zip(unknowns, values.tolist(), strict=True)):
+        if not shares[j] < DETERMINED:
+            found.append(Estimate(unknown, value, np.inf, -np.inf, np.inf, np.inf, Status.UNDETERMINED))
+            continue
+        half = confidence.quantile * float(deviation[j])
+        status = Status.AT_BOUND if place.at_bound[j] else Status.DETERMINED
+        found.append(
+            Estimate(unknown, value, float(deviation[j]), value - half, value + half, float(shares[j]), status)
+        )
+    return tuple(found)
+
+
+def _at_estimates(loader: Loader, estimates: Sequence[Estimate]) -> Loader:
+    """The loader at the estimates; an undetermined one stays as the file has it."""
+    told = {it.unknown.key: it.value for it in estimates if it.status is not Status.UNDETERMINED}
+    try:
+        return loader.with_tolerances(dict.fromkeys(set(told) & set(loader.tolerances))).replace(told)
+    except InputError as error:
+        raise InputError(
+            f"fit: the estimates do not go with the rest of the loader: {error}; fit that parameter too, or correct the loader file"
+        ) from error
+
+
+def _fitted(problem: Problem, place: Place) -> tuple[Fitted, ...]:
+    """Every curve beside the model, fitted and as the file has it."""
+    groups = iter(place.noise)
+    before = problem.start(np.array([it.nominal for it in problem.unknowns]))
+    found = []
+    own_before = problem.own(before)
+    for it, own, own_at_file in zip(problem.observations, problem.own(place.x), own_before, strict=True):
+        then = it.curves(problem.values(before), own_at_file)
+        for curve, old in zip(it.curves(problem.values(place.x), own), then, strict=True):
+            error = (
+                np.abs(np.log(curve.measured / curve.modelled)) / np.sqrt(2)
+                if isinstance(it.data, Response)
+                else curve.measured - curve.modelled
+            )
+            rms = float(np.sqrt(np.mean(np.square(error))))
+            noise = float(next(groups)) * curve.expected
+            found.append(
+                Fitted(it.data, curve.channel, curve.at, curve.measured, curve.modelled, old.modelled, rms, noise)
+            )
+    return tuple(found)
+
+
+def _rigid(
+    loader: Loader, law: Law, unknowns: Sequence[Unknown], data: Sequence[Response | BenchRecord]
+) -> tuple[RigidTest | None, tuple[str, ...]]:
+    """The test of the link, and why there is none."""
+    responses: list[Response] = []
+    for it in data:
+        if isinstance(it, Response) or it.experiment.drive is Drive.TEST_SIGNAL:
+            responses += _as_responses(it)
+    if not responses:
+        return None, ("Whether the link is compliant was not judged: that takes a frequency response.",)
+    if loader["controller.period"]:
+        why = "there is no rigid model of a loader under a digital controller"
+        return None, (f"Whether the link is compliant was not judged: {why}.",)
+    return rigid_test(loader, law, unknowns, responses), ()

@@ -1,0 +1,90 @@
+"""Parameters that the data answer to in jumps.
+
+Dry friction that sticks and slips makes the residuals jump where a slip comes a little earlier or later, so the cost is a parabola
+with jags. The slopes at a low place know nothing of them, and the standard errors come out too small. So the cost is looked at some
+standard errors ``h`` to either side of each unknown, the others held or following along the ridge that the slopes tell, whichever
+is lower: ``cost(h) - cost(0) = a h^2`` with jags of the size J. The lowest place may then be anywhere up to ``h = sqrt(J / a)``
+away, and standard errors grow by ``sqrt(1 + J / a)``. A lower place that is found on the way is where the search goes on.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.identification.confidence import Confidence
+from forcefeel.identification.problem import Place, Problem
+
+_SIDES = (-1.0, 1.0)
+
+_FAR = (4.0, 16.0, 64.0)
+"""Standard errors away where the parabola is looked for, the next where the last is still among the jags."""
+
+_BLIND = 0.01
+"""Share of a value that stands for its standard error where the slopes see nothing of it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """The cost about a place.
+
+    Attributes:
+        growth: By how much standard errors grow for jags, one at least, infinite where no parabola is in sight, (unknowns,).
+        lowest: The lowest place that was seen, (n,).
+        drop: By how much it is lower, in units of the noise.
+    """
+
+    growth: NDArray[np.float64]
+    lowest: NDArray[np.float64]
+    drop: float
+
+
+def surroundings(problem: Problem, place: Place, confidence: Confidence) -> Surroundings:
+    """Looks at the cost about a place."""
+    count = len(problem.unknowns)
+    look = _Look(problem, place)
+    sizes, growth = np.abs(place.x[:count]), np.ones(count)
+    for j, deviation in enumerate(confidence.deviation[:count]):
+        seen = bool(np.isfinite(deviation) and deviation > 0)
+        alone = np.where(np.arange(count) == j, deviation if seen else _BLIND, 0.0) * sizes
+        ridge = confidence.covariance[:count, j] / deviation * sizes if seen else alone
+        found = _growth(look, (alone, ridge))
+        growth[j] = found if seen else 1.0  # without slopes there is no standard error to grow
+    return Surroundings(growth, look.lowest, look.drop)
+
+
+class _Look:
+    """Rises of the cost about a place, and the lowest place seen."""
+
+    def __init__(self, problem: Problem, place: Place) -> None:
+        self._problem, self._place = problem, place
+        self._here = problem.cost(place.x, place.noise)
+        self._low, self._high = problem.bounds(len(place.x))
+        self.lowest, self.drop = place.x, 0.0
+
+    def rise(self, step: NDArray[np.float64]) -> float:
+        """Rise by a step of the loader's unknowns, in units of the noise; beyond a bound as at the bound."""
+        x = self._place.x.copy()
+        x[: len(step)] += step
+        x = np.clip(x, self._low, self._high)
+        rise = self._problem.cost(x, self._place.noise) - self._here
+        if rise < -self.drop:
+            self.lowest, self.drop = x, -rise
+        return rise
+
+
+def _growth(look: _Look, directions: tuple[NDArray[np.float64], ...]) -> float:
+    """Growth of one standard error; each direction is its step of one."""
+
+    def rise(h: float) -> float:
+        return min(look.rise(h * direction) for direction in directions)
+
+    inner = {h: rise(h) for h in _SIDES}
+    for far in _FAR:
+        outer = {h * far: rise(h * far) for h in _SIDES}
+        curvature = float(np.mean(list(outer.values()))) / far**2
+        if min(outer.values()) > 0:
+            jags = max(abs(it - curvature * h**2) for h, it in inner.items())
+            return float(np.sqrt(1 + jags / curvature))
+        inner.update(outer)
+    return float("inf")

@@ -1,0 +1,85 @@
+"""What a fit compares: residuals of data against the model, and their slopes by the unknowns.
+
+A set of data is seen as groups of points of one kind, the lines of a response or the samples of a channel, whose noise is alike;
+how large it is, the fit finds. Beside the unknowns of the loader a set may have its own: when a grip was let go.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.identification.bench_records import BenchRecord
+from forcefeel.identification.responses import Response
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Data against the model at one place of the unknowns.
+
+    Attributes:
+        residual: Measured less modelled over the point's expected deviation, (points,).
+        slopes: Its derivatives by unknowns and by the data's own unknowns, (points, unknowns + own).
+    """
+
+    residual: NDArray[np.float64]
+    slopes: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Data beside the model, to be looked at.
+
+    Attributes:
+        channel: Which channel.
+        at: Lines in Hz or times in s, (points,).
+        measured, modelled: Values, SI units, (points,).
+        expected: Deviation of a point that the residuals were divided by: relative for a response, SI units for a record.
+    """
+
+    channel: str
+    at: NDArray[np.float64]
+    measured: NDArray[np.complex128] | NDArray[np.float64]
+    modelled: NDArray[np.complex128] | NDArray[np.float64]
+    expected: float
+
+
+class Observation(Protocol):
+    """A set of data that can be compared with the model."""
+
+    @property
+    def data(self) -> Response | BenchRecord:
+        """The data."""
+        ...
+
+    @property
+    def groups(self) -> tuple[slice, ...]:
+        """Where in the residual the points of one kind stand."""
+        ...
+
+    @property
+    def clusters(self) -> NDArray[np.int64]:
+        """A number for each point: errors of one number hang together, those of different ones do not, (points,)."""
+        ...
+
+    @property
+    def own(self) -> NDArray[np.float64]:
+        """Where the data's own unknowns start."""
+        ...
+
+    def compare(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Compared:
+        """Compares the data with a loader of these values of the unknowns, SI units."""
+        ...
+
+    def residual(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The residual of ``compare`` alone, (points,)."""
+        ...
+
+    def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
+        """The same to be looked at, one curve for each group."""
+        ...
+
+    def coarse(self) -> "Observation":
+        """A smaller set for the search from afar."""
+        ...

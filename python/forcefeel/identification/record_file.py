@@ -1,0 +1,82 @@
+"""Records in time from a bench, from files."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from forcefeel.errors import InputError
+from forcefeel.identification.bench_records import BenchRecord, Hold
+from forcefeel.identification.channels import CHANNELS, OUTPUTS
+from forcefeel.identification.experiments import Experiment
+from forcefeel.identification.header import locate, need
+from forcefeel.identification.record_checks import check_record
+from forcefeel.identification.stated import check_names, drive_channel, stated, stated_experiment
+from forcefeel.identification.tables import Table, open_table
+from forcefeel.units import show
+
+EXAMPLE = "time (s),test_signal (V),column_angle (deg)"
+"""A good header."""
+
+_HOLDS: dict[str, Hold] = {"straight": "straight", "staircase": "staircase"}
+
+
+def read_bench_record(
+    path: str | Path,
+    *,
+    experiment: Experiment | str | None = None,
+    columns: Mapping[str, str] | None = None,
+    units: Mapping[str, str] | None = None,
+    hold: Hold | None = None,
+) -> BenchRecord:
+    """Reads a record from a ``.csv``, ``.parquet`` or ``.mat`` file, by the ending of its name.
+
+    The columns are ``time`` and channels with their units: ``column angle (deg)``, ``load_cell_force [lb]``, ``test_signal_v``; in
+    a MATLAB file the variables, or the fields of a structure. Others may stand beside them and are not read. Lines that begin with
+    ``#`` at the top of a CSV file, metadata of a Parquet file or text variables of a MATLAB file say what it is:
+    ``experiment: servo-closed``, ``hold: staircase``.
+
+    Args:
+        path: The file.
+        experiment: Under which it was recorded, for a file that does not say so.
+        columns: The file's own name of a channel or of ``time``: ``{"column_angle": "theta"}``.
+        units: Units where the header has none, by channel or by the file's own name: ``{"theta": "deg"}``.
+        hold: How the drive runs between samples, for a file that does not say so; straight if neither does.
+
+    Raises:
+        InputError: With the file, the line or row, what is wrong, what was expected and the remedy.
+    """
+    return record_of(open_table(path, EXAMPLE), experiment, columns or {}, units or {}, hold)
+
+
+def record_of(
+    table: Table,
+    experiment: Experiment | str | None,
+    columns: Mapping[str, str],
+    units: Mapping[str, str],
+    hold: str | None,
+) -> BenchRecord:
+    """The record in a table that was opened; arguments as of ``read_bench_record``.
+
+    Raises:
+        InputError: As ``read_bench_record``.
+    """
+    wanted = {"time": ("s",), **{name: (unit,) for name, unit in CHANNELS.items()}}
+    check_names(str(table.path), "columns", columns, wanted)
+    check_names(str(table.path), "units", units, (*wanted, *columns.values()))
+    under = stated_experiment(table, experiment)
+    runs = stated(table, "hold", hold, "hold") or "straight"
+    if runs not in _HOLDS:
+        raise InputError(f"{table.path}: hold: expected straight or staircase, got {show(runs)}")
+    found = locate(table, wanted, units, columns)
+    need(table, found, ("time", drive_channel(under) or "column_angle"), EXAMPLE)
+    if not any(name in OUTPUTS for name in found):
+        raise InputError(
+            f"{table.where}: has nothing that was measured; expected one at least of {', '.join(OUTPUTS)}; the file's own name of "
+            f"one is given by columns; got {show(','.join(table.header))}"
+        )
+    read = table.take(found)
+    channels = {name: values for name, values in read.values.items() if name != "time"}
+    for values in read.values.values():
+        values.setflags(write=False)
+    record = BenchRecord(table.path.stem, under, read.values["time"], channels, _HOLDS[runs], table.data_hash)
+    check_record(record, read.places)
+    return record

@@ -1,0 +1,143 @@
+"""Measured frequency responses from files."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.identification.channels import CHANNELS
+from forcefeel.identification.experiments import Experiment
+from forcefeel.identification.header import DECIBEL, channel_and_unit, locate, need
+from forcefeel.identification.response_checks import check_response, fault_of_values
+from forcefeel.identification.responses import Response
+from forcefeel.identification.stated import check_names, drive_channel, stated_experiment
+from forcefeel.identification.tables import Table, open_table
+from forcefeel.inputs.columns import Columns
+from forcefeel.units import factor
+
+EXAMPLE = "frequency (Hz),gain (dB),phase (deg)"
+"""A good header."""
+
+_NAMES = ("frequency", "gain", "phase", "coherence", "deviation")
+_MOST_PHASE_RAD = 30.0
+"""Ten poles turn by half of that; a larger number is one of degrees."""
+
+
+def read_response(
+    path: str | Path,
+    *,
+    experiment: Experiment | str | None = None,
+    input: str | None = None,  # noqa: A002  the word for it
+    output: str | None = None,
+    units: Mapping[str, str] | None = None,
+) -> Response:
+    """Reads a frequency response from a ``.csv``, ``.parquet`` or ``.mat`` file.
+
+    The columns are ``frequency``, ``gain`` and ``phase`` with their units, and where they are known ``coherence`` and
+    ``deviation``, the standard deviation of a line's relative error. Lines that begin with ``#`` at the top of a CSV file,
+    metadata of a Parquet file or text variables of a MATLAB file say what it is: ``experiment: servo-closed``,
+    ``from: test_signal (V)``, ``to: potentiometer (V)``.
+
+    A gain in dB is one of the to-unit per from-unit: ``|G| = 10^(g / 20) to/from``. A gain in a unit of its own, such as in/V,
+    needs neither unit.
+
+    Args:
+        path: The file.
+        experiment: Under which it was measured, for a file that does not say so.
+        input: Channel it leads from, as ``test_signal (V)``, likewise; what drives the experiment if neither says so.
+        output: Channel it leads to, likewise.
+        units: Units by column or channel, where the file has none.
+
+    Raises:
+        InputError: With the file, the line, what is wrong, what was expected and the remedy.
+    """
+    table = open_table(path, EXAMPLE)
+    return response_of(table, experiment, (input, output), units or {})
+
+
+def response_of(
+    table: Table, experiment: Experiment | str | None, ends: tuple[str | None, str | None], units: Mapping[str, str]
+) -> Response:
+    """The response in a table that was opened; arguments as of ``read_response``, ``ends`` being input and output.
+
+    Raises:
+        InputError: As ``read_response``.
+    """
+    check_names(str(table.path), "units", units, (*_NAMES, *CHANNELS))
+    under = stated_experiment(table, experiment)
+    if (drive := drive_channel(under)) is None:
+        raise InputError(f"{table.path}: a release has no frequency response; give its record in time")
+    start, start_unit = _end(table, "from", ends[0] or (None if "from" in table.notes else drive), "input", units)
+    end, end_unit = _end(table, "to", ends[1], "output", units)
+    if start == end:
+        raise InputError(f"{table.path}: leads from {start} to itself; expected two channels")
+    ratio = f"({CHANNELS[end]})/({CHANNELS[start]})"
+    wanted = {
+        "frequency": ("Hz",),
+        "gain": (DECIBEL, ratio),
+        "phase": ("rad",),
+        "coherence": ("",),
+        "deviation": ("",),
+    }
+    found = locate(table, wanted, units, {})
+    need(table, found, _NAMES[:3], EXAMPLE)
+    columns = table.take(found)
+    if wrong := fault_of_values(columns.values, {name: unit for name, (_, unit, _) in found.items()}, _MOST_PHASE_RAD):
+        row, sentence = wrong
+        raise InputError(f"{columns.places[row]}: {sentence}")
+    gain = _gain(table, columns, (start, start_unit), (end, end_unit))
+    response = Response(
+        table.path.stem,
+        under,
+        start,
+        end,
+        columns.values["frequency"],
+        gain * np.exp(1j * columns.values["phase"]),
+        columns.values.get("coherence"),
+        columns.values.get("deviation"),
+        table.data_hash,
+    )
+    check_response(response, columns.places)
+    return response
+
+
+def _end(table: Table, key: str, argument: str | None, name: str, units: Mapping[str, str]) -> tuple[str, str]:
+    """The channel at one end and its unit, empty where it is not known."""
+    in_file = table.notes.get(key)
+    try:
+        there = channel_and_unit(in_file) if in_file is not None else None
+        given = channel_and_unit(argument) if argument is not None else None
+    except InputError as error:
+        raise InputError(f"{table.path}: {key}: {error}") from error
+    if there is None and given is None:
+        remedy = f"say so at the top of a CSV file, as in '# {key}: potentiometer (V)', or by the argument {name}"
+        raise InputError(f"{table.path}: does not say which channel it leads {key}; {remedy}")
+    (found, unit), other = (there or given or ("", "")), (given or there or ("", ""))
+    said = {it for it in (unit, other[1], units.get(found, "")) if it}
+    if found != other[0] or len(said) > 1:
+        came = f"{found} {sorted(said)}" if found == other[0] else f"{found} and {other[0]}"
+        raise InputError(
+            f"{table.path}: '{key}' and the arguments contradict each other: {came}; leave one of them out"
+        )
+    unit = said.pop() if said else ""
+    try:
+        return found, unit if not unit or factor(unit, CHANNELS[found]) else ""
+    except InputError as error:
+        raise InputError(f"{table.path}: {key}: {found}: {error}; expected a unit such as {CHANNELS[found]}") from error
+
+
+def _gain(table: Table, columns: Columns, start: tuple[str, str], end: tuple[str, str]) -> NDArray[np.float64]:
+    """The gain as a ratio in SI units."""
+    given = columns.values["gain"]
+    if columns.units["gain"] != DECIBEL:
+        return given
+    for key, (name, unit) in (("from", start), ("to", end)):
+        if not unit:
+            raise InputError(
+                f"{table.path}: the gain is in dB of {end[0]} per {start[0]}, and the unit of {name} is not known; say so, as in "
+                f"'# {key}: {name} ({CHANNELS[name]})'"
+            )
+    scale = factor(end[1], CHANNELS[end[0]]) / factor(start[1], CHANNELS[start[0]])
+    return np.asarray(10 ** (given / 20) * scale, dtype=np.float64)

@@ -1,0 +1,35 @@
+"""A measured frequency response."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.identification.experiments import Experiment
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """A frequency response ``G = output / input`` as measured, SI units.
+
+    Attributes:
+        name: What messages and pictures call it.
+        experiment: Under which it was measured.
+        input, output: Channels it leads from and to.
+        frequency_hz: Rising frequencies, (lines,).
+        value: Complex response in SI units of output per input, (lines,).
+        coherence: Coherence gamma^2 at each line, 0 to 1, (lines,); ``None`` where it is not known.
+        deviation: Standard deviation of each line's relative error, (lines,): that of ``|G|`` in shares and of its phase in rad;
+            ``None`` where it is not known.
+        data_hash: SHA-256 of the file that it came from, in hexadecimal; empty if from none.
+    """
+
+    name: str
+    experiment: Experiment
+    input: str
+    output: str
+    frequency_hz: NDArray[np.float64]
+    value: NDArray[np.complex128]
+    coherence: NDArray[np.float64] | None = None
+    deviation: NDArray[np.float64] | None = None
+    data_hash: str = field(default="", repr=False)

@@ -1,0 +1,59 @@
+"""What a file of bench data says of itself, and its reader's arguments say of it."""
+
+from collections.abc import Collection
+
+from forcefeel.errors import InputError
+from forcefeel.identification.experiments import Drive, Experiment
+from forcefeel.identification.tables import Table
+from forcefeel.units import show
+
+
+def stated(table: Table, key: str, argument: str | None, name: str) -> str | None:
+    """What a file says of itself or the argument ``name`` says of it.
+
+    Raises:
+        InputError: If they contradict each other.
+    """
+    said = table.notes.get(key)
+    if said is not None and argument is not None and said.split() != argument.split():
+        raise InputError(
+            f"{table.path}: says '{key}: {said}' of itself, and {name} is {show(argument)}; leave one of them out"
+        )
+    return argument if said is None else said
+
+
+def stated_experiment(table: Table, argument: Experiment | str | None) -> Experiment:
+    """The experiment that a file or the argument states.
+
+    Raises:
+        InputError: If neither does, they contradict each other, or it is none.
+    """
+    said = table.notes.get("experiment")
+    try:
+        in_file = None if said is None else Experiment.read(said)
+        given = Experiment.read(argument) if isinstance(argument, str) else argument
+    except InputError as error:
+        raise InputError(f"{table.path}: {error}") from error
+    if in_file is not None and given is not None and in_file != given:
+        raise InputError(
+            f"{table.path}: says that it is of {in_file}, and experiment is {given}; leave one of them out"
+        )
+    if (experiment := in_file or given) is None:
+        remedy = "say so at the top of a CSV file, as in '# experiment: servo-closed', or by the argument experiment"
+        raise InputError(f"{table.path}: does not say under which experiment it was recorded; {remedy}")
+    return experiment
+
+
+def drive_channel(experiment: Experiment) -> str | None:
+    """The channel that drives an experiment; ``None`` of a release."""
+    return None if experiment.drive is Drive.RELEASE else str(experiment.drive)
+
+
+def check_names(where: str, argument: str, given: Collection[str], allowed: Collection[str]) -> None:
+    """Refuses a key of ``columns`` or ``units`` that names nothing.
+
+    Raises:
+        InputError: With what there is.
+    """
+    if strangers := [it for it in given if it not in allowed]:
+        raise InputError(f"{where}: {argument}: unknown name {show(strangers[0])}; the names are {', '.join(allowed)}")

@@ -1,0 +1,404 @@
+"""Bench data from files: units, names, what a file says of itself, three formats; what must be refused."""
+
+import hashlib
+import math
+import re
+
+import numpy as np
+import pyarrow
+import pytest
+import scipy.io
+from pyarrow import parquet
+
+from forcefeel.errors import InputError
+from forcefeel.identification.bench_file import read_bench_data
+from forcefeel.identification.bench_records import BenchRecord
+from forcefeel.identification.channels import CHANNELS
+from forcefeel.identification.experiments import Experiment
+from forcefeel.identification.header import Heading, heading, suffix_unit
+from forcefeel.identification.record_file import read_bench_record
+from forcefeel.identification.response_file import read_response
+from forcefeel.identification.responses import Response
+
+POUND = 4.4482216152605  # N, exact
+INCH = 0.0254  # m, exact
+ROUNDING = 1e-12  # relative; a few multiplications
+
+CLOSED = Experiment.read("servo-closed")
+TO_POTENTIOMETER = "# experiment: servo-closed\n# from: test_signal (V)\n# to: potentiometer (V)\n"
+LINES = "frequency (Hz),gain (dB),phase (deg)\n1,0,-10\n2,-6,-30\n4,-20,-90\n"
+
+T = np.arange(200) / 100
+U = np.where(T > 0.1, np.sin(2 * np.pi * (T - 0.1)), 0.0)
+X = np.where(T > 0.12, 1 - np.cos(2 * np.pi * (T - 0.12)), 0.0)
+RECORD = {"time (s)": T, "test_signal (V)": U, "column angle (deg)": X, "load_cell_force [lb]": 2 * X}
+
+
+def response(tmp_path, text, name="measured.csv", **arguments):
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    return read_response(tmp_path / name, **arguments)
+
+
+def write_csv(path, columns, notes=None):
+    rows = [",".join(columns), *(",".join(repr(float(v)) for v in row) for row in zip(*columns.values(), strict=True))]
+    top = [f"# {key}: {said}" for key, said in (notes or {}).items()]
+    path.write_text("\n".join([*top, *rows]), encoding="utf-8")
+    return path
+
+
+def write_parquet(path, columns, notes=None):
+    table = pyarrow.table(dict(columns)).replace_schema_metadata(notes)
+    parquet.write_table(table, path)
+    return path
+
+
+def write_mat(path, columns, notes=None):
+    names = {re.sub(r"\W+", "_", name).strip("_").lower(): values for name, values in columns.items()}
+    scipy.io.savemat(path, {**names, **(notes or {})})
+    return path
+
+
+WRITERS = {"csv": write_csv, "parquet": write_parquet, "mat": write_mat}
+
+
+@pytest.mark.parametrize(
+    ("cell", "expected"),
+    [
+        ("column angle (deg)", Heading("column_angle", "deg")),
+        ("Column_Angle [deg]", Heading("column_angle", "deg")),
+        ("column_angle_deg", Heading("column_angle", "deg")),
+        ("load_cell_force_lb", Heading("load_cell_force", "lb")),
+        ("load_cell_V", Heading("load_cell", "V")),
+        ("load_cell", Heading("load_cell", "")),
+        ("load_cell_noise", Heading("load_cell_noise", "")),  # no unit, so another column
+        ("valve_current_ma", Heading("valve_current", "mA")),
+        ("load_pressure_mpa", Heading("load_pressure", "MPa")),
+        ("load pressure (lb/in^2)", Heading("load_pressure", "lb/in^2")),
+        ("actuator_flow_in3_per_s", Heading("actuator_flow", "in^3/s")),
+        ("actuator_flow_m3_per_s", Heading("actuator_flow", "m^3/s")),
+        ("column_velocity_rad_per_s", Heading("column_velocity", "rad/s")),
+        ("actuator flow (in^3/(s))", Heading("actuator_flow", "in^3/(s)")),
+        ("note", Heading("note", "")),
+    ],
+)
+def test_headers(cell, expected):
+    assert heading(cell, CHANNELS) == expected
+
+
+def test_a_suffix_that_is_no_unit_is_none():
+    assert [suffix_unit(it) for it in ("noise", "angle", "x" * 100, "")] == [""] * 4
+
+
+def test_decibels_are_of_the_stated_units(tmp_path):
+    found = response(tmp_path, TO_POTENTIOMETER + LINES)
+    assert (found.name, found.experiment, found.input, found.output) == (
+        "measured",
+        CLOSED,
+        "test_signal",
+        "potentiometer",
+    )
+    assert found.frequency_hz.tolist() == [1, 2, 4]
+    gain = np.array([1, 10**-0.3, 0.1])
+    assert found.value == pytest.approx(gain * np.exp(-1j * np.radians([10, 30, 90])), rel=ROUNDING)
+    assert (found.coherence, found.deviation) == (None, None)
+    data = (tmp_path / "measured.csv").read_bytes()
+    assert found.data_hash == hashlib.sha256(data).hexdigest()
+    degrees = response(tmp_path, TO_POTENTIOMETER.replace("potentiometer (V)", "column angle (deg)") + LINES)
+    assert np.abs(degrees.value) == pytest.approx(gain * math.pi / 180, rel=ROUNDING)
+
+
+def test_a_gain_with_its_own_unit_needs_no_other(tmp_path):
+    header = "frequency (rad/s),gain (in/V),phase (rad),coherence,deviation\n"
+    text = header + "6,1,-0.1,1,0.01\n12,0.5,-0.5,0.9,0.02\n24,.2,-1,0.8,0.04\n"
+    found = response(tmp_path, text, experiment="servo-open", output="piston_position")
+    assert (found.input, found.output) == ("test_signal", "piston_position")
+    assert found.frequency_hz == pytest.approx(np.array([6, 12, 24]) / (2 * math.pi), rel=ROUNDING)
+    assert found.value == pytest.approx(INCH * np.array([1, 0.5, 0.2]) * np.exp([-0.1j, -0.5j, -1j]), rel=ROUNDING)
+    assert found.coherence.tolist() == [1, 0.9, 0.8]
+    assert found.deviation.tolist() == [0.01, 0.02, 0.04]
+
+
+def test_arguments_state_what_a_file_does_not(tmp_path):
+    arguments = {"experiment": "loader", "input": "pilot_force (lb)", "output": "load cell force (lb)"}
+    plain = LINES.replace(" (Hz)", "").replace(" (deg)", "")
+    found = response(tmp_path, plain, **arguments, units={"frequency": "Hz", "phase": "deg"})
+    assert np.abs(found.value) == pytest.approx([1, 10**-0.3, 0.1], rel=ROUNDING)  # lb per lb is N per N
+    units = {"pilot_force": "lb", "column_angle": "deg"}
+    bare = {"experiment": Experiment.read("loader"), "input": "pilot_force", "output": "column_angle"}
+    found = response(tmp_path, LINES, **bare, units=units)
+    assert np.abs(found.value[0]) == pytest.approx(math.pi / 180 / POUND, rel=ROUNDING)
+
+
+BAD_RESPONSES = {
+    "no experiment": (LINES, {"output": "potentiometer (V)"}, "does not say under which experiment"),
+    "no output": ("# experiment: servo-open\n" + LINES, {}, "does not say which channel it leads to"),
+    "contradiction": (
+        TO_POTENTIOMETER + LINES,
+        {"experiment": "servo-open"},
+        "says that it is of servo-closed test_signal, and",
+    ),
+    "other output": (
+        TO_POTENTIOMETER + LINES,
+        {"output": "column_angle"},
+        "contradict each other: potentiometer and column_angle",
+    ),
+    "other unit": (TO_POTENTIOMETER + LINES, {"units": {"potentiometer": "mV"}}, "contradict each other"),
+    "header and units": (
+        TO_POTENTIOMETER + LINES,
+        {"units": {"phase": "rad"}},
+        "the header says 'deg', units say 'rad'",
+    ),
+    "unit not known": (
+        TO_POTENTIOMETER.replace(" (V)", "") + LINES,
+        {},
+        "the unit of test_signal is not known; say so",
+    ),
+    "unknown name": (TO_POTENTIOMETER + LINES, {"units": {"theta": "deg"}}, "units: unknown name 'theta'"),
+    "unknown channel": (
+        TO_POTENTIOMETER.replace("potentiometer", "piston") + LINES,
+        {},
+        "to: unknown channel 'piston'; the channels",
+    ),
+    "itself": (
+        TO_POTENTIOMETER.replace("potentiometer", "test_signal") + LINES,
+        {},
+        "leads from test_signal to itself",
+    ),
+    "stated twice": ("# experiment: loader\n" + TO_POTENTIOMETER + LINES, {}, "line 2: experiment is stated twice"),
+    "release": (
+        TO_POTENTIOMETER.replace("closed", "closed release") + LINES,
+        {},
+        "a release has no frequency response",
+    ),
+    "no gain": (
+        TO_POTENTIOMETER + LINES.replace("gain", "size"),
+        {},
+        "line 4: has no column 'gain'; expected 'frequency",
+    ),
+    "gain without unit": (
+        TO_POTENTIOMETER + LINES.replace(" (dB)", ""),
+        {},
+        "gain: has no unit; expected one such as dB or",
+    ),
+    "wrong unit": (TO_POTENTIOMETER + LINES.replace("(dB)", "(in/V)"), {}, "gain: 'in/V' does not measure"),
+    "phase in volts": (
+        TO_POTENTIOMETER + LINES.replace("(deg)", "(V)"),
+        {},
+        "phase: 'V' measures a voltage, not an angle",
+    ),
+    "two phases": (TO_POTENTIOMETER + "phase (rad)," + LINES.replace("\n", "\n0,", 3), {}, "has 2 columns 'phase'"),
+    "busy unit": (TO_POTENTIOMETER + LINES.replace("deg", "s" * 60), {}, "phase: unknown unit"),
+    "not a number": (
+        TO_POTENTIOMETER + LINES.replace("-20", "nan"),
+        {},
+        r"measured\.csv: line 7: gain: expected a finite number",
+    ),
+    "no number": (
+        TO_POTENTIOMETER + LINES.replace("-20", "low"),
+        {},
+        r"line 7: gain: expected a number such as '0\.25', got 'low'",
+    ),
+    "infinite": (TO_POTENTIOMETER + LINES.replace("-20", "1e400"), {}, r"line 7: gain is inf; expected finite numbers"),
+    "ratio below 0": (
+        TO_POTENTIOMETER + LINES.replace("dB", "V/V").replace(",0,", ",1,"),
+        {},
+        r"line 6: the gain is -6 as a ratio; expected one above 0; is it in dB",
+    ),
+    "degrees as rad": (
+        TO_POTENTIOMETER + LINES.replace("deg", "rad"),
+        {},
+        r"line 7: the phase is -90 rad; expected 30 rad at most",
+    ),
+    "huge dB": (
+        TO_POTENTIOMETER + LINES.replace("-20", "9000"),
+        {},
+        r"line 7: the gain is 9000 dB; .* is it a ratio\?",
+    ),
+    "short row": (TO_POTENTIOMETER + LINES + "8,1\n", {}, "line 8: expected 3 values as in the header, got 2"),
+    "bad experiment": (LINES, {"experiment": "servo"}, "experiment: expected servo-open"),
+    "empty": ("# experiment: loader\n", {}, "is empty"),
+}
+
+
+@pytest.mark.parametrize(("text", "arguments", "message"), BAD_RESPONSES.values(), ids=BAD_RESPONSES)
+def test_a_response_at_fault_is_refused(tmp_path, text, arguments, message):
+    with pytest.raises(InputError, match=message) as caught:
+        response(tmp_path, text, **arguments)
+    assert str(tmp_path / "measured.csv") in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_record_in_three_formats(tmp_path, kind):
+    notes = {"experiment": "servo-closed", "hold": "staircase"}
+    path = WRITERS[kind](tmp_path / f"run.{kind}", RECORD, notes)
+    record = read_bench_record(path)
+    assert (record.name, record.experiment, record.hold) == ("run", CLOSED, "staircase")
+    assert record.data_hash == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert list(record.channels) == ["test_signal", "column_angle", "load_cell_force"]
+    assert record.time_s == pytest.approx(T, rel=ROUNDING)
+    assert record.channels["test_signal"] == pytest.approx(U, rel=ROUNDING)
+    assert record.channels["column_angle"] == pytest.approx(np.radians(X), rel=ROUNDING)
+    assert record.channels["load_cell_force"] == pytest.approx(2 * X * POUND, rel=ROUNDING)
+    with pytest.raises(ValueError, match="read-only"):
+        record.time_s[0] = 1.0
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_a_response_in_three_formats(tmp_path, kind):
+    columns = {
+        "frequency_hz": np.array([1.0, 2, 4]),
+        "gain_db": np.array([0.0, -6, -20]),
+        "phase_deg": np.array([-10.0, -30, -90]),
+    }
+    notes = {"experiment": "servo-closed", "from": "test_signal (V)", "to": "potentiometer (V)"}
+    found = read_bench_data(WRITERS[kind](tmp_path / f"it.{kind}", columns, notes))
+    assert found.value == pytest.approx(
+        [np.exp(-1j * np.radians(10)), 10**-0.3 * np.exp(-1j * np.pi / 6), -0.1j], rel=ROUNDING
+    )
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_the_files_own_names(tmp_path, kind):
+    own = {"t": T, "drive_v": U, "theta": X, "rate_counter": X}
+    path = WRITERS[kind](tmp_path / f"own.{kind}", own)
+    columns = {"time": "t", "test_signal": "drive", "column_angle": "theta"}
+    record = read_bench_record(path, experiment="servo-closed", columns=columns, units={"t": "s", "theta": "deg"})
+    assert record.channels["column_angle"] == pytest.approx(np.radians(X), rel=ROUNDING)
+    assert (record.hold, set(record.channels)) == ("straight", {"test_signal", "column_angle"})
+    assert read_bench_record(
+        path,
+        experiment=CLOSED,
+        columns={**columns, "test_signal": "drive_v"},
+        units={"t": "s", "theta": "deg", "drive_v": "V"},
+    ).channels["test_signal"] == pytest.approx(U, rel=ROUNDING)
+    by_channel = read_bench_record(path, experiment=CLOSED, columns=columns, units={"time": "s", "column_angle": "rad"})
+    assert by_channel.channels["column_angle"] == pytest.approx(X, rel=ROUNDING)
+
+
+def test_the_files_own_name_with_its_unit(tmp_path):
+    path = write_csv(tmp_path / "own.csv", {"time (s)": T, "e_T (V)": U, "theta [deg]": X})
+    columns = {"test_signal": "e_T (V)", "column_angle": "theta [deg]"}
+    record = read_bench_record(path, experiment="servo-closed", columns=columns)
+    assert record.channels["column_angle"] == pytest.approx(np.radians(X), rel=ROUNDING)
+
+
+def test_the_fields_of_a_matlab_structure(tmp_path):
+    run = {
+        "time_s": T[:, None],
+        "test_signal_v": U[:, None],
+        "column_angle_deg": X[:, None],
+        "experiment": "servo-closed",
+    }
+    scipy.io.savemat(tmp_path / "run.mat", {"run": run, "gain": 3.0})
+    record = read_bench_record(tmp_path / "run.mat")
+    assert record.experiment == CLOSED
+    assert record.channels["column_angle"] == pytest.approx(np.radians(X), rel=ROUNDING)
+
+
+def test_matlab_files_that_are_not_read(tmp_path):
+    header = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + b"\x00\x02IM" + bytes(400)
+    (tmp_path / "new.mat").write_bytes(header)
+    with pytest.raises(InputError, match=r"new\.mat: is a MATLAB file of version 7\.3; save it with -v7"):
+        read_bench_record(tmp_path / "new.mat")
+    (tmp_path / "text.mat").write_text("time_s", encoding="utf-8")
+    with pytest.raises(InputError, match=r"text\.mat: cannot be read as a MATLAB file"):
+        read_bench_record(tmp_path / "text.mat")
+    run = {"time_s": T, "test_signal_v": U, "column_angle_deg": X, "experiment": "servo-open"}
+    scipy.io.savemat(tmp_path / "short.mat", {**run, "column_angle_deg": X[:9]})
+    with pytest.raises(
+        InputError, match=r"expected as many values of each column, got 200 of time, 200 of test_signal, 9 of"
+    ):
+        read_bench_record(tmp_path / "short.mat")
+    scipy.io.savemat(tmp_path / "complex.mat", {**run, "column_angle_deg": X * 1j})
+    with pytest.raises(InputError, match="column_angle: expected real numbers"):
+        read_bench_record(tmp_path / "complex.mat")
+    scipy.io.savemat(tmp_path / "empty.mat", {"a": 1.0})
+    with pytest.raises(InputError, match="holds no rows of numbers"):
+        read_bench_record(tmp_path / "empty.mat")
+
+
+BAD_RECORDS = {
+    "no time": ({"test_signal (V)": U, "column angle (deg)": X}, {}, "has no column 'time'"),
+    "no drive": ({"time (s)": T, "column angle (deg)": X}, {}, "has no column 'test_signal'"),
+    "nothing measured": ({"time (s)": T, "test_signal (V)": U, "tilt (deg)": X}, {}, "has nothing that was measured"),
+    "wrong unit": (
+        {**RECORD, "column angle (deg)": X, "potentiometer (deg)": X},
+        {},
+        "potentiometer: 'deg' measures an angle",
+    ),
+    "twice": ({**RECORD, "column_angle_rad": X}, {}, "has 2 columns 'column_angle'"),
+    "no such column": (
+        RECORD,
+        {"columns": {"potentiometer": "pot"}},
+        "has no column 'pot' for potentiometer; the columns are",
+    ),
+    "no such channel": (
+        RECORD,
+        {"columns": {"angle": "theta"}},
+        "columns: unknown name 'angle'; the names are time, test_signal",
+    ),
+    "hold": (RECORD, {"hold": "curved"}, "hold: expected straight or staircase, got 'curved'"),
+    "release": (
+        {"time (s)": T, "test_signal (V)": U, "potentiometer (V)": X},
+        {"experiment": "release"},
+        "has no column 'column_angle'",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+@pytest.mark.parametrize(("columns", "arguments", "message"), BAD_RECORDS.values(), ids=BAD_RECORDS)
+def test_a_record_at_fault_is_refused(tmp_path, kind, columns, arguments, message):
+    path = WRITERS[kind](tmp_path / f"bad.{kind}", columns)
+    with pytest.raises(InputError, match=message) as caught:
+        read_bench_record(path, **{"experiment": "servo-closed", **arguments})
+    assert str(path) in str(caught.value)
+
+
+def test_a_hold_that_contradicts_the_file_is_refused(tmp_path):
+    path = write_csv(tmp_path / "run.csv", RECORD, {"experiment": "servo-closed", "hold": "staircase"})
+    with pytest.raises(InputError, match="says 'hold: staircase' of itself, and hold is 'straight'"):
+        read_bench_record(path, hold="straight")
+
+
+def test_lines_keep_their_numbers_below_comments(tmp_path):
+    columns = {**RECORD, "column angle (deg)": np.where(T == 0.5, np.nan, X)}
+    path = write_csv(
+        tmp_path / "run.csv", columns, {"experiment": "servo-closed", "loader": "mine", "hold": "straight"}
+    )
+    with pytest.raises(InputError, match=r"run\.csv: line 55: column_angle: expected a finite number"):
+        read_bench_record(path)  # three comments, the header, and 50 samples before it
+    write_parquet(tmp_path / "run.parquet", columns, {"experiment": "servo-closed"})
+    with pytest.raises(InputError, match=r"run\.parquet: row 51: expected finite numbers"):
+        read_bench_record(tmp_path / "run.parquet")
+
+
+def test_either_kind_is_told_by_its_columns(tmp_path):
+    (tmp_path / "response.csv").write_text(TO_POTENTIOMETER + LINES, encoding="utf-8")
+    assert isinstance(read_bench_data(tmp_path / "response.csv"), Response)
+    record = write_csv(tmp_path / "record.csv", RECORD)
+    assert isinstance(read_bench_data(record, experiment="servo-closed"), BenchRecord)
+    own = write_csv(tmp_path / "own.csv", {"T (s)": T, "test_signal_v": U, "column_angle_rad": X})
+    assert isinstance(read_bench_data(own, experiment="servo-closed", columns={"time": "t"}), BenchRecord)
+    with pytest.raises(InputError, match="has neither a column 'frequency' nor 'time'"):
+        read_bench_data(own, experiment="servo-closed")
+    with pytest.raises(InputError, match="is a record in time, to which output does not apply"):
+        read_bench_data(record, output="column_angle")
+    with pytest.raises(InputError, match="is a frequency response, to which hold does not apply"):
+        read_bench_data(tmp_path / "response.csv", hold="straight")
+    both = write_csv(tmp_path / "both.csv", {"time (s)": T, "frequency (Hz)": T})
+    with pytest.raises(InputError, match="has both a column 'frequency' and one 'time'"):
+        read_bench_data(both)
+
+
+def test_what_is_no_table_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"expected a file that ends in \.csv, \.parquet or \.mat, got 'run\.txt'"):
+        read_bench_data(tmp_path / "run.txt")
+    with pytest.raises(InputError, match=r"none\.csv: cannot be read"):
+        read_bench_data(tmp_path / "none.csv")
+    (tmp_path / "text.parquet").write_text("time (s)", encoding="utf-8")
+    with pytest.raises(InputError, match=r"text\.parquet: cannot be read as Parquet"):
+        read_bench_data(tmp_path / "text.parquet")
+    words = {"time (s)": T, "test_signal (V)": U, "column angle (deg)": np.array(["a"] * 200)}
+    with pytest.raises(InputError, match="column_angle: expected a column of numbers"):
+        read_bench_record(write_parquet(tmp_path / "words.parquet", words), experiment="servo-closed")
