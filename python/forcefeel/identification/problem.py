@@ -123,7 +123,7 @@ class Problem:
         return np.concatenate([low, -own]), np.concatenate([high, own])
 
     def consistent(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """``x`` with breakaway forces no smaller than the dry friction, below which they have no effect and nothing would raise them."""
+        """``x`` with breakaway forces no smaller than the dry friction, below which they have no effect."""
         place = {it.key: j for j, it in enumerate(self.unknowns)}
         x = x.copy()
         for larger, smaller in AT_LEAST:
