@@ -79,10 +79,13 @@ def test_independent_errors_give_the_sandwich_of_white():
     points = len(measured)
     found = confidence_of(problem, place)
     covariance = found.covariance * np.outer(place.x, place.x)  # it is in shares of the estimates
-    np.testing.assert_allclose(covariance, points / (points - 1) * bread @ meat @ bread, rtol=1e-5)
+    classical = np.diag(bread) * (residual @ residual) / points
+    white = points / (points - 1) * bread @ meat @ bread
+    raised = np.maximum(1, np.sqrt(classical / np.diag(white)))  # never surer than independent errors of one size are
+    np.testing.assert_allclose(covariance, white * np.outer(raised, raised), rtol=1e-5)
     assert found.quantile == pytest.approx(student.ppf(0.975, points - 2))
     # Errors of one size: White's are then close to the classical ones, to some 1 / sqrt(points).
-    np.testing.assert_allclose(np.diag(covariance), np.diag(bread) * (residual @ residual) / points, rtol=0.2)
+    np.testing.assert_allclose(np.diag(covariance), classical, rtol=0.2)
 
 
 def test_errors_that_hang_together_widen_the_intervals():
@@ -103,6 +106,21 @@ def test_errors_that_hang_together_widen_the_intervals():
         assert np.all(found.inflation > 2)  # what independent errors would say is several times too sure
     # 95 % of 300 is 285, its binomial deviation 3.8; pieces are few, so the sandwich is known to be a little narrow.
     assert np.all(np.abs(inside - 0.95 * repetitions) < 4 * 3.8)
+
+
+def test_what_one_piece_alone_speaks_for_is_no_surer_than_its_noise():
+    """A parameter that acts in one piece only: there the fit makes its score vanish, so pieces alone would call it certain."""
+    random = np.random.default_rng(8)
+    piece = np.repeat(np.arange(40), 25)
+    matrix = np.column_stack([random.normal(size=1000), np.where(piece == 3, random.normal(size=1000), 0.0)])
+    measured = matrix @ [1.1, 0.8] + 0.05 * random.normal(size=1000)
+    asked = unknowns()
+    problem = Problem(asked, [Straight(matrix, measured, scale_of(asked), piece)], "linear")
+    place = problem.search(problem.start(scale_of(asked)))
+    found = confidence_of(problem, place)
+    classical = np.sqrt(np.diag(np.linalg.inv(matrix.T @ matrix))) * place.noise[0]
+    assert found.deviation[1] * place.x[1] == pytest.approx(classical[1], rel=1e-6)
+    assert found.inflation[1] == 1.0
 
 
 def test_outliers_hardly_move_a_robust_fit():

@@ -2,7 +2,8 @@
 
 ``H = J^T W J`` with the slopes J in units of the noise and the weights W of the robust loss. The covariance is
 ``H^-1 M H^-1`` with ``M = n/(n - 1) sum_c g_c g_c^T`` over pieces of data whose errors are independent, ``g_c = J_c^T W_c r_c``:
-right also where the errors within a piece hang together, because noise is coloured or the model leaves something out.
+right also where the errors within a piece hang together, because noise is coloured or the model leaves something out; but no standard
+error is smaller than the one of independent errors, ``H^-1``.
 
 Source: H. White, Econometrica 48 (1980) 817; K.-Y. Liang, S. L. Zeger, Biometrika 73 (1986) 13.
 """
@@ -34,7 +35,7 @@ class Confidence:
         quantile: Student's t of the 95 % interval.
         information: Inverse covariance that the data alone would give, (unknowns, unknowns): H with the data's own unknowns taken
             out, less what ``inflation`` says.
-        inflation: Standard errors over those that independent errors would give, (unknowns,).
+        inflation: Standard errors over those that independent errors would give, one at least, (unknowns,).
     """
 
     covariance: NDArray[np.float64]
@@ -79,12 +80,14 @@ def confidence_of(problem: Problem, place: Place) -> Confidence:
     _, prior = problem.prior_rows(place.x)
     outer = _inverse(information + prior.T @ prior)
     covariance = outer @ (middle + prior.T @ prior) @ outer
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inflation = np.sqrt(np.diag(covariance) / np.diag(outer))[:count]
+    # What few pieces speak for is fitted to them, so they seem to agree: independent errors are the least that there is.
+    least, found = np.diag(outer), np.diag(covariance)
+    raised = np.sqrt(np.divide(least, found, out=np.ones_like(found), where=(found > 0) & (found < least)))
+    covariance = covariance * np.outer(raised, raised)
+    inflation = np.sqrt(np.divide(np.diag(covariance), least, out=np.ones_like(least), where=least > 0))[:count]
     sizes = np.concatenate([np.abs(place.x[:count]), np.ones(len(place.x) - count)])
     quantile = float(student.ppf(0.5 + 0.5 * _CONFIDENCE, max(pieces - len(place.x), 1)))
-    seen = np.where(np.isfinite(inflation) & (inflation > 0), inflation, 1.0)
-    in_shares = _without_own(information * np.outer(sizes, sizes), count) / np.outer(seen, seen)
+    in_shares = _without_own(information * np.outer(sizes, sizes), count) / np.outer(inflation, inflation)
     return Confidence(covariance / np.outer(sizes, sizes), quantile, in_shares, inflation)
 
 

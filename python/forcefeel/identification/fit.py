@@ -8,12 +8,11 @@ import numpy as np
 from forcefeel.errors import InputError
 from forcefeel.identification.advice import advice_of
 from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.confidence import Confidence, confidence_of, half_widths
+from forcefeel.identification.confidence import Confidence, half_widths
 from forcefeel.identification.confusions import DETERMINED, confusions_of
 from forcefeel.identification.estimate import estimate_response
 from forcefeel.identification.experiments import Drive
 from forcefeel.identification.fitted_loader import fitted_loader
-from forcefeel.identification.jagged import surroundings
 from forcefeel.identification.linear import Law, LinearModel
 from forcefeel.identification.observations import Observation
 from forcefeel.identification.problem import Loss, Place, Problem
@@ -21,20 +20,12 @@ from forcefeel.identification.record_observation import RecordObservation
 from forcefeel.identification.record_run import RecordRun
 from forcefeel.identification.response_observation import ResponseObservation
 from forcefeel.identification.responses import Response
-from forcefeel.identification.result import Ended, Estimate, Fitted, Identification, RigidTest, Status
+from forcefeel.identification.result import Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.identification.rigid import rigid_test
+from forcefeel.identification.search import search
 from forcefeel.identification.suspicions import suspicions
-from forcefeel.identification.unknowns import Unknown, parameter_keys, starts, unknowns_of
+from forcefeel.identification.unknowns import Unknown, parameter_keys, unknowns_of
 from forcefeel.loader import Loader
-
-_SAME_COST = 0.01
-"""Relative; two searches that end within this are taken to have found the same place if their unknowns agree."""
-
-_SAME_PLACE = 0.02
-"""Shares of a value within which two ends of a search from afar are the same."""
-
-_DROP, _MOST_DESCENTS = 1.0, 4
-"""In units of the noise: a place lower by so much is worth going to; and how often."""
 
 MOST_STARTS = 256
 """More starts than anybody waits for."""
@@ -88,8 +79,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
             _suspect(loader, law, response)
     problem = Problem(unknowns, [_observe(it, loader, keys, law) for it in used], loss, priors)
     _check_points(problem)
-    place, ends = _search(problem, starts, progress or (lambda done, total: None))
-    place, confidence = _surely(problem, place)
+    place, confidence, ends = search(problem, starts, progress or (lambda done, total: None))
     estimates = _estimates(unknowns, problem, place, confidence)
     found = _at_estimates(loader, estimates)
     rigid, notes = _rigid(found, law, unknowns, used)
@@ -152,63 +142,6 @@ def _check_points(problem: Problem) -> None:
             f"data: expected {2 * unknowns} points at least for {unknowns} parameters, got {points}; measure more lines or fit "
             "fewer parameters"
         )
-
-
-def _search(problem: Problem, count: int, progress: Callable[[int, int], None]) -> tuple[Place, tuple[Ended, ...]]:
-    """The best place: from every start over a smaller set of the data, from the best ends over all."""
-    coarse = replace(problem, observations=[it.coarse() for it in problem.observations], _last={})
-    begun = starts(problem.unknowns, count)
-    afar: list[Place | None] = []
-    for values in begun:
-        progress(len(afar), count + 1)
-        begin = coarse.start(values)
-        runs = bool(np.isfinite(coarse.compare(begin)[0]).all())  # or the model diverges there
-        afar.append(coarse.search(begin, coarse=True) if runs else None)
-    reached = [it for it in afar if it is not None]
-    if not reached:
-        raise InputError(
-            "data: the model diverges at the file's values and at every other start; expected a loop that is stable there: check "
-            "the experiment, the law and the loader file"
-        )
-    progress(count, count + 1)
-    # Noise is found anew at each end, so what is left is compared by it.
-    best = min(reached, key=_left)
-    place = problem.search(best.x)
-    progress(count + 1, count + 1)
-    ends = tuple(
-        Ended(values, problem.values(it.x), _left(it), _same(it, best, len(problem.unknowns)))
-        for values, it in zip(begun, afar, strict=True)
-        if it is not None
-    )
-    return place, ends
-
-
-def _left(place: Place) -> float:
-    """What is left after a search: the mean logarithm of the noise, as in the likelihood of normal errors of unknown size."""
-    return float(np.mean(np.log(place.noise)))
-
-
-def _same(place: Place, best: Place, unknowns: int) -> bool:
-    near = np.allclose(place.x[:unknowns], best.x[:unknowns], rtol=_SAME_PLACE)
-    return near or abs(_left(place) - _left(best)) < _SAME_COST
-
-
-def _surely(problem: Problem, place: Place) -> tuple[Place, Confidence]:
-    """A place below which no lower one is in sight, and the confidence there, jags of the cost counted.
-
-    The cost of responses is smooth; only that of records has jags.
-    """
-    confidence = confidence_of(problem, place)
-    if not any(isinstance(it.data, BenchRecord) for it in problem.observations):
-        return place, confidence
-    around = surroundings(problem, place, confidence)
-    for _ in range(_MOST_DESCENTS):
-        if around.drop < _DROP:
-            break
-        place = problem.search(around.lowest)
-        confidence = confidence_of(problem, place)
-        around = surroundings(problem, place, confidence)
-    return place, confidence.widened(around.growth)
 
 
 def _estimates(

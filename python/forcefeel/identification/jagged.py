@@ -4,7 +4,8 @@ Dry friction that sticks and slips makes the residuals jump where a slip comes a
 with jags. The slopes at a low place know nothing of them, and the standard errors come out too small. So the cost is looked at some
 standard errors ``h`` to either side of each unknown, the others held or following along the ridge that the slopes tell, whichever
 is lower: ``cost(h) - cost(0) = a h^2`` with jags of the size J. The lowest place may then be anywhere up to ``h = sqrt(J / a)``
-away, and standard errors grow by ``sqrt(1 + J / a)``. A lower place that is found on the way is where the search goes on.
+away, and the slopes told ``a = b``, half the square of what coloured errors made of the standard error: it grows by
+``sqrt(max(b / a, 1) + J / a)``. A lower place that is found on the way is where the search goes on.
 """
 
 from dataclasses import dataclass
@@ -22,6 +23,9 @@ _FAR = (4.0, 16.0, 64.0)
 
 _BLIND = 0.01
 """Share of a value that stands for its standard error where the slopes see nothing of it."""
+
+_ABROAD = (-0.6, -0.3, -0.1, 0.1, 0.3, 0.6)
+"""Shares of a value away where a lower place is looked for, beyond what the standard errors reach."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +52,11 @@ def surroundings(problem: Problem, place: Place, confidence: Confidence) -> Surr
         seen = bool(np.isfinite(deviation) and deviation > 0)
         alone = np.where(np.arange(count) == j, deviation if seen else _BLIND, 0.0) * sizes
         ridge = confidence.covariance[:count, j] / deviation * sizes if seen else alone
-        found = _growth(look, (alone, ridge))
+        told = 0.5 * float(confidence.inflation[j]) ** 2 if seen else 0.5
+        found = _growth(look, (alone, ridge), told)
         growth[j] = found if seen else 1.0  # without slopes there is no standard error to grow
+        for share in _ABROAD:
+            look.rise(np.where(np.arange(count) == j, share, 0.0) * sizes)
     return Surroundings(growth, look.lowest, look.drop)
 
 
@@ -73,8 +80,8 @@ class _Look:
         return rise
 
 
-def _growth(look: _Look, directions: tuple[NDArray[np.float64], ...]) -> float:
-    """Growth of one standard error; each direction is its step of one."""
+def _growth(look: _Look, directions: tuple[NDArray[np.float64], ...], told: float) -> float:
+    """Growth of one standard error; each direction is its step of one, ``told`` the parabola that the slopes promise."""
 
     def rise(h: float) -> float:
         return min(look.rise(h * direction) for direction in directions)
@@ -85,6 +92,6 @@ def _growth(look: _Look, directions: tuple[NDArray[np.float64], ...]) -> float:
         curvature = float(np.mean(list(outer.values()))) / far**2
         if min(outer.values()) > 0:
             jags = max(abs(it - curvature * h**2) for h, it in inner.items())
-            return float(np.sqrt(1 + jags / curvature))
+            return float(np.sqrt(max(told / curvature, 1.0) + jags / curvature))
         inner.update(outer)
     return float("inf")
