@@ -2,10 +2,10 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import typer
 from rich.console import Console
@@ -146,16 +146,31 @@ def _estimated(found: Identification, given: _DATA) -> list[Response]:
     return [one for one in data_of(found.fitted) if isinstance(one, Response) and id(one) not in own]
 
 
+_COLUMNS: Mapping[str, Literal["left", "right"]] = {
+    "parameter": "left",
+    "file": "right",
+    "estimate": "right",
+    "unit": "right",
+    "error": "right",
+    "error, %": "right",
+    "95 % interval": "right",
+    "status": "left",
+}
+_WIDE, _WIDE_ONLY = 120, ("error", "95 % interval")
+"""Characters from which on a terminal has room for all columns, and those that the page has too."""
+
+
 def _show(console: Console, found: Identification, units: UnitSystem) -> None:
     table = Table(
         title=f"{found.before.name}, identified; error is the standard error", title_justify="left", title_style="bold"
     )
-    table.add_column("parameter", no_wrap=True)
-    for name in ("file", "estimate", "unit", "error", "error, %", "95 % interval"):
-        table.add_column(name, justify="right")
-    table.add_column("status")
+    narrow = console.width < _WIDE
+    shown = [name for name in _COLUMNS if not narrow or name not in _WIDE_ONLY]
+    for name in shown:
+        table.add_column(name, justify=_COLUMNS[name], no_wrap=name != "unit")
     for one in found.estimates:
-        table.add_row(*_row(one, units))
+        row = dict(zip(_COLUMNS, _row(one, units), strict=True))
+        table.add_row(*(row[name] for name in shown))
     console.print(table)
     said = identification_conclusions(found, units)
     console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False, markup=False)

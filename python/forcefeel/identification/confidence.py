@@ -2,8 +2,8 @@
 
 ``H = J^T W J`` with the slopes J in units of the noise and the weights W of the robust loss. The covariance is
 ``H^-1 M H^-1`` with ``M = n/(n - 1) sum_c g_c g_c^T`` over pieces of data whose errors are independent, ``g_c = J_c^T W_c r_c``:
-right also where the errors within a piece hang together, because noise is coloured or the model leaves something out; but no standard
-error is smaller than the one of independent errors, ``H^-1``.
+right also where the errors within a piece hang together, because noise is coloured or the model leaves something out; but no
+standard error is smaller than the one of independent errors, ``H^-1``.
 
 Source: H. White, Econometrica 48 (1980) 817; K.-Y. Liang, S. L. Zeger, Biometrika 73 (1986) 13.
 """

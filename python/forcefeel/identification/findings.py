@@ -95,14 +95,19 @@ def _doubt(found: Identification, units: UnitSystem) -> str:
             "model of this machine under this experiment. Look at its plot; a fit of records has friction and limits in play, "
             "one of responses has not."
         )
+    if not found.determined or not any(model_error(one, units) for one in found.fitted):
+        return ""
     loose = [pair for pair in strong_pairs(found) if abs(pair[2]) > ONE_DIRECTION]
-    if found.determined and loose and any(model_error(one, units) for one in found.fitted):
+    if loose:
         first, second, size = loose[0]
         return (
             f" But the model misses more than noise, and the data hardly tell {first} from {second} (correlation "
             f"{correlation_text(size)}): what it misses can move both by far more than their standard errors say."
         )
-    return ""
+    return (
+        " But the model misses more than noise, so the estimates can be off by more than these errors; fit what it leaves out too, "
+        "such as friction."
+    )
 
 
 def _moved(found: Identification, units: UnitSystem) -> list[str]:

@@ -19,6 +19,9 @@ from forcefeel.units import UnitSystem
 MOST_POINTS = 2000
 """Most points of a drawn curve; of a longer one the lowest and the highest of each stretch are drawn."""
 
+MOST_SWINGS, SHOWN_SWINGS = 100, 40
+"""Crossings of its mean up to which a channel is drawn whole, and how many are drawn of one that has more."""
+
 _NORMAL_95 = 1.96
 _MEASURED, _FITTED, _BEFORE = Look("#8DBBDD", "solid", 1.4), Look(COMPENSATED, "solid", 2.2), Look(IDEAL, "dash", 1.6)
 _MISSED, _BAND = "#A8568A", "rgba(138,147,158,0.22)"
@@ -115,27 +118,29 @@ def response(one: Fitted, data: Response, units: UnitSystem) -> go.Figure:
 
 def record(one: Fitted, units: UnitSystem) -> go.Figure:
     """A channel over time, measured and modelled, and what is left of it."""
-    picture = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.06, row_heights=[0.66, 0.34])
+    picture = make_subplots(rows=2, cols=1, vertical_spacing=0.14, row_heights=[0.66, 0.34])
     shown = channel_unit(one.channel)
     scale, unit = shown.from_si(1.0, units), unit_text(shown.shown(units))
     measured, modelled, before = (scale * np.real(values) for values in (one.measured, one.modelled, one.before))
     hover = f"%{{y:.4~g}} {unit}"
+    left = measured - modelled
+    near = stretch(measured, left)
     for name, values, look in (
         ("measured", measured, _MEASURED),
         ("the file's model", before, _BEFORE),
         ("fitted", modelled, _FITTED),
     ):
-        kept = drawn(values)
+        kept = near[drawn(values[near])]
         _line(picture, 1, one.at[kept], values[kept], name, look, hover)
-    left = measured - modelled
     kept = drawn(left)
     _line(picture, 2, one.at[kept], left[kept], "measured less fitted", Look(_MISSED, "solid", 1.2), hover)
     frame(picture, 520, top=60)
     picture.update_yaxes(automargin=True)  # small errors have long numbers
     picture.update_yaxes(title_text=f"{one.channel.replace('_', ' ').capitalize()}, {unit}", row=1, col=1)
     picture.update_yaxes(title_text=f"Left, {unit}", row=2, col=1, **ZERO)
-    picture.update_xaxes(range=[float(one.at[0]), float(one.at[-1])], unifiedhovertitle={"text": "%{x:.4~f} s"})
-    picture.update_xaxes(title_text="Time, s", row=2, col=1)
+    for row, at in ((1, one.at[near]), (2, one.at)):
+        picture.update_xaxes(range=[float(at[0]), float(at[-1])], title_text="Time, s", row=row, col=1)
+    picture.update_xaxes(unifiedhovertitle={"text": "%{x:.4~f} s"})
     return picture
 
 
@@ -151,6 +156,16 @@ def phases(one: Fitted) -> dict[str, NDArray[np.float64]]:
         "the file's model": np.degrees(before),
         "fitted": np.degrees(fitted),
     }
+
+
+def stretch(measured: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Which samples the overlay shows: all, or where a channel swings too often to be seen, some swings about what is left most."""
+    count, swings = len(measured), int(np.count_nonzero(np.diff(np.signbit(measured - np.mean(measured)))))
+    if swings <= MOST_SWINGS:
+        return np.arange(count)
+    shown = max(count * SHOWN_SWINGS // swings, 2)
+    first = min(max(int(np.argmax(np.abs(left))) - shown // 2, 0), count - shown)
+    return np.arange(first, first + shown)
 
 
 def drawn(values: NDArray[np.float64]) -> NDArray[np.intp]:
