@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linprog, minimize
 
-GAP = 1e-6
-"""How far below the greatest possible ln det M the found one may lie at most: a millionth of the generalised variance."""
+GAP = 1e-5
+"""How far below the greatest possible ln det M the found one may lie at most: so much of the generalised variance."""
 
+_ENOUGH = 1e-6  # the rounds end there; where rounding keeps SLSQP from it, within GAP
 _ROUNDS = 12
 _WORKING = 40
 _UNUSED = 1e-9  # share of the largest power that one limit would let a line have
@@ -132,7 +133,7 @@ def optimal_power(problem: PowerProblem) -> OptimalPower:
         gap, multipliers, towards = problem.certify(power)
         if gap < best.gap:
             best = OptimalPower(power, multipliers, gap)
-        if gap < GAP:
+        if gap < _ENOUGH:
             break
         slack = problem.sensitivity(power) - multipliers @ problem.cost
         used = (power - problem.floor > _UNUSED * most) | (towards > problem.floor)

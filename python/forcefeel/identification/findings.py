@@ -1,11 +1,12 @@
 """What an identification says, in sentences."""
 
 import math
+from collections.abc import Sequence
 
 from forcefeel.findings import Conclusions, beyond_linear
 from forcefeel.identification.misfit import UNEXPLAINED, model_error, size_text, unexplained
 from forcefeel.identification.responses import Response
-from forcefeel.identification.result import Ended, Estimate, Identification, RigidTest, Status
+from forcefeel.identification.result import Ended, Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.identification.shown import (
     error,
     estimated,
@@ -95,7 +96,8 @@ def _doubt(found: Identification, units: UnitSystem) -> str:
             "model of this machine under this experiment. Look at its plot; a fit of records has friction and limits in play, "
             "one of responses has not."
         )
-    if not found.determined or not any(model_error(one, units) for one in found.fitted):
+    missed = [one for one in found.fitted if model_error(one, units)]
+    if not found.determined or not missed:
         return ""
     loose = [pair for pair in strong_pairs(found) if abs(pair[2]) > ONE_DIRECTION]
     if loose:
@@ -104,10 +106,12 @@ def _doubt(found: Identification, units: UnitSystem) -> str:
             f" But the model misses more than noise, and the data hardly tell {first} from {second} (correlation "
             f"{correlation_text(size)}): what it misses can move both by far more than their standard errors say."
         )
-    return (
-        " But the model misses more than noise, so the estimates can be off by more than these errors; fit what it leaves out too, "
-        "such as friction."
-    )
+    return f" But the model misses more of {_first_two(missed)} than noise, so the estimates can be off by more than these errors."
+
+
+def _first_two(missed: Sequence[Fitted]) -> str:
+    """What is missed, two of them by name."""
+    return " and ".join([*map(title_of, missed[:2]), *(["others"] if len(missed) > 2 else [])])
 
 
 def _moved(found: Identification, units: UnitSystem) -> list[str]:
