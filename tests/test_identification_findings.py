@@ -211,7 +211,7 @@ def test_an_error_of_the_model_is_no_noise():
 
 def test_a_model_that_does_not_explain_the_data_is_not_to_be_relied_on():
     far = response_fitted(stated=None, left=0.4)
-    conclusions, _ = said(dataclasses.replace(determined(), fitted=(*record_fitted(), far)))
+    conclusions, _ = said(dataclasses.replace(determined(), fitted=(*record_fitted(), far), loader=None))
     assert not conclusions.good
     assert "But do not rely on them: the model misses closed, column angle over test signal by" in conclusions.verdict
     lost, _ = said(dataclasses.replace(undetermined(), fitted=(far,)))

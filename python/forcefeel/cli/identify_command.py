@@ -127,7 +127,7 @@ def run_identify(path: Path | None, options: IdentifyOptions, units: UnitSystem,
         print(f"page: {page}")
         if written:
             print(f"loader: {written}")
-    if not found.determined:
+    if found.loader is None:
         raise typer.Exit(1)
 
 

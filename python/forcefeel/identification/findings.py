@@ -59,7 +59,7 @@ def identification_conclusions(found: Identification, units: UnitSystem) -> Conc
         _left_out(found),
         *found.notes,
     )
-    good = found.determined and not any(unexplained(one) > UNEXPLAINED for one in found.fitted)
+    good = found.loader is not None
     return Conclusions(good, _verdict(found, units) + _doubt(found, units), tuple(line for line in lines if line))
 
 
@@ -91,10 +91,11 @@ def _doubt(found: Identification, units: UnitSystem) -> str:
     if bad:
         it = "it" if len(found.estimates) == 1 else "them"
         start = f"But do not rely on {it}: the" if found.determined else "Besides, the"
+        unwritten = " No loader file is written." if found.determined else ""
         return (
-            f" {start} model misses {title_of(bad[-1])} by {percent(unexplained(bad[-1]))}, so it is not the "
-            "model of this machine under this experiment. Look at its plot; a fit of records has friction and limits in play, "
-            "one of responses has not."
+            f" {start} model misses {title_of(bad[-1])} by {percent(unexplained(bad[-1]))}, so it is not the model of this "
+            f"machine under this experiment.{unwritten} Look at its plot; a fit of records has friction and limits in play, one of responses has "
+            "not."
         )
     missed = [one for one in found.fitted if model_error(one, units)]
     if not found.determined or not missed:

@@ -1,6 +1,7 @@
 """A loader from bench data."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from forcefeel.identification.estimate import estimate_response
 from forcefeel.identification.experiments import Drive
 from forcefeel.identification.fitted_loader import fitted_loader
 from forcefeel.identification.linear import Law, LinearModel
+from forcefeel.identification.misfit import explained
 from forcefeel.identification.observations import Observation
 from forcefeel.identification.problem import Loss, Place, Problem
 from forcefeel.identification.record_observation import RecordObservation
@@ -74,8 +76,8 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         raise InputError(f"starts: expected 1 to {MOST_STARTS}, got {starts}")
     _check_valve(loader, keys, data, as_responses=as_responses)
     used = [it for one in data for it in (_as_responses(one) if as_responses else [one])]
-    for response in used:
-        if isinstance(response, Response):
+    for it in used:
+        for response in [it] if isinstance(it, Response) else _seen_in(it):
             _suspect(loader, law, response)
     problem = Problem(unknowns, [_observe(it, loader, keys, law) for it in used], loss, priors)
     _check_points(problem)
@@ -95,7 +97,8 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         notes=notes,
     )
     if identified.determined:
-        return replace(identified, loader=fitted_loader(identified))
+        sound = explained(identified.fitted)
+        return replace(identified, loader=fitted_loader(identified)) if sound else identified
     return replace(identified, advice=advice_of(found, law, unknowns, confidence.information))
 
 
@@ -119,6 +122,16 @@ def _as_responses(data: Response | BenchRecord) -> list[Response]:
     if data.experiment.drive is Drive.RELEASE:
         raise InputError(f"{data.name}: a release has no frequency response; leave it out, or fit records as they are")
     return [estimate_response(data, channel) for channel in data.channels if channel not in set(Drive)]
+
+
+def _seen_in(record: BenchRecord) -> list[Response]:
+    """The responses of a record as far as it has any: only to see whether it is what it is said to be."""
+    found = []
+    for name in record.channels if record.experiment.drive is not Drive.RELEASE else ():
+        if name not in set(Drive):
+            with suppress(InputError):  # uneven samples, a step or a slow sweep: nothing to see there
+                found.append(estimate_response(record, name))
+    return found
 
 
 def _suspect(loader: Loader, law: Law, response: Response) -> None:

@@ -1,6 +1,7 @@
 """What a fit leaves of the data: beside the noise that they state, and as a share of what they show."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -25,11 +26,16 @@ def stated_noise(one: Fitted) -> float | None:
 
 
 def unexplained(one: Fitted) -> float:
-    """What the model misses: the relative error of a response; of a record a share of its channel's standard deviation."""
+    """What the model misses beyond noise: relative error of a response; of a record a share of its channel's standard deviation."""
     if isinstance(one.data, Response):
-        return one.residual_rms
+        return math.sqrt(max(one.residual_rms**2 - (stated_noise(one) or 0.0) ** 2, 0.0))
     moves = float(one.measured.real.std())
     return missed_and_noise(one)[0] / moves if moves else math.inf
+
+
+def explained(fitted: Sequence[Fitted]) -> bool:
+    """Whether the model is that of the machine, under every experiment."""
+    return all(unexplained(one) <= UNEXPLAINED for one in fitted)
 
 
 def missed_and_noise(one: Fitted) -> tuple[float, float]:

@@ -154,7 +154,7 @@ class Identification:
         rigid: Whether the link is compliant; ``None`` where it cannot be judged, and why stands in ``notes``.
         notes: What is worth knowing, a sentence each.
         loader: The loader with the estimates, their standard errors as tolerances and the data's hash as source; ``None`` where a
-            parameter is not determined.
+            parameter is not determined, or the model does not explain the data.
     """
 
     before: Loader

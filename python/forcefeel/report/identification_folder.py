@@ -31,7 +31,8 @@ def write_identification(
 ) -> Path:
     """Writes ``loader.toml``, ``results.json`` and ``identification.html``, the page last.
 
-    ``loader.toml`` is written only where every parameter is determined; one that an earlier identification left there goes. Other
+    ``loader.toml`` is written only where every parameter is determined and the model explains the data; one that an earlier
+    identification left there goes. Other
     files in the folder are left alone.
 
     Args:
