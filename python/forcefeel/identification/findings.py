@@ -94,8 +94,8 @@ def _doubt(found: Identification, units: UnitSystem) -> str:
         unwritten = " No loader file is written." if found.determined else ""
         return (
             f" {start} model misses {title_of(bad[-1])} by {percent(unexplained(bad[-1]))}, so it is not the model of this "
-            f"machine under this experiment.{unwritten} Look at its plot; a fit of records has friction and limits in play, one of responses has "
-            "not."
+            f"machine under this experiment.{unwritten} Look at its plot; a fit of records has friction and limits in play, one of "
+            "responses has not."
         )
     missed = [one for one in found.fitted if model_error(one, units)]
     if not found.determined or not missed:
