@@ -8,11 +8,17 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.errors import InputError
 from forcefeel.identification.bench_records import BenchRecord
+from forcefeel.identification.confidence import confidence_of
 from forcefeel.identification.experiments import Experiment
 from forcefeel.identification.fit import identify
+from forcefeel.identification.jagged import surroundings
+from forcefeel.identification.problem import Problem
+from forcefeel.identification.record_observation import RecordObservation
 from forcefeel.identification.record_run import RecordRun
 from forcefeel.identification.result import Status
+from forcefeel.identification.unknowns import parameter_keys, unknowns_of
 from tests import nonlinear_witness, witness
 from tests.bench_witness import TRUTH_SI
 
@@ -186,3 +192,66 @@ def test_what_a_record_does_not_excite_is_not_reported(loader):
     found = identify(loader, [data], "c,w_n", starts=1)
     assert found["w_n"].status is Status.UNDETERMINED
     assert found.loader is None
+
+
+def slow(t):
+    """A force at the grip in lb, up and down once in 8 s."""
+    return 16.0 * math.sin(2 * math.pi * t / 8.0)
+
+
+@cache
+def swept():
+    """The whole loader under its original law, with a breakaway force above its dry friction: it sticks, then slips."""
+    time_s = np.arange(4001) / 500.0
+    machine = replace(TRUTH, static_friction=1.9)
+    run = nonlinear_witness.simulate(machine, (slow, []), 8.0, time_s, solver=nonlinear_witness.Solver("LSODA", 1e-9))
+    return record(
+        "slow", "sweep", time_s, run, {"pilot_force": np.array([slow(t) for t in time_s]) * witness.LBF}, 0.003, 6
+    )
+
+
+def test_a_breakaway_force_is_found_though_the_record_answers_it_in_jumps(loader):
+    """From a file that has none: at the dry friction and below it the slopes see nothing of it."""
+    start = true_loader(loader).replace({"column.coulomb_friction": "2 lb", "column.static_friction": "2 lb"})
+    found = identify(start, [swept()], "F_c,F_s", starts=2)
+    assert found.determined
+    assert found["F_c"].value == pytest.approx(1.3 * witness.LBF, rel=0.01)
+    assert found["F_s"].value == pytest.approx(1.9 * witness.LBF, rel=0.1)
+    assert found["F_s"].low < 1.9 * witness.LBF < found["F_s"].high
+
+
+def test_jags_widen_a_standard_error_and_a_smooth_cost_does_not(loader):
+    """The column turns round many times in the push, and each time it sticks for a moment, sooner or later as the friction is."""
+    growth = {}
+    for fit in ("k,c,J,C_i", "k,c,J,C_i,F_c"):
+        start, keys = true_loader(loader), parameter_keys(fit)
+        run = RecordRun(push_record(noise=0.01), start, None)
+        problem = Problem(unknowns_of(start, keys), [RecordObservation(run, keys)])
+        place = problem.search(problem.start(np.array([start[key] for key in keys])))
+        growth[fit] = surroundings(problem, place, confidence_of(problem, place)).growth
+    assert np.all(growth["k,c,J,C_i"] < 1.01)
+    assert growth["k,c,J,C_i,F_c"][4] > 1.5
+
+
+def test_a_record_under_another_experiment_leads_to_no_loader_file(loader):
+    data = replace(push_record(noise=0.01), experiment=Experiment.read("loader"))
+    found = identify(loader, [data], "k,c", starts=1)
+    assert found.loader is None
+
+
+def test_a_channel_with_the_wrong_sign_is_named(loader):
+    time_s = np.arange(4001) / 500.0
+    signal = 2.0 * np.sin(2 * np.pi * (0.3 + 1.2 * time_s) * time_s) * np.clip(time_s, 0, 1)
+    schedule = ff.Schedule(tuple(time_s.tolist()), tuple(signal.tolist()))
+    law = ff.Compensator.position_loop(loader.values)
+    scenario = ff.Scenario(test_signal_v=schedule, duration_s=8.0, sample_s=2e-3)
+    angle = ff.simulate(loader, scenario, law).history["column_angle_rad"].values
+    given = {"test_signal": signal, "column_angle": -angle}
+    data = BenchRecord("turned", Experiment.read("servo-closed"), time_s, given)
+    with pytest.raises(InputError, match="polarity seems reversed"):
+        identify(loader, [data], "k,c", starts=1)
+
+
+def test_gains_of_an_operating_point_are_refused_where_records_run_through_an_orifice(loader):
+    with pytest.raises(InputError, match=r"follows the orifice, eq\. \(1\).*fit valve\.rated_flow"):
+        identify(loader.replace({"valve.orifice": True}), [push_record()], "k,C_i", starts=1)
