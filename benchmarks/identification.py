@@ -13,8 +13,8 @@ import time
 import numpy as np
 
 import forcefeel as ff
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.experiments import Experiment
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.records import BenchRecord
 from forcefeel.identification.fit import identify
 from forcefeel.identification.record_run import RecordRun
 from forcefeel.inputs import Multisine, Schedule

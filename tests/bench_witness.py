@@ -4,8 +4,8 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from forcefeel.identification.experiments import Experiment
-from forcefeel.identification.responses import Response
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.responses import Response
 from tests import witness
 
 TRUTH = {"linkage.stiffness": 5230.0, "linkage.damping": 19.4, "column.inertia": 40.6, "valve.current_gain": 4.87}

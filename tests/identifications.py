@@ -5,9 +5,9 @@ import re
 import numpy as np
 
 import forcefeel as ff
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.experiments import Drive, Experiment, Loop
-from forcefeel.identification.responses import Response
+from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.responses import Response
 from forcefeel.identification.result import (
     Advice,
     Confusion,

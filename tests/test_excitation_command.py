@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.record_file import read_bench_record
 from forcefeel.excitation import ExcitationPlan, excite, write_excitation
-from forcefeel.identification.experiments import Experiment
-from forcefeel.identification.record_file import read_bench_record
 from forcefeel.inputs.columns import Column, read_csv
 from forcefeel.units import UnitSystem
 from tests.command_line import runner

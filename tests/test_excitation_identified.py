@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.records import BenchRecord
 from forcefeel.excitation import ExcitationPlan, excite
-from forcefeel.identification.bench_records import BenchRecord
 from forcefeel.identification.fit import identify
 from forcefeel.simulation.scenario import Scenario
 

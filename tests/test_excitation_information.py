@@ -6,10 +6,10 @@ from scipy.optimize import least_squares
 from scipy.stats import chi2
 
 import forcefeel as ff
+from forcefeel.bench.channels import OUTPUTS
+from forcefeel.bench.experiments import Loop
 from forcefeel.excitation import ExcitationPlan, NotSeparableError, excite
 from forcefeel.excitation.information import line_information, relative_errors
-from forcefeel.identification.channels import OUTPUTS
-from forcefeel.identification.experiments import Loop
 from forcefeel.identification.linear import channel_responses
 from forcefeel.simulation.scenario import Scenario
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.response_file import read_response
+from forcefeel.bench.responses import Response
 from forcefeel.cli import identify_command
 from forcefeel.cli.bench_data import by_stem, names_by_stem
 from forcefeel.cli.resonance_command import read_band
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.experiments import Drive, Experiment, Loop
-from forcefeel.identification.response_file import read_response
-from forcefeel.identification.responses import Response
 from forcefeel.models import Linkage, servo
 from forcefeel.report.identification_folder import LOADER, PAGE, RESULTS
 from tests.command_line import runner

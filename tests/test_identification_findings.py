@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.response_file import read_response
 from forcefeel.identification.findings import (
     correlation_text,
     identification_conclusions,
@@ -17,7 +18,6 @@ from forcefeel.identification.findings import (
 )
 from forcefeel.identification.misfit import UNEXPLAINED, unexplained
 from forcefeel.identification.plain import FitSettings, plain_identification, response_csv
-from forcefeel.identification.response_file import read_response
 from forcefeel.identification.result import Status
 from forcefeel.identification.shown import digits_of, estimated, interval, percent, rounded
 from forcefeel.report.identification_plots import MOST_POINTS, drawn, phases

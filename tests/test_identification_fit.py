@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.experiments import Experiment, Loop
+from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
-from forcefeel.identification.experiments import Experiment, Loop
 from forcefeel.identification.fit import identify
 from forcefeel.identification.linear import LinearModel
-from forcefeel.identification.responses import Response
 from forcefeel.identification.result import Status
 from forcefeel.models import Linkage
 from forcefeel.tolerances import Distribution

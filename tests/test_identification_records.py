@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord
 from forcefeel.identification.confidence import confidence_of
-from forcefeel.identification.experiments import Experiment
 from forcefeel.identification.fit import identify
 from forcefeel.identification.jagged import surroundings
 from forcefeel.identification.problem import Problem

@@ -9,8 +9,8 @@ from forcefeel.errors import InputError
 from forcefeel.units import show
 
 if TYPE_CHECKING:
-    from forcefeel.identification.bench_records import BenchRecord, Hold
-    from forcefeel.identification.responses import Response
+    from forcefeel.bench.records import BenchRecord, Hold
+    from forcefeel.bench.responses import Response
 
 _HOLDS: dict[str, "Hold"] = {"straight": "straight", "staircase": "staircase"}
 
@@ -39,7 +39,7 @@ class BenchData:
         Raises:
             InputError: If an option is bad or a file is.
         """
-        from forcefeel.identification.bench_file import read_bench_data  # noqa: PLC0415  SciPy
+        from forcefeel.bench.data_file import read_bench_data  # noqa: PLC0415  SciPy
 
         stems = self._stems()
         experiment, source, target = (

@@ -10,6 +10,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from forcefeel.bench.channels import CHANNELS, channel
+from forcefeel.bench.experiments import Drive, Experiment
 from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.scenario_text import assignments
 from forcefeel.designs.setting_laws import own_law
@@ -19,8 +21,6 @@ from forcefeel.excitation.bench_file import check_excitation_file
 from forcefeel.excitation.limits import KINDS
 from forcefeel.excitation.plain import plain_excitation
 from forcefeel.excitation.plan import Kind
-from forcefeel.identification.channels import CHANNELS, channel
-from forcefeel.identification.experiments import Drive, Experiment
 from forcefeel.identification.shown import percent
 from forcefeel.loader import Loader, open_loader
 from forcefeel.parameters import TABLE, with_unit

@@ -11,6 +11,9 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from forcefeel.bench.experiments import Loop
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.responses import Response
 from forcefeel.cli.bench_data import BenchData
 from forcefeel.cli.identify_options import IdentifyLoss
 from forcefeel.cli.progress import all_or_nothing
@@ -18,12 +21,9 @@ from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.scenario_text import assignments
 from forcefeel.designs.setting_laws import own_law
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.experiments import Loop
 from forcefeel.identification.findings import identification_conclusions
 from forcefeel.identification.fit import identify
 from forcefeel.identification.plain import FitSettings, plain_identification
-from forcefeel.identification.responses import Response
 from forcefeel.identification.result import Estimate, Identification, Status, data_of
 from forcefeel.identification.shown import error, estimated, interval, nominal, relative_error, rounded, unit_of
 from forcefeel.loader import BUILT_IN, Loader, open_loader

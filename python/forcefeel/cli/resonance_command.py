@@ -9,14 +9,14 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from forcefeel.bench.channels import OUTPUTS, channel
+from forcefeel.bench.estimate import estimate_response
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.resonance import Reading, Resonance, link_from_resonance, read_resonance
+from forcefeel.bench.responses import Response
 from forcefeel.cli.bench_data import BenchData
 from forcefeel.cli.scenario_text import assignments
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.channels import OUTPUTS, channel
-from forcefeel.identification.estimate import estimate_response
-from forcefeel.identification.resonance import Reading, Resonance, link_from_resonance, read_resonance
-from forcefeel.identification.responses import Response
 from forcefeel.loader import Loader, open_loader
 from forcefeel.parameters import ALTERNATIVES, TABLE, unit, with_unit
 from forcefeel.results import Plain, quantity

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
 from forcefeel.excitation.limits import limits_of
 from forcefeel.excitation.lines import Lines, lines_of
@@ -14,7 +15,6 @@ from forcefeel.excitation.plan import ExcitationPlan, Timing, spectral_lines, ti
 from forcefeel.excitation.rehearsal import Bench, fit_to_limits
 from forcefeel.excitation.result import EVEN_SHARE, Excitation, LimitUse
 from forcefeel.excitation.waves import Wave, chirps, multisine
-from forcefeel.identification.experiments import Drive, Experiment, Loop
 from forcefeel.identification.linear import Law
 from forcefeel.identification.unknowns import parameter_keys, unknowns_of
 from forcefeel.loader import Loader

@@ -7,8 +7,8 @@ from types import MappingProxyType
 
 import numpy as np
 
+from forcefeel.bench.experiments import Drive
 from forcefeel.errors import InputError
-from forcefeel.identification.experiments import Drive
 from forcefeel.identification.shown import channel_unit, percent
 from forcefeel.inputs.sampled import check_number
 from forcefeel.loader import Loader

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.channels import INPUTS, OUTPUTS
+from forcefeel.bench.experiments import Experiment
 from forcefeel.errors import InputError
 from forcefeel.excitation.information import check_separable, line_information
 from forcefeel.excitation.limits import Limit
 from forcefeel.excitation.optimal_power import PowerProblem
 from forcefeel.excitation.plan import ExcitationPlan
-from forcefeel.identification.channels import INPUTS, OUTPUTS
-from forcefeel.identification.experiments import Experiment
 from forcefeel.identification.linear import Law, channel_responses
 from forcefeel.loader import Loader
 

@@ -2,8 +2,8 @@
 
 from typing import Any
 
+from forcefeel.bench.channels import CHANNELS, INPUTS
 from forcefeel.excitation.result import Excitation
-from forcefeel.identification.channels import CHANNELS, INPUTS
 from forcefeel.parameters import TABLE, unit
 from forcefeel.units import UnitSystem
 

@@ -8,8 +8,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.channels import OUTPUTS
 from forcefeel.errors import InputError
-from forcefeel.identification.channels import OUTPUTS
 from forcefeel.inputs.sampled import check_number
 from forcefeel.loader import Loader
 from forcefeel.units import show

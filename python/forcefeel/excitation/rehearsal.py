@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
+from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
 from forcefeel.excitation.limits import Limit
-from forcefeel.identification.experiments import Drive, Experiment, Loop
 from forcefeel.identification.linear import Law
 from forcefeel.inputs import Recorded, Schedule
 from forcefeel.loader import Loader

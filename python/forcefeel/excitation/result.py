@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.experiments import Experiment
 from forcefeel.excitation.information import named, relative_errors
 from forcefeel.excitation.limits import Limit
 from forcefeel.excitation.plan import ExcitationPlan
-from forcefeel.identification.experiments import Experiment
 from forcefeel.identification.shown import channel_unit, percent
 from forcefeel.loader import Loader
 from forcefeel.units import UnitSystem, to_text

@@ -1,6 +1,6 @@
-"""A loader from bench data: what was measured, how it is compared with the model, and how sure the parameters are.
+"""A loader from bench data: how they are compared with the model, and how sure the parameters are.
 
-To read in this order: ``experiments`` and ``channels``, what a bench does and sees; ``bench_file``, its files; ``estimate``,
-frequency responses from records; ``suspicions``, data that are not what they are said to be; ``linear`` and ``record_run``, the
-model and its slopes; ``problem`` and ``confidence``, the fit; ``fit``, all of it; ``resonance``, the quick way.
+To read in this order: ``unknowns``, what is to be found; ``linear`` and ``record_run``, the model and its slopes; ``observations``,
+data against it; ``problem``, ``search`` and ``jagged``, the fit; ``confidence``, how sure it is; ``confusions`` and ``advice``,
+what the data cannot tell apart and what would; ``rigid``, whether the link is compliant; ``fit``, all of it.
 """

@@ -9,10 +9,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.identification.channels import OUTPUTS
+from forcefeel.bench.channels import OUTPUTS
+from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.identification.confidence import half_widths
 from forcefeel.identification.confusions import DETERMINED
-from forcefeel.identification.experiments import Drive, Experiment, Loop
 from forcefeel.identification.linear import Law, LinearModel
 from forcefeel.identification.result import Advice
 from forcefeel.identification.unknowns import Unknown

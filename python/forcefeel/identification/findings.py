@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 
+from forcefeel.bench.responses import Response
 from forcefeel.findings import Conclusions, beyond_linear
 from forcefeel.identification.misfit import UNEXPLAINED, model_error, size_text, unexplained
-from forcefeel.identification.responses import Response
 from forcefeel.identification.result import Ended, Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.identification.shown import (
     error,

@@ -6,13 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from forcefeel.bench.estimate import estimate_response
+from forcefeel.bench.experiments import Drive
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.responses import Response
+from forcefeel.bench.suspicions import suspicions
 from forcefeel.errors import InputError
 from forcefeel.identification.advice import advice_of
-from forcefeel.identification.bench_records import BenchRecord
 from forcefeel.identification.confidence import Confidence, half_widths
 from forcefeel.identification.confusions import DETERMINED, confusions_of
-from forcefeel.identification.estimate import estimate_response
-from forcefeel.identification.experiments import Drive
 from forcefeel.identification.fitted_loader import fitted_loader
 from forcefeel.identification.linear import Law, LinearModel
 from forcefeel.identification.misfit import explained
@@ -21,11 +23,9 @@ from forcefeel.identification.problem import Loss, Place, Problem
 from forcefeel.identification.record_observation import RecordObservation
 from forcefeel.identification.record_run import RecordRun
 from forcefeel.identification.response_observation import ResponseObservation
-from forcefeel.identification.responses import Response
 from forcefeel.identification.result import Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.identification.rigid import rigid_test
 from forcefeel.identification.search import search
-from forcefeel.identification.suspicions import suspicions
 from forcefeel.identification.unknowns import Unknown, parameter_keys, unknowns_of
 from forcefeel.loader import Loader
 

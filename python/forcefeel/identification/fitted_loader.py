@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.responses import Response
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.responses import Response
 from forcefeel.identification.result import Estimate, Identification, data_of
 from forcefeel.loader import Loader
 from forcefeel.parameters import TABLE, limits_si

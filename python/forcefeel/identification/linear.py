@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
+from forcefeel.bench.channels import INPUTS, OUTPUTS
+from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
-from forcefeel.identification.channels import INPUTS, OUTPUTS
-from forcefeel.identification.experiments import Drive, Experiment, Loop
 from forcefeel.loader import Loader
 from forcefeel.models import Linkage
 from forcefeel.parameters import INDEX

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from forcefeel.identification.responses import Response
+from forcefeel.bench.responses import Response
 from forcefeel.identification.result import Fitted
 from forcefeel.identification.shown import channel_unit, percent, rounded, title_of
 from forcefeel.units import UnitSystem

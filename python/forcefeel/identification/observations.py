@@ -10,8 +10,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.responses import Response
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.responses import Response
 
 
 @dataclass(frozen=True, eq=False)

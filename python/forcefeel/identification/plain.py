@@ -7,9 +7,9 @@ from importlib.metadata import version
 
 import numpy as np
 
+from forcefeel.bench.responses import Response
 from forcefeel.identification.findings import identification_conclusions
 from forcefeel.identification.misfit import stated_noise
-from forcefeel.identification.responses import Response
 from forcefeel.identification.result import Ended, Estimate, Fitted, Identification, Status, data_of
 from forcefeel.identification.shown import NOT_DETERMINED, channel_unit, gain_unit
 from forcefeel.parameters import TABLE, unit

@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.experiments import Loop
+from forcefeel.bench.experiments import Loop
+from forcefeel.bench.records import BenchRecord
 from forcefeel.identification.observations import Compared, Curve
 from forcefeel.identification.record_run import Histories, RecordRun
 

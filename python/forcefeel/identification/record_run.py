@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from forcefeel import _core
+from forcefeel.bench.channels import OUTPUTS
+from forcefeel.bench.experiments import Drive
+from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.channels import OUTPUTS
-from forcefeel.identification.experiments import Drive
 from forcefeel.identification.linear import Law, engine_law
 from forcefeel.inputs import Recorded, Release, Schedule
 from forcefeel.loader import Loader

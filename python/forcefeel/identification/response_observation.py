@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.responses import Response
 from forcefeel.identification.linear import LinearModel
 from forcefeel.identification.observations import Compared, Curve
-from forcefeel.identification.responses import Response
 
 _LEAST_DEVIATION = 1e-4
 """Relative; no analyser is better, and a line of perfect coherence must not outweigh all others."""

@@ -7,8 +7,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.responses import Response
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.responses import Response
 from forcefeel.identification.unknowns import Unknown
 from forcefeel.loader import Loader
 from forcefeel.parameters import TABLE

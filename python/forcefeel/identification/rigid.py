@@ -9,10 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.stats import f as fisher
 
+from forcefeel.bench.responses import Response
 from forcefeel.identification.linear import Law, LinearModel
 from forcefeel.identification.problem import Problem
 from forcefeel.identification.response_observation import ResponseObservation
-from forcefeel.identification.responses import Response
 from forcefeel.identification.result import RigidTest
 from forcefeel.identification.unknowns import Unknown
 from forcefeel.loader import Loader

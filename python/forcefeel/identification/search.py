@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord
 from forcefeel.identification.confidence import Confidence, confidence_of
 from forcefeel.identification.jagged import surroundings
 from forcefeel.identification.problem import Place, Problem

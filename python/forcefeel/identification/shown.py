@@ -2,8 +2,8 @@
 
 import math
 
-from forcefeel.identification.channels import CHANNELS
-from forcefeel.identification.responses import Response
+from forcefeel.bench.channels import CHANNELS
+from forcefeel.bench.responses import Response
 from forcefeel.identification.result import Estimate, Fitted
 from forcefeel.parameters import TABLE, unit
 from forcefeel.run_findings import FORCE

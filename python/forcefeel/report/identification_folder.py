@@ -5,9 +5,9 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
 from forcefeel.identification.plain import FitSettings, plain_identification, response_csv
-from forcefeel.identification.responses import Response
 from forcefeel.identification.result import Identification
 from forcefeel.report.identification_page import identification_page
 from forcefeel.report.staging import write_together

@@ -10,10 +10,10 @@ import jinja2
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from forcefeel.bench.responses import Response
 from forcefeel.identification.findings import identification_conclusions
 from forcefeel.identification.misfit import size_text, stated_noise
 from forcefeel.identification.plain import FitSettings
-from forcefeel.identification.responses import Response
 from forcefeel.identification.result import Fitted, Identification, Status
 from forcefeel.identification.shown import title_of
 from forcefeel.report import identification_plots, identification_tables, machine

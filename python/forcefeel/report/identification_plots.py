@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from forcefeel.identification.responses import Response
+from forcefeel.bench.responses import Response
 from forcefeel.identification.result import Estimate, Fitted, Identification, Status
 from forcefeel.identification.shown import NOT_DETERMINED, channel_unit, gain_unit
 from forcefeel.parameters import TABLE

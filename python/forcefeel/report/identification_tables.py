@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 from markupsafe import Markup
 
+from forcefeel.bench.responses import Response
 from forcefeel.identification.findings import change, probability_text, worse
 from forcefeel.identification.misfit import model_error, size_text
 from forcefeel.identification.plain import FitSettings
-from forcefeel.identification.responses import Response
 from forcefeel.identification.result import Confusion, Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.identification.shown import (
     NOT_DETERMINED,

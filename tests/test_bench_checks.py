@@ -8,14 +8,14 @@ import pytest
 import scipy.signal
 
 import forcefeel as ff
+from forcefeel.bench.clipping import clipped
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.record_checks import check_record
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.response_checks import check_response
+from forcefeel.bench.responses import Response
+from forcefeel.bench.suspicions import distance, suspicions
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.clipping import clipped
-from forcefeel.identification.experiments import Experiment
-from forcefeel.identification.record_checks import check_record
-from forcefeel.identification.response_checks import check_response
-from forcefeel.identification.responses import Response
-from forcefeel.identification.suspicions import distance, suspicions
 from forcefeel.parameters import OFF, TABLE, limits_si
 from forcefeel.units import factor
 

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+from forcefeel.bench import record_file, response_file
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.header import heading
+from forcefeel.bench.records import BenchRecord, Hold
+from forcefeel.bench.responses import Response
+from forcefeel.bench.tables import open_table
 from forcefeel.errors import InputError
-from forcefeel.identification import record_file, response_file
-from forcefeel.identification.bench_records import BenchRecord, Hold
-from forcefeel.identification.experiments import Experiment
-from forcefeel.identification.header import heading
-from forcefeel.identification.responses import Response
-from forcefeel.identification.tables import open_table
 from forcefeel.units import show
 
 

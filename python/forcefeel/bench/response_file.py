@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.channels import CHANNELS
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.header import DECIBEL, channel_and_unit, locate, need
+from forcefeel.bench.response_checks import check_response, fault_of_values
+from forcefeel.bench.responses import Response
+from forcefeel.bench.stated import check_names, drive_channel, stated_experiment
+from forcefeel.bench.tables import Table, open_table
 from forcefeel.errors import InputError
-from forcefeel.identification.channels import CHANNELS
-from forcefeel.identification.experiments import Experiment
-from forcefeel.identification.header import DECIBEL, channel_and_unit, locate, need
-from forcefeel.identification.response_checks import check_response, fault_of_values
-from forcefeel.identification.responses import Response
-from forcefeel.identification.stated import check_names, drive_channel, stated_experiment
-from forcefeel.identification.tables import Table, open_table
 from forcefeel.inputs.columns import Columns
 from forcefeel.units import factor
 

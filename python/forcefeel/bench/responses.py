@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.identification.experiments import Experiment
+from forcefeel.bench.experiments import Experiment
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from forcefeel import _core
+from forcefeel.bench.circle import fit_mode
+from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
-from forcefeel.identification.circle import fit_mode
-from forcefeel.identification.responses import Response
 from forcefeel.loader import Loader
 
 Kind = Literal["receptance", "mobility"]

@@ -3,14 +3,14 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+from forcefeel.bench.channels import CHANNELS, OUTPUTS
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.header import locate, need
+from forcefeel.bench.record_checks import check_record
+from forcefeel.bench.records import BenchRecord, Hold
+from forcefeel.bench.stated import check_names, drive_channel, stated, stated_experiment
+from forcefeel.bench.tables import Table, open_table
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord, Hold
-from forcefeel.identification.channels import CHANNELS, OUTPUTS
-from forcefeel.identification.experiments import Experiment
-from forcefeel.identification.header import locate, need
-from forcefeel.identification.record_checks import check_record
-from forcefeel.identification.stated import check_names, drive_channel, stated, stated_experiment
-from forcefeel.identification.tables import Table, open_table
 from forcefeel.units import show
 
 EXAMPLE = "time (s),test_signal (V),column_angle (deg)"

@@ -6,12 +6,12 @@ import scipy.signal
 import scipy.stats
 
 import forcefeel as ff
+from forcefeel.bench.estimate import estimate_response
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.periods import Periods, find_periods, settled
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.spectra import independent_averages
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.estimate import estimate_response
-from forcefeel.identification.experiments import Experiment
-from forcefeel.identification.periods import Periods, find_periods, settled
-from forcefeel.identification.spectra import independent_averages
 
 CLOSED = Experiment.read("servo-closed")
 H = 1e-3  # s

@@ -4,9 +4,9 @@ import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
+from forcefeel.bench.channels import CHANNELS, channel
+from forcefeel.bench.tables import Found, Table
 from forcefeel.errors import InputError
-from forcefeel.identification.channels import CHANNELS, channel
-from forcefeel.identification.tables import Found, Table
 from forcefeel.units import factor, show
 
 DECIBEL = "dB"

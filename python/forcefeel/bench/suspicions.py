@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.channels import CHANNELS
+from forcefeel.bench.response_checks import check_response
+from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
-from forcefeel.identification.channels import CHANNELS
-from forcefeel.identification.response_checks import check_response
-from forcefeel.identification.responses import Response
 from forcefeel.units import factor
 
 CLEAR = 1 / 3

@@ -2,9 +2,9 @@
 
 from collections.abc import Collection
 
+from forcefeel.bench.experiments import Drive, Experiment
+from forcefeel.bench.tables import Table
 from forcefeel.errors import InputError
-from forcefeel.identification.experiments import Drive, Experiment
-from forcefeel.identification.tables import Table
 from forcefeel.units import show
 
 

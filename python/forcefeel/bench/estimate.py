@@ -5,14 +5,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.channels import channel
+from forcefeel.bench.periods import Periods, find_periods, settled
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.response_checks import FEWEST_LINES, check_response
+from forcefeel.bench.responses import Response
+from forcefeel.bench.spectra import Signals, Spectra, by_hann, by_periods
+from forcefeel.bench.stated import drive_channel
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.channels import channel
-from forcefeel.identification.periods import Periods, find_periods, settled
-from forcefeel.identification.response_checks import FEWEST_LINES, check_response
-from forcefeel.identification.responses import Response
-from forcefeel.identification.spectra import Signals, Spectra, by_hann, by_periods
-from forcefeel.identification.stated import drive_channel
 from forcefeel.units import show
 
 SEGMENTS = 8

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.identification.experiments import Experiment
+from forcefeel.bench.experiments import Experiment
 
 Hold = Literal["straight", "staircase"]
 

@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.channels import CHANNELS, OUTPUTS
+from forcefeel.bench.clipping import clipped
+from forcefeel.bench.experiments import Drive
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.stated import drive_channel
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.channels import CHANNELS, OUTPUTS
-from forcefeel.identification.clipping import clipped
-from forcefeel.identification.experiments import Drive
-from forcefeel.identification.stated import drive_channel
 from forcefeel.inputs.columns import fault
 from forcefeel.qualification import load_rules
 from forcefeel.qualification.let_go import check_clipping, check_rate, find_release

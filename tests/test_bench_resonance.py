@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.circle import fit_mode
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.resonance import FEWEST_LINES, link_from_resonance, read_resonance
+from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
-from forcefeel.identification.circle import fit_mode
-from forcefeel.identification.experiments import Experiment
-from forcefeel.identification.resonance import FEWEST_LINES, link_from_resonance, read_resonance
-from forcefeel.identification.responses import Response
 
 POUND_PER_INCH = 4.4482216152605 / 0.0254  # N/m, exact
 FINE = np.arange(0.5, 40.0, 0.05)

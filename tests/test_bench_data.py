@@ -10,15 +10,15 @@ import pytest
 import scipy.io
 from pyarrow import parquet
 
+from forcefeel.bench.channels import CHANNELS
+from forcefeel.bench.data_file import read_bench_data
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.header import Heading, heading, suffix_unit
+from forcefeel.bench.record_file import read_bench_record
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.response_file import read_response
+from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
-from forcefeel.identification.bench_file import read_bench_data
-from forcefeel.identification.bench_records import BenchRecord
-from forcefeel.identification.channels import CHANNELS
-from forcefeel.identification.experiments import Experiment
-from forcefeel.identification.header import Heading, heading, suffix_unit
-from forcefeel.identification.record_file import read_bench_record
-from forcefeel.identification.response_file import read_response
-from forcefeel.identification.responses import Response
 
 POUND = 4.4482216152605  # N, exact
 INCH = 0.0254  # m, exact
