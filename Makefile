@@ -38,6 +38,7 @@ bench: $(VENV)/built
 	$(BIN)/python benchmarks/stability.py
 	$(BIN)/python benchmarks/envelope.py
 	$(BIN)/python benchmarks/sampled_laws.py
+	$(BIN)/python benchmarks/identification.py
 
 docs: $(VENV)/built
 	$(BIN)/python docs/make.py
