@@ -202,6 +202,20 @@ def test_bad_input_is_named(loader, change, said):
         identify(loader, data, fit, **given)
 
 
+def test_a_channel_that_nothing_reaches_is_named(loader):
+    """The open servo's amplifier has no input but the test signal: a force at the grip brings no current."""
+    force = Response(
+        "dead",
+        Experiment.read("servo-open pilot_force"),
+        "pilot_force",
+        "valve_current",
+        FREQUENCY_HZ,
+        np.ones(60) + 0j,
+    )
+    with pytest.raises(InputError, match="nothing of pilot_force reaches valve_current"):
+        identify(loader, [force], "k,c")
+
+
 def test_too_few_points_for_so_many_parameters(loader):
     whole = servo_response("column_angle")
     few = Response("few", whole.experiment, whole.input, whole.output, whole.frequency_hz[::20], whole.value[::20])

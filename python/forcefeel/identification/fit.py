@@ -16,7 +16,7 @@ from forcefeel.identification.advice import advice_of
 from forcefeel.identification.confidence import Confidence, half_widths
 from forcefeel.identification.confusions import DETERMINED, confusions_of
 from forcefeel.identification.fitted_loader import fitted_loader
-from forcefeel.identification.linear import Law, LinearModel
+from forcefeel.identification.linear import Law, LinearModel, model_response
 from forcefeel.identification.misfit import explained
 from forcefeel.identification.observations import Observation
 from forcefeel.identification.problem import Loss, Place, Problem
@@ -77,8 +77,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     _check_valve(loader, keys, data, as_responses=as_responses)
     used = [it for one in data for it in (_as_responses(one) if as_responses else [one])]
     for it in used:
-        for response in [it] if isinstance(it, Response) else _seen_in(it):
-            _suspect(loader, law, response)
+        _suspect(loader, law, it)
     problem = Problem(unknowns, [_observe(it, loader, keys, law) for it in used], loss, priors)
     _check_points(problem)
     place, confidence, ends = search(problem, starts, progress or (lambda done, total: None))
@@ -124,22 +123,29 @@ def _as_responses(data: Response | BenchRecord) -> list[Response]:
     return [estimate_response(data, channel) for channel in data.channels if channel not in set(Drive)]
 
 
+def _suspect(loader: Loader, law: Law, data: Response | BenchRecord) -> None:
+    """Refuses data that are not what they are said to be, as far as the loader file's model can tell."""
+    for response in [data] if isinstance(data, Response) else _seen_in(data):
+        asked = loader, response.experiment, response.input, response.output, response.frequency_hz
+        predicted = model_response(*asked, law=law)
+        if np.all(np.isfinite(predicted) & (predicted != 0)):
+            if sentence := suspicions(response, predicted):
+                raise InputError(sentence)
+        elif isinstance(data, Response):
+            raise InputError(
+                f"{response.name}: nothing of {response.input} reaches {response.output} in the model ({response.experiment}); "
+                "expected a channel that answers; correct the experiment or leave the response out"
+            )
+
+
 def _seen_in(record: BenchRecord) -> list[Response]:
-    """The responses of a record as far as it has any: only to see whether it is what it is said to be."""
+    """The responses of a record as far as it has any, only to see whether it is what it is said to be."""
     found = []
     for name in record.channels if record.experiment.drive is not Drive.RELEASE else ():
         if name not in set(Drive):
             with suppress(InputError):  # uneven samples, a step or a slow sweep: nothing to see there
                 found.append(estimate_response(record, name))
     return found
-
-
-def _suspect(loader: Loader, law: Law, response: Response) -> None:
-    model = LinearModel(loader, response.experiment.loop, law)
-    found = model.responses(loader.values, (), response.frequency_hz)
-    predicted, _ = found.between(response.input, response.output, response.experiment.drive)
-    if sentence := suspicions(response, predicted):
-        raise InputError(sentence)
 
 
 def _observe(data: Response | BenchRecord, loader: Loader, keys: Sequence[str], law: Law) -> Observation:
