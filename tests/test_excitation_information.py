@@ -192,6 +192,6 @@ def test_a_valve_that_follows_its_orifice_is_told_by_its_rated_flow():
 
 def test_what_is_vague_is_said():
     found = excite(ff.elevator(), FIT, plan=ExcitationPlan(time_s=13.0, rate_hz=500.0, to_hz=40.0, noise_share=100.0))
-    assert set(found.vague) == {key for key, error in found.standard_errors.items() if error >= 0.5}
+    assert set(found.vague) == {key for key, error in found.standard_errors.items() if error >= 0.5 / 1.96}
     assert found.vague
     assert "not determined" in found.verdict

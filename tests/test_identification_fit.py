@@ -1,5 +1,7 @@
 """Fits to frequency responses that an independent model gives: the report's equations by hand, with other constants."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -221,3 +223,32 @@ def test_too_few_points_for_so_many_parameters(loader):
     few = Response("few", whole.experiment, whole.input, whole.output, whole.frequency_hz[::20], whole.value[::20])
     with pytest.raises(InputError, match="expected 8 points at least for 4 parameters, got 6"):
         identify(loader, [few], FIT)
+
+
+def test_lines_that_are_hardly_known_do_not_refuse_a_right_fit(loader):
+    """Nine lines of poor coherence beside good ones, the number of averages not told."""
+    random = np.random.default_rng(12)
+    clean = servo_response("column_angle")
+    coherence = np.where(np.arange(60) % 7 == 3, 0.5, 0.999)
+    sigma = np.sqrt((1 - coherence) / (2 * coherence)) * 0.5
+    noisy = clean.value * np.exp(sigma * (random.standard_normal(60) + 1j * random.standard_normal(60)))
+    found = identify(loader, [replace(clean, value=noisy, coherence=coherence)], "k,c,J,C_i", starts=2)
+    assert found.loader is not None
+
+
+def test_one_line_that_knows_nothing_does_not_hide_a_wrong_model(loader):
+    clean = servo_response("column_angle")
+    bent = clean.value * 10 ** (0.3 * np.sin(3 * np.log(FREQUENCY_HZ)))
+    deviation = np.where(np.arange(60) == 59, 3.0, 0.001)
+    found = identify(loader, [replace(clean, value=bent, deviation=deviation)], "k,c,J", starts=1)
+    assert found.loader is None
+
+
+def test_the_rigid_link_is_refused_by_the_f_of_least_squares(loader):
+    """Both sums of squares in the same units: those of the noise that the compliant fit finds, so that S_c is n of them."""
+    random = np.random.default_rng(8)
+    data = [servo_response(it, noise=0.01, random=random) for it in ("column_angle", "load_pressure")]
+    rigid = identify(loader, data, FIT, starts=1).rigid
+    fewer, left = rigid.degrees
+    share = (rigid.rigid_rms / rigid.compliant_rms) ** 2
+    assert rigid.f_statistic == pytest.approx((share - 1) / fewer * left, rel=1e-9)

@@ -8,7 +8,7 @@ from scipy.stats import t as student
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.identification.confidence import confidence_of, half_widths, weak_directions
+from forcefeel.identification.confidence import Confidence, confidence_of, half_widths, weak_directions
 from forcefeel.identification.confusions import confusions_of
 from forcefeel.identification.observations import Compared
 from forcefeel.identification.problem import Problem
@@ -78,7 +78,7 @@ def test_independent_errors_give_the_sandwich_of_white():
     meat = (matrix * residual[:, None]).T @ (matrix * residual[:, None])
     points = len(measured)
     found = confidence_of(problem, place)
-    covariance = found.covariance * np.outer(place.x, place.x)  # it is in shares of the estimates
+    covariance = found.covariance * np.outer(found.sizes, found.sizes)
     classical = np.diag(bread) * (residual @ residual) / points
     white = points / (points - 1) * bread @ meat @ bread
     raised = np.maximum(1, np.sqrt(classical / np.diag(white)))  # never surer than independent errors of one size are
@@ -102,7 +102,7 @@ def test_errors_that_hang_together_widen_the_intervals():
         problem = Problem(asked, [Straight(matrix, measured, scale_of(asked), piece)], "linear")
         place = problem.search(problem.start(scale_of(asked)))
         found = confidence_of(problem, place)
-        inside += np.abs(place.x - truth) < found.quantile * found.deviation * place.x
+        inside += np.abs(place.x - truth) < found.quantile * found.deviation * found.sizes
         assert np.all(found.inflation > 2)  # what independent errors would say is several times too sure
     # 95 % of 300 is 285, its binomial deviation 3.8; pieces are few, so the sandwich is known to be a little narrow.
     assert np.all(np.abs(inside - 0.95 * repetitions) < 4 * 3.8)
@@ -119,7 +119,7 @@ def test_what_one_piece_alone_speaks_for_is_no_surer_than_its_noise():
     place = problem.search(problem.start(scale_of(asked)))
     found = confidence_of(problem, place)
     classical = np.sqrt(np.diag(np.linalg.inv(matrix.T @ matrix))) * place.noise[0]
-    assert found.deviation[1] * place.x[1] == pytest.approx(classical[1], rel=1e-6)
+    assert found.deviation[1] * found.sizes[1] == pytest.approx(classical[1], rel=1e-6)
     assert found.inflation[1] == 1.0
 
 
@@ -185,28 +185,44 @@ def test_the_data_s_own_unknowns_are_found_and_taken_out():
     np.testing.assert_allclose(place.x, np.linalg.lstsq(matrix, measured, rcond=None)[0], rtol=1e-6)
     found = confidence_of(problem, place)
     whole = np.linalg.inv(matrix.T @ matrix) * place.noise[0] ** 2
-    shares = place.x[:2] / found.inflation
+    shares = found.sizes / found.inflation
     np.testing.assert_allclose(np.linalg.inv(found.information) * np.outer(shares, shares), whole[:2, :2], rtol=1e-6)
+
+
+def sure(information, clear=(True, True)):
+    """Confidence of which only the information counts."""
+    return Confidence(np.eye(2), np.ones(2), 1.96, information, np.ones(2), np.array(clear))
 
 
 def test_of_two_only_the_product_is_seen_of():
     """Slopes of (1, 1) in shares: only the product stays, so each alone is not determined."""
     information = np.array([[1.0, 1.0], [1.0, 1.0]]) * 1e6
     assert np.isinf(half_widths(information)).all()
-    (found,) = confusions_of(unknowns(), information, 1.96)
+    (found,) = confusions_of(unknowns(), sure(information))
     assert found.sentence == "The data cannot tell k from c: only their product k c is determined."
     assert set(found.keys) == {"linkage.stiffness", "linkage.damping"}
-    (ratio,) = confusions_of(unknowns(), np.array([[1.0, -1.0], [-1.0, 1.0]]) * 1e6, 1.96)
+    (ratio,) = confusions_of(unknowns(), sure(np.array([[1.0, -1.0], [-1.0, 1.0]]) * 1e6))
     assert "only their ratio" in ratio.sentence
 
 
 def test_a_parameter_without_effect_is_named_alone():
-    (found,) = confusions_of(unknowns(), np.diag([1e6, 0.0]), 1.96)
+    (found,) = confusions_of(unknowns(), sure(np.diag([1e6, 0.0])))
     assert found.keys == ("linkage.damping",)
     assert "do not see c" in found.sentence
     widths = half_widths(np.diag([1e6, 0.0]))
     assert widths[0] == pytest.approx(1e-3)
     assert np.isinf(widths[1])
+
+
+def test_two_weak_directions_of_two_parameters_leave_neither():
+    turned = np.array([[1.0, 0.35], [-0.35, 1.0]])
+    (found,) = confusions_of(unknowns(), sure(turned.T @ np.diag([1e-3, 1e-4]) @ turned))
+    assert found.sentence == "The data determine neither k nor c."
+
+
+def test_a_cost_without_a_minimum_is_not_called_unseen():
+    (found,) = confusions_of(unknowns(), sure(np.diag([1e6, 0.0]), (True, False)))
+    assert "no clear minimum in c" in found.sentence
 
 
 def test_directions_are_weak_from_the_limit_on():

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import forcefeel as ff
 from forcefeel.bench.experiments import Experiment
@@ -255,3 +256,55 @@ def test_a_channel_with_the_wrong_sign_is_named(loader):
 def test_gains_of_an_operating_point_are_refused_where_records_run_through_an_orifice(loader):
     with pytest.raises(InputError, match=r"follows the orifice, eq\. \(1\).*fit valve\.rated_flow"):
         identify(loader.replace({"valve.orifice": True}), [push_record()], "k,C_i", starts=1)
+
+
+def multisine_record(loader, duration_s=6.0, jitter=0.0):
+    """A chirp on the closed servo of a machine that is 10 % softer than its file."""
+    random = np.random.default_rng(3)
+    time_s = np.arange(round(duration_s * 500) + 1) / 500
+    if jitter:
+        time_s = time_s + np.append(0.0, jitter / 500 * random.uniform(-1, 1, len(time_s) - 1))
+    signal = 2.0 * np.sin(2 * np.pi * (0.3 + 1.2 * time_s) * time_s) * np.clip(time_s, 0, 1)
+    fine = np.arange(round(duration_s * 1000) + 3) / 1000
+    schedule = ff.Schedule(tuple(time_s.tolist()), tuple(signal.tolist()))
+    scenario = ff.Scenario(test_signal_v=schedule, duration_s=float(fine[-1]))
+    machine = loader.replace({"linkage.stiffness": 0.9 * loader["linkage.stiffness"]})
+    run = ff.simulate(machine, scenario, ff.Compensator.position_loop(loader.values))
+    angle = CubicSpline(fine, run.history["column_angle_rad"].values)(time_s)
+    noisy = angle + 0.002 * angle.std() * random.standard_normal(len(angle))
+    return BenchRecord("chirp", Experiment.read("servo-closed"), time_s, {"test_signal": signal, "column_angle": noisy})
+
+
+def test_a_record_without_a_frequency_response_is_fitted_all_the_same(loader):
+    """Samples at uneven times have none; the link's test is then left out, and said to be."""
+    found = identify(loader, [multisine_record(loader, jitter=0.15)], "k", starts=1)
+    assert found["k"].value == pytest.approx(0.9 * loader["linkage.stiffness"], rel=0.01)
+    assert found.rigid is None
+    assert "not judged" in found.notes[0]
+
+
+def test_a_record_reaches_beyond_half_the_controller_s_rate():
+    """Noise at 1 kHz into a controller of 500 Hz: only the lines below 250 Hz can be looked at."""
+    loader = ff.digital_elevator().replace(
+        {"controller.period": "2 ms", "controller.delay": "0.5 ms", "valve.orifice": False}
+    )
+    loader = loader.with_tolerances(dict.fromkeys(loader.tolerances))
+    random = np.random.default_rng(1)
+    time_s = np.arange(3001) / 1000
+    signal = random.standard_normal(3001) * np.clip(5 * time_s, 0, 1)
+    scenario = ff.Scenario(test_signal_v=ff.Schedule(tuple(time_s.tolist()), tuple(signal.tolist())), duration_s=3.0)
+    run = ff.simulate(loader, scenario, ff.Compensator.position_loop(loader.values))
+    channels = {"test_signal": signal, "column_angle": run.history["column_angle_rad"].values}
+    data = BenchRecord("noise", Experiment.read("servo-closed"), time_s, channels)
+    found = identify(loader, [data], "k", starts=1)
+    assert found["k"].value == pytest.approx(loader["linkage.stiffness"], rel=0.02)
+    with_responses = identify(loader, [data], "k", starts=1, as_responses=True)
+    assert with_responses.fitted[0].at.max() < 250
+
+
+def test_a_friction_that_is_not_there_is_seen_not_to_be(loader):
+    """An estimate near zero is no share of itself: the file's guess is the measure."""
+    start = true_loader(loader).replace({"column.viscous_friction": "5 lb in s/rad"})
+    found = identify(start, [release_record(noise=0.002)], "B_c,k", starts=1)
+    assert found["B_c"].status is not Status.UNDETERMINED
+    assert abs(found["B_c"].value) < 0.1 * start["column.viscous_friction"]

@@ -10,6 +10,7 @@ from forcefeel.bench.experiments import Experiment
 from forcefeel.excitation.information import named, relative_errors
 from forcefeel.excitation.limits import Limit
 from forcefeel.excitation.plan import ExcitationPlan
+from forcefeel.identification.confusions import DETERMINED
 from forcefeel.identification.shown import channel_unit, percent
 from forcefeel.loader import Loader
 from forcefeel.units import UnitSystem, to_text
@@ -17,8 +18,8 @@ from forcefeel.units import UnitSystem, to_text
 EVEN_SHARE = 0.2
 """Share of a multisine's power that is spread evenly over all lines, so that the response can be seen and a wrong model shows."""
 
-VAGUE = 0.5
-"""Relative standard error from which on a parameter is not determined: half its own value."""
+VAGUE = DETERMINED / 1.96
+"""Relative standard error from which on an identification would refuse a parameter: half the 95 % interval is half its value."""
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,7 @@ _MOST = 3
 
 
 def advice_of(
-    loader: Loader, law: Law, unknowns: Sequence[Unknown], information: NDArray[np.float64]
+    loader: Loader, law: Law, unknowns: Sequence[Unknown], information: NDArray[np.float64], *, recorded: bool
 ) -> tuple[Advice, ...]:
     """The experiments that would determine all unknowns, the best first; if none would alone, the best pair of them.
 
@@ -38,15 +38,16 @@ def advice_of(
         loader: The loader at the estimates.
         law: The law of the whole loader.
         unknowns: The unknowns.
-        information: Of the data alone, in shares of the estimates.
+        information: Of the data alone, in shares as ``confidence`` has them.
+        recorded: Whether there are records in time among the data.
     """
-    scale = np.array([abs(loader[it.key]) for it in unknowns])
+    scale = np.array([max(abs(loader[it.key]), abs(it.nominal)) for it in unknowns])
     candidates = list(_candidates(loader, law, [it.key for it in unknowns], scale))
     open_still = _NORMAL * half_widths(information) >= DETERMINED
     if unseen := [
         it for j, it in enumerate(unknowns) if open_still[j] and all(more[j, j] == 0 for _, more in candidates)
     ]:
-        return (_beyond_the_linear_model(unseen),)
+        return (_beyond_the_linear_model(unseen, recorded=recorded),)
     alone = _sufficient([((words,), more) for words, more in candidates], information)
     if not alone:
         pairs = [((one, other), a + b) for k, (one, a) in enumerate(candidates) for other, b in candidates[k + 1 :]]
@@ -91,10 +92,11 @@ def _advice(words: Sequence[str], unknowns: Sequence[Unknown], shares: NDArray[n
     return Advice(sentence, {it.key: float(share) for it, share in zip(unknowns, shares, strict=True)})
 
 
-def _beyond_the_linear_model(unseen: Sequence[Unknown]) -> Advice:
+def _beyond_the_linear_model(unseen: Sequence[Unknown], *, recorded: bool) -> Advice:
     symbols = " and ".join(it.symbol for it in unseen)
-    sentence = (
-        f"No frequency response sees {symbols}: the linear model does not depend on it. Record the loader in time, such as a "
-        "sweep of the force through both directions or a release, and fit the record as it is."
+    how = (
+        "Record the loader again, slower, through more reversals and over more of its travel, or fit fewer parameters."
+        if recorded
+        else "Record the loader in time, such as a sweep of the force through both directions or a release, and fit that."
     )
-    return Advice(sentence, {})
+    return Advice(f"No frequency response sees {symbols}: the linear model does not depend on it. {how}", {})

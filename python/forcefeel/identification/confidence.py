@@ -9,7 +9,7 @@ Source: H. White, Econometrica 48 (1980) 817; K.-Y. Liang, S. L. Zeger, Biometri
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,20 +28,24 @@ UNSEEN = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Confidence:
-    """Covariance and information, in shares of the estimates.
+    """Covariance and information, in shares of the estimates, or of the file's values where those are larger.
 
     Attributes:
         covariance: Of all unknowns, the data's own included, with priors, (n, n).
+        sizes: What the shares are of, in the file's values, (unknowns,).
         quantile: Student's t of the 95 % interval.
         information: Inverse covariance that the data alone would give, (unknowns, unknowns): H with the data's own unknowns taken
             out, less what ``inflation`` says.
         inflation: Standard errors over those that independent errors would give, one at least, (unknowns,).
+        clear: Whether the cost has a minimum in sight, (unknowns,).
     """
 
     covariance: NDArray[np.float64]
+    sizes: NDArray[np.float64]
     quantile: float
     information: NDArray[np.float64]
     inflation: NDArray[np.float64]
+    clear: NDArray[np.bool_]
 
     def widened(self, growth: NDArray[np.float64]) -> "Confidence":
         """The same with standard errors of the loader's unknowns that are larger by ``growth``, one at least, (unknowns,)."""
@@ -50,7 +54,7 @@ class Confidence:
         every = np.concatenate([by, np.ones(len(self.covariance) - len(by))])
         covariance = self.covariance * np.outer(every, every)
         information = self.information / np.outer(by, by) * np.outer(sure, sure)
-        return Confidence(covariance, self.quantile, information, self.inflation * by)
+        return replace(self, covariance=covariance, information=information, inflation=self.inflation * by, clear=sure)
 
     @property
     def deviation(self) -> NDArray[np.float64]:
@@ -85,10 +89,13 @@ def confidence_of(problem: Problem, place: Place) -> Confidence:
     raised = np.sqrt(np.divide(least, found, out=np.ones_like(found), where=(found > 0) & (found < least)))
     covariance = covariance * np.outer(raised, raised)
     inflation = np.sqrt(np.divide(np.diag(covariance), least, out=np.ones_like(least), where=least > 0))[:count]
-    sizes = np.concatenate([np.abs(place.x[:count]), np.ones(len(place.x) - count)])
+    # An estimate near zero is no share of itself: of a friction that is not there the file's guess is the measure.
+    sizes = np.maximum(np.abs(place.x[:count]), 1.0)
+    every = np.concatenate([sizes, np.ones(len(place.x) - count)])
     quantile = float(student.ppf(0.5 + 0.5 * _CONFIDENCE, max(pieces - len(place.x), 1)))
-    in_shares = _without_own(information * np.outer(sizes, sizes), count) / np.outer(inflation, inflation)
-    return Confidence(covariance / np.outer(sizes, sizes), quantile, in_shares, inflation)
+    in_shares = _without_own(information * np.outer(every, every), count) / np.outer(inflation, inflation)
+    clear = np.ones(count, dtype=np.bool_)
+    return Confidence(covariance / np.outer(every, every), sizes, quantile, in_shares, inflation, clear)
 
 
 def half_widths(information: NDArray[np.float64]) -> NDArray[np.float64]:

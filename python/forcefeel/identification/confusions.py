@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.identification.confidence import weak_directions
+from forcefeel.identification.confidence import Confidence, weak_directions
 from forcefeel.identification.result import Confusion
 from forcefeel.identification.unknowns import Unknown
 
@@ -23,26 +23,31 @@ _EVEN = 0.1
 """Within so much two parameters move alike, so that it is their product or ratio that stays."""
 
 
-def confusions_of(
-    unknowns: Sequence[Unknown], information: NDArray[np.float64], quantile: float
-) -> tuple[Confusion, ...]:
-    """The directions along which the data leave more than ``DETERMINED`` open.
+def confusions_of(unknowns: Sequence[Unknown], confidence: Confidence) -> tuple[Confusion, ...]:
+    """The directions along which the data alone leave more than ``DETERMINED`` open."""
+    directions = weak_directions(confidence.information, DETERMINED / confidence.quantile)
+    found = tuple(_confusion(unknowns, direction, confidence.clear) for direction in directions)
+    named = tuple(dict.fromkeys(key for it in found for key in it.keys))
+    if 1 < len(named) == len(found) and any(len(it.keys) > 1 for it in found):
+        # As many directions as parameters: it is not their combination, but none of them.
+        symbols = [it.symbol for it in unknowns if it.key in named]
+        of = f"neither {symbols[0]} nor {symbols[1]}" if len(symbols) == 2 else f"none of {_list(symbols)}"
+        return (Confusion(named, (1.0,) * len(named), f"The data determine {of}."),)
+    return found
 
-    Args:
-        unknowns: The unknowns.
-        information: Of the data alone, in shares of the values, (unknowns, unknowns).
-        quantile: Standard errors in half a 95 % interval.
-    """
-    directions = weak_directions(information, DETERMINED / quantile)
-    return tuple(_confusion(unknowns, direction) for direction in directions)
 
-
-def _confusion(unknowns: Sequence[Unknown], direction: NDArray[np.float64]) -> Confusion:
+def _confusion(unknowns: Sequence[Unknown], direction: NDArray[np.float64], clear: NDArray[np.bool_]) -> Confusion:
     named = np.flatnonzero(np.abs(direction) > _PART).tolist()
     parts = sorted(named, key=lambda j: -abs(float(direction[j])))
     keys = tuple(unknowns[j].key for j in parts)
     weights = tuple(float(direction[j]) for j in parts)
-    return Confusion(keys, weights, _sentence([unknowns[j].symbol for j in parts], weights))
+    symbols = [unknowns[j].symbol for j in parts]
+    if len(parts) == 1 and not clear[parts[0]]:
+        sentence = (
+            f"What is left has no clear minimum in {symbols[0]}: it does not rise to both sides, or only in jumps."
+        )
+        return Confusion(keys, weights, sentence)
+    return Confusion(keys, weights, _sentence(symbols, weights))
 
 
 def _sentence(symbols: Sequence[str], weights: Sequence[float]) -> str:
@@ -53,5 +58,8 @@ def _sentence(symbols: Sequence[str], weights: Sequence[float]) -> str:
         kept = f"product {a} {b}" if weights[1] < 0 else f"ratio {a} / {b}"
         return f"The data cannot tell {a} from {b}: only their {kept} is determined."
     moves = ", ".join(f"{symbol} by {10 * weight:+.2g} %" for symbol, weight in zip(symbols, weights, strict=True))
-    names = f"{', '.join(symbols[:-1])} and {symbols[-1]}"
-    return f"The data cannot tell {names} apart: moving {moves} together changes nothing beyond the noise."
+    return f"The data cannot tell {_list(symbols)} apart: moving {moves} together changes nothing beyond the noise."
+
+
+def _list(symbols: Sequence[str]) -> str:
+    return f"{', '.join(symbols[:-1])} and {symbols[-1]}"

@@ -5,12 +5,13 @@ from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from forcefeel.bench.estimate import estimate_response
 from forcefeel.bench.experiments import Drive
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
-from forcefeel.bench.suspicions import suspicions
+from forcefeel.bench.suspicions import CLEAR, FAR, distance, suspicions
 from forcefeel.errors import InputError
 from forcefeel.identification.advice import advice_of
 from forcefeel.identification.confidence import Confidence, half_widths
@@ -22,12 +23,15 @@ from forcefeel.identification.observations import Observation
 from forcefeel.identification.problem import Loss, Place, Problem
 from forcefeel.identification.record_observation import RecordObservation
 from forcefeel.identification.record_run import RecordRun
-from forcefeel.identification.response_observation import ResponseObservation
+from forcefeel.identification.response_observation import ResponseObservation, relative_error
 from forcefeel.identification.result import Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.identification.rigid import rigid_test
 from forcefeel.identification.search import search
 from forcefeel.identification.unknowns import Unknown, parameter_keys, unknowns_of
 from forcefeel.loader import Loader
+
+_HALF_RATE = 0.499
+"""Cycles of a line in a controller's period at most."""
 
 MOST_STARTS = 256
 """More starts than anybody waits for."""
@@ -75,8 +79,8 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     if not 1 <= starts <= MOST_STARTS:
         raise InputError(f"starts: expected 1 to {MOST_STARTS}, got {starts}")
     _check_valve(loader, keys, data, as_responses=as_responses)
-    used = [it for one in data for it in (_as_responses(one) if as_responses else [one])]
-    for it in used:
+    used = [it for one in data for it in (_as_responses(one, loader) if as_responses else [one])]
+    for it in data:
         _suspect(loader, law, it)
     problem = Problem(unknowns, [_observe(it, loader, keys, law) for it in used], loss, priors)
     _check_points(problem)
@@ -90,7 +94,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         correlation=confidence.correlation,
         fitted=_fitted(problem, place),
         ends=ends,
-        confusions=confusions_of(unknowns, confidence.information, confidence.quantile),
+        confusions=confusions_of(unknowns, confidence),
         advice=(),
         rigid=rigid,
         notes=notes,
@@ -98,7 +102,9 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     if identified.determined:
         sound = explained(identified.fitted)
         return replace(identified, loader=fitted_loader(identified)) if sound else identified
-    return replace(identified, advice=advice_of(found, law, unknowns, confidence.information))
+    recorded = any(isinstance(it, BenchRecord) for it in used)
+    advice = advice_of(found, law, unknowns, confidence.information, recorded=recorded)
+    return replace(identified, advice=advice)
 
 
 def _check_valve(
@@ -114,37 +120,55 @@ def _check_valve(
         )
 
 
-def _as_responses(data: Response | BenchRecord) -> list[Response]:
+def _as_responses(data: Response | BenchRecord, loader: Loader) -> list[Response]:
     """A record's responses to every channel that was measured; a response is one already."""
     if isinstance(data, Response):
         return [data]
     if data.experiment.drive is Drive.RELEASE:
         raise InputError(f"{data.name}: a release has no frequency response; leave it out, or fit records as they are")
-    return [estimate_response(data, channel) for channel in data.channels if channel not in set(Drive)]
+    return [_response_of(data, channel, loader) for channel in data.channels if channel not in set(Drive)]
+
+
+def _response_of(record: BenchRecord, channel: str, loader: Loader) -> Response:
+    """A record's response to a channel, below half the rate of the loader's controller."""
+    found = estimate_response(record, channel)
+    kept = found.frequency_hz * loader["controller.period"] < _HALF_RATE
+    coherence, deviation = (None if it is None else it[kept] for it in (found.coherence, found.deviation))
+    lines, value = found.frequency_hz[kept], found.value[kept]
+    return replace(found, frequency_hz=lines, value=value, coherence=coherence, deviation=deviation)
 
 
 def _suspect(loader: Loader, law: Law, data: Response | BenchRecord) -> None:
     """Refuses data that are not what they are said to be, as far as the loader file's model can tell."""
-    for response in [data] if isinstance(data, Response) else _seen_in(data):
+    for response in [data] if isinstance(data, Response) else _seen_in(data, loader):
         asked = loader, response.experiment, response.input, response.output, response.frequency_hz
         predicted = model_response(*asked, law=law)
-        if np.all(np.isfinite(predicted) & (predicted != 0)):
-            if sentence := suspicions(response, predicted):
-                raise InputError(sentence)
-        elif isinstance(data, Response):
+        answers = bool(np.all(np.isfinite(predicted) & (predicted != 0)))
+        if answers and isinstance(data, BenchRecord):
+            _check_polarity(response, predicted)
+        elif answers and (sentence := suspicions(response, predicted)):
+            raise InputError(sentence)
+        elif not answers and isinstance(data, Response):
             raise InputError(
                 f"{response.name}: nothing of {response.input} reaches {response.output} in the model ({response.experiment}); "
                 "expected a channel that answers; correct the experiment or leave the response out"
             )
 
 
-def _seen_in(record: BenchRecord) -> list[Response]:
-    """The responses of a record as far as it has any, only to see whether it is what it is said to be."""
+def _check_polarity(response: Response, predicted: NDArray[np.complex128]) -> None:
+    """Of a record's channel only the sign can be taken for the other one; its response is estimated here and has no other slips."""
+    as_read = distance(response.value, predicted)
+    if as_read > FAR and distance(-response.value, predicted) < CLEAR * as_read:
+        raise InputError(f"{response.name}: the polarity seems reversed; turn the sign of one channel")
+
+
+def _seen_in(record: BenchRecord, loader: Loader) -> list[Response]:
+    """The responses of a record as far as it has any: uneven samples, steps, slow sweeps and releases have none."""
     found = []
     for name in record.channels if record.experiment.drive is not Drive.RELEASE else ():
         if name not in set(Drive):
-            with suppress(InputError):  # uneven samples, a step or a slow sweep: nothing to see there
-                found.append(estimate_response(record, name))
+            with suppress(InputError):
+                found.append(_response_of(record, name, loader))
     return found
 
 
@@ -167,7 +191,7 @@ def _estimates(
     unknowns: Sequence[Unknown], problem: Problem, place: Place, confidence: Confidence
 ) -> tuple[Estimate, ...]:
     values = problem.values(place.x)
-    deviation = confidence.deviation[: len(unknowns)] * np.abs(values)
+    deviation = confidence.deviation[: len(unknowns)] * confidence.sizes * problem.scale
     shares = confidence.quantile * half_widths(confidence.information)
     found = []
     for j, (unknown, value) in enumerate(zip(unknowns, values.tolist(), strict=True)):
@@ -202,12 +226,11 @@ def _fitted(problem: Problem, place: Place) -> tuple[Fitted, ...]:
     for it, own, own_at_file in zip(problem.observations, problem.own(place.x), own_before, strict=True):
         then = it.curves(problem.values(before), own_at_file)
         for curve, old in zip(it.curves(problem.values(place.x), own), then, strict=True):
-            error = (
-                np.abs(np.log(curve.measured / curve.modelled)) / np.sqrt(2)
+            rms = (
+                relative_error(it.data, curve.modelled)
                 if isinstance(it.data, Response)
-                else curve.measured - curve.modelled
+                else float(np.sqrt(np.mean(np.square(curve.measured - curve.modelled))))
             )
-            rms = float(np.sqrt(np.mean(np.square(error))))
             noise = float(next(groups)) * curve.expected
             found.append(
                 Fitted(it.data, curve.channel, curve.at, curve.measured, curve.modelled, old.modelled, rms, noise)
@@ -221,8 +244,10 @@ def _rigid(
     """The test of the link, and why there is none."""
     responses: list[Response] = []
     for it in data:
-        if isinstance(it, Response) or it.experiment.drive is Drive.TEST_SIGNAL:
-            responses += _as_responses(it)
+        if isinstance(it, Response):
+            responses.append(it)
+        elif it.experiment.drive is Drive.TEST_SIGNAL:
+            responses += _seen_in(it, loader)
     if not responses:
         return None, ("Whether the link is compliant was not judged: that takes a frequency response.",)
     if loader["controller.period"]:

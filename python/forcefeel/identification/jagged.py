@@ -47,7 +47,7 @@ def surroundings(problem: Problem, place: Place, confidence: Confidence) -> Surr
     """Looks at the cost about a place."""
     count = len(problem.unknowns)
     look = _Look(problem, place)
-    sizes, growth = np.abs(place.x[:count]), np.ones(count)
+    sizes, growth = confidence.sizes, np.ones(count)
     for j, deviation in enumerate(confidence.deviation[:count]):
         seen = bool(np.isfinite(deviation) and deviation > 0)
         alone = np.where(np.arange(count) == j, deviation if seen else _BLIND, 0.0) * sizes
@@ -70,10 +70,11 @@ class _Look:
         self.lowest, self.drop = place.x, 0.0
 
     def rise(self, step: NDArray[np.float64]) -> float:
-        """Rise by a step of the loader's unknowns, in units of the noise; beyond a bound as at the bound."""
+        """Rise by a step of the loader's unknowns, in units of the noise; infinite beyond a bound, where nothing is to be seen."""
         x = self._place.x.copy()
         x[: len(step)] += step
-        x = np.clip(x, self._low, self._high)
+        if np.any((x < self._low) | (x > self._high)):
+            return np.inf
         rise = self._problem.cost(x, self._place.noise) - self._here
         if rise < -self.drop:
             self.lowest, self.drop = x, -rise
@@ -88,10 +89,10 @@ def _growth(look: _Look, directions: tuple[NDArray[np.float64], ...], told: floa
 
     inner = {h: rise(h) for h in _SIDES}
     for far in _FAR:
-        outer = {h * far: rise(h * far) for h in _SIDES}
-        curvature = float(np.mean(list(outer.values()))) / far**2
-        if min(outer.values()) > 0:
-            jags = max(abs(it - curvature * h**2) for h, it in inner.items())
+        outer = {h * far: it for h in _SIDES if np.isfinite(it := rise(h * far))}
+        if outer and min(outer.values()) > 0:
+            curvature = float(np.mean(list(outer.values()))) / far**2
+            jags = max((abs(it - curvature * h**2) for h, it in inner.items() if np.isfinite(it)), default=0.0)
             return float(np.sqrt(max(told / curvature, 1.0) + jags / curvature))
         inner.update(outer)
     return float("inf")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from forcefeel.bench.responses import Response
+from forcefeel.identification.response_observation import line_deviation
 from forcefeel.identification.result import Fitted
 from forcefeel.identification.shown import channel_unit, percent, rounded, title_of
 from forcefeel.units import UnitSystem
@@ -18,11 +19,11 @@ UNEXPLAINED = 0.2
 
 
 def stated_noise(one: Fitted) -> float | None:
-    """Root mean square of the deviation that a response states for its lines, relative."""
+    """Noise that a response states for its lines, relative; root mean square in which they weigh as they are known."""
     data = one.data
     if not isinstance(data, Response) or data.deviation is None:
         return None
-    return math.sqrt(float((data.deviation**2).mean()))
+    return float(np.mean(line_deviation(data) ** -2.0) ** -0.5)
 
 
 def unexplained(one: Fitted) -> float:

@@ -174,6 +174,14 @@ class Problem:
         at_bound = np.asarray(found.active_mask[: len(self.unknowns)] != 0)
         return Place(x, float(found.cost), before, residual * weight, slopes * weight[:, np.newaxis], at_bound)
 
+    def minimum(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The nearest best ``x`` at this noise."""
+        return np.asarray(self._minimum(x, noise, _PRECISION).x) if len(x) else x
+
+    def weighted(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Residuals in units of this noise, (points,)."""
+        return self.compare(x)[0] * self._weight(noise)
+
     def cost(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> float:
         """What is left at ``x`` of the data, in units of this noise; infinite where the model diverges."""
         residuals = [it.residual(self.values(x), own) for it, own in zip(self.observations, self.own(x), strict=True)]

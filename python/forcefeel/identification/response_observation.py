@@ -6,6 +6,7 @@ error in rad, both over the line's standard deviation. Its slope is ``-G'/G``.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,19 +74,10 @@ class ResponseObservation:
         """Itself: a response is small."""
         return self
 
-    @property
+    @cached_property
     def deviation(self) -> NDArray[np.float64]:
-        """Relative standard deviation of each line, known from averaging, or in proportion to ``sqrt((1 - g^2) / 2 g^2)``.
-
-        Source: J. S. Bendat, A. G. Piersol, Random Data, 4th ed., table 9.6.
-        """
-        known = self.data.deviation
-        if known is None and self.data.coherence is not None:
-            coherence = np.clip(self.data.coherence, 1e-6, 1.0)
-            known = np.sqrt((1 - coherence) / (2 * coherence))
-        if known is None:
-            return np.full(len(self.data.frequency_hz), _UNKNOWN_DEVIATION)
-        return np.maximum(known, _LEAST_DEVIATION)
+        """Relative standard deviation of each line as far as it is known."""
+        return line_deviation(self.data)
 
     def _modelled(
         self, values: NDArray[np.float64], keys: Sequence[str]
@@ -93,3 +85,24 @@ class ResponseObservation:
         row = self.model.loader.rows(self.keys, values[np.newaxis])[0]
         found = self.model.responses(row, keys, self.data.frequency_hz)
         return found.between(self.data.input, self.data.output, self.data.experiment.drive)
+
+
+def line_deviation(response: Response) -> NDArray[np.float64]:
+    """Relative standard deviation of each line, known from averaging, or in proportion to ``sqrt((1 - g^2) / 2 g^2)``.
+
+    Source: J. S. Bendat, A. G. Piersol, Random Data, 4th ed., table 9.6.
+    """
+    known = response.deviation
+    if known is None and response.coherence is not None:
+        coherence = np.clip(response.coherence, 1e-6, 1.0)
+        known = np.sqrt((1 - coherence) / (2 * coherence))
+    if known is None:
+        return np.full(len(response.frequency_hz), _UNKNOWN_DEVIATION)
+    return np.maximum(known, _LEAST_DEVIATION)
+
+
+def relative_error(response: Response, modelled: NDArray[np.complex128] | NDArray[np.float64]) -> float:
+    """Root mean square relative error of gain and phase; lines weigh as they are known, ``1 / deviation^2``."""
+    weight = line_deviation(response) ** -2.0
+    error = np.abs(np.log(response.value / modelled)) ** 2 / 2
+    return float(np.sqrt(np.sum(weight * error) / np.sum(weight)))

@@ -75,7 +75,7 @@ class Ended:
 
     Attributes:
         start, end: Values of the unknowns, SI units, (unknowns,).
-        cost: What is left there: mean logarithm of the noise of each channel or response, in units of what was expected.
+        cost: What is left there: mean logarithm of the noise over all points, in units of what was expected.
         same: Whether it is the place of the best one.
     """
 

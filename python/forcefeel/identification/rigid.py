@@ -7,12 +7,13 @@ they are not among the unknowns. The report argued so by eye, with figures 8 and
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import f as fisher
 
 from forcefeel.bench.responses import Response
 from forcefeel.identification.linear import Law, LinearModel
 from forcefeel.identification.problem import Problem
-from forcefeel.identification.response_observation import ResponseObservation
+from forcefeel.identification.response_observation import ResponseObservation, line_deviation
 from forcefeel.identification.result import RigidTest
 from forcefeel.identification.unknowns import Unknown
 from forcefeel.loader import Loader
@@ -34,16 +35,22 @@ def rigid_test(loader: Loader, law: Law, unknowns: Sequence[Unknown], responses:
         responses: The data.
     """
     others = [it for it in unknowns if it.key not in _LINK]
-    compliant, compliant_rms, points = _left(loader, law, unknowns, responses, Linkage.COMPLIANT)
-    rigid, rigid_rms, _ = _left(loader, law, others, responses, Linkage.RIGID)
-    # k and c count as two parameters more even where the file gives them: somebody found them before.
+    bent = _problem(loader, law, unknowns, responses, Linkage.COMPLIANT)
+    best = bent.search(bent.start(_values(loader, unknowns)))
+    stiff = _problem(loader, law, others, responses, Linkage.RIGID)
+    # Both in units of the noise that the compliant fit found, or their sums of squares would not compare.
+    left_over = stiff.weighted(stiff.minimum(stiff.start(_values(loader, others)), best.noise), best.noise)
+    compliant, rigid, points = float(best.residual @ best.residual), float(left_over @ left_over), len(left_over)
+    # k and c count as two parameters more even where the file gives them: somebody found them before. Then the file's may be
+    # worse than none, and F is none.
     fewer, left = len(_LINK), points - len(others) - len(_LINK)
     statistic = max((rigid - compliant) / fewer / (compliant / left), 0.0)
     probability = float(fisher.sf(statistic, fewer, left))
+    size = _relative(bent, best.noise)
     return RigidTest(
         needed=probability < _LEVEL,
-        rigid_rms=rigid_rms,
-        compliant_rms=compliant_rms,
+        rigid_rms=size * float(np.sqrt(rigid / points)),
+        compliant_rms=size * float(np.sqrt(compliant / points)),
         f_statistic=float(statistic),
         probability=probability,
         degrees=(fewer, left),
@@ -52,20 +59,25 @@ def rigid_test(loader: Loader, law: Law, unknowns: Sequence[Unknown], responses:
     )
 
 
-def _left(
+def _problem(
     loader: Loader, law: Law, unknowns: Sequence[Unknown], responses: Sequence[Response], linkage: Linkage
-) -> tuple[float, float, int]:
-    """After a fit: sum of the squared errors in units of their deviations, relative r.m.s. error, and how many points there are."""
+) -> Problem:
+    """Plain least squares without priors."""
     keys = [it.key for it in unknowns]
     models = [LinearModel(loader, it.experiment.loop, law, linkage) for it in responses]
     observations = [ResponseObservation(it, model, keys) for it, model in zip(responses, models, strict=True)]
-    values = np.array([loader[key] for key in keys])
-    if keys:
-        problem = Problem(unknowns, observations, priors=False)
-        values = problem.values(problem.search(problem.start(values)).x)
-    nothing = np.empty(0)
-    residual = np.concatenate([it.compare(values, nothing).residual for it in observations])
-    deviation = np.concatenate([it.deviation for it in observations])
-    # Lines that are hardly known must not speak for all: the mean is weighted as the sum of squares is.
-    mean_square = float(residual @ residual) / len(residual) / float(np.mean(deviation**-2.0))
-    return float(residual @ residual), float(np.sqrt(mean_square)), len(residual)
+    return Problem(unknowns, observations, "linear", priors=False)
+
+
+def _values(loader: Loader, unknowns: Sequence[Unknown]) -> NDArray[np.float64]:
+    return np.array([loader[it.key] for it in unknowns])
+
+
+def _relative(problem: Problem, noise: NDArray[np.float64]) -> float:
+    """Relative error that one unit of noise stands for, as a mean over the points in which each weighs as it is known."""
+    lines = [
+        line_deviation(it.data) * size
+        for it, size in zip(problem.observations, noise, strict=True)
+        if isinstance(it.data, Response)
+    ]
+    return float(np.mean(np.concatenate(lines) ** -2.0) ** -0.5)

@@ -6,6 +6,7 @@ search goes on from any lower place that is seen about its end, see ``jagged``.
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -54,11 +55,10 @@ def search(
             "the experiment, the law and the loader file"
         )
     progress(count, count + 1)
-    best = min((place for _, place in reached), key=_left)
+    best = min((place for _, place in reached), key=partial(_left, coarse))
     place, confidence = _settled(problem, problem.search(best.x), coarse=False)
     progress(count + 1, count + 1)
-    unknowns = len(problem.unknowns)
-    ends = tuple(Ended(begun[k], problem.values(it.x), _left(it), _same(it, best, unknowns)) for k, it in reached)
+    ends = tuple(Ended(begun[k], problem.values(it.x), _left(coarse, it), _same(coarse, it, best)) for k, it in reached)
     return place, confidence, ends
 
 
@@ -77,14 +77,17 @@ def _settled(problem: Problem, place: Place, *, coarse: bool) -> tuple[Place, Co
     return place, confidence.widened(around.growth)
 
 
-def _left(place: Place) -> float:
-    """What is left after a search: the mean logarithm of the noise, as in the likelihood of normal errors of unknown size.
+def _left(problem: Problem, place: Place) -> float:
+    """What is left after a search, per point: ``(sum_g n_g ln s_g + prior) / n``, the likelihood of normal errors of unknown size.
 
     Noise is found anew at each end, so sums of squares in its units do not compare.
     """
-    return float(np.mean(np.log(place.noise)))
+    points = np.array([group.stop - group.start for group in problem.groups])
+    prior, _ = problem.prior_rows(place.x)
+    return float((points @ np.log(place.noise) + 0.5 * prior @ prior) / points.sum())
 
 
-def _same(place: Place, best: Place, unknowns: int) -> bool:
+def _same(problem: Problem, place: Place, best: Place) -> bool:
+    unknowns = len(problem.unknowns)
     near = np.allclose(place.x[:unknowns], best.x[:unknowns], rtol=_SAME_PLACE)
-    return near or abs(_left(place) - _left(best)) < _SAME_LEFT
+    return near or abs(_left(problem, place) - _left(problem, best)) < _SAME_LEFT
