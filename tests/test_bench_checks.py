@@ -132,6 +132,8 @@ FAULTS = {
         record({it: x[:99] for it, x in ANSWERS["multisine"].items()}, T[:99]),
         "has 99 samples; expected 100 at least",
     ),
+    "in ms": (record(time=1000 * T), r"^bench: time: has a median step of 1 s; .* is the time in ms\?"),
+    "in s": (record(time=T / 1000), r"^bench: time: has a median step of 1e-06 s; .* is the time in s, not in ms\?"),
     "still drive": (record(test_signal=np.full(len(T), 0.2)), "test_signal never moves from 0.2 V"),
     "flicker": (record(test_signal=FLICKER), r"test_signal moves by 0\.0003 V, which is no more than the resolution"),
     "dead channel": (record(column_angle=np.full(len(T), 0.2)), r"column_angle never moves from 0\.2 rad"),
@@ -141,6 +143,11 @@ FAULTS = {
     ),
     "no drive": (record({"column_angle": ANGLE}), "has no test_signal, which drives servo-closed test_signal"),
 }
+
+
+@pytest.mark.parametrize("step_s", [1e-5, 0.2])
+def test_the_shortest_and_the_longest_step_pass(step_s):
+    check_record(record(time=T / H * step_s))
 
 
 @pytest.mark.parametrize(("given", "message"), FAULTS.values(), ids=FAULTS)

@@ -129,6 +129,19 @@ def test_arguments_state_what_a_file_does_not(tmp_path):
     assert np.abs(found.value[0]) == pytest.approx(math.pi / 180 / POUND, rel=ROUNDING)
 
 
+def test_equal_units_do_not_contradict_each_other(tmp_path):
+    """The same unit under another name, and dB in any case."""
+    top = "# experiment: servo-closed\n# to: load_pressure (lb/in^2)\n"
+    units = {"gain": "db", "phase": "degree", "load_pressure": "psi", "test_signal": "V"}
+    found = response(tmp_path, top + LINES, output="load_pressure (psi)", units=units)
+    assert np.abs(found.value[0]) == pytest.approx(POUND / INCH**2, rel=ROUNDING)
+    path = write_csv(tmp_path / "run.csv", {**RECORD, "load_pressure (lb/in^2)": X})
+    read = read_bench_record(path, experiment="servo-closed", units={"load_pressure": "psi", "time": "sec"})
+    assert read.channels["load_pressure"] == pytest.approx(X * POUND / INCH**2, rel=ROUNDING)
+    with pytest.raises(InputError, match="the header says 'lb/in\\^2', the argument units 'ksi'"):
+        read_bench_record(path, experiment="servo-closed", units={"load_pressure": "ksi"})
+
+
 BAD_RESPONSES = {
     "no experiment": (LINES, {"output": "potentiometer (V)"}, "does not say under which experiment"),
     "no output": ("# experiment: servo-open\n" + LINES, {}, "does not say which channel it leads to"),
@@ -140,24 +153,38 @@ BAD_RESPONSES = {
     "other output": (
         TO_POTENTIOMETER + LINES,
         {"output": "column_angle"},
-        "contradict each other: potentiometer and column_angle",
+        "'to' and the argument output contradict each other: 'potentiometer' and 'column_angle'",
     ),
-    "other unit": (TO_POTENTIOMETER + LINES, {"units": {"potentiometer": "mV"}}, "contradict each other"),
+    "other unit": (
+        TO_POTENTIOMETER + LINES,
+        {"units": {"potentiometer": "mV"}},
+        "'to' and the argument units contradict each other: 'V' and 'mV';",
+    ),
+    "other unit of the argument": (
+        TO_POTENTIOMETER.replace("potentiometer (V)", "potentiometer") + LINES,
+        {"output": "potentiometer (V)", "units": {"potentiometer": "mV"}},
+        "the argument output and the argument units contradict each other: 'V' and 'mV';",
+    ),
     "header and units": (
         TO_POTENTIOMETER + LINES,
         {"units": {"phase": "rad"}},
-        "the header says 'deg', units say 'rad'",
+        "the header says 'deg', the argument units 'rad'",
     ),
     "unit not known": (
         TO_POTENTIOMETER.replace(" (V)", "") + LINES,
         {},
         "the unit of test_signal is not known; say so",
     ),
-    "unknown name": (TO_POTENTIOMETER + LINES, {"units": {"theta": "deg"}}, "units: unknown name 'theta'"),
+    "unknown name": (TO_POTENTIOMETER + LINES, {"units": {"theta": "deg"}}, "the argument units: unknown name 'theta'"),
     "unknown channel": (
         TO_POTENTIOMETER.replace("potentiometer", "piston") + LINES,
         {},
-        "to: unknown channel 'piston'; the channels",
+        "'to': unknown channel 'piston'; the channels",
+    ),
+    "unknown channel of the argument": (
+        LINES,
+        {"experiment": "servo-closed", "output": "piston"},
+        "the argument output: unknown channel 'piston'; the channels",
     ),
     "itself": (
         TO_POTENTIOMETER.replace("potentiometer", "test_signal") + LINES,
@@ -215,7 +242,12 @@ BAD_RESPONSES = {
         r"line 7: the gain is 9000 dB; .* is it a ratio\?",
     ),
     "short row": (TO_POTENTIOMETER + LINES + "8,1\n", {}, "line 8: expected 3 values as in the header, got 2"),
-    "bad experiment": (LINES, {"experiment": "servo"}, "experiment: expected servo-open"),
+    "bad experiment": (LINES, {"experiment": "servo"}, "the argument experiment: expected servo-open"),
+    "bad experiment of the file": (
+        "# experiment: servo\n" + LINES,
+        {},
+        r"measured\.csv: experiment: expected servo-open",
+    ),
     "empty": ("# experiment: loader\n", {}, "is empty"),
 }
 
@@ -357,7 +389,7 @@ def test_a_record_at_fault_is_refused(tmp_path, kind, columns, arguments, messag
 
 def test_a_hold_that_contradicts_the_file_is_refused(tmp_path):
     path = write_csv(tmp_path / "run.csv", RECORD, {"experiment": "servo-closed", "hold": "staircase"})
-    with pytest.raises(InputError, match="says 'hold: staircase' of itself, and hold is 'straight'"):
+    with pytest.raises(InputError, match="says 'hold: staircase' of itself, and the argument hold is 'straight'"):
         read_bench_record(path, hold="straight")
 
 
@@ -382,9 +414,9 @@ def test_either_kind_is_told_by_its_columns(tmp_path):
     assert isinstance(read_bench_data(own, experiment="servo-closed", columns={"time": "t"}), BenchRecord)
     with pytest.raises(InputError, match="has neither a column 'frequency' nor 'time'"):
         read_bench_data(own, experiment="servo-closed")
-    with pytest.raises(InputError, match="is a record in time, to which output does not apply"):
+    with pytest.raises(InputError, match="is a record in time, to which the argument output does not apply"):
         read_bench_data(record, output="column_angle")
-    with pytest.raises(InputError, match="is a frequency response, to which hold does not apply"):
+    with pytest.raises(InputError, match="is a frequency response, to which the argument hold does not apply"):
         read_bench_data(tmp_path / "response.csv", hold="straight")
     both = write_csv(tmp_path / "both.csv", {"time (s)": T, "frequency (Hz)": T})
     with pytest.raises(InputError, match="has both a column 'frequency' and one 'time'"):
@@ -402,3 +434,45 @@ def test_what_is_no_table_is_refused(tmp_path):
     words = {"time (s)": T, "test_signal (V)": U, "column angle (deg)": np.array(["a"] * 200)}
     with pytest.raises(InputError, match="column_angle: expected a column of numbers"):
         read_bench_record(write_parquet(tmp_path / "words.parquet", words), experiment="servo-closed")
+
+
+@pytest.mark.parametrize(
+    ("kind", "came"),
+    [
+        (pyarrow.timestamp("ns"), "dates"),
+        (pyarrow.timestamp("us", tz="UTC"), "dates"),
+        (pyarrow.duration("ms"), "durations"),
+    ],
+)
+def test_dates_and_durations_are_no_seconds(tmp_path, kind, came):
+    stamps = pyarrow.array((1000 * T).astype(np.int64)).cast(kind)
+    path = write_parquet(tmp_path / "run.parquet", {**RECORD, "time (s)": stamps})
+    message = rf"run\.parquet: time: expected a column of numbers, got {came} \(.*\); .*seconds since the first sample"
+    with pytest.raises(InputError, match=message):
+        read_bench_record(path, experiment="servo-closed")
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+@pytest.mark.parametrize(
+    ("unit", "scale", "message"),
+    [
+        ("s", 1000.0, r"time: has a median step of 10 s; expected .*; is the time in ms\? .*'time \(ms\)'"),
+        ("ms", 0.001, r"time: has a median step of 1e-08 s; expected .*; is the time in s, not in ms\? .*'time \(s\)'"),
+    ],
+)
+def test_a_time_in_another_unit_is_refused(tmp_path, kind, unit, scale, message):
+    columns = {f"time ({unit})": scale * T, **{name: values for name, values in RECORD.items() if "time" not in name}}
+    path = WRITERS[kind](tmp_path / f"run.{kind}", columns)
+    with pytest.raises(InputError, match=message) as caught:
+        read_bench_record(path, experiment="servo-closed")
+    assert str(caught.value).startswith(str(path))
+
+
+@pytest.mark.parametrize(("mark", "words"), [(";", "semicolons"), ("\t", "tabs")])
+@pytest.mark.parametrize("quote", ["", '"'])
+def test_columns_that_are_not_parted_by_commas_are_refused(tmp_path, mark, words, quote):
+    header = mark.join(f"{quote}{name}{quote}" for name in ("time (s)", "test_signal (V)", "column_angle (deg)"))
+    rows = [mark.join(("0,01", "1,5", "0,2"))] * 200
+    (tmp_path / "run.csv").write_text("\n".join(["# experiment: servo-closed", "", header, *rows]), encoding="utf-8")
+    with pytest.raises(InputError, match=rf"run\.csv: line 3: is parted by {words}; use commas"):
+        read_bench_data(tmp_path / "run.csv")

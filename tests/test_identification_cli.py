@@ -303,6 +303,45 @@ def test_bad_input_ends_with_two_and_a_remedy(identify, tmp_path, words, message
     assert not (tmp_path / "forcefeel-identified").exists()
 
 
+CLOSED = ("my.toml", "--data", "closed.csv", "--fit", "k")
+RUN = ("my.toml", "--data", "run.csv", "--fit", "k")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (CLOSED, "or by --experiment"),
+        ((*CLOSED, "--experiment", "servo"), "closed.csv: --experiment: expected servo-open"),
+        ((*GOOD, "--to", "load_pressure (Pa)"), "'to' and --to contradict each other"),
+        ((*GOOD, "--to", "theta"), "--to: unknown channel 'theta'"),
+        ((*GOOD, "--from", "theta"), "--from: unknown channel 'theta'"),
+        ((*GOOD, "--unit", "theta=deg"), "--unit: unknown name 'theta'"),
+        ((*GOOD, "--unit", "phase=rad"), "the header says 'deg', --unit 'rad'"),
+        ((*GOOD, "--hold", "straight"), "to which --hold does not apply"),
+        ((*GOOD, "--column", "column_angle=theta"), "to which --column does not apply"),
+        ((*RUN, "--experiment", "release"), "says that it is of servo-closed test_signal, and --experiment is"),
+        ((*RUN, "--hold", "straight"), "says 'hold: staircase' of itself, and --hold is 'straight'"),
+        ((*RUN, "--from", "test_signal"), "to which --from does not apply"),
+        ((*RUN, "--column", "angle=theta"), "--column: unknown name 'angle'"),
+        (RUN, "the file's own name of one is given by --column"),
+        ((*RUN, "--column", "column_angle=theta"), "add it to the header or by --unit"),
+        (
+            (*RUN, "--column", "column_angle=theta", "--unit", "theta=deg"),
+            "run.csv: time: has a median step of 2 s; expected 10 microseconds to 0.2 s; is the time in ms? Say so in the "
+            "header, 'time (ms)', or where it has no unit by --unit (time=ms)",
+        ),
+    ],
+)
+def test_messages_about_data_speak_of_options(identify, tmp_path, words, message):
+    rows = "\n".join(f"{2 * i},{np.sin(i / 9):.6f},{np.cos(i / 9):.6f}" for i in range(200))
+    top = "# experiment: servo-closed\n# hold: staircase\ntime (s),test_signal (V),theta\n"
+    (tmp_path / "run.csv").write_text(top + rows)
+    status, out, err = identify(*words)
+    assert (status, out) == (2, "")
+    assert message in err
+    assert "argument" not in err
+
+
 def test_interrupted_writes_nothing(identify, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt

@@ -189,9 +189,9 @@ def test_the_data_s_own_unknowns_are_found_and_taken_out():
     np.testing.assert_allclose(np.linalg.inv(found.information) * np.outer(shares, shares), whole[:2, :2], rtol=1e-6)
 
 
-def sure(information, clear=(True, True)):
+def sure(information, clear=(True, True), estimates=(1.0, 1.0)):
     """Confidence of which only the information counts."""
-    return Confidence(np.eye(2), np.ones(2), 1.96, information, np.ones(2), np.array(clear))
+    return Confidence(np.eye(2), np.ones(2), np.array(estimates), 1.96, information, np.ones(2), np.array(clear))
 
 
 def test_of_two_only_the_product_is_seen_of():
@@ -201,6 +201,10 @@ def test_of_two_only_the_product_is_seen_of():
     (found,) = confusions_of(unknowns(), sure(information))
     assert found.sentence == "The data cannot tell k from c: only their product k c is determined."
     assert set(found.keys) == {"linkage.stiffness", "linkage.damping"}
+    # Shares are of the file's values where those are larger; a product is one all the same.
+    half = np.outer([2.0, 1.0], [2.0, 1.0]) * 1e6
+    (smaller,) = confusions_of(unknowns(), sure(half, estimates=(0.5, 1.0)))
+    assert "only their product" in smaller.sentence
     (ratio,) = confusions_of(unknowns(), sure(np.array([[1.0, -1.0], [-1.0, 1.0]]) * 1e6))
     assert "only their ratio" in ratio.sentence
 

@@ -44,7 +44,7 @@ def read_bench_data(
     strangers = {"columns": columns, "hold": hold} if is_response else {"input": input, "output": output}
     if given := [name for name, value in strangers.items() if value]:
         kind = "frequency response" if is_response else "record in time"
-        raise InputError(f"{table.path}: is a {kind}, to which {given[0]} does not apply; leave it out")
+        raise InputError(f"{table.path}: is a {kind}, to which the argument {given[0]} does not apply; leave it out")
     if is_response:
         return response_file.response_of(table, experiment, (input, output), units or {})
     return record_file.record_of(table, experiment, columns or {}, units or {}, hold)

@@ -13,6 +13,8 @@ DECIBEL = "dB"
 """Of a gain: no unit that multiplies, so that no factor belongs to it."""
 
 _LONGEST_UNIT = 40
+_ROUNDING = 1e-12
+"""Relative; equal units that are defined by other products differ by some roundings."""
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*(?:\((?P<round>.*)\)|\[(?P<square>[^\]]*)\])", re.DOTALL)
 # Names are in small letters, where these units are not.
 _SUFFIXES = {
@@ -58,6 +60,18 @@ def suffix_unit(suffix: str) -> str:
         return unit if unit == DECIBEL or (len(unit) <= _LONGEST_UNIT and factor(unit, unit)) else ""
     except InputError:
         return ""
+
+
+def same_unit(one: str, other: str) -> bool:
+    """Whether two units are equal, whatever they are called: ``psi`` is ``lb/in^2``, ``db`` is ``dB``."""
+    if one == other or one.lower() == other.lower() == DECIBEL.lower():
+        return True
+    if max(len(one), len(other)) > _LONGEST_UNIT:
+        return False
+    try:
+        return abs(factor(one, other) - 1) < _ROUNDING
+    except InputError:
+        return False
 
 
 def locate(
@@ -128,8 +142,10 @@ def _places(table: Table, name: str, known: Collection[str], own: str | None) ->
 
 
 def _agreed(where: str, in_file: str, given: str | None) -> str:
-    if in_file and given and in_file != given:
-        raise InputError(f"{where}: the header says {show(in_file)}, units say {show(given)}; leave one of them out")
+    if in_file and given and not same_unit(in_file, given):
+        raise InputError(
+            f"{where}: the header says {show(in_file)}, the argument units {show(given)}; leave one of them out"
+        )
     return in_file or given or ""
 
 
@@ -141,7 +157,9 @@ def _scale(where: str, given: str, accepted: tuple[str, ...]) -> tuple[str, floa
         return "", 1.0
     expected = " or ".join(unit or "no unit" for unit in accepted)
     if not given:
-        raise InputError(f"{where}: has no unit; expected one such as {expected}; add it to the header or by units")
+        raise InputError(
+            f"{where}: has no unit; expected one such as {expected}; add it to the header or by the argument units"
+        )
     if len(given) > _LONGEST_UNIT:
         raise InputError(f"{where}: unknown unit {show(given)}; expected one such as {expected}")
     errors = []

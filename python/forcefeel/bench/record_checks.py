@@ -19,8 +19,12 @@ from forcefeel.qualification.records import Record, found_noise, found_resolutio
 FEWEST_SAMPLES = 100
 """Samples that a record has at least."""
 
+_SHORTEST_STEP_S = 10e-6
+"""Median step that a bench records at: a hundredth of a usual controller's period."""
+_LONGEST_STEP_S = 0.2
+"""The same: two and a half samples in the period of a feel of 2 Hz."""
 _ROUNDING = 1e-9
-"""Share of a signal's largest value within which it is constant."""
+"""Share of a signal's largest value within which it is constant; of a step too."""
 _FLICKER = 2
 """Samples for which a signal of nothing but its resolution stays at a level, half of the time at most."""
 _QUIET = 1e-3
@@ -56,8 +60,9 @@ def check_record(record: BenchRecord, places: Sequence[str] | None = None) -> No
 
     Raises:
         InputError: With the place, what is wrong, what was expected and the remedy: numbers that are not finite, times that do
-            not rise, a gap, fewer than 100 samples, a drive or a measured channel that never moved, a channel that is clipped,
-            a drive under which the loader does not begin at rest, a grip that is never let go or not held before.
+            not rise, a gap, fewer than 100 samples, a median step outside 10 microseconds to 0.2 s, a drive or a measured
+            channel that never moved, a channel that is clipped, a drive under which the loader does not begin at rest, a grip
+            that is never let go or not held before.
     """
     where = record.name if places is None else places[0].rsplit(": ", 1)[0]
     columns = {"time": record.time_s, **record.channels}
@@ -73,6 +78,7 @@ def check_record(record: BenchRecord, places: Sequence[str] | None = None) -> No
         raise InputError(
             f"{where}: has {len(record.time_s)} samples; expected {FEWEST_SAMPLES} at least; record for longer"
         )
+    _check_step(record.time_s, where)
     measured = {name: values for name, values in record.channels.items() if name in OUTPUTS}
     drive = _drive(record, where)
     for name, values in measured.items():
@@ -86,6 +92,19 @@ def check_record(record: BenchRecord, places: Sequence[str] | None = None) -> No
         _check_release(record, where)
     elif drive is not None:
         _check_rest(record, drive, measured, where)
+
+
+def _check_step(time_s: NDArray[np.float64], where: str) -> None:
+    """Refuses a time that is most likely in another unit than is said: no bench records so fast or so slowly."""
+    step = float(np.median(np.diff(time_s)))
+    if _SHORTEST_STEP_S * (1 - _ROUNDING) <= step <= _LONGEST_STEP_S * (1 + _ROUNDING):
+        return
+    unit, asked = ("ms", "ms") if step > _LONGEST_STEP_S else ("s", "s, not in ms")
+    raise InputError(
+        f"{where}: time: has a median step of {step:.6g} s; expected {_SHORTEST_STEP_S * 1e6:.0f} microseconds to "
+        f"{_LONGEST_STEP_S:g} s; is the time in {asked}? Say so in the header, 'time ({unit})', or where it has no unit by the "
+        f"argument units (time={unit})"
+    )
 
 
 def _drive(record: BenchRecord, where: str) -> NDArray[np.float64] | None:

@@ -71,7 +71,7 @@ def record_of(
     if not any(name in OUTPUTS for name in found):
         raise InputError(
             f"{table.where}: has nothing that was measured; expected one at least of {', '.join(OUTPUTS)}; the file's own name of "
-            f"one is given by columns; got {show(','.join(table.header))}"
+            f"one is given by the argument columns; got {show(','.join(table.header))}"
         )
     read = table.take(found)
     channels = {name: values for name, values in read.values.items() if name != "time"}

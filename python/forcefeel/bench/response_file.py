@@ -1,6 +1,6 @@
 """Measured frequency responses from files."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 
 from forcefeel.bench.channels import CHANNELS
 from forcefeel.bench.experiments import Experiment
-from forcefeel.bench.header import DECIBEL, channel_and_unit, locate, need
+from forcefeel.bench.header import DECIBEL, channel_and_unit, locate, need, same_unit
 from forcefeel.bench.response_checks import check_response, fault_of_values
 from forcefeel.bench.responses import Response
 from forcefeel.bench.stated import check_names, drive_channel, stated_experiment
 from forcefeel.bench.tables import Table, open_table
 from forcefeel.errors import InputError
 from forcefeel.inputs.columns import Columns
-from forcefeel.units import factor
+from forcefeel.units import factor, show
 
 EXAMPLE = "frequency (Hz),gain (dB),phase (deg)"
 """A good header."""
@@ -105,27 +105,36 @@ def response_of(
 
 def _end(table: Table, key: str, argument: str | None, name: str, units: Mapping[str, str]) -> tuple[str, str]:
     """The channel at one end and its unit, empty where it is not known."""
-    in_file = table.notes.get(key)
-    try:
-        there = channel_and_unit(in_file) if in_file is not None else None
-        given = channel_and_unit(argument) if argument is not None else None
-    except InputError as error:
-        raise InputError(f"{table.path}: {key}: {error}") from error
-    if there is None and given is None:
+    texts = {f"'{key}'": table.notes.get(key), f"the argument {name}": argument}
+    ends = {who: _channel(f"{table.path}: {who}", text) for who, text in texts.items() if text is not None}
+    if not ends:
         remedy = f"say so at the top of a CSV file, as in '# {key}: potentiometer (V)', or by the argument {name}"
         raise InputError(f"{table.path}: does not say which channel it leads {key}; {remedy}")
-    (found, unit), other = (there or given or ("", "")), (given or there or ("", ""))
-    said = {it for it in (unit, other[1], units.get(found, "")) if it}
-    if found != other[0] or len(said) > 1:
-        came = f"{found} {sorted(said)}" if found == other[0] else f"{found} and {other[0]}"
-        raise InputError(
-            f"{table.path}: '{key}' and the arguments contradict each other: {came}; leave one of them out"
-        )
-    unit = said.pop() if said else ""
+    found = _agreed(table, {who: end for who, (end, _) in ends.items()}, str.__eq__)
+    stated_units = {who: unit for who, (_, unit) in ends.items()} | {"the argument units": units.get(found, "")}
+    unit = _agreed(table, {who: unit for who, unit in stated_units.items() if unit}, same_unit)
     try:
         return found, unit if not unit or factor(unit, CHANNELS[found]) else ""
     except InputError as error:
         raise InputError(f"{table.path}: {key}: {found}: {error}; expected a unit such as {CHANNELS[found]}") from error
+
+
+def _channel(where: str, text: str) -> tuple[str, str]:
+    """Channel and unit of a text; ``where`` it stands, for the message."""
+    try:
+        return channel_and_unit(text)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from error
+
+
+def _agreed(table: Table, said: Mapping[str, str], same: Callable[[str, str], bool]) -> str:
+    """What all of them say; empty if nobody says anything."""
+    who, what = next(iter(said.items()), ("", ""))
+    for other, word in said.items():
+        if not same(what, word):
+            came = f"{who} and {other} contradict each other: {show(what)} and {show(word)}"
+            raise InputError(f"{table.path}: {came}; leave one of them out")
+    return what
 
 
 def _gain(table: Table, columns: Columns, start: tuple[str, str], end: tuple[str, str]) -> NDArray[np.float64]:

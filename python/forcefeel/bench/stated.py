@@ -17,7 +17,7 @@ def stated(table: Table, key: str, argument: str | None, name: str) -> str | Non
     said = table.notes.get(key)
     if said is not None and argument is not None and said.split() != argument.split():
         raise InputError(
-            f"{table.path}: says '{key}: {said}' of itself, and {name} is {show(argument)}; leave one of them out"
+            f"{table.path}: says '{key}: {said}' of itself, and the argument {name} is {show(argument)}; leave one of them out"
         )
     return argument if said is None else said
 
@@ -29,14 +29,11 @@ def stated_experiment(table: Table, argument: Experiment | str | None) -> Experi
         InputError: If neither does, they contradict each other, or it is none.
     """
     said = table.notes.get("experiment")
-    try:
-        in_file = None if said is None else Experiment.read(said)
-        given = Experiment.read(argument) if isinstance(argument, str) else argument
-    except InputError as error:
-        raise InputError(f"{table.path}: {error}") from error
+    in_file = None if said is None else _experiment(f"{table.path}: ", said)
+    given = _experiment(f"{table.path}: the argument ", argument) if isinstance(argument, str) else argument
     if in_file is not None and given is not None and in_file != given:
         raise InputError(
-            f"{table.path}: says that it is of {in_file}, and experiment is {given}; leave one of them out"
+            f"{table.path}: says that it is of {in_file}, and the argument experiment is {given}; leave one of them out"
         )
     if (experiment := in_file or given) is None:
         remedy = "say so at the top of a CSV file, as in '# experiment: servo-closed', or by the argument experiment"
@@ -56,4 +53,13 @@ def check_names(where: str, argument: str, given: Collection[str], allowed: Coll
         InputError: With what there is.
     """
     if strangers := [it for it in given if it not in allowed]:
-        raise InputError(f"{where}: {argument}: unknown name {show(strangers[0])}; the names are {', '.join(allowed)}")
+        raise InputError(
+            f"{where}: the argument {argument}: unknown name {show(strangers[0])}; the names are {', '.join(allowed)}"
+        )
+
+
+def _experiment(before: str, text: str) -> Experiment:
+    try:
+        return Experiment.read(text)
+    except InputError as error:  # which begins with the word experiment
+        raise InputError(f"{before}{error}") from error

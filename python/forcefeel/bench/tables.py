@@ -21,6 +21,8 @@ Found = Mapping[str, tuple[int, str, float]]
 NOTES = ("experiment", "from", "to", "hold")
 """What a file can say of itself."""
 
+_TIMES = {"M": "dates", "m": "durations"}
+"""Kinds of NumPy's types that are no numbers, and turn into some all the same."""
 _NOTE = re.compile(r"#\s*(?P<key>[A-Za-z]+)\s*:\s*(?P<said>.*?)\s*")
 
 
@@ -67,6 +69,7 @@ def _csv(path: Path, data: bytes, example: str) -> Table:
     notes: dict[str, str] = {}
     for i, line in enumerate(lines):
         if line.strip() and not line.lstrip().startswith("#"):
+            _check_commas(f"{path}: line {i + 1}", line.strip())
             break
         if (said := _NOTE.fullmatch(line.strip())) and said["key"].lower() in NOTES:
             key = said["key"].lower()
@@ -81,6 +84,13 @@ def _csv(path: Path, data: bytes, example: str) -> Table:
         return csv_columns(path, rows, header, line_number, found)
 
     return Table(path, header, f"{path}: line {line_number}", notes, _hash(data), take)
+
+
+def _check_commas(where: str, header: str) -> None:
+    """Refuses a header that is parted by something else, as some programs write it where the comma is the decimal point."""
+    for mark, words in ((";", "semicolons"), ("\t", "tabs")):
+        if mark in header and "," not in header:
+            raise InputError(f"{where}: is parted by {words}; use commas, and points in numbers")
 
 
 def _parquet(path: Path, data: bytes, example: str) -> Table:
@@ -152,6 +162,11 @@ def _numbers(path: Path, name: str, given: Any) -> NDArray[np.float64]:
     """A column as numbers; a sample that is missing is not a number."""
     if np.iscomplexobj(given):
         raise InputError(f"{path}: {name}: expected real numbers, got complex ones; give gain and phase")
+    if (dtype := np.asarray(given).dtype).kind in _TIMES:  # they would be taken as counts of their unit
+        raise InputError(
+            f"{path}: {name}: expected a column of numbers, got {_TIMES[dtype.kind]} ({dtype}); write numbers, and as time the "
+            "seconds since the first sample"
+        )
     try:
         values = np.squeeze(np.asarray(given, dtype=np.float64))
     except (TypeError, ValueError) as error:

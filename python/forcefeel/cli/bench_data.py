@@ -1,6 +1,8 @@
 """Files of bench data and what the options say of each: for one file by its stem, or for all."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +14,16 @@ if TYPE_CHECKING:
     from forcefeel.bench.records import BenchRecord, Hold
     from forcefeel.bench.responses import Response
 
+_OPTIONS = {
+    "experiment": "--experiment",
+    "input": "--from",
+    "output": "--to",
+    "columns": "--column",
+    "units": "--unit",
+    "hold": "--hold",
+}
+"""Which option gives which argument of ``read_bench_data``."""
+_ARGUMENT = re.compile(rf"\bthe argument ({'|'.join(_OPTIONS)})\b")
 _HOLDS: dict[str, "Hold"] = {"straight": "straight", "staircase": "staircase"}
 
 
@@ -48,18 +60,19 @@ class BenchData:
         )
         hold = {stem: _hold(text) for stem, text in by_stem("--hold", self.hold, stems).items()}
         column, unit = names_by_stem("--column", self.column, stems), names_by_stem("--unit", self.unit, stems)
-        return [
-            read_bench_data(
-                path,
-                experiment=experiment.get(path.stem),
-                input=source.get(path.stem),
-                output=target.get(path.stem),
-                columns=column.get(path.stem),
-                units=unit.get(path.stem),
-                hold=hold.get(path.stem),
-            )
-            for path in self.files
-        ]
+        with _options_named():
+            return [
+                read_bench_data(
+                    path,
+                    experiment=experiment.get(path.stem),
+                    input=source.get(path.stem),
+                    output=target.get(path.stem),
+                    columns=column.get(path.stem),
+                    units=unit.get(path.stem),
+                    hold=hold.get(path.stem),
+                )
+                for path in self.files
+            ]
 
     def _stems(self) -> list[str]:
         stems: dict[str, Path] = {}
@@ -70,6 +83,15 @@ class BenchData:
                 )
             stems[path.stem] = path
         return list(stems)
+
+
+@contextmanager
+def _options_named() -> Iterator[None]:
+    """Names the option where a message names the argument."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(_ARGUMENT.sub(lambda found: _OPTIONS[found[1]], str(error))) from error
 
 
 def by_stem(option: str, given: Sequence[str] | None, stems: Sequence[str]) -> dict[str, str]:

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.bench.channels import CHANNELS, channel
-from forcefeel.bench.experiments import Drive, Experiment
+from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.scenario_text import assignments
 from forcefeel.designs.setting_laws import own_law
@@ -60,13 +60,22 @@ class ExciteOptions:
         loader = open_loader(path)
         return loader.replace(changes) if changes else loader
 
-    def fixed_law(self, loader: Loader) -> "FixedLaw":
+    def fixed_law(self, loader: Loader, experiment: Experiment) -> "FixedLaw":
         """The law of the whole loader; ``None`` is the original one.
 
         Raises:
-            InputError: If it cannot be designed.
+            InputError: If it is of no use to this experiment or cannot be designed.
         """
-        return None if self.law is None or self.law is Law.ORIGINAL else own_law(self.law, loader)
+        if self.law is None or self.law is Law.ORIGINAL:
+            return None
+        if experiment.loop is not Loop.LOADER:  # first: what its design lacks is no matter then
+            raise InputError(
+                f"--compensator: is the law of the whole loader, and {experiment} is of the servo alone; leave it out"
+            )
+        try:
+            return own_law(self.law, loader)
+        except InputError as error:
+            raise InputError(f"--compensator: {str(error).removeprefix('compensator: ')}") from error
 
     def plan(self, drive: Drive) -> ExcitationPlan:
         """What is wanted, SI units.
@@ -94,8 +103,9 @@ def run_excite(path: Path | None, options: ExciteOptions, units: UnitSystem, *, 
     check_excitation_file(options.out, replace=options.replace)  # before the work, not after it
     experiment = Experiment.read(options.experiment)
     loader = options.loader(path)
+    law = options.fixed_law(loader, experiment)
     try:
-        found = excite(loader, options.fit, experiment, options.plan(experiment.drive), options.fixed_law(loader))
+        found = excite(loader, options.fit, experiment, options.plan(experiment.drive), law)
     except NotSeparableError as error:
         print(f"forcefeel: {error}", file=sys.stderr)
         raise typer.Exit(1) from None

@@ -45,7 +45,7 @@ class ExcitationPlan:
         from_hz: Lowest frequency; one cycle a period if not given.
         to_hz: Highest frequency; the valve's natural frequency if not given, or a quarter of the rate, or of the controller's,
             where that is lower.
-        measured: Channels of ``identification.channels.OUTPUTS`` that are recorded.
+        measured: Channels of ``bench.channels.OUTPUTS`` that are recorded.
         noise_share: White noise of each measured channel, as a share of its r.m.s. under even lines that reach the limits.
         noise: The same in SI units for channels where it is known.
         limits: Limits in place of the loader's: ``current`` (A), ``travel`` (rad, of the column), ``force`` (N, at the load cell)

@@ -33,6 +33,7 @@ class Confidence:
     Attributes:
         covariance: Of all unknowns, the data's own included, with priors, (n, n).
         sizes: What the shares are of, in the file's values, (unknowns,).
+        estimates: Magnitudes of the estimates, in the same, (unknowns,).
         quantile: Student's t of the 95 % interval.
         information: Inverse covariance that the data alone would give, (unknowns, unknowns): H with the data's own unknowns taken
             out, less what ``inflation`` says.
@@ -42,6 +43,7 @@ class Confidence:
 
     covariance: NDArray[np.float64]
     sizes: NDArray[np.float64]
+    estimates: NDArray[np.float64]
     quantile: float
     information: NDArray[np.float64]
     inflation: NDArray[np.float64]
@@ -90,12 +92,13 @@ def confidence_of(problem: Problem, place: Place) -> Confidence:
     covariance = covariance * np.outer(raised, raised)
     inflation = np.sqrt(np.divide(np.diag(covariance), least, out=np.ones_like(least), where=least > 0))[:count]
     # An estimate near zero is no share of itself: of a friction that is not there the file's guess is the measure.
-    sizes = np.maximum(np.abs(place.x[:count]), 1.0)
+    estimates = np.abs(place.x[:count])
+    sizes = np.maximum(estimates, 1.0)
     every = np.concatenate([sizes, np.ones(len(place.x) - count)])
     quantile = float(student.ppf(0.5 + 0.5 * _CONFIDENCE, max(pieces - len(place.x), 1)))
     in_shares = _without_own(information * np.outer(every, every), count) / np.outer(inflation, inflation)
     clear = np.ones(count, dtype=np.bool_)
-    return Confidence(covariance / np.outer(every, every), sizes, quantile, in_shares, inflation, clear)
+    return Confidence(covariance / np.outer(every, every), sizes, estimates, quantile, in_shares, inflation, clear)
 
 
 def half_widths(information: NDArray[np.float64]) -> NDArray[np.float64]:

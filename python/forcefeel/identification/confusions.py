@@ -19,6 +19,9 @@ DETERMINED = 0.5
 _PART = 0.2
 """Share in a direction below which a parameter is not named."""
 
+_NEAR_ZERO = 0.1
+"""Of the file's value: an estimate below it is no measure of how far it moves."""
+
 _EVEN = 0.1
 """Within so much two parameters move alike, so that it is their product or ratio that stays."""
 
@@ -26,7 +29,9 @@ _EVEN = 0.1
 def confusions_of(unknowns: Sequence[Unknown], confidence: Confidence) -> tuple[Confusion, ...]:
     """The directions along which the data alone leave more than ``DETERMINED`` open."""
     directions = weak_directions(confidence.information, DETERMINED / confidence.quantile)
-    found = tuple(_confusion(unknowns, direction, confidence.clear) for direction in directions)
+    near_zero = confidence.estimates < _NEAR_ZERO * confidence.sizes
+    in_estimates = confidence.sizes / np.where(near_zero, confidence.sizes, confidence.estimates)
+    found = tuple(_confusion(unknowns, direction * in_estimates, confidence.clear) for direction in directions)
     named = tuple(dict.fromkeys(key for it in found for key in it.keys))
     if 1 < len(named) == len(found) and any(len(it.keys) > 1 for it in found):
         # As many directions as parameters: it is not their combination, but none of them.
@@ -37,6 +42,7 @@ def confusions_of(unknowns: Sequence[Unknown], confidence: Confidence) -> tuple[
 
 
 def _confusion(unknowns: Sequence[Unknown], direction: NDArray[np.float64], clear: NDArray[np.bool_]) -> Confusion:
+    direction = direction / direction[np.argmax(np.abs(direction))]
     named = np.flatnonzero(np.abs(direction) > _PART).tolist()
     parts = sorted(named, key=lambda j: -abs(float(direction[j])))
     keys = tuple(unknowns[j].key for j in parts)
