@@ -20,7 +20,8 @@ from forcefeel.identification.misfit import UNEXPLAINED, unexplained
 from forcefeel.identification.plain import FitSettings, plain_identification, response_csv
 from forcefeel.identification.result import Status
 from forcefeel.identification.shown import digits_of, estimated, interval, percent, rounded
-from forcefeel.report.identification_plots import MOST_POINTS, drawn, phases
+from forcefeel.report.canvas import drawn
+from forcefeel.report.identification_plots import MOST_POINTS, phases
 from forcefeel.report.identification_tables import data as data_table
 from forcefeel.report.identification_tables import estimates as estimates_table
 from forcefeel.units import UnitSystem
@@ -365,7 +366,7 @@ def test_a_response_reads_back(tmp_path, units, known):
 
 def test_long_records_are_drawn_with_their_extremes():
     values = record_fitted()[0].measured
-    kept = drawn(values)
+    kept = drawn(values, MOST_POINTS)
     assert len(kept) <= MOST_POINTS + 2
     assert SPIKE in kept
     assert {0, len(values) - 1} <= set(kept.tolist())
@@ -377,7 +378,7 @@ def test_long_records_are_drawn_with_their_extremes():
 @pytest.mark.parametrize("count", [2, MOST_POINTS, MOST_POINTS + 1, 2 * MOST_POINTS - 1])
 def test_any_length_can_be_drawn(count):
     values = np.random.default_rng(5).standard_normal(count)
-    kept = drawn(values)
+    kept = drawn(values, MOST_POINTS)
     assert len(kept) == count if count <= MOST_POINTS else len(kept) <= MOST_POINTS + 2
     assert values[kept].max() == values.max()
 

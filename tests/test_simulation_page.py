@@ -17,7 +17,8 @@ from forcefeel.errors import InputError
 from forcefeel.ideal_run import ideal_angle
 from forcefeel.inputs import StopToStop
 from forcefeel.report import simulation_folder
-from forcefeel.report.simulation_plots import MOST_POINTS, _kept
+from forcefeel.report.canvas import drawn
+from forcefeel.report.simulation_plots import MOST_POINTS
 from forcefeel.run_findings import input_in_words
 from forcefeel.run_limits import known_measures
 from forcefeel.units import UnitSystem, factor
@@ -301,11 +302,11 @@ def test_inputs_in_words(force, told):
 def test_a_long_curve_keeps_its_peaks():
     values = np.sin(np.arange(100_001) * 0.7)
     values[70_001], values[100_000] = 5.0, -5.0
-    kept = _kept(values)
+    kept = drawn(values, MOST_POINTS)
     assert len(kept) <= MOST_POINTS + 2
     assert {0, 70_001, 100_000} <= set(kept.tolist())
     assert np.all(np.diff(kept) > 0)
-    assert len(_kept(values[:MOST_POINTS])) == MOST_POINTS
+    assert len(drawn(values[:MOST_POINTS], MOST_POINTS)) == MOST_POINTS
 
 
 # In a browser.

@@ -7,7 +7,7 @@ from forcefeel.bench.channels import CHANNELS, OUTPUTS
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.header import locate, need
 from forcefeel.bench.record_checks import check_record
-from forcefeel.bench.records import BenchRecord, Hold
+from forcefeel.bench.records import HOLDS, BenchRecord, Hold
 from forcefeel.bench.stated import check_names, drive_channel, stated, stated_experiment
 from forcefeel.bench.tables import Table, open_table
 from forcefeel.errors import InputError
@@ -15,8 +15,6 @@ from forcefeel.units import show
 
 EXAMPLE = "time (s),test_signal (V),column_angle (deg)"
 """A good header."""
-
-_HOLDS: dict[str, Hold] = {"straight": "straight", "staircase": "staircase"}
 
 
 def read_bench_record(
@@ -64,7 +62,7 @@ def record_of(
     check_names(str(table.path), "units", units, (*wanted, *columns.values()))
     under = stated_experiment(table, experiment)
     runs = stated(table, "hold", hold, "hold") or "straight"
-    if runs not in _HOLDS:
+    if runs not in HOLDS:
         raise InputError(f"{table.path}: hold: expected straight or staircase, got {show(runs)}")
     found = locate(table, wanted, units, columns)
     need(table, found, ("time", drive_channel(under) or "column_angle"), EXAMPLE)
@@ -77,6 +75,6 @@ def record_of(
     channels = {name: values for name, values in read.values.items() if name != "time"}
     for values in read.values.values():
         values.setflags(write=False)
-    record = BenchRecord(table.path.stem, under, read.values["time"], channels, _HOLDS[runs], table.data_hash)
+    record = BenchRecord(table.path.stem, under, read.values["time"], channels, HOLDS[runs], table.data_hash)
     check_record(record, read.places)
     return record

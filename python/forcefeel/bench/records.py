@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -10,6 +11,9 @@ from numpy.typing import NDArray
 from forcefeel.bench.experiments import Experiment
 
 Hold = Literal["straight", "staircase"]
+
+HOLDS: Mapping[str, Hold] = MappingProxyType({"straight": "straight", "staircase": "staircase"})
+"""How files and options say it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,6 @@ _OPTIONS = {
 }
 """Which option gives which argument of ``read_bench_data``."""
 _ARGUMENT = re.compile(rf"\bthe argument ({'|'.join(_OPTIONS)})\b")
-_HOLDS: dict[str, "Hold"] = {"straight": "straight", "staircase": "staircase"}
 
 
 @dataclass(frozen=True)
@@ -148,6 +147,8 @@ def _split(option: str, text: str, mark: str, stems: Sequence[str]) -> tuple[str
 
 
 def _hold(text: str) -> "Hold":
-    if text not in _HOLDS:
-        raise InputError(f"--hold: expected {' or '.join(_HOLDS)}, got {show(text)}")
-    return _HOLDS[text]
+    from forcefeel.bench.records import HOLDS  # noqa: PLC0415  NumPy
+
+    if text not in HOLDS:
+        raise InputError(f"--hold: expected {' or '.join(HOLDS)}, got {show(text)}")
+    return HOLDS[text]

@@ -7,8 +7,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from forcefeel.cli.given_loader import given_loader
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.scenario_text import assignments
 from forcefeel.designs.setting_laws import names_for
 from forcefeel.envelopes import Envelope
 from forcefeel.envelopes.cases import changes_of
@@ -17,7 +17,7 @@ from forcefeel.envelopes.plain import plain_envelope
 from forcefeel.envelopes.plan import Plan, make_plan
 from forcefeel.envelopes.run import compute
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader, open_loader
+from forcefeel.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.sweep.findings import share_text
@@ -47,9 +47,7 @@ class EnvelopeOptions:
         """
         if self.compare and self.compensators:
             raise InputError("--compare and --compensator: given both; --compare takes all, leave one out")
-        changes = assignments("--set", tuple(self.changes or ()))
-        loader = open_loader(path)
-        loader = loader.replace(changes) if changes else loader
+        loader = given_loader(path, self.changes)
         names = names_for(loader) if self.compare else tuple(self.compensators or ("published",))
         grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:25:log")
         options = {

@@ -12,9 +12,9 @@ from rich.table import Table
 
 from forcefeel.bench.channels import CHANNELS, channel
 from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.cli.given_loader import designed_law, given_loader
 from forcefeel.cli.scenario_options import Law
-from forcefeel.cli.scenario_text import assignments
-from forcefeel.designs.setting_laws import own_law
+from forcefeel.cli.scenario_text import value
 from forcefeel.errors import InputError
 from forcefeel.excitation import Excitation, ExcitationPlan, NotSeparableError, excite, write_excitation
 from forcefeel.excitation.bench_file import check_excitation_file
@@ -22,9 +22,9 @@ from forcefeel.excitation.limits import KINDS
 from forcefeel.excitation.plain import plain_excitation
 from forcefeel.excitation.plan import Kind
 from forcefeel.identification.shown import percent
-from forcefeel.loader import Loader, open_loader
+from forcefeel.loader import Loader
 from forcefeel.parameters import TABLE, with_unit
-from forcefeel.units import UnitSystem, parse
+from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
     from forcefeel.identification.linear import Law as FixedLaw
@@ -54,12 +54,6 @@ class ExciteOptions:
     out: Path
     replace: bool
 
-    def loader(self, path: Path | None) -> Loader:
-        """The loader with ``--set``."""
-        changes = assignments("--set", tuple(self.changes or ()))
-        loader = open_loader(path)
-        return loader.replace(changes) if changes else loader
-
     def fixed_law(self, loader: Loader, experiment: Experiment) -> "FixedLaw":
         """The law of the whole loader; ``None`` is the original one.
 
@@ -72,10 +66,7 @@ class ExciteOptions:
             raise InputError(
                 f"--compensator: is the law of the whole loader, and {experiment} is of the servo alone; leave it out"
             )
-        try:
-            return own_law(self.law, loader)
-        except InputError as error:
-            raise InputError(f"--compensator: {str(error).removeprefix('compensator: ')}") from error
+        return designed_law(self.law, loader)
 
     def plan(self, drive: Drive) -> ExcitationPlan:
         """What is wanted, SI units.
@@ -102,7 +93,7 @@ def run_excite(path: Path | None, options: ExciteOptions, units: UnitSystem, *, 
     """Designs an excitation and writes it for the bench."""
     check_excitation_file(options.out, replace=options.replace)  # before the work, not after it
     experiment = Experiment.read(options.experiment)
-    loader = options.loader(path)
+    loader = given_loader(path, options.changes)
     law = options.fixed_law(loader, experiment)
     try:
         found = excite(loader, options.fit, experiment, options.plan(experiment.drive), law)
@@ -123,26 +114,21 @@ def _noise(given: list[str]) -> tuple[float | None, dict[str, float]]:
     """The share of all channels, if it is given, and the noise of single ones, SI units."""
     share, single = None, {}
     for text in given:
-        name, equals, value = text.rpartition("=")
+        name, equals, said = text.rpartition("=")
         if not equals:
             if share is not None:
                 raise InputError(f"--noise: expected one share for all channels, got another, {text!r}; leave one out")
-            share = _parsed("--noise", text, "", "1 %")
+            share = value("--noise", text.strip(), "", "1 %")
         else:
-            single[channel(name)] = _parsed("--noise", value, CHANNELS[channel(name)], "0.01 deg")
+            single[channel(name)] = value("--noise", said.strip(), CHANNELS[channel(name)], "0.01 deg")
     return share, single
 
 
 def _limit(name: str, given: str, drive: Drive) -> float:
     channel = KINDS.get(name, str(drive))
-    return _parsed(f"--limit-{name}", given, CHANNELS[channel], _EXAMPLES.get(name, _DRIVE_EXAMPLES.get(drive, "")))
-
-
-def _parsed(option: str, given: str, unit_si: str, example: str) -> float:
-    try:
-        return parse(given.strip(), unit_si, example)
-    except InputError as error:
-        raise InputError(f"{option}: {error}") from error
+    return value(
+        f"--limit-{name}", given.strip(), CHANNELS[channel], _EXAMPLES.get(name, _DRIVE_EXAMPLES.get(drive, ""))
+    )
 
 
 def _show(console: Console, found: Excitation, units: UnitSystem) -> None:

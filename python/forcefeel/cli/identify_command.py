@@ -15,18 +15,17 @@ from forcefeel.bench.experiments import Loop
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.cli.bench_data import BenchData
+from forcefeel.cli.given_loader import designed_law, given_loader
 from forcefeel.cli.identify_options import IdentifyLoss
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_options import Law
-from forcefeel.cli.scenario_text import assignments
-from forcefeel.designs.setting_laws import own_law
 from forcefeel.errors import InputError
 from forcefeel.identification.findings import identification_conclusions
 from forcefeel.identification.fit import identify
 from forcefeel.identification.plain import FitSettings, plain_identification
 from forcefeel.identification.result import Estimate, Identification, Status, data_of
 from forcefeel.identification.shown import error, estimated, interval, nominal, relative_error, rounded, unit_of
-from forcefeel.loader import BUILT_IN, Loader, open_loader
+from forcefeel.loader import BUILT_IN, Loader
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
@@ -57,12 +56,6 @@ class IdentifyOptions:
         law = str(self.law or Law.ORIGINAL)
         return FitSettings(str(self.loss), self.starts, not self.no_priors, self.as_responses, law)
 
-    def loader(self, path: Path | None) -> Loader:
-        """The loader with ``--set``."""
-        changes = assignments("--set", tuple(self.changes or ()))
-        loader = open_loader(path)
-        return loader.replace(changes) if changes else loader
-
     def fixed_law(self, loader: Loader, data: _DATA) -> "FixedLaw":
         """The law of the whole loader in the data; ``None`` is the original one.
 
@@ -75,11 +68,7 @@ class IdentifyOptions:
             raise InputError(
                 "--compensator: is the law of the whole loader, and all data are of the servo alone; leave it out"
             )
-        try:
-            return own_law(self.law, loader)
-        except InputError as problem:
-            text = str(problem)
-            raise InputError(f"--{text}" if text.startswith("compensator:") else f"--compensator: {text}") from problem
+        return designed_law(self.law, loader)
 
 
 def run_identify(path: Path | None, options: IdentifyOptions, units: UnitSystem, *, as_json: bool) -> None:
@@ -92,7 +81,7 @@ def run_identify(path: Path | None, options: IdentifyOptions, units: UnitSystem,
 
     inputs = [*_loader_file(path), *options.data.files]
     check_identification_folder(options.out, inputs, replace=options.replace)  # before the work, not after it
-    loader, data = options.loader(path), options.data.read()
+    loader, data = given_loader(path, options.changes), options.data.read()
     law = options.fixed_law(loader, data)
     settings = options.settings
     with all_or_nothing(silent=as_json) as bar:

@@ -8,12 +8,12 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from forcefeel.cli.given_loader import given_loader
 from forcefeel.cli.qualify_options import ControlAxis, Overdamped
 from forcefeel.cli.scenario_options import Law
-from forcefeel.cli.scenario_text import assignments
 from forcefeel.designs.setting_laws import names_for
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader, open_loader
+from forcefeel.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, Outcome
 from forcefeel.qualify import Qualification, QualificationSetup, qualify_loader
 from forcefeel.qualify.plain import plain_qualification
@@ -72,9 +72,7 @@ def run_qualify(path: Path | None, options: QualifyOptions, units: UnitSystem, *
     )
 
     check_qualification_folder(options.out, pdf=options.pdf)  # before the work, not after it
-    changes = assignments("--set", tuple(options.changes or ()))
-    loader = open_loader(path)
-    loader = loader.replace(changes) if changes else loader
+    loader = given_loader(path, options.changes)
     found = qualify_loader(loader, options.setup(loader, units))
     page = write_qualification(found, options.out, pdf=options.pdf)
     if as_json:

@@ -15,9 +15,9 @@ from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.resonance import Reading, Resonance, link_from_resonance, read_resonance
 from forcefeel.bench.responses import Response
 from forcefeel.cli.bench_data import BenchData
-from forcefeel.cli.scenario_text import assignments
+from forcefeel.cli.given_loader import given_loader
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader, open_loader
+from forcefeel.loader import Loader
 from forcefeel.parameters import ALTERNATIVES, TABLE, unit, with_unit
 from forcefeel.results import Plain, quantity
 from forcefeel.units import HERTZ, UnitSystem, parse, show, to_text
@@ -46,9 +46,7 @@ def run_resonance(
     as_json: bool,
 ) -> None:
     """Reads a resonance off a response and shows the link that has it."""
-    loader = open_loader(path)
-    if given := assignments("--set", tuple(changes or ())):
-        loader = loader.replace(given)
+    loader = given_loader(path, changes)
     band_hz = read_band(band)
     response = _response(bench.read()[0], measured)
     found = read_resonance(response, band_hz)

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from forcefeel.arms import ARM_ROWS, ARMS, Arm
+from forcefeel.cli.given_loader import designed_law
 from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, InputOptions, Spacing
 from forcefeel.cli.scenario_text import assignments, over_time, seconds
 from forcefeel.errors import InputError
@@ -252,14 +253,7 @@ class ScenarioOptions:
         """
         if self.law is None:
             return None
-        from forcefeel.designs.setting_laws import own_law  # noqa: PLC0415
-
-        try:
-            return own_law(self.law, loader)
-        except InputError as error:
-            raise InputError(
-                f"--{error}" if str(error).startswith("compensator:") else f"--compensator: {error}"
-            ) from error
+        return designed_law(self.law, loader)
 
     def scenario(self, loader: "Loader") -> "Scenario":
         """What is done to ``loader``.

@@ -12,10 +12,10 @@ from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
 from forcefeel.excitation.limits import Limit
 from forcefeel.identification.linear import Law
+from forcefeel.identification.record_run import engine_step_s
 from forcefeel.inputs import Recorded, Schedule
 from forcefeel.loader import Loader
 from forcefeel.simulation import RunStatus, Scenario, simulate
-from forcefeel.simulation.scenario import controller_steps
 from forcefeel.units import UnitSystem
 
 NEAR = 0.97
@@ -24,7 +24,6 @@ NEAR = 0.97
 _AIM = 0.985  # between NEAR and 1
 _TRIALS = 16
 _MOST_CHANGE = 4.0  # of the scale in a trial: a loader with friction or stops is not linear
-_STEP_S = 1e-3  # longest step of the engine: the column on its link is then right to some 1e-5
 _WHOLE = 1e-9
 
 _HISTORY = {
@@ -57,7 +56,7 @@ class Bench:
             signal: Volts or newtons at every sample, straight between, (samples,).
             limits: The limits.
         """
-        step_s = self._step_s()
+        step_s = engine_step_s(self.loader, 1 / self.rate_hz)
         steps = ceil((len(signal) - 1) / self.rate_hz / step_s - _WHOLE)
         run = simulate(self.loader, self._scenario(signal, steps, step_s), self._law())
         if run.status is RunStatus.DIVERGED:
@@ -75,13 +74,6 @@ class Bench:
             return replace(run, force=Recorded(times, values, "excitation"))
         drive = Schedule(tuple(times.tolist()), tuple(values.tolist()), "excitation")
         return replace(run, test_signal_v=drive)
-
-    def _step_s(self) -> float:
-        """The engine's step: a share of the controller's period, or of the time between two samples."""
-        if self.loader["controller.period"]:
-            return controller_steps(self.loader, _STEP_S)[0]
-        between = 1 / self.rate_hz
-        return between / ceil(between / _STEP_S - _WHOLE)
 
     def _law(self) -> Law:
         match self.experiment.loop:

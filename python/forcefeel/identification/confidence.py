@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from forcefeel.identification.problem import ROBUST_FROM, Place, Problem
+from forcefeel.identification.losses import weight_of
+from forcefeel.identification.problem import Place, Problem
 
 _CONFIDENCE = 0.95
 
@@ -75,7 +76,7 @@ class Confidence:
 def confidence_of(problem: Problem, place: Place) -> Confidence:
     """Confidence in the unknowns at the place where the search ended."""
     count = len(problem.unknowns)
-    weight = _loss_weight(place.residual, problem.loss)
+    weight = weight_of(place.residual, problem.loss)
     weighted = place.slopes * weight[:, np.newaxis]
     information = place.slopes.T @ weighted
     scores = weighted * place.residual[:, np.newaxis]
@@ -134,17 +135,3 @@ def _without_own(information: NDArray[np.float64], count: int) -> NDArray[np.flo
     return np.asarray(
         information[:count, :count] - information[:count, count:] @ np.linalg.pinv(own) @ information[count:, :count]
     )
-
-
-def _loss_weight(residual: NDArray[np.float64], loss: str) -> NDArray[np.float64]:
-    """Derivative ``rho'`` of the loss by the squared residual, as ``scipy.optimize.least_squares`` defines its losses."""
-    z = (residual / ROBUST_FROM) ** 2
-    match loss:
-        case "huber":
-            return np.where(z <= 1, 1.0, 1 / np.sqrt(np.maximum(z, 1.0)))
-        case "soft_l1":
-            return 1 / np.sqrt(1 + z)
-        case "cauchy":
-            return 1 / (1 + z)
-        case _:
-            return np.ones_like(z)

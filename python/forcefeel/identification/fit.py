@@ -18,9 +18,10 @@ from forcefeel.identification.confidence import Confidence, half_widths
 from forcefeel.identification.confusions import DETERMINED, confusions_of
 from forcefeel.identification.fitted_loader import fitted_loader
 from forcefeel.identification.linear import Law, LinearModel, model_response
+from forcefeel.identification.losses import Loss
 from forcefeel.identification.misfit import explained
 from forcefeel.identification.observations import Observation
-from forcefeel.identification.problem import Loss, Place, Problem
+from forcefeel.identification.problem import Place, Problem
 from forcefeel.identification.record_observation import RecordObservation
 from forcefeel.identification.record_run import RecordRun
 from forcefeel.identification.response_observation import ResponseObservation, relative_error
@@ -80,14 +81,16 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         raise InputError(f"starts: expected 1 to {MOST_STARTS}, got {starts}")
     _check_valve(loader, keys, data, as_responses=as_responses)
     used = [it for one in data for it in (_as_responses(one, loader) if as_responses else [one])]
-    for it in data:
-        _suspect(loader, law, it)
+    seen = [(it, [it] if isinstance(it, Response) else _seen_in(it, loader)) for it in data]
+    for it, responses in seen:
+        _suspect(loader, law, it, responses)
     problem = Problem(unknowns, [_observe(it, loader, keys, law) for it in used], loss, priors)
     _check_points(problem)
     place, confidence, ends = search(problem, starts, progress or (lambda done, total: None))
     estimates = _estimates(unknowns, problem, place, confidence)
     found = _at_estimates(loader, estimates)
-    rigid, notes = _rigid(found, law, unknowns, used)
+    compared = [(it, [it]) for it in used if isinstance(it, Response)] if as_responses else seen
+    rigid, notes = _rigid(found, law, unknowns, compared)
     identified = Identification(
         before=loader,
         estimates=estimates,
@@ -138,9 +141,9 @@ def _response_of(record: BenchRecord, channel: str, loader: Loader) -> Response:
     return replace(found, frequency_hz=lines, value=value, coherence=coherence, deviation=deviation)
 
 
-def _suspect(loader: Loader, law: Law, data: Response | BenchRecord) -> None:
-    """Refuses data that are not what they are said to be, as far as the loader file's model can tell."""
-    for response in [data] if isinstance(data, Response) else _seen_in(data, loader):
+def _suspect(loader: Loader, law: Law, data: Response | BenchRecord, responses: Sequence[Response]) -> None:
+    """Refuses data that are not what their responses are said to be, as far as the loader file's model can tell."""
+    for response in responses:
         asked = loader, response.experiment, response.input, response.output, response.frequency_hz
         predicted = model_response(*asked, law=law)
         answers = bool(np.all(np.isfinite(predicted) & (predicted != 0)))
@@ -239,15 +242,15 @@ def _fitted(problem: Problem, place: Place) -> tuple[Fitted, ...]:
 
 
 def _rigid(
-    loader: Loader, law: Law, unknowns: Sequence[Unknown], data: Sequence[Response | BenchRecord]
+    loader: Loader, law: Law, unknowns: Sequence[Unknown], seen: Sequence[tuple[Response | BenchRecord, list[Response]]]
 ) -> tuple[RigidTest | None, tuple[str, ...]]:
-    """The test of the link, and why there is none."""
-    responses: list[Response] = []
-    for it in data:
-        if isinstance(it, Response):
-            responses.append(it)
-        elif it.experiment.drive is Drive.TEST_SIGNAL:
-            responses += _seen_in(it, loader)
+    """The test of the link on what was given and what was seen in records under a test signal; and why there is none."""
+    responses = [
+        response
+        for it, found in seen
+        if isinstance(it, Response) or it.experiment.drive is Drive.TEST_SIGNAL
+        for response in found
+    ]
     if not responses:
         return None, ("Whether the link is compliant was not judged: that takes a frequency response.",)
     if loader["controller.period"]:

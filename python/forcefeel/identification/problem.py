@@ -9,7 +9,7 @@ over parameters with a normal tolerance. The unknowns are in shares of the file'
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +17,10 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from forcefeel.consistency import AT_LEAST
 from forcefeel.errors import InputError
+from forcefeel.identification.losses import ROBUST_FROM, Loss, cost_of
 from forcefeel.identification.observations import Observation
 from forcefeel.identification.unknowns import Unknown
 from forcefeel.units import show
-
-Loss = Literal["linear", "huber", "soft_l1", "cauchy"]
-"""What large residuals count: fully, or less."""
-
-ROBUST_FROM = 3.0
-"""Standard deviations of noise from which on a residual counts less under a robust loss; hardly any of normal noise are there."""
 
 _ROUNDS = 5
 """Most rounds of finding the unknowns, then the noise; two or three are enough where the model fits."""
@@ -49,7 +44,6 @@ class Place:
 
     Attributes:
         x: Unknowns in shares of the file's values, then the data's own, (n,).
-        cost: What is left, in units of the noise.
         noise: Noise of each group, in units of what was expected, (groups,).
         residual: Residuals in units of the noise, (points,).
         slopes: Their derivatives by ``x``, (points, n).
@@ -57,7 +51,6 @@ class Place:
     """
 
     x: NDArray[np.float64]
-    cost: float
     noise: NDArray[np.float64]
     residual: NDArray[np.float64]
     slopes: NDArray[np.float64]
@@ -172,7 +165,7 @@ class Problem:
         residual, slopes = self.compare(x)
         weight = self._weight(before)
         at_bound = np.asarray(found.active_mask[: len(self.unknowns)] != 0)
-        return Place(x, float(found.cost), before, residual * weight, slopes * weight[:, np.newaxis], at_bound)
+        return Place(x, before, residual * weight, slopes * weight[:, np.newaxis], at_bound)
 
     def minimum(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
         """The nearest best ``x`` at this noise."""
@@ -185,19 +178,8 @@ class Problem:
     def cost(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> float:
         """What is left at ``x`` of the data, in units of this noise; infinite where the model diverges."""
         residuals = [it.residual(self.values(x), own) for it, own in zip(self.observations, self.own(x), strict=True)]
-        z = (np.concatenate(residuals) * self._weight(noise) / ROBUST_FROM) ** 2
-        if not np.isfinite(z).all():
-            return float("inf")
-        match self.loss:
-            case "huber":
-                rho = np.where(z <= 1, z, 2 * np.sqrt(z) - 1)
-            case "soft_l1":
-                rho = 2 * (np.sqrt(1 + z) - 1)
-            case "cauchy":
-                rho = np.log1p(z)
-            case _:
-                rho = z
-        return float(0.5 * ROBUST_FROM**2 * np.sum(rho))
+        residual = np.concatenate(residuals) * self._weight(noise)
+        return cost_of(residual, self.loss) if np.isfinite(residual).all() else float("inf")
 
     def prior_rows(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The priors as residuals and their slopes."""

@@ -119,11 +119,7 @@ class RecordRun:
 
     @cached_property
     def _step_s(self) -> float:
-        """The engine's step: a share of the controller's period, or of the time between two samples."""
-        if self.loader["controller.period"]:
-            return controller_steps(self.loader, _STEP_S)[0]
-        between = float(np.median(np.diff(self.record.time_s)))
-        return between / math.ceil(between / _STEP_S - _EVEN)
+        return engine_step_s(self.loader, float(np.median(np.diff(self.record.time_s))))
 
     @cached_property
     def _on_samples(self) -> bool:
@@ -170,3 +166,10 @@ class RecordRun:
         seen = Record(self.record.time_s, angle, name=self.record.name)
         found = find_release(seen, _TAIL, load_rules().release)
         return float(np.mean(angle[: found.held])), found.time_s
+
+
+def engine_step_s(loader: Loader, between_s: float) -> float:
+    """The engine's step for samples so far apart: a share of the controller's period, or of the time between two samples."""
+    if loader["controller.period"]:
+        return controller_steps(loader, _STEP_S)[0]
+    return between_s / math.ceil(between_s / _STEP_S - _EVEN)

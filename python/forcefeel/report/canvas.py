@@ -2,7 +2,9 @@
 
 from typing import Any
 
+import numpy as np
 import plotly.graph_objects as go
+from numpy.typing import NDArray
 
 from forcefeel.report.palette import Look
 
@@ -78,3 +80,16 @@ def mark_level(picture: go.Figure, level: float, *, row: int) -> None:
 def html(picture: go.Figure, name: str) -> str:
     """The plot as a piece of HTML that needs plotly.js in the page."""
     return str(picture.to_html(full_html=False, include_plotlyjs=False, div_id=name, config=CONFIG))
+
+
+def drawn(values: NDArray[np.float64], most: int) -> NDArray[np.intp]:
+    """Which samples are drawn: all up to ``most``, or of each stretch the lowest and the highest, so that no extreme is lost."""
+    count = len(values)
+    if count <= most:
+        return np.arange(count)
+    stretches = most // 2
+    length = -(-count // stretches)
+    padded = np.pad(values, (0, stretches * length - count), mode="edge").reshape(stretches, length)
+    starts = np.arange(stretches) * length
+    kept = np.concatenate([[0, count - 1], starts + padded.argmin(axis=1), starts + padded.argmax(axis=1)])
+    return np.unique(np.minimum(kept, count - 1))

@@ -11,7 +11,7 @@ from forcefeel.bench.responses import Response
 from forcefeel.identification.result import Estimate, Fitted, Identification, Status
 from forcefeel.identification.shown import NOT_DETERMINED, channel_unit, gain_unit
 from forcefeel.parameters import TABLE
-from forcefeel.report.canvas import ZERO, frame, line
+from forcefeel.report.canvas import ZERO, drawn, frame, line
 from forcefeel.report.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
 from forcefeel.report.typography import split_symbol, unit_text
 from forcefeel.units import UnitSystem
@@ -130,9 +130,9 @@ def record(one: Fitted, units: UnitSystem) -> go.Figure:
         ("the file's model", before, _BEFORE),
         ("fitted", modelled, _FITTED),
     ):
-        kept = near[drawn(values[near])]
+        kept = near[drawn(values[near], MOST_POINTS)]
         _line(picture, 1, one.at[kept], values[kept], name, look, hover)
-    kept = drawn(left)
+    kept = drawn(left, MOST_POINTS)
     _line(picture, 2, one.at[kept], left[kept], "measured less fitted", Look(_MISSED, "solid", 1.2), hover)
     frame(picture, 520, top=60)
     picture.update_yaxes(automargin=True)  # small errors have long numbers
@@ -166,18 +166,6 @@ def stretch(measured: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray
     shown = max(count * SHOWN_SWINGS // swings, 2)
     first = min(max(int(np.argmax(np.abs(left))) - shown // 2, 0), count - shown)
     return np.arange(first, first + shown)
-
-
-def drawn(values: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Which samples of a curve are drawn: all, or of each stretch the lowest and the highest, so that no extreme is lost."""
-    count = len(values)
-    if count <= MOST_POINTS:
-        return np.arange(count)
-    edges = np.linspace(0, count, MOST_POINTS // 2 + 1).astype(np.intp)
-    stretches = np.split(values, edges[1:-1])
-    lowest = edges[:-1] + [int(part.argmin()) for part in stretches]
-    highest = edges[:-1] + [int(part.argmax()) for part in stretches]
-    return np.unique(np.concatenate([[0, count - 1], lowest, highest]))
 
 
 def _values(one: Fitted) -> dict[str, NDArray[np.complex128]]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from forcefeel.inputs import Chirp, Multisine, Recorded, StopToStop
-from forcefeel.report.canvas import frame, line
+from forcefeel.report.canvas import drawn, frame, line
 from forcefeel.report.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
 from forcefeel.report.typography import parameter_text
 from forcefeel.run_findings import FORCE
@@ -194,7 +194,7 @@ def _curve(
     picture: go.Figure, run: Run, row: int, name: str, values: NDArray[np.float64], look: Look, hover: str
 ) -> None:
     time = run.history["time_s"].values[: len(values)]
-    kept = _kept(values)
+    kept = drawn(values, MOST_POINTS)
     picture.add_scatter(
         x=time[kept],
         y=values[kept],
@@ -207,19 +207,6 @@ def _curve(
         row=row,
         col=1,
     )
-
-
-def _kept(values: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Which samples are drawn: all, or of each stretch the lowest and the highest."""
-    count = len(values)
-    if count <= MOST_POINTS:
-        return np.arange(count)
-    stretches = MOST_POINTS // 2
-    length = -(-count // stretches)
-    padded = np.pad(values, (0, stretches * length - count), mode="edge").reshape(stretches, length)
-    starts = np.arange(stretches) * length
-    kept = np.concatenate([[0, count - 1], starts + padded.argmin(axis=1), starts + padded.argmax(axis=1)])
-    return np.unique(np.minimum(kept, count - 1))
 
 
 def _near(values: NDArray[np.float64], levels: Iterable[Level]) -> list[Level]:
