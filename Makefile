@@ -39,6 +39,7 @@ bench: $(VENV)/built
 	$(BIN)/python benchmarks/envelope.py
 	$(BIN)/python benchmarks/sampled_laws.py
 	$(BIN)/python benchmarks/identification.py
+	$(BIN)/python benchmarks/tolerances.py
 
 docs: $(VENV)/built
 	$(BIN)/python docs/make.py

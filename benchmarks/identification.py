@@ -19,7 +19,7 @@ from forcefeel.identification.fit import identify
 from forcefeel.identification.record_run import RecordRun
 from forcefeel.inputs import Multisine, Schedule
 from forcefeel.simulation import Scenario, simulate_batch
-from forcefeel.simulation.engine import cores
+from forcefeel.threads import cores
 
 KEYS = ("linkage.stiffness", "linkage.damping", "column.inertia", "valve.current_gain")
 SPREAD, NOISE, TIME_S, RATE_HZ, PERIOD_S = 0.2, 0.01, 60.0, 500.0, 10.0

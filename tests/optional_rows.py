@@ -5,8 +5,8 @@ from forcefeel.parameters import OFF, TABLE
 
 
 def companions(key: str) -> dict[str, float]:
-    """The rows, at their examples, without which the optional row ``key`` would have no effect."""
-    found: dict[str, float] = {}
+    """The rows, at their examples, without which the optional row ``key`` would have no effect, or not all of its range."""
+    found: dict[str, float] = {"controller.period": 0.025} if key == "controller.delay" else {}
     wanted = [key]
     while wanted:
         row = wanted.pop()

@@ -13,12 +13,12 @@ from pyarrow import parquet
 from forcefeel.bench.channels import CHANNELS
 from forcefeel.bench.data_file import read_bench_data
 from forcefeel.bench.experiments import Experiment
-from forcefeel.bench.header import Heading, heading, suffix_unit
 from forcefeel.bench.record_file import read_bench_record
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.response_file import read_response
 from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
+from forcefeel.tables.header import Heading, heading, suffix_unit
 
 POUND = 4.4482216152605  # N, exact
 INCH = 0.0254  # m, exact
@@ -200,7 +200,7 @@ BAD_RESPONSES = {
     "no gain": (
         TO_POTENTIOMETER + LINES.replace("gain", "size"),
         {},
-        "line 4: has no column 'gain'; expected 'frequency",
+        "line 4: has no column 'gain'; expected a header such as 'frequency",
     ),
     "gain without unit": (
         TO_POTENTIOMETER + LINES.replace(" (dB)", ""),

@@ -54,11 +54,11 @@ def test_auto_chooses_and_says_why(run, tmp_path, monkeypatch):
     assert not re.search(r"\d\.\d{7}", re.sub(r"<[^>]*>", " ", text))
 
 
-def test_none_qualifies(run):
+def test_none_is_eligible(run):
     grid = ("--grid", "stiffness=1, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
     status, out, _ = run("--method", "auto", *grid)
     assert status == 1
-    assert "None of the 3 methods qualifies" in out
+    assert "None of the 3 methods is eligible" in out
     assert "elevator-2khz" in out
 
 

@@ -202,6 +202,13 @@ def test_an_empty_q_is_refused_in_a_line(run, tmp_path):
     assert err.startswith("forcefeel: q.csv: expected [Q] as CSV")
 
 
+def test_a_q_that_is_text_is_not_repeated_at_length(run, tmp_path):
+    (tmp_path / "q.csv").write_text("x" * 10_000, encoding="utf-8")
+    status, _, err = run("compensate", "--q", "q.csv")
+    assert status == 2
+    assert len(err) < 300
+
+
 def test_unknown_commands_and_units_are_bad_input(run):
     assert run("desing")[0] == 2
     assert run("analyze", "--units", "metric")[0] == 2

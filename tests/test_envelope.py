@@ -1,19 +1,16 @@
 """The envelope against slow routes: single runs, closed forms, NumPy's poles, python-control's frequency response."""
 
-from itertools import pairwise
-
 import control
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
 
 import forcefeel as ff
 from forcefeel.arms import ARM_ROWS
 from forcefeel.compensation import NAMED_DESIGNS, DesignSettings
 from forcefeel.designs.setting_laws import SettingLaws
 from forcefeel.envelopes import passivity, releases
-from forcefeel.envelopes.cases import CHANGES, Kind, PilotArm
+from forcefeel.envelopes.cases import Kind, PilotArm
+from forcefeel.envelopes.deviations import CHANGES
 from forcefeel.envelopes.ideal import ideal_releases
 from forcefeel.envelopes.plan import make_plan
 from forcefeel.envelopes.result import PASSES, UNSTABLE, Failure, failure_of
@@ -23,6 +20,7 @@ from forcefeel.loader import FEEL_SETTING
 from forcefeel.parameters import INDEX
 from forcefeel.qualification.batch_verdicts import NAMES
 from forcefeel.simulation import Scenario
+from tests.release_witness import features, ideal, least_margin
 
 GRID = {"stiffness": "1..100 %:7:log", "frequency": "0.5..4 Hz:4:log", "damping": "0.1, 0.4, 0.8, 1.5"}
 WITNESSED = 60  # settings in random cases that the slow route judges
@@ -51,56 +49,6 @@ def _machine(found, compensator, case, setting):
     return nominal.replace(changes), law
 
 
-def _slow_features(time, angle):
-    """Fall time, P0 and the later cycles, overshoots beyond 5 %: from a spline through the samples, each root by bisection."""
-    spline = CubicSpline(time, angle / angle[0])
-
-    def first(level, start):
-        after = np.flatnonzero((time[:-1] >= start) & ((angle / angle[0] - level)[1:] < 0))
-        k = int(after[0])
-        return brentq(lambda t: spline(t) - level, time[k], time[k + 1])
-
-    high, low = first(0.9, 0.0), first(0.1, 0.0)
-    crossings = [root for root in spline.roots(extrapolate=False) if 0 < root < time[-1]]
-    tops = [t for t in spline.derivative().roots(extrapolate=False) if crossings and t > crossings[0]]
-    sizes = []
-    for begin, end in pairwise([*crossings, time[-1]]):
-        within = [abs(float(spline(t))) for t in tops if begin < t < end]
-        sizes.append(max(within, default=0.0))
-    count = 0
-    while count < len(sizes) and sizes[count] > 0.05:
-        count += 1
-    cycles = [crossings[0] - high] if crossings else []
-    cycles += [crossings[2 * n] - crossings[2 * n - 2] for n in range(1, (len(crossings) + 1) // 2)]
-    return low - high, cycles, sizes, count
-
-
-def _slow_margin(mine, ideal):
-    """Least margin as a share of its tolerance in the words of Part 60: 10 (n + 1) % of Pn, 10 % of A1, the count within one."""
-    fall, cycles, sizes, count = mine
-    wanted_fall, wanted_cycles, wanted_sizes, wanted = ideal
-    if wanted == 0:
-        # What ought not to swing may do so once; twice is one overshoot too many.
-        return min(1 - abs(fall - wanted_fall) / (0.1 * wanted_fall), 1.0 if count <= 1 else -1.0)
-    if count == 0 or abs(count - wanted) > 1:
-        return -np.inf
-    shares = []
-    for n in range((wanted // 2) + 1):
-        if n >= len(cycles):
-            return -np.inf
-        shares.append(abs(cycles[n] - wanted_cycles[n]) / (0.1 * (n + 1) * wanted_cycles[n]))
-    shares += [
-        abs((sizes[k] if k < len(sizes) else 0.0) - wanted_sizes[k]) / (0.1 * wanted_sizes[0]) for k in range(wanted)
-    ]
-    return 1 - max(shares)
-
-
-def _ideal_in_closed_form(feel, angle, time):
-    """The free response of ``I x'' + B x' + G x = 0`` from rest at ``angle``, from its two roots."""
-    fast, slow = np.roots(feel).astype(complex)
-    return (angle * (slow * np.exp(fast * time) - fast * np.exp(slow * time)) / (slow - fast)).real
-
-
 def test_random_settings_end_as_single_runs_do(found):
     rng = np.random.default_rng(1974)
     plan, seen = found.plan, {"passes": 0, "fails": 0, "arms": 0}
@@ -120,8 +68,8 @@ def test_random_settings_end_as_single_runs_do(found):
         arm = np.array(case.arm.values if case.arm else (0.0, 0.0, 0.0)) * ff.elevator()["column.grip_arm"] ** 2
         feel = plan.settings.feel(plan.loader)[setting] + arm
         time = run.history.time_s.values
-        ideal = _slow_features(time, _ideal_in_closed_form(feel, plan.release_rad, time))
-        margin = _slow_margin(_slow_features(time, run.history.column_angle_rad.values), ideal)
+        wanted = features(time, ideal(feel, plan.release_rad, time))
+        margin = least_margin(features(time, run.history.column_angle_rad.values), wanted)
         if failure_of(outcome) is Failure.REST or abs(margin) < NEAR:
             continue
         assert (margin > 0) == (outcome == PASSES), (compensator, case.name, setting, outcome, margin)
@@ -212,7 +160,7 @@ def test_the_ideal_is_the_closed_form(damping):
     w, time = 2 * np.pi * 2.0, np.arange(1500) * 1e-3
     feel = np.array([[1 / w**2, 2 * damping / w, 1.0]])
     critical = (1 + w * time) * np.exp(-w * time)
-    closed = critical if abs(damping - 1) < 1e-6 else _ideal_in_closed_form(feel[0], 1.0, time)
+    closed = critical if abs(damping - 1) < 1e-6 else ideal(feel[0], 1.0, time)
     np.testing.assert_allclose(ideal_releases(feel, 1.0, 1e-3, 1500)[0], closed, atol=1e-8)  # 1e-9 off critical
 
 
@@ -275,7 +223,7 @@ def test_cases_are_one_thing_at_a_time(found):
     assert [case.kind for case in cases] == [Kind.NOMINAL] + [Kind.PLANT] * 28 + [Kind.ARM] * 3
     assert {case.parameter for case in cases if case.parameter} == set(CHANGES)
     valve = [case.change for case in cases if case.parameter == "valve.current_gain"]
-    assert valve == [-0.3, 0.3]
+    assert valve == pytest.approx([-0.3, 0.3])  # the file's shares, back from SI values
     assert not found.case("firm arm").verified
 
 

@@ -18,7 +18,7 @@ SMALL = (
     *("--grid", "frequency=0.5..4 Hz:3:log"),
     *("--grid", "damping=0.2, 1.5"),
 )
-COUNT, CASES = 30, 32
+COUNT, CASES, DRAWN = 30, 32, 40
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def test_the_results_agree_with_the_maps(run, tmp_path):
     found = json.loads(out)
     stored = json.loads((tmp_path / "forcefeel-envelope" / RESULTS).read_text(encoding="utf-8"))
     assert {key: value for key, value in found.items() if key != "page"} == stored
-    assert found["releases"] == COUNT * CASES
+    assert found["releases"] == COUNT * (CASES + DRAWN)
     assert found["rule"] == {
         "edition": "part60-a-2014",
         "title": "14 CFR Part 60, Appendix A",
@@ -113,6 +113,8 @@ def test_a_controller_brings_its_laws(run):
         "valve.rated_flow=none",
         "--set",
         "load_cell.noise=0.2 lb",
+        "--draws",
+        "2",
     )
     status, out, _ = run(*words, "--json")
     assert status == 0

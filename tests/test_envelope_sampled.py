@@ -9,14 +9,14 @@ from forcefeel._core import Compensator
 from forcefeel.arms import ARM_ROWS
 from forcefeel.designs.methods import METHODS
 from forcefeel.designs.setting_laws import SettingLaws, names_for, own_law
-from forcefeel.envelopes.cases import changes_of
+from forcefeel.envelopes.deviations import deviations_of
 from forcefeel.envelopes.grip import Grips
 from forcefeel.envelopes.plan import make_plan
 from forcefeel.envelopes.releases import Record, released
 from forcefeel.errors import InputError
 from forcefeel.loader import FEEL_SETTING
-from forcefeel.qualification import Outcome
 from forcefeel.qualify import QualificationSetup, qualify_loader
+from forcefeel.qualify.result import Standing
 
 GRID = {"stiffness": "3, 10, 40 %", "frequency": "0.7, 2, 3.5 Hz", "damping": "0.2, 0.9"}
 NEAR = 4e-3
@@ -134,16 +134,16 @@ def test_residues_are_the_admittance(loader: ff.Loader) -> None:
 
 
 def test_orifice_takes_the_place_of_its_gains() -> None:
-    found = changes_of(ff.digital_elevator())
-    assert (found["valve.rated_flow"], found["valve.supply_pressure"]) == (0.3, 0.2)
+    found = {key: one.size for key, one in deviations_of(ff.digital_elevator()).items()}
+    assert (found["valve.rated_flow"], found["valve.supply_pressure"]) == pytest.approx((0.3, 0.2))
     assert "valve.current_gain" not in found
-    assert changes_of(ff.elevator())["valve.current_gain"] == 0.3
+    assert deviations_of(ff.elevator())["valve.current_gain"].size == pytest.approx(0.3)
 
 
 def test_robust_loader_qualifies() -> None:
     loader = ff.digital_elevator()
     found = qualify_loader(loader, QualificationSetup(laws=("published", "robust")))
-    assert [section.name for section in found.sections if section.outcome is Outcome.PASSED] == ["robust"]
+    assert [section.name for section in found.sections if section.standing is Standing.QUALIFIES] == ["robust"]
 
 
 def test_analog_loader_takes_the_laws_of_the_report_alone(loader: ff.Loader) -> None:

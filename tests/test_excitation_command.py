@@ -9,7 +9,7 @@ import forcefeel as ff
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.record_file import read_bench_record
 from forcefeel.excitation import ExcitationPlan, excite, write_excitation
-from forcefeel.inputs.columns import Column, read_csv
+from forcefeel.inputs import read_recorded
 from forcefeel.units import UnitSystem
 from tests.command_line import runner
 
@@ -84,10 +84,7 @@ def test_a_force_has_its_unit(tmp_path, units, header):
     about, head, _ = rows(path)
     assert about[0] == "# experiment: loader pilot_force"
     assert head == f"time (s),{header}"
-    body = tmp_path / "body.csv"
-    body.write_text("".join(line + "\n" for line in path.read_text().splitlines() if not line.startswith("#")))
-    read = read_csv(body, (Column("time", ("s",)), Column("pilot_force", ("N",))), head)
-    np.testing.assert_allclose(read.values["pilot_force"], found.signal, atol=DIGITS * found.peak)
+    np.testing.assert_allclose(read_recorded(path).force_n, found.signal, atol=DIGITS * found.peak)
 
 
 def test_with_measured_columns_added_it_is_a_bench_record(tmp_path):

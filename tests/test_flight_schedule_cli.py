@@ -115,6 +115,8 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
         ((*GOOD, "--rule", "part61"), "part60-a-2014"),
         (("elevator-2khz", "--knots", "knots.csv", "--refine", "1"), "refine"),
         (("elevator-2khz", "--knots", "knots.csv", "--refine", "1000000"), "smaller refine"),
+        (("elevator-2khz", "--knots", "knots.csv", "--refine", "9" * 20), "refine: expected a whole number from 2 to"),
+        (("elevator-2khz", "--knots", "knots.csv", "--threads", str(2**64)), "--threads"),
     ],
 )
 def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):

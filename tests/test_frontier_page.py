@@ -79,7 +79,11 @@ def test_every_colour_of_a_map_is_in_its_legend(page):
 
 def test_bound_and_achieved_are_drawn(page):
     names = page.evaluate("() => document.getElementById('shares').data.map(one => one.name)")
-    assert names[:3] == ["bound on any law", "achieved, inertia and geometry tightened", "achieved, all in proportion"]
+    assert names[:3] == [
+        "bound on any linear law",
+        "achieved, inertia and geometry tightened",
+        "achieved, all in proportion",
+    ]
 
 
 def test_what_is_forbidden_or_not_verified_is_said(page):

@@ -69,8 +69,8 @@ def _by_hand(rungs, *, arms=20, stiff=18):
     settings = np.arange(20)
     cases = (
         Case("nominal", Kind.NOMINAL),
-        Case("column.inertia +20 %", Kind.PLANT, "column.inertia", 0.2),
-        Case("linkage.stiffness +20 %", Kind.PLANT, "linkage.stiffness", 0.2),
+        Case("column.inertia +20 %", Kind.PLANT, {"column.inertia": 0.2}),
+        Case("linkage.stiffness +20 %", Kind.PLANT, {"linkage.stiffness": 0.2}),
     )
     left = [
         np.array([settings < arms, settings < heavy, settings < limp])

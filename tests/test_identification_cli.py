@@ -14,11 +14,11 @@ from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.response_file import read_response
 from forcefeel.bench.responses import Response
 from forcefeel.cli import identify_command
-from forcefeel.cli.bench_data import by_stem, names_by_stem
 from forcefeel.cli.resonance_command import read_band
 from forcefeel.errors import InputError
 from forcefeel.models import Linkage, servo
 from forcefeel.report.identification_folder import LOADER, PAGE, RESULTS
+from forcefeel.tables.column_names import by_stem, names_by_stem
 from tests.command_line import runner
 from tests.identifications import determined, secrets_in, undetermined
 from tests.pages import words
@@ -318,7 +318,10 @@ RUN = ("my.toml", "--data", "run.csv", "--fit", "k")
         ((*GOOD, "--unit", "theta=deg"), "--unit: unknown name 'theta'"),
         ((*GOOD, "--unit", "phase=rad"), "the header says 'deg', --unit 'rad'"),
         ((*GOOD, "--hold", "straight"), "to which --hold does not apply"),
-        ((*GOOD, "--column", "column_angle=theta"), "to which --column does not apply"),
+        (
+            (*GOOD, "--column", "column_angle=theta"),
+            "closed.csv: --column: unknown name 'column_angle'; the names are frequency, gain",
+        ),
         ((*RUN, "--experiment", "release"), "says that it is of servo-closed test_signal, and --experiment is"),
         ((*RUN, "--hold", "straight"), "says 'hold: staircase' of itself, and --hold is 'straight'"),
         ((*RUN, "--from", "test_signal"), "to which --from does not apply"),

@@ -719,65 +719,69 @@ def test_numbers_written_out_in_full_come_back(path, points, units):
 
 HEADER = "time (s),force (lb)"
 EXPECTED_HEADER = f"expected a header such as '{HEADER}'"
+RENAME = "rename the column, or name it by the argument columns"
+UNIT = "add it to the header or by the argument units"
 BAD = {
     "empty": ("", f"line 1: is empty; {EXPECTED_HEADER} and rows of numbers"),
-    "blank": (
-        "\n \n\n",
-        f"line 2: has no column 'time'; {EXPECTED_HEADER}, got ''; name one column 'time (s)', parted by a comma",
-    ),
+    "blank": ("\n \n\n", f"line 1: is empty; {EXPECTED_HEADER} and rows of numbers"),
     "blank lines": ("\n\n", f"line 1: is empty; {EXPECTED_HEADER} and rows of numbers"),
     "no header": (
         "0,1\n1,2\n",
-        f"line 1: has no column 'time'; {EXPECTED_HEADER}, got '0,1'; name one column 'time (s)', parted by a comma",
+        f"line 1: has no column 'time'; {EXPECTED_HEADER}, got '0,1'; {RENAME}",
     ),
     "missing column": (
         "time (s),load (lb)\n0,1\n1,2\n",
-        f"line 1: has no column 'force'; {EXPECTED_HEADER}, got 'time (s),load (lb)'; "
-        "name one column 'force (N)', parted by a comma",
+        f"line 1: has no column 'force'; {EXPECTED_HEADER}, got 'time (s),load (lb)'; {RENAME}",
     ),
     "semicolons": (
         "time (s);force (lb)\n0;1\n1;2\n",
-        f"line 1: has no column 'time'; {EXPECTED_HEADER}, got 'time (s);force (lb)'; "
-        "name one column 'time (s)', parted by a comma",
+        "line 1: is parted by semicolons; use commas, and points in numbers",
     ),
     "column twice": (
         "time (s),force (lb),force_n\n0,1,1\n1,2,2\n",
-        f"line 1: has 2 columns 'force'; {EXPECTED_HEADER}, got 'time (s),force (lb),force_n'; "
-        "name one column 'force (N)', parted by a comma",
+        "line 1: has 2 columns 'force', 'force (lb)' and 'force_n'; leave one of them, or name one by the argument columns",
     ),
     "missing unit": (
         "time (s),force\n0,1\n1,2\n",
-        "line 1: the column 'force' has no unit; expected one such as 'force (N)', got 'time (s),force'; add it",
+        f"line 1: force: has no unit; expected one such as N; {UNIT}",
     ),
     "empty unit": (
         "time (),force (lb)\n0,1\n1,2\n",
-        "line 1: the column 'time' has no unit; expected one such as 'time (s)', got 'time (),force (lb)'; add it",
+        f"line 1: time: has no unit; expected one such as s; {UNIT}",
     ),
     "unknown unit": (
         "time (s),force (parsec)\n0,1\n1,2\n",
         "line 1: force: unknown unit 'parsec'; units are m,",
     ),
-    "unknown suffix": ("time_s,force_pilot\n0,1\n1,2\n", "line 1: force: unknown unit 'pilot'; units are m,"),
+    "unknown suffix": (
+        "time_s,force_pilot\n0,1\n1,2\n",
+        f"line 1: has no column 'force'; {EXPECTED_HEADER}, got 'time_s,force_pilot'; {RENAME}",
+    ),
+    "unit with a percent": (
+        "time (s),force (N%)\n0,1\n1,2\n",
+        "line 1: force: unknown unit 'N%'; a percent is a unit by itself, of a ratio; expected a unit such as N",
+    ),
     "capital letters": ("time (s),force (LB)\n0,1\n1,2\n", "line 1: force: unknown unit 'LB'; units are m,"),
     "unit of digits": (
         "time (s),force (s^9^9^9^9)\n0,1\n1,2\n",  # 9^9^9^9 would be worked out by the units' parser
-        "line 1: force: unknown unit 's^9^9^9^9'; expected a column such as 'force (N)'",
+        "line 1: force: unknown unit 's^9^9^9^9'; write a power as one whole number of one or two digits, such as s^2; "
+        "expected a unit such as N",
     ),
     "force in seconds": (
         "time (s),force (s)\n0,1\n1,2\n",
-        "line 1: force: 's' measures a time, not a force; expected a column such as 'force (N)'",
+        "line 1: force: 's' measures a time, not a force; expected a unit such as N",
     ),
     "mass": (
         "time (s),force (lbm)\n0,1\n1,2\n",
-        "line 1: force: 'lbm' measures a mass, not a force; expected a column such as 'force (N)'",
+        "line 1: force: 'lbm' measures a mass, not a force; expected a unit such as N",
     ),
     "torque": (
         "time_s,force (lb in)\n0,1\n1,2\n",
-        "line 1: force: 'lb in' measures a torque, not a force; expected a column such as 'force (N)'",
+        "line 1: force: 'lb in' measures a torque, not a force; expected a unit such as N",
     ),
     "time in pounds": (
         "time (lb),force (lb)\n0,1\n1,2\n",
-        "line 1: time: 'lb' measures a force, not a time; expected a column such as 'time (s)'",
+        "line 1: time: 'lb' measures a force, not a time; expected a unit such as s",
     ),
     "no rows": (f"{HEADER}\n", "line 1: expected two rows of numbers at least, got 0; record for longer"),
     "one row": (f"{HEADER}\n\n0,1\n", "line 3: expected two rows of numbers at least, got 1; record for longer"),
@@ -857,13 +861,12 @@ def test_bad_file_is_refused_with_its_line(path, text, message):
 
 
 def test_a_file_that_cannot_be_read_is_an_input_error(tmp_path):
-    with pytest.raises(
-        InputError, match=r"none\.csv: cannot be read \(No such file or directory\); expected a CSV file"
-    ):
+    with pytest.raises(InputError, match=r"none\.csv: cannot be read \(No such file or directory\); expected a table"):
         read_recorded(tmp_path / "none.csv")
-    with pytest.raises(InputError, match=r"cannot be read \(Is a directory\)|cannot be read \(Permission denied\)"):
-        read_recorded(tmp_path)
-    with pytest.raises(InputError, match=r"cannot be read \(embedded null byte\)"):
+    (tmp_path / "run.csv").mkdir()
+    with pytest.raises(InputError, match=r"run\.csv: is a folder; expected a table with columns such as 'time \(s\)"):
+        read_recorded(tmp_path / "run.csv")
+    with pytest.raises(InputError, match=r"cannot be read \(.*embedded null"):
         read_recorded("a\0b.csv")
 
 

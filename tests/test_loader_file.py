@@ -87,12 +87,16 @@ def test_the_built_in_loader_comes_back_from_si_units_to_ten_digits(path: Path) 
 
 @pytest.mark.parametrize(
     "name",
-    ['say "stick"', "back\\slash \\u0041", "two\nlines\r\t\0\x7f", "Höhenruder ±1 🛩", "\U000e0001 \u2028 \ufeff", ""],
+    ['say "stick"', "back\\slash \\u0041", "Höhenruder ±1 🛩 👩\u200d✈", "\U000e0001 \u00a0 \ufeff", ""],
 )
 def test_names_and_sources_come_back_letter_by_letter(path: Path, name: str) -> None:
     loader = Loader(name, name[::-1], elevator().values)
     back = read(path, loader.to_toml())
     assert (back.name, back.source) == (name, name[::-1])
+
+
+def test_a_source_of_several_lines_comes_back(path: Path) -> None:
+    assert read(path, Loader("rig", "two\n\tlines", elevator().values).to_toml()).source == "two\n\tlines"
 
 
 @pytest.mark.parametrize("units", SYSTEMS)
@@ -133,7 +137,8 @@ def loader_of(name: str, source: str, values: list[float]) -> Loader:
 
 
 SHARES = st.lists(st.floats(0, 1), min_size=len(TABLE), max_size=len(TABLE))
-LOADERS = st.builds(loader_at, st.text(max_size=20), st.text(max_size=20), SHARES)
+TEXTS = st.text(st.characters(exclude_categories=["C", "Zl", "Zp"]), max_size=20)
+LOADERS = st.builds(loader_at, TEXTS, TEXTS, SHARES)
 
 
 @given(LOADERS, st.sampled_from(SYSTEMS))
@@ -169,6 +174,30 @@ def test_a_limit_typed_as_the_message_shows_it_is_accepted(path: Path, key: str,
         assert read(path, tomlkit.dumps(document))[key] == pytest.approx(limit, rel=TEN_DIGITS, abs=0)
         document[row.part][row.name] = f"{number + sign * (BEYOND * abs(number) or BEYOND):.12g} {shown}"
         assert "out of range" in complaints(path, tomlkit.dumps(document))[0]
+
+
+def test_very_many_mistakes_are_counted(path: Path) -> None:
+    unknown = "".join(f"x{k} = 1\n" for k in range(5000))
+    path.write_text(BUILT_IN.replace("[actuator]\n", f"[actuator]\n{unknown}"), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load(path)
+    first, *_, last = str(caught.value).splitlines()
+    assert first.startswith(f"{path}: actuator.x0: unknown key")
+    assert last == "... and 4,980 more"
+    assert len(str(caught.value)) < 10_000
+
+
+@pytest.mark.parametrize("line", ["a{} = 1", "[a{}]", "[[a{}]]", "x = {{ a{} = 1 }}", '"a"{} = 1'])
+def test_a_key_of_a_hundred_thousand_parts_is_refused_at_once(path: Path, line: str) -> None:
+    (said,) = complaints(path, BUILT_IN + "\n" + line.format(".a" * 100_000))
+    assert said.endswith("has a key of more than 100 parts; expected a loader file")
+
+
+@pytest.mark.parametrize("text", ["x.y " * 999, "x.y = " * 999, "'" + "." * 999, 'say "' + "." * 999, "\\" + "." * 999])
+def test_dots_that_are_no_key_are_text(path: Path, text: str) -> None:
+    loader = dataclasses.replace(elevator(), source=text)
+    assert read(path, loader.to_toml()).source == text
+    assert read(path, BUILT_IN + "\n# " + text).name == "elevator"
 
 
 # The same loader, stated in another way
@@ -533,7 +562,7 @@ def test_files_that_are_not_there_or_no_files(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"cannot be read \(.+\); expected a loader file$") as caught:
         load(tmp_path / "none.toml")
     assert str(caught.value).startswith(f"{tmp_path / 'none.toml'}: ")
-    with pytest.raises(InputError, match=r"cannot be read \(.+\); expected a loader file$"):
+    with pytest.raises(InputError, match=r": is a folder; expected a loader file; name a file in it$"):
         load(tmp_path)
     with pytest.raises(InputError, match=r"cannot be read \(.+\); expected a loader file$"):
         load(str(tmp_path / "a\0b"))

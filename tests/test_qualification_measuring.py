@@ -29,7 +29,8 @@ def test_a_loop_of_known_parts(breakout, friction, rate, noise):
     assert near(features.gradient, 400.0)
     assert near(features.gradient_low, 400.0)
     assert near(features.gradient_high, 400.0)
-    assert near(features.breakout, breakout + friction)
+    assert near(features.breakout_high, breakout + friction)
+    assert near(features.breakout_low, breakout + friction)
     assert near(features.freeplay, 0.0)
     assert near(features.centring, max(friction - breakout, 0.0) / 400.0)
     assert features.stops == pytest.approx((-0.2, 0.2), rel=1e-3)
@@ -57,14 +58,15 @@ def test_static_friction_breaks_away_at_its_peak():
     force = np.array(record.force_n)
     moved = int(np.argmax(record.position > 0))
     force[:moved] = np.linspace(0, 20, moved)
-    found = measure_sweep(Record(record.time_s, record.position, force)).breakout
+    found = measure_sweep(Record(record.time_s, record.position, force)).breakout_high
     assert found.value == pytest.approx(20.0, abs=0.2)
 
 
 def test_both_orders_of_the_stops():
     record = swept(breakout=10.0, friction=5.0)
     one, other = measure_sweep(record), measure_sweep(Record(record.time_s, -record.position, -record.force_n))
-    assert other.breakout.value == pytest.approx(one.breakout.value)
+    assert other.breakout_low.value == pytest.approx(one.breakout_high.value)
+    assert other.breakout_high.value == pytest.approx(one.breakout_low.value)
     assert other.friction.value == pytest.approx(one.friction.value)
     assert other.force_up_n == pytest.approx(-one.force_down_n[::-1], abs=0.1, nan_ok=True)
 

@@ -9,14 +9,18 @@ from pathlib import Path
 import numpy as np
 import pyarrow
 import pytest
+import scipy.io
 from pyarrow import parquet
 
 import forcefeel as ff
 from forcefeel.cli import main
+from tests.command_line import runner
 
 WRITTEN = {"qualification.html", "results.json"}
 ANGLE_DEG = 5.0
 """A quarter of the 20 deg that a loader without stops is given."""
+PUBLISHED_P0_S = 0.16866
+"""Of the elevator under the published gains; ``test_qualify`` has it from the loop's matrices."""
 
 
 @pytest.fixture
@@ -47,7 +51,7 @@ def _free(slower=1.0, angle=ANGLE_DEG, rate=1000.0, seconds=4.0):
 
 
 def _csv(path: Path, time, angle, head="time (s),position (deg)") -> None:
-    rows = "\n".join(f"{t:.6f},{x:.12g}" for t, x in zip(time, angle, strict=True))
+    rows = "\n".join(f"{t:.9f},{x:.12g}" for t, x in zip(time, angle, strict=True))
     path.write_text(f"{head}\n{rows}\n", encoding="utf-8")
 
 
@@ -68,6 +72,7 @@ def test_help_names_every_option_with_an_example(run):
         "--reference",
         "--record",
         "--rule",
+        "--test",
         "--axis",
         "--throw",
         "--compensator",
@@ -82,7 +87,8 @@ def test_the_elevator_fails_with_words_and_files(run, tmp_path):
     status, out, err = run("--compensator", "published")
     told = " ".join(out.split())
     assert (status, err) == (1, "")
-    assert "the published compensation does not qualify: 1 of 9 tests passed, 6 failed, 2 not evaluated" in told
+    assert "the published compensation does not qualify: 1 of 7 tests passed, 6 failed." in told
+    assert "Outside the programme of a simulated loader: surface (2.a.1.a; a control loader has no surface)" in told
     assert "P0 is 59 % long" in told
     assert "where 1.97 Hz are programmed" in told
     assert "Unverified: nobody has held the durations of the sweeps" in told
@@ -91,7 +97,8 @@ def test_the_elevator_fails_with_words_and_files(run, tmp_path):
 
 
 def test_json_holds_every_figure_with_unit_and_margin(run, tmp_path):
-    status, out, _ = run("--compare", "--json", "--units", "si")
+    named = ("--test", "static", "--test", "release-25-positive")  # all of them take their time
+    status, out, _ = run("--compare", *named, "--json", "--units", "si")
     found = json.loads(out)
     assert status == 1
     assert found["page"] == "forcefeel-qualification/qualification.html"
@@ -101,47 +108,76 @@ def test_json_holds_every_figure_with_unit_and_margin(run, tmp_path):
     tests = {test["key"]: test for test in found["sections"][1]["tests"]}
     first = next(one for one in tests["release-25-positive"]["verdicts"] if one["quantity"] == "P0")
     assert first["measured"] == {
-        "value": pytest.approx(0.16866, abs=1e-5),
+        "value": pytest.approx(PUBLISHED_P0_S, abs=1e-5),
         "unit": "s",
         "uncertainty": pytest.approx(0, abs=1e-5),
     }
     assert first["margin"]["value"] == pytest.approx(first["tolerance"]["value"] - first["difference"]["value"])
     assert first["rule"] == "10 %"
     assert tests["static"]["verdicts"][0]["rule"] == "0.9 daN"  # the rule's own rounding for SI
-    assert tests["surface"]["outcome"] == "not evaluated"
+    assert found["standing"] == "does not qualify"
+    assert found["outside_the_programme"] == ["surface", "small-inputs"]
+    assert list(tests) == found["named"] == ["static", "release-25-positive"]
+    assert set(tests) < set(found["programme"])
     kept = json.loads((tmp_path / "forcefeel-qualification" / "results.json").read_text(encoding="utf-8"))
     assert {key: value for key, value in found.items() if key != "page"} == kept
 
 
 def test_an_unverified_rule_says_so(run):
-    found = json.loads(run("--rule", "cs-fstd-a", "--compensator", "published", "--json")[1])
+    test = ("--test", "release-25-positive")
+    found = json.loads(run("--rule", "cs-fstd-a", "--compensator", "published", *test, "--json")[1])
     assert not found["rule"]["verified"]
     assert all(not test["verified"] for test in found["sections"][0]["tests"])
     assert any("Unverified: nobody has held test" in line for line in found["conclusions"]["findings"])
 
 
-def test_a_recording_of_the_ideal_passes_with_status_zero(run, tmp_path):
+def test_one_release_alone_is_incomplete_unless_it_is_all_that_is_asked_for(run, tmp_path):
     _csv(tmp_path / "one.csv", *_free())
     status, out, err = run("--record", "one.csv", "--json")  # the test is told from what is in the file
     found = json.loads(out)
-    assert (status, err) == (0, "")
+    assert (status, err) == (1, "")
+    assert found["standing"] == "incomplete"
+    missing = [one["any_of"] for one in found["sections"][0]["missing"]]
+    assert missing == [["static"], ["surface"], ["release-25-negative", "release-50-negative"], ["small-inputs"]]
     outcomes = _outcomes(found)
     assert outcomes.pop("release-25-positive") == "passed"
     assert set(outcomes.values()) == {"not evaluated"}
     told = found["files"]["record release-25-positive"]
     assert told["sha256"] == hashlib.sha256((tmp_path / "one.csv").read_bytes()).hexdigest()
 
+    status, out, err = run("--record", "one.csv", "--test", "release-25-positive", "--operator", "A. Miller")
+    said = " ".join(out.split())
+    assert (status, err) == (0, "")
+    assert "is incomplete: 1 of 1 tests passed (asked for: release-25-positive). Missing: static, surface, " in said
+    kept = json.loads((tmp_path / "forcefeel-qualification" / "results.json").read_text(encoding="utf-8"))
+    assert (kept["named"], kept["operator"]) == (["release-25-positive"], "A. Miller")
+    assert _outcomes(kept) == {"release-25-positive": "passed"}
+    assert run("--record", "one.csv", "--test", "static")[0] == 1  # asked for, and not there
 
-@pytest.mark.parametrize("ending", ["csv", "parquet"])
-def test_slightly_detuned_just_fails_from_either_format(run, tmp_path, ending):
+
+def test_the_digital_elevator_qualifies_under_robust(run):
+    """All that a control loader can be given passes: exit status 0, and what is outside its programme is named."""
+    status, out, _ = run("elevator-2khz", "--compensator", "robust", "--json")
+    found = json.loads(out)
+    assert (status, found["standing"], found["conclusions"]["good"]) == (0, "qualifies", True)
+    assert found["conclusions"]["verdict"].endswith("the robust compensation qualifies: 7 of 7 tests passed.")
+    assert found["sections"][0]["missing"] == []
+    assert found["outside_the_programme"] == ["surface", "small-inputs"]
+
+
+@pytest.mark.parametrize("ending", ["csv", "parquet", "mat"])
+def test_slightly_detuned_just_fails_from_each_format(run, tmp_path, ending):
     for name, slower, expected in (("good", 1 / 1.098, 0), ("bad", 1 / 1.102, 1)):
         time, angle = _free(slower)
         path = tmp_path / f"{name}.{ending}"
         if ending == "csv":
             _csv(path, time, angle)
+        elif ending == "mat":
+            scipy.io.savemat(path, {"time_s": time, "position_deg": angle})
         else:
             parquet.write_table(pyarrow.table({"time (s)": time, "position (deg)": angle}), path)
-        status, out, _ = run("--record", f"release-25-positive={path}", "--json", "--out", name)
+        asked = ("--test", "release-25-positive", "--json", "--out", name)
+        status, out, _ = run("--record", f"release-25-positive={path}", *asked)
         assert status == expected
         assert _outcomes(json.loads(out))["release-25-positive"] == ("failed" if expected else "passed")
 
@@ -180,13 +216,14 @@ def test_sweeps_are_told_apart_by_what_is_in_them(run, tmp_path):
 def test_a_recorded_aircraft_is_the_reference(run, tmp_path):
     """A loop of another frequency than the aircraft's fails, the aircraft's own recording passes."""
     _csv(tmp_path / "aircraft.csv", *_free())
-    status, out, _ = run("--reference", "aircraft.csv", "--compensator", "published", "--json")
+    asked = ("--reference", "aircraft.csv", "--test", "release-25-positive")
+    status, out, _ = run(*asked, "--compensator", "published", "--json")
     found = json.loads(out)
     assert status == 1
     assert found["reference"] == "recorded aircraft"
     words = {test["key"]: test["words"] for test in found["sections"][0]["tests"]}
     assert "where 1.97 Hz are recorded" in words["release-25-positive"]
-    assert run("--reference", "aircraft.csv", "--record", "aircraft.csv")[0] == 0
+    assert run(*asked, "--record", "aircraft.csv")[0] == 0
 
 
 BAD = {
@@ -216,17 +253,69 @@ def test_a_bad_record_is_named_with_its_time_and_nothing_is_written(run, tmp_pat
     assert _files(tmp_path) == before
 
 
-def test_a_reference_of_another_rate_or_length(run, tmp_path):
-    _csv(tmp_path / "mine.csv", *_free())
-    _csv(tmp_path / "slow.csv", *_free(rate=250.0))
-    status, _, err = run("--record", "mine.csv", "--reference", "slow.csv")
+@pytest.mark.parametrize(("slower", "expected"), [(1 / 1.098, "passed"), (1 / 1.102, "failed")])
+def test_an_aircraft_at_60_hz_and_a_simulator_at_100_hz(run, tmp_path, slower, expected):
+    """P0 and the full cycles are 10 % of the reference's long at most."""
+    _csv(tmp_path / "simulator.csv", *_free(slower, rate=100.0))
+    _csv(tmp_path / "aircraft.csv", *_free(rate=60.0))
+    found = json.loads(run("--record", "simulator.csv", "--reference", "aircraft.csv", "--json")[1])
+    assert _outcomes(found)["release-25-positive"] == expected
+    verdicts = next(test for test in found["sections"][0]["tests"] if test["key"] == "release-25-positive")["verdicts"]
+    cycle = next(one for one in verdicts if one["quantity"] == "P1")
+    assert cycle["measured"]["value"] * slower == pytest.approx(cycle["reference"]["value"], rel=1e-4)  # of six samples
+
+
+def test_the_history_of_a_simulated_release_is_a_record(run, tmp_path, monkeypatch, capsys):
+    words = ("--input", "release", "--angle", f"{ANGLE_DEG} deg", "--start", "0.2", "--duration", "6")
+    runner(monkeypatch, capsys, tmp_path, "simulate")(*words, "--compensator", "published", "--out", "run")
+    found = json.loads(run("--record", "run/history.csv", "--json")[1])
+    tests = {test["key"]: test for test in found["sections"][0]["tests"]}
+    first = next(one for one in tests["release-25-positive"]["verdicts"] if one["quantity"] == "P0")
+    assert first["measured"]["value"] == pytest.approx(PUBLISHED_P0_S, abs=1e-5)
+
+
+def test_files_with_names_and_units_of_their_own(run, tmp_path):
+    """As ``identify`` has it: for all files, or for one by its stem."""
+    time, angle = _free()
+    _csv(tmp_path / "sim.csv", 1000 * time, np.radians(angle), head="# of the simulator\nt,theta")
+    scipy.io.savemat(tmp_path / "aircraft.mat", {"time_s": time, "column_angle_deg": angle})
+    key = "release-25-positive"
+    words = ("--record", f"{key}=sim.csv", "--reference", f"{key}=aircraft.mat", "--test", key, "--json")
+    named = [f"--column=sim:{one}" for one in ("time=t", "position=theta")]
+    named += [f"--unit=sim:{one}" for one in ("t=ms", "theta=rad")]
+    status, out, err = run(*words, *named)
+    assert (status, err) == (0, "")
+    assert _outcomes(json.loads(out))["release-25-positive"] == "passed"
+    for options, said in (
+        (named[:2], "sim.csv: line 2: time: has no unit; expected one such as s; add it to the header or by --unit"),
+        (
+            (),
+            "sim.csv: line 2: has no column 'time'; expected a header such as 'time (s),position (deg),force (lb)', got 't,theta'",
+        ),
+        (
+            ("--column", "simulator:time=t"),
+            "--column: 'simulator' is none of the files; expected one of aircraft, sim before",
+        ),
+        (
+            ("--column", "sim:angle=theta"),
+            "sim.csv: --column: unknown name 'angle'; the names are time, position, force, surface",
+        ),
+        (("--unit", "time=s", "--unit", "sim:force=lb in lb"), "has no column 'time'"),
+    ):
+        status, out, err = run(*words, *options)
+        assert (status, out) == (2, "")
+        assert said in err
+
+
+def test_a_time_in_another_unit_than_is_said(run, tmp_path):
+    time, angle = _free()
+    _csv(tmp_path / "one.csv", 1e-3 * time, angle, head="time (s),position (deg)")
+    status, _, err = run("--record", "one.csv")
     assert status == 2
-    assert "slow: has 250 samples a second from 0 s on, mine has 1000" in err
-    _csv(tmp_path / "quick.csv", *_free(slower=4.0, seconds=1.0))
-    _csv(tmp_path / "long.csv", *_free(slower=0.2, seconds=20.0))
-    status, _, err = run("--record", "quick.csv", "--reference", "long.csv")
-    assert status == 2
-    assert "quick: ends at 1.199 s" in err
+    assert (
+        "one.csv: time: has a median step of 1e-06 s; expected 10 microseconds to 1 s; is the time in s, not in ms?"
+        in err
+    )
 
 
 @pytest.mark.parametrize(
@@ -239,8 +328,11 @@ def test_a_reference_of_another_rate_or_length(run, tmp_path):
         (["--record", "a.csv", "--compare"], "--compare: is about the simulated loader"),
         (["--record", "a.csv", "--compensator", "published"], "--compensator: is about the simulated loader"),
         (["--compare", "--compensator", "published"], "--compare: takes every law"),
+        (["--column", "position=theta"], "--column: is about a file's columns, and no file is given"),
         (["--record", "wheel=a.csv"], "--record: unknown test 'wheel'; expected NAME=FILE"),
-        (["--record", "a.txt"], "expected a file that ends in .csv or .parquet"),
+        (["--test", "wheel"], "test: unknown test 'wheel'; expected some of static"),
+        (["--test", "surface"], "test: surface is outside the programme of a simulated loader"),
+        (["--record", "a.txt"], "expected a file that ends in .csv, .parquet or .mat"),
         (["--set", "column.nothing=1"], "column.nothing"),
         (["--dynamic-pressure", "5 kPa"], "dynamic pressure: the loader has no feel.stiffness_factor"),
         (["missing.toml"], "missing.toml: cannot be read"),

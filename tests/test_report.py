@@ -143,54 +143,12 @@ def test_out_cannot_be_written(designed):
         write_report(designed, Path(os.devnull) / "report", UnitSystem.US)  # not even root makes a folder in a device
 
 
-def test_other_files_stay(designed, tmp_path):
-    (tmp_path / "notes.txt").write_text("mine")
-    write_report(designed, tmp_path, UnitSystem.US)
-    assert (tmp_path / "notes.txt").read_text() == "mine"
-
-
 def test_a_failure_while_computing_leaves_the_old_report(out, designed, monkeypatch):
     before = _files(out)
     monkeypatch.setattr(folder, "page", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         write_report(designed, out, UnitSystem.SI)
     assert _files(out) == before
-
-
-def test_a_failure_while_writing_leaves_the_old_report(out, designed, monkeypatch):
-    before, write_text = _files(out), Path.write_text
-
-    def full_disk(self, text, **options):
-        if self.name == "report.html":
-            raise OSError(28, "No space left on device")
-        return write_text(self, text, **options)
-
-    monkeypatch.setattr(Path, "write_text", full_disk)
-    with pytest.raises(InputError, match="No space left on device"):
-        write_report(designed, out, UnitSystem.SI)
-    assert _files(out) == before
-
-
-def test_a_failure_leaves_no_new_folder(designed, tmp_path, monkeypatch):
-    def full_disk(*_, **__):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "write_text", full_disk)
-    with pytest.raises(InputError, match="No space left on device"):
-        write_report(designed, tmp_path / "new" / "report", UnitSystem.US)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_the_page_is_put_in_place_last(designed, tmp_path, monkeypatch):
-    moved, move = [], Path.replace
-
-    def watched(self, target):
-        moved.append(Path(target).name)
-        return move(self, target)
-
-    monkeypatch.setattr(Path, "replace", watched)
-    write_report(designed, tmp_path, UnitSystem.US)
-    assert moved[-2:] == ["results.json", "report.html"]
 
 
 def test_the_same_design_gives_the_same_bytes(out, designed, tmp_path):

@@ -164,7 +164,7 @@ def test_out_writes_page_history_and_numbers(run, tmp_path):
         "load pressure (lb/in^2)",
         "actuator flow (in^3/s)",
         "valve current (mA)",
-        "force (lb)",
+        "pilot force (lb)",
     ]
     loader = ff.elevator()
     direct = ff.simulate(loader, ff.Scenario(force=ff.Doublet(20 * factor("lb", "N"), 0.1, 0.5), duration_s=1.5))
@@ -234,7 +234,15 @@ units = ["deg", "lb"]
 points = [[-20, -60], [0, 0], [5, 18], [20, 15]]
 """
 RECORDS = {
-    "unit.csv": ("time (s),force\n0,0\n1,2\n", "unit.csv: line 1: the column 'force' has no unit"),
+    "unit.csv": (
+        "time (s),force\n0,0\n1,2\n",
+        "unit.csv: line 1: force: has no unit; expected one such as N; add it to the header or by --unit",
+    ),
+    "percent.csv": (
+        "time (s),force (N%)\n0,0\n1,2\n",
+        "percent.csv: line 1: force: unknown unit 'N%'; a percent is a unit by",
+    ),
+    "name.csv": ("time (s),F1\n0,0\n1,2\n", "rename the column, or name it by --column"),
     "kind.csv": ("time (s),force (mA)\n0,0\n1,2\n", "measures a current, not a force"),
     "back.csv": ("time (s),force (lb)\n0,0\n1,2\n0.5,2\n", "back.csv: line 4: time runs backwards from 1 s to 0.5 s"),
     "gap.csv": (
@@ -291,6 +299,11 @@ def test_a_bad_loader_file_is_named_and_nothing_is_written(run, tmp_path, part, 
         (["--duration", "1e9"], "--duration: expected at most 2000000 steps"),
         (["--change", "0.0005 s: feel.breakout=1 lb"], "feel change: jumps at 0.0005 s"),
         (["--change", "1 s: valve.orifice=true"], "feel change: expected rows of the feel"),
+        (["--change", "1 s: feel.damping=200 lb in s/rad", "--over", "5e-324"], "feel change: expected to take a step"),
+        (
+            ["--set", "controller.period=0.5 ms", "--set", "controller.delay=0.123 ms"],
+            "expected a simple share of the period",
+        ),
         (["--dynamic-pressure", "5 kPa"], "dynamic pressure: the loader has no feel.stiffness_factor"),
         (["--set", "controller.period=0.5 ms", "--set", "controller.delay=50 ms"], "expected at most 7 periods"),
         (["missing.toml"], "missing.toml: cannot be read"),

@@ -13,10 +13,8 @@ from playwright.sync_api import Page
 
 import forcefeel as ff
 from forcefeel.arms import ARM_ROWS, ARMS, Arm
-from forcefeel.errors import InputError
 from forcefeel.ideal_run import ideal_angle
 from forcefeel.inputs import StopToStop
-from forcefeel.report import simulation_folder
 from forcefeel.report.canvas import drawn
 from forcefeel.report.simulation_plots import MOST_POINTS
 from forcefeel.run_findings import input_in_words
@@ -110,31 +108,6 @@ def test_the_same_run_gives_the_same_bytes(tmp_path):
     first, second = (ff.write_simulation(_run(STOPS), tmp_path / name, UnitSystem.SI) for name in "ab")
     for name in ("simulation.html", "history.csv", "results.json"):
         assert (first.parent / name).read_bytes() == (second.parent / name).read_bytes()
-
-
-def test_a_failure_leaves_what_was_there(pages, tmp_path, monkeypatch):
-    out = ff.write_simulation(_run(duration_s=0.2), tmp_path, UnitSystem.US).parent
-    before = {path.name: path.read_bytes() for path in out.iterdir()}
-    write_text = Path.write_text
-
-    def full_disk(self, text, **options):
-        if self.name == "simulation.html":
-            raise OSError(28, "No space left on device")
-        return write_text(self, text, **options)
-
-    monkeypatch.setattr(Path, "write_text", full_disk)
-    with pytest.raises(InputError, match="No space left on device"):
-        ff.write_simulation(_run(STOPS), out, UnitSystem.US)
-    with pytest.raises(InputError, match="No space left on device"):
-        ff.write_simulation(_run(STOPS), tmp_path / "new" / "run", UnitSystem.US)
-    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
-
-
-@pytest.mark.parametrize("name", ["simulation.html", "history.csv", "results.json"])
-def test_a_folder_where_a_file_goes(tmp_path, name):
-    (tmp_path / name).mkdir()
-    with pytest.raises(InputError, match=f"{name}: is a folder; expected to write a file"):
-        simulation_folder.check_simulation_folder(tmp_path)
 
 
 def test_results_list_the_columns_of_the_history(pages):

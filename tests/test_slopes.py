@@ -388,7 +388,7 @@ def test_what_does_not_fit_is_refused():
 
 def test_what_does_not_fit_a_simulation_is_refused():
     values = ff.elevator().values[np.newaxis]
-    with pytest.raises(ValueError, match=r"inputs: expected shape \(steps, 6, 2\), got \(4, 5, 2\)"):
+    with pytest.raises(ValueError, match=r"inputs: expected shape \(steps, 6, 2\), one step at least, got \(4, 5, 2\)"):
         _core.Simulation(np.zeros((4, 5, 2)), 1e-3)
     simulation = _core.Simulation(np.zeros((4, 6, 2)), 1e-3)
     for keys, channels, message in (

@@ -13,12 +13,12 @@ import forcefeel as ff
 from forcefeel.errors import InputError
 from forcefeel.inputs import Chirp, Doublet, HandsOff, Step
 from forcefeel.parameters import INDEX, TABLE
+from forcefeel.seeded_numbers import shares
 from forcefeel.simulation import FeelChange, Scenario, simulate
 from forcefeel.simulation.outcome import MEASURES, RunStatus
 from forcefeel.sweep import Sweep, run_sweep, text
 from forcefeel.sweep.chunk import measure
 from forcefeel.sweep.findings import main_measures, share_text, sweep_conclusions
-from forcefeel.sweep.numbers import shares
 from forcefeel.sweep.result import IMPOSSIBLE
 from forcefeel.sweep.stability import damping_map
 from forcefeel.sweep.summary import QUANTILES, summarize

@@ -210,7 +210,51 @@ def test_replace_begins_anew_and_leaves_other_files_alone(tmp_path, whole):
     assert names(tmp_path) == {"plan.json", "runs.nc", "mine.txt", "other"}
 
 
-@pytest.mark.parametrize("name", ["runs.nc", "chunks", "sweep.html", "summary.json", "envelope.csv"])
+@pytest.mark.parametrize(
+    ("held", "said"),
+    [
+        (["chunks/00000.npy"], r"chunks: has no plan\.json beside it that says of what sweep"),
+        (["plan.json", "chunks/00000.npy", "chunks/notes.txt"], r"chunks: holds 'notes\.txt', which no sweep wrote"),
+        (["plan.json", "chunks/my/00000.npy"], "chunks: holds 'my', which no sweep wrote"),
+        (["plan.json", "chunks"], "chunks: is no folder that a sweep made"),
+    ],
+)
+def test_chunks_of_somebody_else_are_never_removed(tmp_path, held, said):
+    run_sweep(small(8), tmp_path / "own")
+    for name in held:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_bytes((tmp_path / "own" / "plan.json").read_bytes())
+    with pytest.raises(InputError, match=f"{said}; move it away, or name another folder"):
+        run_sweep(small(8), tmp_path, replace=True)
+    assert all((tmp_path / name).exists() for name in held)
+
+
+def test_a_folder_of_chunks_that_is_a_link_is_not_followed(tmp_path):
+    run_sweep(small(8), tmp_path / "sweep")
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "00000.npy").write_text("mine")
+    (tmp_path / "sweep" / "chunks").symlink_to(tmp_path / "mine", target_is_directory=True)
+    with pytest.raises(InputError, match="chunks: is no folder that a sweep made"):
+        run_sweep(small(8), tmp_path / "sweep", replace=True)
+    assert (tmp_path / "mine" / "00000.npy").read_text() == "mine"
+
+
+def test_what_a_killed_run_was_writing_is_cleared(tmp_path):
+    for name in (".runs.nc.abcd1234", ".plan.json._b_d_2_4", ".bashrc", ".runs.nc.mine"):
+        (tmp_path / name).write_text("half")
+    run_sweep(small(8), tmp_path)
+    assert names(tmp_path) == {"plan.json", "runs.nc", ".bashrc", ".runs.nc.mine"}
+
+
+def test_a_seed_of_any_size_is_kept(tmp_path):
+    sweep = small(8, seed=2**63 - 1)
+    found = run_sweep(sweep, tmp_path)
+    assert run_sweep(sweep, tmp_path, resume=True).runs.identical(found.runs)
+    with xr.open_dataset(tmp_path / "runs.nc", engine="scipy") as stored:
+        assert stored.attrs["seed"] == "9223372036854775807"
+
+
+@pytest.mark.parametrize("name", ["runs.nc", "sweep.html", "summary.json", "envelope.csv"])
 def test_files_of_somebody_else_are_kept(tmp_path, name):
     (tmp_path / name).write_text("mine", encoding="utf-8")
     for resume in (False, True):

@@ -30,7 +30,7 @@ _PUBLIC = {
     ),
     "report.schedule_folder": ("write_schedule",),
     "run_findings": ("run_conclusions",),
-    "envelopes": ("Envelope", "envelope"),
+    "envelopes": ("Draws", "Envelope", "envelope"),
     "report.envelope_folder": ("write_envelope",),
     "frontier": ("Frontier", "find_frontier"),
     "report.frontier_folder": ("write_frontier",),

@@ -47,6 +47,7 @@ from forcefeel.designs.methods import tuned as tuned
 from forcefeel.designs.setting_laws import own_law as own_law
 from forcefeel.designs.tuning import Power as Power
 from forcefeel.designs.tuning import Tuning as Tuning
+from forcefeel.envelopes import Draws as Draws
 from forcefeel.envelopes import Envelope as Envelope
 from forcefeel.envelopes import envelope as envelope
 from forcefeel.envelopes.tune import Tuned as Tuned

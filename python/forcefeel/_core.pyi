@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "BOUND_RAD",
+    "MOST_RECURSION_STEPS",
     "OBSERVER_NUMBERS",
     "PERIOD_BASE",
     "PERIOD_COMMAND",
@@ -57,6 +58,8 @@ PERIOD_COMMAND: int
 """Place of the youngest command."""
 PERIOD_SHOWN: int
 """Place of the first of what the sensors showed."""
+MOST_RECURSION_STEPS: int
+"""Longest recursion (22)."""
 BOUND_RAD: float
 """A column that turns so far has no model."""
 _Matrices: TypeAlias = tuple[_Array, _Array, _Array, _Array]
@@ -238,6 +241,8 @@ class Simulation:
         Returns histories (runs, channels, samples) and slopes (runs, keys, channels, samples). Noise and the steps of sensors
         and converters are left out. What a change of the feel programs does not move with the parameters.
         """
+    def feel_alone(self, values: _Array, longest_s: float) -> _Array:
+        """Angle (steps + 1) of the programmed feel alone of one loader, in parts of a step no longer than so much."""
 
 def sampled_loops(
     values: _Array,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.analysis.modes import feel_mode, is_stable, modes, spectral_abscissa
-from forcefeel.analysis.time import DURATION_S, gramian, step_response
+from forcefeel.analysis.time import DURATION_S, equilibrium, gramian, step_response
 from forcefeel.compensation import DesignSettings
 from forcefeel.loader import Loader
 from forcefeel.models import DESIGN_STATES, OUTPUTS, Linkage, ideal_feel, loader_model
@@ -89,7 +89,7 @@ def assess(
     feel = feel_mode(found, *_core.feel_frequency(programmed.values))
     force = programmed["pilot.force"]
     wanted = programmed_angle_rad(programmed)
-    reached = float(model.dcgain()[OUTPUTS.index("column_angle_rad"), 0]) * force
+    reached = _static_angle(model) * force
     system = _with_ideal(model, ideal)
     start = np.zeros(len(system))
     start[-1] = force
@@ -111,6 +111,14 @@ def assess(
         tracking_error=float(np.sqrt(tracking / DURATION_S)) / wanted,
         cost=cost,
     )
+
+
+def _static_angle(model: control.StateSpace) -> float:
+    """The column's angle in rad at rest under a pilot force of one newton; not a number where rounding leaves none."""
+    try:
+        return float(model.C[OUTPUTS.index("column_angle_rad")] @ equilibrium(model))
+    except np.linalg.LinAlgError:
+        return np.nan
 
 
 def programmed_angle_rad(loader: Loader) -> float:

@@ -12,7 +12,6 @@ from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
 from forcefeel import _core
@@ -36,7 +35,7 @@ GAIN_UNITS = (
 GAIN_SYMBOLS = ("c_1", "c_2", "c_3", "c_4", "c_5", "c_6", "c_7")
 """The report's letters for the gains on ``DESIGN_STATES``."""
 
-MOST_STEPS = 2_000_000
+MOST_STEPS = _core.MOST_RECURSION_STEPS
 """Longest recursion: some two seconds of computing, and 200 s of horizon at the report's step."""
 
 PUBLISHED_HORIZON_S = 0.05
@@ -151,7 +150,7 @@ class Compensation:
                 advice = f"expected {self.settings.tolerance:g}: change r2, the step or the tolerance"
                 return f"not converged {after}: the gains still change by {self.change:.1e}; {advice}"
             case Status.SINGULAR:
-                return f"stopped {after}: R + H' E H could not be inverted; make r2 or the step larger"
+                return f"stopped {after}: R + H' E H could not be inverted in double precision; change r2 or the step"
 
     def compensator(self, loader: Loader) -> Compensator:
         """The law on the six measured states.
@@ -242,18 +241,40 @@ class SampledProblem:
         """How far ``gains`` (SI) are from optimal: the residual of eqs. (22) at their fixed point.
 
         ``E`` of ``E = M' E M + Q + c' R c``, ``M = Phi + H c``, eq. (22b), is what the gains cost when they are kept for
-        ever, from a Lyapunov solver. They are optimal if and only if eq. (22a) then gives them back. The largest
+        ever. They are optimal if and only if eq. (22a) then gives them back. The largest
         difference on the six stabilizable states, as a share of the largest gain; not a number where a state does not
-        decay, as an undamped feel does not, so that keeping the gains costs without bound.
+        decay, as an undamped feel does not, so that keeping the gains costs without bound, or more than double precision
+        counts to.
         """
         phi, h, q = self.phi[:6, :6], self.h[:6], self.q[:6, :6]
         c = (gains[:6] * self.scale[:6])[None, :]
         closed = phi + h @ c
-        if np.max(np.abs(np.linalg.eigvals(closed))) >= 1.0 - 1e-12:  # rounding of one
+        if (
+            not np.all(np.isfinite(closed)) or np.max(np.abs(np.linalg.eigvals(closed))) >= 1.0 - 1e-12
+        ):  # rounding of one
             return np.nan
-        cost = scipy.linalg.solve_discrete_lyapunov(closed.T, q + c.T @ self.r @ c)
-        better = -np.linalg.solve(self.r + h.T @ cost @ h, h.T @ cost @ phi)
-        return float(np.max(np.abs(better - c)) / np.max(np.abs(c)))
+        with np.errstate(over="ignore", invalid="ignore"):
+            cost = _kept_for_ever(closed, q + c.T @ self.r @ c)
+            better = -np.linalg.solve(self.r + h.T @ cost @ h, h.T @ cost @ phi)
+            return float(np.max(np.abs(better - c)) / np.max(np.abs(c)))
+
+
+def _kept_for_ever(closed: NDArray[np.float64], weight: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``E = W + M' W M + M'^2 W M^2 + ...`` of a stable ``M``, the steps doubled.
+
+    Nothing is inverted, so that a pole close to the circle costs no more digits than it has to.
+
+    Source: R. A. Smith, Matrix equation XA + BX = C, SIAM Journal on Applied Mathematics 16 (1968).
+    """
+    total, power = weight, closed
+    for _ in range(_DOUBLINGS):
+        total = total + power.T @ total @ power
+        power = power @ power
+    return total
+
+
+_DOUBLINGS = 50
+"""Of a pole ``1 - 1e-12`` nothing is left after so many: ``exp(-2^50 1e-12)``."""
 
 
 def gains_in(system: UnitSystem, gains: NDArray[np.float64]) -> NDArray[np.float64]:

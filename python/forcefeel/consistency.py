@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 
+from forcefeel.errors import InputError
 from forcefeel.parameters import OFF, TABLE, value_text
 
 BELOW = (
@@ -49,6 +50,12 @@ ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
 _ROUNDING = 1e-9
 """Relative; a value that was written in the other unit system is still the same."""
 
+MOST_UNDER_WAY = 7
+"""Longest delay of the digital controller, in periods."""
+
+_MOST_PARTS = 64
+"""The delay is a whole number of parts of the period, of so many at most."""
+
 
 def complaints(values: Mapping[str, float]) -> list[str]:
     """A line for each optional row that does not go with the others.
@@ -64,7 +71,36 @@ def complaints(values: Mapping[str, float]) -> list[str]:
             if values[key] != OFF[key] and values[key] < values[least] * (1 - _ROUNDING)
         ),
         *without_effect(values).values(),
+        *_late(values),
     ]
+
+
+def parts_of_period(period: float, delay: float) -> int:
+    """The fewest equal parts of the controller's period, in s, of which its delay is a whole number.
+
+    Raises:
+        InputError: If the delay is longer than runs can follow, or there are too many parts.
+    """
+    limit, came = (value_text(TABLE[f"controller.{name}"], it) for name, it in (("period", period), ("delay", delay)))
+    expected = f"at most {MOST_UNDER_WAY} periods of {limit}"
+    if delay <= MOST_UNDER_WAY * period * (1 + _ROUNDING):
+        for parts in range(1, _MOST_PARTS + 1):
+            share = delay / period * parts
+            if abs(share - round(share)) < _ROUNDING * parts:
+                return parts
+        expected = f"a simple share of the period of {limit}, such as a half or a tenth"
+    raise InputError(f"controller.delay: expected {expected}, got {came}")
+
+
+def _late(values: Mapping[str, float]) -> list[str]:
+    """A line for a delay that no run could follow."""
+    period, delay = values["controller.period"], values["controller.delay"]
+    try:
+        if period:
+            parts_of_period(period, delay)
+    except InputError as error:
+        return [str(error)]
+    return []
 
 
 def without_effect(values: Mapping[str, float]) -> dict[str, str]:

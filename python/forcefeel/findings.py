@@ -1,6 +1,7 @@
 """What an engineer should conclude from a design, in words."""
 
 from dataclasses import dataclass
+from math import isfinite, isnan
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from forcefeel.models import Linkage
 from forcefeel.studies import CHANGES, VISIBLE_LOSS, droppable, worst
 from forcefeel.units import HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
 from forcefeel.workflow import Configuration, Design
+
+_LOST = "where it settles is lost in rounding: its numbers are too many powers of ten apart"
 
 SMALL_ERROR = 0.02
 """Static error below which a deflection is called right: a fifth of the 10 % of force that the static check allows (14 CFR
@@ -83,6 +86,8 @@ def _verdict(design: Design) -> str:
         return f"There is no compensation to judge: recursion (22) {design.compensation.note}."
     if not found.stable:
         return "The compensated loader is unstable at the programmed setting: do not close this loop."
+    if isnan(found.static_error):
+        return f"The compensated loader is stable, but {_LOST}."
     static = abs(found.static_error) <= SMALL_ERROR
     moving = abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s - 1) <= FREQUENCY_TOLERANCE
     if static and moving:
@@ -210,6 +215,8 @@ def _sensitivity(design: Design) -> str:
 def _settling(found: Assessment) -> str:
     if not found.stable:
         return "unstable at the programmed setting"
+    if isnan(found.static_error):
+        return f"stable, but {_LOST}"
     return f"stable and settles at {_percent(1 + found.static_error)} of the programmed deflection"
 
 
@@ -233,4 +240,4 @@ def _hertz(value: float) -> str:
 
 
 def _percent(value: float, *, signed: bool = False) -> str:
-    return f"{100 * value:{'+' if signed else ''}.1f} %"
+    return f"{100 * value:{'+' if signed else ''}.1f} %" if isfinite(value) else "undefined"

@@ -30,7 +30,8 @@ from pydantic_core import ErrorDetails
 from forcefeel import _core, consistency, curve_text, tolerance_text
 from forcefeel._core import Parameter
 from forcefeel.curves import CURVES
-from forcefeel.errors import InputError
+from forcefeel.errors import MOST_LINES, InputError
+from forcefeel.files import MOST_TEXT_BYTES, read_input
 from forcefeel.loader_text import Contents, toml_value
 from forcefeel.parameters import (
     INDEX,
@@ -46,9 +47,17 @@ from forcefeel.parameters import (
     with_unit,
     without,
 )
+from forcefeel.printable import unprintable
 from forcefeel.tolerances import Tolerance, beyond
 from forcefeel.tolerances import check as check_tolerances
 from forcefeel.units import UnitSystem, parse, show
+
+_MOST_DOTS = 100
+"""Most dots outside quotes on a line, up to the next "=". The keys of a loader file have three; the time that TOML takes for a key
+grows with the square of their number."""
+
+_QUOTED = re.compile(r"""\"(?:[^"\\]|\\.?)*(?:"|$)|'[^']*(?:'|$)""")
+"""Text in quotes on a line, closed or not."""
 
 _STRICT = ConfigDict(extra="forbid", frozen=True, strict=True)
 
@@ -72,7 +81,9 @@ def read(path: Path) -> Contents:
     try:
         checked = _schema().model_validate(document)
     except ValidationError as error:
-        complaints = [*map(_explain, error.errors()), *complaints]
+        wrong = error.errors()
+        unseen = (one["msg"] for one in wrong[MOST_LINES:])  # no message shows these
+        complaints = [*map(_explain, wrong[:MOST_LINES]), *unseen, *complaints]
     else:
         if not complaints:
             contents, complaints = _contents(checked)
@@ -99,22 +110,48 @@ def _contents(checked: BaseModel) -> tuple[Contents, list[str]]:
 
 def misfits(contents: Contents) -> list[str]:
     """A line for each thing that is good by itself, but does not go with the rest."""
-    return [*consistency.complaints(contents.values), *check_tolerances(contents.tolerances, contents.values)]
+    return [
+        *_unprintable(contents),
+        *consistency.complaints(contents.values),
+        *check_tolerances(contents.tolerances, contents.values),
+    ]
+
+
+def _unprintable(contents: Contents) -> list[str]:
+    """A line for a name or a source that would steer a terminal."""
+    found = ((key, unprintable(getattr(contents, key), allowed)) for key, allowed in (("name", ""), ("source", "\n\t")))
+    return [
+        f"{key}: has the control character U+{ord(c):04X}; expected text that prints; take it out"
+        for key, c in found
+        if c
+    ]
 
 
 def _document(path: Path) -> dict[str, Any]:
     """The file as TOML reads it; a byte order mark, which some editors write, is no part of the text."""
+    data = read_input(path, MOST_TEXT_BYTES, "a loader file")
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise InputError(f"{path}: cannot be read ({reason}); expected a loader file") from error
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: is not UTF-8 text (byte {error.start}); save the file as UTF-8") from error
+    _check_dots(path, text)
+    try:
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: is not TOML: {error}") from error
     except (ValueError, RecursionError) as error:  # integers of thousands of digits, brackets a thousand deep
         raise InputError(f"{path}: cannot be read ({error}); expected a loader file") from error
+
+
+def _check_dots(path: Path, text: str) -> None:
+    """Refuses a key that would take TOML minutes to read."""
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.count(".") > _MOST_DOTS:
+            bare = _QUOTED.sub("", line).split("#")[0]
+            if any(part.count(".") > _MOST_DOTS for part in bare.split("=")):
+                raise InputError(
+                    f"{path}: line {number}: has a key of more than {_MOST_DOTS} parts; expected a loader file"
+                )
 
 
 @cache

@@ -182,7 +182,7 @@ def _state_space(
 ) -> control.StateSpace:
     return control.StateSpace(
         *matrices,
-        name=name,
+        name=name.replace(".", "_"),  # python-control keeps the dot for the signals of a system
         states=list(states),
         inputs=list(inputs),
         outputs=list(outputs),

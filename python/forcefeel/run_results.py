@@ -80,18 +80,16 @@ def measure_rows(run: Run, units: UnitSystem) -> list[tuple[str, str, str]]:
 
 
 def columns(run: Run, units: UnitSystem) -> tuple[Column, ...]:
-    """Time and every output, up to where the run diverged.
-
-    The pilot's force is called ``force``, so that ``read_recorded`` takes it from the file.
-    """
+    """Time and every output, up to where the run diverged, by the names that readers of records know."""
     known = np.isfinite(run.history["column_angle_rad"].values)
     found = []
     for name in ("time_s", *map(str, run.history.data_vars)):
         data = run.history[name]
         bare = next(name.removesuffix(end) for end in _SUFFIXES if name.endswith(end))
-        words = "force" if bare == "pilot_force" else bare.replace("_", " ")
         unit = _HISTORY_UNITS[data.attrs["units"]]
-        found.append(Column(words, unit.shown(units), data.values[known] * factor(unit.si, unit.shown(units))))
+        found.append(
+            Column(bare.replace("_", " "), unit.shown(units), data.values[known] * factor(unit.si, unit.shown(units)))
+        )
     return tuple(found)
 
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
-from forcefeel.simulation.engine import Law, cores, engine_law
+from forcefeel.simulation.engine import Law, engine_law
 from forcefeel.simulation.scenario import controller_steps
+from forcefeel.threads import threads_or_cores
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +73,9 @@ def sampled_loops(
         raise InputError("controller.period: expected a sample period, got none; give one, for example 0.5 ms")
     step_s, timing = controller_steps(loader, _LONGEST_STEP_S)
     rows = loader.values[np.newaxis] if values is None else np.ascontiguousarray(values, dtype=np.float64)
-    states, found = _core.sampled_loops(rows, step_s, timing, **engine_law(loader, law), threads=threads or cores())
+    states, found = _core.sampled_loops(
+        rows, step_s, timing, **engine_law(loader, law), threads=threads_or_cores(threads)
+    )
     n = len(states)
     return SampledLoops(
         loader["controller.period"],

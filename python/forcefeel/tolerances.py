@@ -23,6 +23,9 @@ _SAME = 1e-9
 _WIDEST_DEVIATION = 100.0
 """Standard deviation per distance of the bounds, beyond which a normal distribution is no other than the uniform one."""
 
+ENDS_AT = 2.0
+"""Standard deviations from the mean at which a normal tolerance is said to end: 95.4 % of a normal distribution lie within."""
+
 ZERO = "expected bounds as values with their unit, got shares of a value that is zero"
 
 
@@ -88,6 +91,17 @@ class Tolerance:
         if not 0 < share <= _WIDEST_DEVIATION:
             most = f"at most {_WIDEST_DEVIATION:g} times the distance of the bounds"
             raise InputError(f"expected a standard deviation above zero and {most}, got {share:.4g} times")
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """From where to where it goes, where one machine at each end stands for all.
+
+        Its bounds; of a normal one ``ENDS_AT`` standard deviations to either side of the mean, at most the bounds.
+        """
+        if self.deviation is None or self.peak is None:
+            return self.low, self.high
+        reach = ENDS_AT * self.deviation
+        return max(self.low, self.peak - reach), min(self.high, self.peak + reach)
 
     def quantile(self, u: ArrayLike) -> NDArray[np.float64]:
         """The values below which shares ``u`` of the machines lie: the inverse of the distribution function.

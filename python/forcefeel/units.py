@@ -136,6 +136,8 @@ def _parse_unit(text: str) -> "pint.Unit":
     # The parser would work out s^9^9^9^9 to the last digit, which takes for ever.
     if _NO_POWER.search(_POWER.sub("", text.removeprefix("1/"))):
         raise InputError(f"unknown unit {text!r}; write a power as one whole number of one or two digits, such as s^2")
+    if "%" in text and text.strip() != "%":
+        raise InputError(f"unknown unit {text!r}; a percent is a unit by itself, of a ratio")
     try:
         return _registry().parse_units(text)
     except Exception as error:  # the parser raises half a dozen kinds, AssertionError among them

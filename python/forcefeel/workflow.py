@@ -192,7 +192,8 @@ def _servo(loader: Loader, linkage: Linkage) -> ServoResult:
     opened, closed = servo(loader, linkage, closed=False), servo(loader, linkage, closed=True)
     closed_modes = modes(closed)
     w = least_damped(closed_modes).frequency_rad_per_s
-    peak = resonance(closed[1, 0], w / 2, 3 * w)  # wide enough for the peak of a mode that others pull aside
+    # Wide enough for the peak of a mode that others pull aside; a mode that rounding leaves no frequency has none.
+    peak = resonance(closed[1, 0], w / 2, 3 * w) if w > 0 else None
     return ServoResult(linkage, modes(opened), closed_modes, margins(opened[0, 0]), peak)
 
 

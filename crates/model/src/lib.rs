@@ -38,6 +38,7 @@
 
 pub mod actuator;
 pub mod amplifier;
+mod bisect;
 pub mod channels;
 pub mod column;
 pub mod column_motion;
@@ -49,6 +50,7 @@ pub mod dry_friction;
 pub mod dual;
 pub mod effects;
 pub mod feel;
+pub mod feel_computer;
 pub mod feel_law;
 pub mod linkage;
 pub mod load_cell;

@@ -17,7 +17,7 @@ mod slow;
 mod touch;
 
 pub use digital::Memory;
-pub use rest::Rest;
+pub use rest::{Rest, SEARCH_RAD};
 
 use crate::Scalar;
 use crate::column_motion::ColumnMotion;
@@ -488,7 +488,8 @@ impl<S: Scalar> Machine<S> {
             let around = self.around(effects, stage.state, stage.inputs, stage.moment);
             let torque = self.law.feel_torque(force);
             let fade = stage.moment.of(stage.inputs.fade);
-            feel = [now.delta_rate, self.feel_acceleration(stage.shared, now, torque, &around, fade)];
+            let computer = self.feel_computer(stage.shared, fade);
+            feel = [now.delta_rate, computer.acceleration((now.delta, now.delta_rate), torque, &around)];
             let x = [piston, force / self.balance.area, now.delta, now.delta_rate, base, base_rate, now.pilot_force];
             let e = self.law.command(&x);
             if effects.test_signal { e + e.constant(stage.moment.of(stage.inputs.test_signal)) } else { e }
@@ -531,7 +532,7 @@ impl<S: Scalar> Machine<S> {
         }
         if effects.feel_friction && shared.timing.is_none() {
             let (rate, pull) = (now.delta_rate, rates.feel[1]);
-            let friction = self.feel_friction(inputs);
+            let friction = self.feel_computer(shared, inputs.fade[0]).friction();
             let found = friction.settled(&state.feel, rate, pull, (self.step, self.per_step));
             state.feel = friction.grip(found.velocity, pull);
             state.slow.feel[0] = state.slow.feel[0] + found.displacement;

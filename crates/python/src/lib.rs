@@ -3,6 +3,7 @@
 
 mod arrays;
 mod laws;
+mod limits;
 mod loops;
 mod model;
 mod release;
@@ -26,6 +27,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("BOUND_RAD", forcefeel_solve::measures::BOUND_RAD)?;
     module.add_function(wrap_pyfunction!(simulate::sampled_loops, module)?)?;
     module.add("OBSERVER_NUMBERS", forcefeel_model::observer::NUMBERS)?;
+    module.add("MOST_RECURSION_STEPS", solve::MOST_STEPS)?;
     module.add("PERIOD_BASE", forcefeel_model::machine::period::BASE)?;
     module.add("PERIOD_SHOWN", forcefeel_model::machine::period::SHOWN)?;
     module.add("PERIOD_COMMAND", forcefeel_model::machine::period::YOUNGEST)?;

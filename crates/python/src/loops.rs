@@ -1,6 +1,7 @@
 //! Many linear loops: their stability, their poles, their runs.
 
 use crate::arrays::{rows, vector};
+use crate::limits::step;
 use crate::model::Compensator;
 use forcefeel_model::compensator::Compensator as Compensation;
 use forcefeel_model::parameters::COUNT;
@@ -71,13 +72,13 @@ impl Loops {
 
     /// A code for each loop: 0 unstable, 1 stable, both proved; 2 unstable, 3 stable, by computed poles; 4 not made of numbers.
     fn stability<'py>(&self, py: Python<'py>, threads: usize) -> Bound<'py, PyArray1<u8>> {
-        let verdicts = py.detach(|| self.many().stability(threads.max(1)));
+        let verdicts = py.detach(|| self.many().stability(threads));
         PyArray1::from_iter(py, verdicts.into_iter().map(|verdict| verdict as u8))
     }
 
     /// Poles (loops, states, 2), real and imaginary part, in no order; not numbers where the matrix is not made of numbers.
     fn poles<'py>(&self, py: Python<'py>, threads: usize) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let poles = py.detach(|| self.many().poles(threads.max(1)));
+        let poles = py.detach(|| self.many().poles(threads));
         let parts = poles.into_flattened().into_iter().flat_map(|pole| [pole.re, pole.im]);
         PyArray1::from_iter(py, parts).reshape([self.count, STATES, 2])
     }
@@ -110,7 +111,7 @@ impl Loops {
             loops: self.many(),
             force_scale: force_scale.as_deref(),
             force: &force,
-            step_s,
+            step_s: step(step_s)?,
             start: held.map_or(Start::Under(start_force), |(angle, until)| Start::Held(angle, until)),
             every,
             outputs: &outputs,
@@ -124,7 +125,7 @@ impl Loops {
                 "histories: expected shape {expected:?} in order, got {found:?}"
             )));
         };
-        py.detach(|| job.run(threads.max(1), room));
+        py.detach(|| job.run(threads, room));
         Ok(())
     }
 }

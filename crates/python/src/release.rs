@@ -1,5 +1,6 @@
 //! Features of releases.
 
+use crate::limits::{at_most, rising};
 use forcefeel_solve::release::{FEATURE_GROUPS, FEATURES, Measuring, Release};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
@@ -65,9 +66,14 @@ impl ReleaseMeasuring {
         hysteresis: f64,
     ) -> PyResult<Self> {
         let time: Vec<f64> = time.as_array().iter().copied().collect();
-        // Also where one is not a number.
-        if !time.windows(2).all(|pair| pair[0] < pair[1]) || time.is_empty() {
-            return Err(PyValueError::new_err("time: expected rising numbers"));
+        rising("time", &time)?;
+        for (name, count) in [("tail", tail), ("held", held), ("free", free)] {
+            at_most(name, time.len(), count)?;
+        }
+        for (name, size) in [("reach", reach), ("hysteresis", hysteresis)] {
+            if !(size.is_finite() && size >= 0.0) {
+                return Err(PyValueError::new_err(format!("{name}: expected a number of at least zero, got {size}")));
+            }
         }
         Ok(Self { time, held, free, tail, shares, reach, hysteresis })
     }
@@ -91,7 +97,7 @@ impl ReleaseMeasuring {
             copied = view.iter().copied().collect();
             &copied
         };
-        let features = py.detach(|| self.measuring().measure_all(positions, threads.max(1)));
+        let features = py.detach(|| self.measuring().measure_all(positions, threads));
         PyArray1::from_vec(py, features).reshape([runs, FEATURES])
     }
 

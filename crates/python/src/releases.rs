@@ -1,5 +1,6 @@
 //! Releases of many linear loops: stable or not, and the column's angle over time.
 
+use crate::limits::step;
 use crate::loops::Loops;
 use forcefeel_solve::releases::Releases;
 use numpy::{PyArray1, PyReadwriteArray2};
@@ -24,7 +25,7 @@ pub fn released<'py>(
     let Some(room) = room else {
         return Err(PyValueError::new_err(format!("angles: expected {} rows in order, got {count}", loops.count)));
     };
-    let job = Releases { loops, angle, step_s, samples };
-    let verdicts = py.detach(|| job.run(threads.max(1), room));
+    let job = Releases { loops, angle, step_s: step(step_s)?, samples };
+    let verdicts = py.detach(|| job.run(threads, room));
     Ok(PyArray1::from_iter(py, verdicts.into_iter().map(|verdict| verdict as u8)))
 }

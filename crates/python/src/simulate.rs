@@ -2,14 +2,17 @@
 
 use crate::arrays::{rows, vector};
 use crate::laws::{Laws, NamedLaw, check_runs, effects_of};
+use crate::limits::{at_most, rising, step, timing as in_steps};
 use crate::slopes::check_keys;
 use forcefeel_model::channels::CHANNELS;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::Curve;
+use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::observer::NUMBERS;
-use forcefeel_model::parameters::COUNT;
+use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_solve::batch::{Change, Job, Law, OUTPUTS, Sampling};
+use forcefeel_solve::feel_alone::feel_alone;
 use forcefeel_solve::measures::{MEASURES, Peaks, measure};
 use forcefeel_solve::record_slopes::SlopeJob;
 use forcefeel_solve::sampled_loops::{INPUTS, Periods, SampledLoops};
@@ -102,7 +105,15 @@ impl Simulation {
         curve: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>)>,
         changes: Vec<ChangeOf<'_>>,
     ) -> PyResult<Self> {
+        outputs.iter().try_for_each(|&output| at_most("outputs", OUTPUTS.len() - 1, output))?;
+        let mut done = 0;
         let changes = changes.iter().map(|(begin, end, values, observer)| {
+            if *begin < done || end <= begin {
+                return Err(PyValueError::new_err(
+                    "changes: expected each to begin where the one before is done, and to last",
+                ));
+            }
+            done = *end;
             let observer = observer.as_ref().map(|numbers| vector::<NUMBERS>("changes", numbers)).transpose()?;
             Ok(Change { steps: (*begin, *end), values: vector::<COUNT>("changes", values)?, observer })
         });
@@ -111,12 +122,12 @@ impl Simulation {
         Ok(Self {
             stirred: !inputs.iter().all(still),
             tested: inputs.iter().flat_map(|step| step.test_signal).any(|volts| volts != 0.0),
-            step_s,
+            step_s: step(step_s)?,
             sampling: if every == 0 { Sampling::Halves } else { Sampling::Every(every) },
-            outputs: outputs.into_iter().map(|output| output.min(OUTPUTS.len() - 1)).collect(),
+            outputs,
             inputs,
             start: held.map_or(Start::Under(start_force), |(angle, until)| Start::Held(angle, until)),
-            timing: timing.map(|(period, delay)| Timing { period: period.max(1), delay }),
+            timing: timing.map(in_steps).transpose()?,
             curve: curve.map(|(knots, coefficients)| spring_curve(&knots, &coefficients)).transpose()?,
             changes: changes.collect::<PyResult<_>>()?,
         })
@@ -148,7 +159,7 @@ impl Simulation {
         let histories = PyArray3::zeros(py, [runs, self.outputs.len(), job.samples()], false);
         let mut writable = histories.readwrite();
         let into = writable.as_slice_mut()?;
-        let measures = py.detach(|| job.run(threads.max(1), into));
+        let measures = py.detach(|| job.run(threads, into));
         drop(writable);
         Ok((PyArray1::from_vec(py, measures.into_flattened()).reshape([runs, MEASURES.len()])?, histories))
     }
@@ -184,11 +195,38 @@ impl Simulation {
         let slopes = PyArray4::zeros(py, [shape[0], keys.len(), shape[1], shape[2]], false);
         let mut writable = slopes.readwrite();
         let into = writable.as_slice_mut()?;
-        let histories = py.detach(|| job.run(threads.max(1), into));
+        let histories = py.detach(|| job.run(threads, into));
         drop(writable);
         Ok((PyArray1::from_vec(py, histories).reshape(shape)?, slopes))
     }
+
+    /// Angles (steps + 1) of the programmed feel alone of a loader with these values, in parts of a step no longer than so much.
+    fn feel_alone<'py>(
+        &self,
+        py: Python<'py>,
+        values: PyReadonlyArray1<'py, f64>,
+        longest_s: f64,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let values = vector::<COUNT>("values", &values)?;
+        let parts = (self.step_s / longest_s).ceil();
+        if !(1.0..=MOST_PARTS).contains(&parts) {
+            return Err(PyValueError::new_err(format!(
+                "longest_s: expected the {} s of a step or less, down to a {MOST_PARTS}th, got {longest_s}",
+                self.step_s
+            )));
+        }
+        let effects = Effects { surroundings: self.stirred, ..Effects::of(&values) };
+        let shared = Shared { effects, step_s: self.step_s, timing: None, curve: self.curve };
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number within bounds")]
+        let angles = py.detach(|| {
+            feel_alone(&Parameters::from_values(&values), &shared, self.start, &self.inputs, parts as usize)
+        });
+        Ok(PyArray1::from_vec(py, angles))
+    }
 }
+
+/// Parts into which a step may be cut.
+const MOST_PARTS: f64 = 1e6;
 
 impl Simulation {
     fn job<'a>(&'a self, values: &'a [[f64; COUNT]], law: Law<'a>) -> Job<'a> {
@@ -228,20 +266,23 @@ pub fn sampled_loops<'py>(
     let values = rows::<COUNT>("values", &values)?;
     let laws = Laws::of(law, gains.as_ref(), observers.as_ref(), values.len())?;
     let law = laws.law();
-    let timing = Timing { period: timing.0.max(1), delay: timing.1 };
+    let (step_s, timing) = (step(step_s)?, in_steps(timing)?);
     let shared =
         Shared { effects: effects_of(values.iter(), &law).smooth(), step_s, timing: Some(timing), curve: None };
     let loops = SampledLoops { shared, timing, values: &values, law };
-    let Periods { states, matrices } = py.detach(|| loops.periods(threads.max(1)));
+    let Periods { states, matrices } = py.detach(|| loops.periods(threads));
     let shape = [values.len(), states.len(), states.len() + INPUTS];
     Ok((states, PyArray1::from_vec(py, matrices).reshape(shape)?))
 }
 
 fn steps(inputs: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<Inputs>> {
     let inputs = inputs.as_array();
-    let (_, signals, ends) = inputs.dim();
-    if (signals, ends) != (6, 2) {
-        return Err(PyValueError::new_err(format!("inputs: expected shape (steps, 6, 2), got {:?}", inputs.dim())));
+    let (count, signals, ends) = inputs.dim();
+    if count == 0 || (signals, ends) != (6, 2) {
+        return Err(PyValueError::new_err(format!(
+            "inputs: expected shape (steps, 6, 2), one step at least, got {:?}",
+            inputs.dim()
+        )));
     }
     let step = |row: numpy::ndarray::ArrayView2<'_, f64>| {
         let pair = |k: usize| [row[(k, 0)], row[(k, 1)]];
@@ -259,6 +300,7 @@ fn steps(inputs: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<Inputs>> {
 
 fn spring_curve(knots: &PyReadonlyArray1<'_, f64>, coefficients: &PyReadonlyArray2<'_, f64>) -> PyResult<Curve> {
     let knots: Vec<f64> = knots.as_array().iter().copied().collect();
+    rising("curve", &knots)?;
     let coefficients = rows::<4>("curve", coefficients)?;
     Curve::new(&knots, &coefficients).ok_or_else(|| PyValueError::new_err("curve: knots and coefficients do not fit"))
 }

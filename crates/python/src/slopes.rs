@@ -2,8 +2,8 @@
 
 use crate::arrays::{Matrix, to_numpy, vector};
 use crate::laws::{Laws, NamedLaw, effects_of};
+use crate::limits::{step, timing as in_steps};
 use forcefeel_model::channels::CHANNELS;
-use forcefeel_model::controller::Timing;
 use forcefeel_model::machine::Shared;
 use forcefeel_model::parameters::COUNT;
 use forcefeel_solve::StateSpace;
@@ -62,7 +62,7 @@ pub fn sampled_slopes<'py>(
     check_keys(&keys)?;
     let laws = Laws::of(law, None, observers.as_ref(), values.len())?;
     let law = laws.law();
-    let timing = Timing { period: timing.0.max(1), delay: timing.1 };
+    let (step_s, timing) = (step(step_s)?, in_steps(timing)?);
     let effects = effects_of(values.iter(), &law).smooth();
     let shared = Shared { effects, step_s, timing: Some(timing), curve: None };
     let loops = SampledLoops { shared, timing, values: &values, law };

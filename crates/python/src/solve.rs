@@ -1,6 +1,7 @@
 //! The solvers.
 
 use crate::arrays::{Matrix, matrix, to_numpy, vector};
+use crate::limits::at_most;
 use forcefeel_model::parameters::{Feel, Parameters};
 use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion as run};
 use forcefeel_solve::schedule::{Plant, Time, schedule as gains};
@@ -8,6 +9,9 @@ use nalgebra::{Matrix4, Matrix4x2, RowVector4};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+
+/// Most steps of a recursion: some two seconds of computing for the design plant.
+pub const MOST_STEPS: usize = 10_000_000;
 
 /// How recursion (22) ended, and its gains.
 #[pyclass(frozen, module = "forcefeel._core")]
@@ -67,6 +71,10 @@ pub fn recursion(
     tolerance: Option<f64>,
 ) -> PyResult<Recursion> {
     let (n, m) = h.as_array().dim();
+    if n == 0 || m == 0 {
+        return Err(PyValueError::new_err(format!("h: expected a state and an input at least, got {:?}", (n, m))));
+    }
+    at_most("steps", MOST_STEPS, steps)?;
     let problem = Problem {
         phi: matrix("phi", &phi, (n, n))?,
         h: matrix("h", &h, (n, m))?,

@@ -8,6 +8,7 @@ use crate::measures::{MEASURES, Peaks, measure};
 use crate::noise::Noise;
 use crate::pair::Pair;
 use crate::simulate::{FeelChange, Middles, Record, Start, run};
+use crate::threads::pool;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
@@ -155,7 +156,7 @@ impl Job<'_> {
         let size = self.outputs.len() * self.samples();
         assert_eq!(histories.len(), self.values.len() * size, "histories");
         let mut measures = vec![[0.0; MEASURES.len()]; self.values.len()];
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the batch");
+        let pool = pool(threads);
         let level = Level::new();
         pool.install(|| {
             let groups = measures.par_chunks_mut(WIDTH).enumerate();

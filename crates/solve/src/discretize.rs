@@ -5,7 +5,11 @@
 
 use nalgebra::DMatrix;
 
-/// `([Phi], [H])` of `x' = a x + b u` over the step `h` in s.
+/// Largest number of `A h`: halving it until its series converges leaves slow states a millionth of their digits, and nalgebra judges
+/// the series by the 27th power of the matrix, which is still a number.
+const LARGEST: f64 = 1e10;
+
+/// `([Phi], [H])` of `x' = a x + b u` over the step `h` in s; not numbers where `A h` or `B h` has one beyond `1e10`.
 ///
 /// # Panics
 /// If `a` is not square or `b` has another number of rows.
@@ -15,6 +19,12 @@ pub fn discretize(a: &DMatrix<f64>, b: &DMatrix<f64>, h: f64) -> (DMatrix<f64>, 
     let mut augmented = DMatrix::zeros(n + m, n + m);
     augmented.view_mut((0, 0), (n, n)).copy_from(a);
     augmented.view_mut((0, n), (n, m)).copy_from(b);
-    let transition = (augmented * h).exp();
+    let transition = exponential(&(augmented * h));
     (transition.view((0, 0), (n, n)).into_owned(), transition.view((0, n), (n, m)).into_owned())
+}
+
+/// `exp(z)`; not numbers where `z` is larger than [`LARGEST`] or not made of numbers.
+fn exponential(z: &DMatrix<f64>) -> DMatrix<f64> {
+    let known = z.iter().all(|entry| entry.abs() <= LARGEST);
+    if known { z.exp() } else { z.map(|_| f64::NAN) }
 }

@@ -3,6 +3,9 @@
 //! The vector instructions are chosen when the program runs: AVX-512 or AVX2 where the machine has them, else what every
 //! machine has. Each lane is computed with correctly rounded operations and without fused ones, so it holds the same bits as the
 //! same run alone in double precision, on whatever machine.
+//!
+//! The operations are `#[inline]` and not `#[inline(always)]`: each is then made simple by itself before the step takes it in. With
+//! all of them laid into one function first, the compiler needs three times as long for the same instructions.
 
 use crate::fused::EXPONENT;
 use core::ops::{Add, Div, Mul, Neg, Sub};
@@ -95,7 +98,7 @@ macro_rules! operator {
     ($Trait:ident, $method:ident) => {
         impl<S: Simd> $Trait for Lanes<S> {
             type Output = Self;
-            #[inline(always)]
+            #[inline]
             fn $method(self, other: Self) -> Self {
                 Self($Trait::$method(self.0, other.0))
             }
@@ -110,7 +113,7 @@ operator!(Div, div);
 
 impl<S: Simd> Neg for Lanes<S> {
     type Output = Self;
-    #[inline(always)]
+    #[inline]
     fn neg(self) -> Self {
         Self(-self.0)
     }
@@ -118,53 +121,53 @@ impl<S: Simd> Neg for Lanes<S> {
 
 impl<S: Simd> Scalar for Lanes<S> {
     type Mask = mask64x8<S>;
-    #[inline(always)]
+    #[inline]
     fn constant(self, value: f64) -> Self {
         Self::splat(self.0.simd, value)
     }
-    #[inline(always)]
+    #[inline]
     fn sqrt(self) -> Self {
         Self(self.0.sqrt())
     }
-    #[inline(always)]
+    #[inline]
     fn abs(self) -> Self {
         Self(self.0.abs())
     }
-    #[inline(always)]
+    #[inline]
     fn round(self) -> Self {
         Self(self.0.round_ties_even())
     }
-    #[inline(always)]
+    #[inline]
     fn min(self, other: Self) -> Self {
         Self(self.0.min(other.0))
     }
-    #[inline(always)]
+    #[inline]
     fn max(self, other: Self) -> Self {
         Self(self.0.max(other.0))
     }
-    #[inline(always)]
+    #[inline]
     fn times_sign(self, other: Self) -> Self {
         let sign = f64x8::splat(self.0.simd, -0.0).to_bits();
         Self((self.0.to_bits() ^ (other.0.to_bits() & sign)).bitcast())
     }
-    #[inline(always)]
+    #[inline]
     fn less(self, other: Self) -> Self::Mask {
         self.0.simd_lt(other.0)
     }
-    #[inline(always)]
+    #[inline]
     fn any(mask: Self::Mask) -> bool {
         mask.any_true()
     }
-    #[inline(always)]
+    #[inline]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         Self(mask.select(yes.0, no.0))
     }
-    #[inline(always)]
+    #[inline]
     fn slope_times(self, by: Self) -> Self {
         let zero = self.zero();
         Self(self.0.simd_eq(zero.0).select(zero.0, self.0 * by.0))
     }
-    #[inline(always)]
+    #[inline]
     fn slope_over(self, by: Self) -> Self {
         let zero = self.zero();
         Self(self.0.simd_eq(zero.0).select(zero.0, self.0 / by.0))

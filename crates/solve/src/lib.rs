@@ -8,6 +8,7 @@
 //! | recursion (22), dynamic programming | [`riccati`] |
 //! | gains for many feel settings of one plant | [`schedule`] |
 //! | a run in time | [`simulate`] |
+//! | the programmed feel alone, in time | [`feel_alone`](mod@feel_alone) |
 //! | many runs, in vector lanes over the cores | [`batch`], [`lanes`] |
 //! | runs and their slopes along parameters | [`record_slopes`] |
 //! | what is asked of a run | [`measures`] |
@@ -23,6 +24,7 @@ pub mod balance;
 pub mod batch;
 pub mod bounded;
 pub mod discretize;
+pub mod feel_alone;
 pub mod fused;
 pub mod lanes;
 pub mod linear_batch;
@@ -42,6 +44,7 @@ pub mod schedule;
 pub mod simulate;
 pub mod slopes;
 pub mod stability;
+mod threads;
 pub mod transition;
 
 pub use discretize::discretize;

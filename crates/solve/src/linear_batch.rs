@@ -12,6 +12,7 @@ use crate::fused::Fused;
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::simulate::Start;
+use crate::threads::pool;
 use crate::transition::{Transition, Vector, combined, dot, plus_times, product, solve, times_vector, transposed};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::loader::{Compliant, System};
@@ -88,7 +89,7 @@ impl LinearJob<'_> {
         if histories.is_empty() {
             return;
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the batch");
+        let pool = pool(threads);
         let level = Level::new();
         let still = self.still();
         pool.install(|| {

@@ -2,6 +2,7 @@
 
 use crate::balance::balance;
 use crate::loops::{Loops, Matrix, STATES, state_matrix};
+use crate::threads::pool;
 use nalgebra::{Complex, SMatrix, Schur};
 use rayon::prelude::*;
 
@@ -30,7 +31,7 @@ impl Loops<'_> {
     /// # Panics
     /// If the threads cannot be had.
     pub fn poles(&self, threads: usize) -> Vec<Poles> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the loops");
+        let pool = pool(threads);
         let unknown = [Complex::new(f64::NAN, f64::NAN); STATES];
         let of = |run| poles(&state_matrix(&self.models::<f64>((), run))).unwrap_or(unknown);
         pool.install(|| (0..self.count).into_par_iter().map(of).collect())

@@ -12,6 +12,7 @@ use crate::batch::{Job, Sampling};
 use crate::sampled_loops::without_steps;
 use crate::simulate::{FeelChange, Middles, Record, run};
 use crate::slopes::along;
+use crate::threads::pool;
 use forcefeel_model::channels::Bench;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
@@ -47,7 +48,7 @@ impl SlopeJob<'_> {
         if slopes.is_empty() {
             return Vec::new();
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the slopes");
+        let pool = pool(threads);
         let pairs = slopes.par_chunks_mut(self.size()).enumerate();
         let one = |(pair, slopes): (usize, &mut [f64])| {
             let mut values = vec![0.0; if pair % keys == 0 { slopes.len() } else { 0 }];

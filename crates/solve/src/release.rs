@@ -7,6 +7,7 @@
 //! Instants and extrema are those of a polynomial through the samples around them ([`local_fit`](crate::local_fit)).
 
 use crate::local_fit::{Instant, LocalFit};
+use crate::threads::pool;
 use rayon::prelude::*;
 
 /// Full cycles that are kept.
@@ -141,7 +142,7 @@ impl Measuring<'_> {
             pairs.for_each(|(features, position)| rows(features, position));
             return features;
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the releases");
+        let pool = pool(threads);
         pool.install(|| {
             let pairs = features.par_chunks_exact_mut(FEATURES).zip(positions.par_chunks_exact(samples));
             pairs.for_each(|(features, position)| rows(features, position));

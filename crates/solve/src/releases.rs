@@ -15,6 +15,7 @@ use crate::fused::Fused;
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::stability::{Verdict, hurwitz, verdict};
+use crate::threads::pool;
 use crate::transition::{Transition, Vector, combined, dot, product, solve, transposed};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::loader::{Compliant, System};
@@ -58,7 +59,7 @@ impl Releases<'_> {
             groups.push((group * LANES, verdicts, room));
             angles = rest;
         }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the releases");
+        let pool = pool(threads);
         let level = Level::new();
         pool.install(|| {
             groups.into_par_iter().for_each(|(first, verdicts, angles)| self.dispatch(level, first, verdicts, angles));

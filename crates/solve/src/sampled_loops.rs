@@ -8,6 +8,7 @@
 //! out: it has no slope at rest. States that nothing depends on have no column and are left out: their poles are at zero.
 
 use crate::batch::Law;
+use crate::threads::pool;
 use forcefeel_model::Scalar;
 use forcefeel_model::channels::{self, Bench};
 use forcefeel_model::controller::Timing;
@@ -57,7 +58,7 @@ impl SampledLoops<'_> {
     /// # Panics
     /// If the threads cannot be had.
     pub fn periods(&self, threads: usize) -> Periods {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the loops");
+        let pool = pool(threads);
         let whole: Vec<Matrix> =
             pool.install(|| (0..self.values.len()).into_par_iter().map(|run| self.matrix(run)).collect());
         let states = kept(&whole, |_| false);

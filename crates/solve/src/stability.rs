@@ -26,6 +26,7 @@ use crate::fused::Fused;
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix};
 use crate::poles::poles;
+use crate::threads::pool;
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 
@@ -55,7 +56,7 @@ impl Loops<'_> {
     /// If the threads cannot be had.
     pub fn stability(&self, threads: usize) -> Vec<Verdict> {
         let mut verdicts = vec![Verdict::Unknown; self.count];
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads for the loops");
+        let pool = pool(threads);
         let level = Level::new();
         pool.install(|| {
             let pieces = verdicts.par_chunks_mut(PIECE).enumerate();

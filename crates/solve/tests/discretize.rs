@@ -67,3 +67,15 @@ fn stiff_and_slow_states_live_in_one_step() {
 fn state_matrix_must_fit_the_input_matrix() {
     let _ = discretize(&DMatrix::zeros(2, 2), &DMatrix::zeros(3, 1), 0.1);
 }
+
+#[test]
+fn a_matrix_too_large_for_its_digits_has_no_transition() {
+    let of = |number: f64| discretize(&rows([[-1.0, number], [0.0, -1.0]]), &rows([[0.0], [0.0]]), 1.0).0;
+    let (large, decayed) = (1e10, (-1.0_f64).exp());
+    let expected = rows([[decayed, large * decayed], [0.0, decayed]]);
+    let error = (of(large) - &expected).component_div(&expected.map(|entry| entry.max(1.0))).amax();
+    assert!(error <= EXPONENTIAL, "{error:e}");
+    for beyond in [1e11, 1e200, f64::MAX, f64::INFINITY, f64::NAN] {
+        assert!(of(beyond).iter().all(|entry| entry.is_nan()));
+    }
+}

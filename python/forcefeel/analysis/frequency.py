@@ -72,8 +72,11 @@ def margins(loop: control.StateSpace) -> Margins:
     may cross one upwards and downwards. The phase is followed without jumps from low frequency, and the phase margin is
     the smallest of ``180 degrees + phase`` over all crossings: the lag that the loop bears, negative if it has too much.
     """
-    gains, _, _, w_phase, w_gain, _ = control.stability_margins(loop, returnall=True)
-    gain = min(zip(gains, w_phase, strict=True), key=lambda pair: abs(np.log(pair[0])), default=(np.inf, np.nan))
+    with np.errstate(over="ignore", invalid="ignore"):  # of its third margin, which is not asked for
+        gains, _, _, w_phase, w_gain, _ = control.stability_margins(loop, returnall=True)
+    # Where the loop's gain is without bound, on a pole, or nothing, the phase jumps and crosses nothing.
+    passed = [pair for pair in zip(gains, w_phase, strict=True) if 0 < pair[0] < np.inf]
+    gain = min(passed, key=lambda pair: abs(np.log(pair[0])), default=(np.inf, np.nan))
     crossings = zip(np.pi + _phase(loop, np.asarray(w_gain)), w_gain, strict=True)
     lag, w_lag = min(crossings, default=(np.inf, np.nan))
     return Margins(float(gain[0]), float(lag), float(gain[1]), float(w_lag))

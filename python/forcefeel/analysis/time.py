@@ -46,6 +46,26 @@ def _unit_of(name: str) -> str:
     return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")
 
 
+def equilibrium(model: control.StateSpace) -> NDArray[np.float64]:
+    """The state in which a model stays under a pilot force of one newton, ``0 = A x + B``.
+
+    Raises:
+        numpy.linalg.LinAlgError: If there is none, or rounding leaves it fewer digits than people read.
+    """
+    # States in SI units differ by ten powers of ten: balance them, or rounding eats the small ones.
+    balanced, (scale, _) = scipy.linalg.matrix_balance(np.asarray(model.A), permute=False, separate=True)
+    state = np.linalg.solve(balanced, np.asarray(model.B)[:, 0] / scale)
+    # |A^-1| |A| |x| u, the bound of what rounding the entries of A moves it (Skeel 1979)
+    moved = np.abs(np.linalg.inv(balanced)) @ (np.abs(balanced) @ np.abs(state)) * np.finfo(np.float64).eps
+    if not np.max(moved) <= _LEAST_DIGITS * np.max(np.abs(state)):
+        raise np.linalg.LinAlgError("the equilibrium is lost in rounding")
+    return np.asarray(-scale * state)
+
+
+_LEAST_DIGITS = 1e-6
+"""Relative: people read four digits, and a stepped run finds its equilibrium to 1e-5 of full travel."""
+
+
 def gramian(a: NDArray[np.float64], start: NDArray[np.float64], duration_s: float) -> NDArray[np.float64]:
     """Integral ``X`` of ``x x'`` along ``x' = A x`` from ``start``; the integral of ``x' W x`` is then ``sum(W * X)``.
 

@@ -4,6 +4,7 @@ from types import MappingProxyType
 
 from forcefeel import _core
 from forcefeel.errors import InputError
+from forcefeel.tables.header import heading
 from forcefeel.units import show
 
 INPUTS = MappingProxyType({"test_signal": "V", "pilot_force": "N"})
@@ -26,3 +27,13 @@ def channel(given: str) -> str:
     if name not in CHANNELS:
         raise InputError(f"unknown channel {show(given)}; the channels are {', '.join(CHANNELS)}")
     return name
+
+
+def channel_and_unit(text: str) -> tuple[str, str]:
+    """Channel and unit of ``test_signal (V)``; the unit is empty where none is given.
+
+    Raises:
+        InputError: If there is no such channel.
+    """
+    found = heading(text, CHANNELS)
+    return channel(found.name), found.unit

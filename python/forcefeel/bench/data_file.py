@@ -5,11 +5,11 @@ from pathlib import Path
 
 from forcefeel.bench import record_file, response_file
 from forcefeel.bench.experiments import Experiment
-from forcefeel.bench.header import heading
 from forcefeel.bench.records import BenchRecord, Hold
 from forcefeel.bench.responses import Response
-from forcefeel.bench.tables import open_table
 from forcefeel.errors import InputError
+from forcefeel.tables.header import columns_called
+from forcefeel.tables.table_file import open_table
 from forcefeel.units import show
 
 
@@ -25,26 +25,25 @@ def read_bench_data(
 ) -> Response | BenchRecord:
     """Reads a frequency response or a record: a response has a column ``frequency``, a record one ``time``.
 
-    Arguments are those of ``read_response`` and ``read_bench_record``. With a response ``columns`` and ``hold`` are refused, with
-    a record ``input`` and ``output``.
+    Arguments are those of ``read_response`` and ``read_bench_record``. With a response ``hold`` is refused, with a record ``input``
+    and ``output``.
 
     Raises:
         InputError: As these two, and if the file has neither column or both.
     """
     table = open_table(path, response_file.EXAMPLE)
-    own = (columns or {}).get("time", "time")
-    names = {heading(cell, ("frequency", own)).name for cell in table.header}
-    is_response, is_record = "frequency" in names, "_".join(own.lower().split()) in names
+    own = columns or {}
+    is_response, is_record = (bool(columns_called(table, own.get(name, name))) for name in ("frequency", "time"))
     if is_response == is_record:
         has = "both a column 'frequency' and one 'time'" if is_record else "neither a column 'frequency' nor 'time'"
         raise InputError(
             f"{table.where}: has {has}; expected "
             f"{response_file.EXAMPLE!r} or {record_file.EXAMPLE!r}, got {show(','.join(table.header))}"
         )
-    strangers = {"columns": columns, "hold": hold} if is_response else {"input": input, "output": output}
+    strangers = {"hold": hold} if is_response else {"input": input, "output": output}
     if given := [name for name, value in strangers.items() if value]:
         kind = "frequency response" if is_response else "record in time"
         raise InputError(f"{table.path}: is a {kind}, to which the argument {given[0]} does not apply; leave it out")
     if is_response:
-        return response_file.response_of(table, experiment, (input, output), units or {})
-    return record_file.record_of(table, experiment, columns or {}, units or {}, hold)
+        return response_file.response_of(table, experiment, (input, output), own, units or {})
+    return record_file.record_of(table, experiment, own, units or {}, hold)

@@ -11,20 +11,18 @@ from forcefeel.bench.experiments import Drive
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.stated import drive_channel
 from forcefeel.errors import InputError
-from forcefeel.inputs.columns import fault
 from forcefeel.qualification import load_rules
 from forcefeel.qualification.let_go import check_clipping, check_rate, find_release
 from forcefeel.qualification.records import Record, found_noise, found_resolution
+from forcefeel.tables.faults import check_step, fault
 
 FEWEST_SAMPLES = 100
 """Samples that a record has at least."""
 
-_SHORTEST_STEP_S = 10e-6
-"""Median step that a bench records at: a hundredth of a usual controller's period."""
 _LONGEST_STEP_S = 0.2
-"""The same: two and a half samples in the period of a feel of 2 Hz."""
+"""Median step that a bench records at: two and a half samples in the period of a feel of 2 Hz."""
 _ROUNDING = 1e-9
-"""Share of a signal's largest value within which it is constant; of a step too."""
+"""Share of a signal's largest value within which it is constant."""
 _FLICKER = 2
 """Samples for which a signal of nothing but its resolution stays at a level, half of the time at most."""
 _QUIET = 1e-3
@@ -78,7 +76,7 @@ def check_record(record: BenchRecord, places: Sequence[str] | None = None) -> No
         raise InputError(
             f"{where}: has {len(record.time_s)} samples; expected {FEWEST_SAMPLES} at least; record for longer"
         )
-    _check_step(record.time_s, where)
+    check_step(record.time_s, where, _LONGEST_STEP_S)
     measured = {name: values for name, values in record.channels.items() if name in OUTPUTS}
     drive = _drive(record, where)
     for name, values in measured.items():
@@ -92,19 +90,6 @@ def check_record(record: BenchRecord, places: Sequence[str] | None = None) -> No
         _check_release(record, where)
     elif drive is not None:
         _check_rest(record, drive, measured, where)
-
-
-def _check_step(time_s: NDArray[np.float64], where: str) -> None:
-    """Refuses a time that is most likely in another unit than is said: no bench records so fast or so slowly."""
-    step = float(np.median(np.diff(time_s)))
-    if _SHORTEST_STEP_S * (1 - _ROUNDING) <= step <= _LONGEST_STEP_S * (1 + _ROUNDING):
-        return
-    unit, asked = ("ms", "ms") if step > _LONGEST_STEP_S else ("s", "s, not in ms")
-    raise InputError(
-        f"{where}: time: has a median step of {step:.6g} s; expected {_SHORTEST_STEP_S * 1e6:.0f} microseconds to "
-        f"{_LONGEST_STEP_S:g} s; is the time in {asked}? Say so in the header, 'time ({unit})', or where it has no unit by the "
-        f"argument units (time={unit})"
-    )
 
 
 def _drive(record: BenchRecord, where: str) -> NDArray[np.float64] | None:

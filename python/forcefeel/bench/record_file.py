@@ -5,12 +5,13 @@ from pathlib import Path
 
 from forcefeel.bench.channels import CHANNELS, OUTPUTS
 from forcefeel.bench.experiments import Experiment
-from forcefeel.bench.header import locate, need
 from forcefeel.bench.record_checks import check_record
 from forcefeel.bench.records import HOLDS, BenchRecord, Hold
-from forcefeel.bench.stated import check_names, drive_channel, stated, stated_experiment
-from forcefeel.bench.tables import Table, open_table
+from forcefeel.bench.stated import drive_channel, stated, stated_experiment
 from forcefeel.errors import InputError
+from forcefeel.tables.header import by_wanted_name, locate, need
+from forcefeel.tables.table import Table
+from forcefeel.tables.table_file import open_table
 from forcefeel.units import show
 
 EXAMPLE = "time (s),test_signal (V),column_angle (deg)"
@@ -58,8 +59,8 @@ def record_of(
         InputError: As ``read_bench_record``.
     """
     wanted = {"time": ("s",), **{name: (unit,) for name, unit in CHANNELS.items()}}
-    check_names(str(table.path), "columns", columns, wanted)
-    check_names(str(table.path), "units", units, (*wanted, *columns.values()))
+    columns = by_wanted_name(str(table.path), "columns", columns, wanted)
+    units = by_wanted_name(str(table.path), "units", units, (*wanted, *columns.values()))
     under = stated_experiment(table, experiment)
     runs = stated(table, "hold", hold, "hold") or "straight"
     if runs not in HOLDS:

@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.bench.header import DECIBEL
 from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
+from forcefeel.tables.header import DECIBEL
 
 FEWEST_LINES = 3
 """Lines that a response has at least."""

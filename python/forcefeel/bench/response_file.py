@@ -6,21 +6,23 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.bench.channels import CHANNELS
+from forcefeel.bench.channels import CHANNELS, channel_and_unit
 from forcefeel.bench.experiments import Experiment
-from forcefeel.bench.header import DECIBEL, channel_and_unit, locate, need, same_unit
 from forcefeel.bench.response_checks import check_response, fault_of_values
 from forcefeel.bench.responses import Response
-from forcefeel.bench.stated import check_names, drive_channel, stated_experiment
-from forcefeel.bench.tables import Table, open_table
+from forcefeel.bench.stated import drive_channel, stated_experiment
 from forcefeel.errors import InputError
-from forcefeel.inputs.columns import Columns
+from forcefeel.tables.header import DECIBEL, by_wanted_name, locate, need, same_unit
+from forcefeel.tables.table import Columns, Table
+from forcefeel.tables.table_file import open_table
 from forcefeel.units import factor, show
 
 EXAMPLE = "frequency (Hz),gain (dB),phase (deg)"
 """A good header."""
 
 _NAMES = ("frequency", "gain", "phase", "coherence", "deviation")
+_MOST_LINES = 100_000
+"""A fast Fourier transform of more is one that nobody averaged."""
 _MOST_PHASE_RAD = 30.0
 """Ten poles turn by half of that; a larger number is one of degrees."""
 
@@ -31,6 +33,7 @@ def read_response(
     experiment: Experiment | str | None = None,
     input: str | None = None,  # noqa: A002  the word for it
     output: str | None = None,
+    columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Response:
     """Reads a frequency response from a ``.csv``, ``.parquet`` or ``.mat`` file.
@@ -48,24 +51,30 @@ def read_response(
         experiment: Under which it was measured, for a file that does not say so.
         input: Channel it leads from, as ``test_signal (V)``, likewise; what drives the experiment if neither says so.
         output: Channel it leads to, likewise.
+        columns: The file's own names of columns: ``{"frequency": "f"}``.
         units: Units by column or channel, where the file has none.
 
     Raises:
         InputError: With the file, the line, what is wrong, what was expected and the remedy.
     """
     table = open_table(path, EXAMPLE)
-    return response_of(table, experiment, (input, output), units or {})
+    return response_of(table, experiment, (input, output), columns or {}, units or {})
 
 
 def response_of(
-    table: Table, experiment: Experiment | str | None, ends: tuple[str | None, str | None], units: Mapping[str, str]
+    table: Table,
+    experiment: Experiment | str | None,
+    ends: tuple[str | None, str | None],
+    own: Mapping[str, str],
+    units: Mapping[str, str],
 ) -> Response:
-    """The response in a table that was opened; arguments as of ``read_response``, ``ends`` being input and output.
+    """The response in a table that was opened; as ``read_response``, ``ends`` being input and output, ``own`` its ``columns``.
 
     Raises:
         InputError: As ``read_response``.
     """
-    check_names(str(table.path), "units", units, (*_NAMES, *CHANNELS))
+    own = by_wanted_name(str(table.path), "columns", own, _NAMES)
+    units = by_wanted_name(str(table.path), "units", units, (*_NAMES, *CHANNELS, *own.values()))
     under = stated_experiment(table, experiment)
     if (drive := drive_channel(under)) is None:
         raise InputError(f"{table.path}: a release has no frequency response; give its record in time")
@@ -81,9 +90,11 @@ def response_of(
         "coherence": ("",),
         "deviation": ("",),
     }
-    found = locate(table, wanted, units, {})
+    found = locate(table, wanted, units, own)
     need(table, found, _NAMES[:3], EXAMPLE)
     columns = table.take(found)
+    if len(columns.values["frequency"]) > _MOST_LINES:
+        raise InputError(f"{table.path}: has more than {_MOST_LINES:,} lines; leave out what is not needed")
     if wrong := fault_of_values(columns.values, {name: unit for name, (_, unit, _) in found.items()}, _MOST_PHASE_RAD):
         row, sentence = wrong
         raise InputError(f"{columns.places[row]}: {sentence}")

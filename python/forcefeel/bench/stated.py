@@ -1,10 +1,8 @@
 """What a file of bench data says of itself, and its reader's arguments say of it."""
 
-from collections.abc import Collection
-
 from forcefeel.bench.experiments import Drive, Experiment
-from forcefeel.bench.tables import Table
 from forcefeel.errors import InputError
+from forcefeel.tables.table import Table
 from forcefeel.units import show
 
 
@@ -44,18 +42,6 @@ def stated_experiment(table: Table, argument: Experiment | str | None) -> Experi
 def drive_channel(experiment: Experiment) -> str | None:
     """The channel that drives an experiment; ``None`` of a release."""
     return None if experiment.drive is Drive.RELEASE else str(experiment.drive)
-
-
-def check_names(where: str, argument: str, given: Collection[str], allowed: Collection[str]) -> None:
-    """Refuses a key of ``columns`` or ``units`` that names nothing.
-
-    Raises:
-        InputError: With what there is.
-    """
-    if strangers := [it for it in given if it not in allowed]:
-        raise InputError(
-            f"{where}: the argument {argument}: unknown name {show(strangers[0])}; the names are {', '.join(allowed)}"
-        )
 
 
 def _experiment(before: str, text: str) -> Experiment:

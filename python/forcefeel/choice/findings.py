@@ -8,6 +8,7 @@ from forcefeel.choice.rule import Choice, obstacles
 from forcefeel.choice.score import OverEnvelope, Score, Scored
 from forcefeel.command_margins import LoopMargins
 from forcefeel.envelopes.result import PASSES
+from forcefeel.envelopes.tolerance_words import tolerance_sentences
 from forcefeel.findings import Conclusions
 from forcefeel.loader import FEEL_SETTING
 from forcefeel.sweep.findings import share_text
@@ -15,10 +16,10 @@ from forcefeel.units import ANGLE, HERTZ, UnitSystem, to_text
 
 
 def choice_conclusions(scored: Scored, choice: Choice, units: UnitSystem) -> Conclusions:
-    """What to take, why, why not the others, and what the choice does not promise; ``good`` where a method qualifies."""
+    """What to take, why, why not the others, and what the choice does not promise; ``good`` where a method is eligible."""
     lines = [remark.sentence for remark in choice.remarks if remark.name != choice.chosen]
     if choice.chosen is None:
-        among = f"None of the {len(scored.scores)} methods qualifies for {scored.plan.loader.name}."
+        among = f"None of the {len(scored.scores)} methods is eligible for {scored.plan.loader.name}."
         return Conclusions(False, among, (*lines, *_caveats(scored)))
     best = next(score for score in scored.scores if score.name == choice.chosen)
     verdict = f"Take {best.name}. {choice.remarks[0].sentence}"
@@ -33,11 +34,15 @@ def design_conclusions(scored: Scored, units: UnitSystem) -> Conclusions:
     if not own.stable:
         return Conclusions(False, f"{name} is unstable {where}.", _caveats(scored))
     test = scored.plan.rules.title
-    outcome = f"passes {test}" if own.outcome == PASSES else f"fails {test} by {own.outcome}"
+    outcome = (
+        f"passes the release test of {test}"
+        if own.outcome == PASSES
+        else f"fails the release test of {test} by {own.outcome}"
+    )
     lines = [*_about(scored, score, units)]
     if wrong := obstacles(score, scored.plan.loader["controller.period"]):
-        lines.append(f"It would not qualify under --method auto: {'; '.join(wrong)}.")
-    return Conclusions(True, f"{name} is stable {where}, and its release {outcome}.", (*lines, *_caveats(scored)))
+        lines.append(f"It would not be eligible under --method auto: {'; '.join(wrong)}.")
+    return Conclusions(True, f"{name} is stable {where} and {outcome}.", (*lines, *_caveats(scored)))
 
 
 def margins_text(margins: LoopMargins) -> str:
@@ -121,6 +126,7 @@ def _caveats(scored: Scored) -> tuple[str, ...]:
         )
     unverified = [] if plan.rule_verified else [f"{plan.rules.title} ({plan.rules.edition})"]
     if any(score.over for score in scored.scores):
+        lines += tolerance_sentences(plan.given, plan.deviations)
         unverified += [case.name for case in plan.cases if not case.verified]
     elif scored.sampled and not HOLDING.verified:
         unverified.append(f"{HOLDING.name} arm")

@@ -7,7 +7,7 @@ from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_RAD, Choice
 from forcefeel.choice.score import Score, Scored
-from forcefeel.envelopes.plain import plain_grid
+from forcefeel.envelopes.plain import plain_deviations, plain_grid
 from forcefeel.loader import FEEL_SETTING
 from forcefeel.parameters import TABLE, unit
 from forcefeel.results import Plain, plain, quantity
@@ -40,6 +40,7 @@ def plain_choice(scored: Scored, choice: Choice | None, units: UnitSystem) -> di
     }
     if any(score.over for score in scored.scores):
         found["grid"] = plain_grid(plan.settings, units)
+        found["tolerances"] = plain_deviations(plan.deviations)
     if scored.sampled:
         found["arm_that_holds_the_grip"] = HOLDING.name
     if choice is not None:

@@ -1,16 +1,16 @@
 """How a method is chosen, in words that can be argued with.
 
-A method qualifies if, with the nominal plant and hands off,
+A method is eligible if, with the nominal plant and hands off,
 
 1. it is stable at the loader's own setting and at every setting of the grid;
 2. at the loader's own setting its loop bears twice and half the gain (``LEAST_GAIN``, 6 dB), ``LEAST_PHASE_RAD`` of lag or lead,
    and one more period of delay (a digital loader).
 
-Of those that qualify the one with the largest share of settings within tolerance in every case is chosen; of those less than
+Of those that are eligible the one with the largest share of settings within tolerance in every case is chosen; of those less than
 ``CLOSE`` behind it the one with the largest nominal share; of those as close again the one with the least noise at the grip.
 
-Margins elsewhere are not asked for: there the worst case, in which the valve's gain is off by 30 %, counts what the lack of them
-costs.
+Margins elsewhere are not asked for: there the worst case, in which the valve's gain is off by its tolerance, counts what the lack
+of them costs.
 """
 
 from dataclasses import dataclass
@@ -39,12 +39,12 @@ class Remark:
 
     Attributes:
         name: The method.
-        qualifies: Whether it may be chosen.
+        eligible: Whether it may be chosen.
         sentence: Why it is chosen, or why not.
     """
 
     name: str
-    qualifies: bool
+    eligible: bool
     sentence: str
 
 
@@ -53,7 +53,7 @@ class Choice:
     """The method that is chosen, and why.
 
     Attributes:
-        chosen: Its name; ``None`` where none qualifies.
+        chosen: Its name; ``None`` where none is eligible.
         remarks: One for each method, the chosen one first.
     """
 
@@ -67,7 +67,7 @@ def choose(scored: Scored) -> Choice:
     able = [score for score in scored.scores if not wrong[score.name]]
     best = _best(able)
     remarks = [
-        Remark(score.name, False, f"{_capital(score.name)} does not qualify: {'; '.join(wrong[score.name])}.")
+        Remark(score.name, False, f"{_capital(score.name)} is not eligible: {'; '.join(wrong[score.name])}.")
         for score in scored.scores
         if wrong[score.name]
     ]
@@ -78,7 +78,7 @@ def choose(scored: Scored) -> Choice:
 
 
 def obstacles(score: Score, period_s: float) -> list[str]:
-    """What keeps a method from being chosen; empty for one that qualifies."""
+    """What keeps a method from being chosen; empty for one that is eligible."""
     own, margins = score.own, score.own.margins
     if not own.stable:
         return ["it is unstable at the loader's own setting"]
@@ -108,7 +108,7 @@ def _best(able: list[Score]) -> Score | None:
     return min(able, key=_noise, default=None)
 
 
-def _why(best: Score, qualified: int) -> str:
+def _why(best: Score, eligible: int) -> str:
     if best.over is None:
         return f"{_capital(best.name)} is stable with the margins that are asked for."
     shares = best.over.shares
@@ -116,26 +116,24 @@ def _why(best: Score, qualified: int) -> str:
         f"{_capital(best.name)} renders {share_text(shares.passes_worst)} of the settings in every case and "
         f"{share_text(shares.passes)} with the nominal plant"
     )
-    if qualified == 1:
-        return f"{what}; no other method qualifies."
-    return f"{what}: the best of the {qualified} methods that qualify."
+    if eligible == 1:
+        return f"{what}; no other method is eligible."
+    return f"{what}: the best of the {eligible} methods that are eligible."
 
 
 def _behind(score: Score, best: Score) -> str:
-    """The first figure of the rule in which a method that qualifies falls behind."""
+    """The first figure of the rule in which an eligible method falls behind."""
     name = _capital(score.name)
     for key, where in (("passes_worst", "in every case"), ("passes", "with the nominal plant")):
         mine, its = _share(score, key), _share(best, key)
         if its - mine >= CLOSE:
             return (
-                f"{name} qualifies and renders {share_text(mine)} {where}, {best.name} {share_text(its)}"
+                f"{name} is eligible and renders {share_text(mine)} {where}, {best.name} {share_text(its)}"
                 f"{_better(score, best)}."
             )
     if _noise(best) < _noise(score) < inf:
-        return f"{name} qualifies and renders about as much as {best.name}, with more noise at the grip."
-    return (
-        f"{name} qualifies and renders about as much as {best.name}, which is as good by the rule and stands before it."
-    )
+        return f"{name} is eligible and renders about as much as {best.name}, with more noise at the grip."
+    return f"{name} is eligible and renders about as much as {best.name}, which is as good by the rule and stands before it."
 
 
 def _better(score: Score, best: Score) -> str:

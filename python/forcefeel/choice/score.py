@@ -19,7 +19,7 @@ from forcefeel.envelopes.result import CaseShares, Envelope, Shares
 from forcefeel.envelopes.run import Progress, compute
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
-from forcefeel.simulation.engine import cores
+from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
 
 COARSE: Mapping[str, str] = MappingProxyType(
@@ -119,7 +119,7 @@ def score_methods(
     check_names(loader, chosen)
     plan = make_plan(loader, chosen, grid, **options)
     found = compute(plan, threads=threads, progress=progress) if over_envelope else None
-    return Scored(plan, tuple(_score(plan, name, found, threads or cores()) for name in chosen))
+    return Scored(plan, tuple(_score(plan, name, found, threads_or_cores(threads)) for name in chosen))
 
 
 def check_names(loader: Loader, names: Sequence[str]) -> None:

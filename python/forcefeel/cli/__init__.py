@@ -1,19 +1,60 @@
 """The command line. Commands are declared in ``app.py``; what they print is in ``show.py``."""
 
+import os
 import sys
+import traceback
+from typing import NoReturn
 
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, shortened
+from forcefeel.printable import visible
+
+BAD_INPUT = 2
+"""Exit status where the input is bad."""
+
+FAULT = 70
+"""Where forcefeel itself failed: ``EX_SOFTWARE`` of ``sysexits.h``."""
+
+INTERRUPTED = 130
+"""After Ctrl-C, as shells have it: 128 and the number of the signal."""
+
+TRACEBACK = "FORCEFEEL_TRACEBACK"
+"""Environment variable: set to anything, a fault shows where it happened."""
+
+_LONGEST = 300
+"""Characters that are shown of what a library says."""
 
 
 def main() -> None:
-    """Runs the command line: exit status 0 fine, 1 the answer is bad, 2 the input is bad."""
-    from forcefeel.cli.app import app  # noqa: PLC0415  after the traceback-free way out is set up
-
+    """Runs the command line: exit status 0 fine, 1 the answer is bad, 2 the input is bad, 70 a fault of forcefeel itself."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # a stream without the letters of a name shows their numbers
+            stream.reconfigure(errors="backslashreplace")
     try:
+        from forcefeel.cli.app import app  # noqa: PLC0415  after the traceback-free way out is set up
+
         app()
+    except SystemExit:
+        raise
+    except KeyboardInterrupt:
+        _end("interrupted", INTERRUPTED)
     except InputError as error:
-        print(f"forcefeel: {error}", file=sys.stderr)
-        sys.exit(2)
-    except OSError as error:  # files are the commands' own matter, so this is the output: a full disk
-        print(f"forcefeel: the output cannot be written ({error.strerror})", file=sys.stderr)
-        sys.exit(2)
+        _end(str(error), BAD_INPUT)
+    except MemoryError:
+        _end("this machine's memory does not suffice; ask for less at a time", BAD_INPUT)
+    except BaseException as error:  # a panic of the engine is no Exception
+        if isinstance(error, OSError) and error.filename is None:  # no file, so the output: a full disk
+            _end(f"the output cannot be written ({error.strerror})", BAD_INPUT)
+        _end(_fault(error), FAULT)
+
+
+def _end(message: str, status: int) -> NoReturn:
+    print(f"forcefeel: {visible(message)}", file=sys.stderr)
+    sys.exit(status)
+
+
+def _fault(error: BaseException) -> str:
+    """A line that asks to report a fault; with the way to it, where that is asked for."""
+    if os.environ.get(TRACEBACK):
+        traceback.print_exception(error)
+    what = shortened(" ".join(f"{type(error).__name__}: {error}".split()), _LONGEST)
+    return f"a fault of forcefeel itself ({what}); please report it: the command, its files, what it prints with {TRACEBACK}=1"

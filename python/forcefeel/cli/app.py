@@ -9,6 +9,7 @@ from forcefeel.cli.compensate_options import (
     CompensateEnvelope,
     CompensateGrid,
     CompensateMethod,
+    CompensateOff,
     CompensateOut,
     CompensateReplace,
     CompensateRule,
@@ -18,9 +19,12 @@ from forcefeel.cli.envelope_options import (
     EnvelopeAngle,
     EnvelopeCompare,
     EnvelopeCompensators,
+    EnvelopeCorners,
+    EnvelopeDraws,
     EnvelopeGrid,
     EnvelopeOff,
     EnvelopeRule,
+    EnvelopeSeed,
     EnvelopeThreads,
 )
 from forcefeel.cli.excite_options import (
@@ -81,14 +85,19 @@ from forcefeel.cli.qualify_options import (
     Changes,
     ControlAxis,
     Laws,
+    Operator,
     OutFolder,
     Overdamped,
     OverdampedOption,
     Pdf,
     Pressure,
     QualifyRule,
+    RecordColumns,
     Recorded,
+    RecordUnits,
     References,
+    Simulator,
+    Tests,
     ThrowOption,
 )
 from forcefeel.cli.scenario_options import ScenarioOptions, with_scenario
@@ -107,7 +116,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode="markdown",
     help="Design, prove and run the force feel of aircraft simulator controls.\n\n"
-    "Exit status: 0 fine, 1 the answer is bad (such as an unstable design), 2 the input is bad.",
+    "Exit status: 0 fine, 1 the answer is bad (such as an unstable design), 2 the input is bad, 70 a fault of forcefeel itself: "
+    "please report it, with what it prints where FORCEFEEL_TRACEBACK=1 is set.",
 )
 
 
@@ -192,6 +202,8 @@ def compensate(
     envelope: CompensateEnvelope = False,
     grid: CompensateGrid = None,
     rule: CompensateRule = None,
+    off: CompensateOff = None,
+    set_: Changes = None,
     out: CompensateOut = None,
     replace: CompensateReplace = False,
     threads: CompensateThreads = None,
@@ -209,13 +221,14 @@ def compensate(
 
     With `--method auto` every method is scored over the envelope, on the valve, on noise and on margins, and one is chosen.
 
-    Exit status 1 if the compensated loader is unstable at the programmed setting, or no method qualifies.
+    Exit status 1 if the compensated loader is unstable at the programmed setting, or no method is eligible.
     """
     from forcefeel.cli import commands, compensate_command  # noqa: PLC0415
+    from forcefeel.cli.given_loader import given_loader  # noqa: PLC0415
 
     recursion = commands.Options(horizon, converge, step, tolerance, position_weight, r1, r2, pilot_coupling, q)
-    chosen = compensate_command.MethodOptions(method, envelope, grid, rule, out, replace, threads)
-    compensate_command.run_compensate(loader, recursion, chosen, units, as_json=json)
+    chosen = compensate_command.MethodOptions(method, envelope, grid, rule, off, out, replace, threads)
+    compensate_command.run_compensate(given_loader(loader, set_), recursion, chosen, units, as_json=json)
 
 
 @app.command(epilog="Example: `forcefeel simulate my.toml --input release --angle '10 deg' --out run`")
@@ -279,6 +292,9 @@ def envelope(
     rule: EnvelopeRule = None,
     angle: EnvelopeAngle = None,
     off: EnvelopeOff = None,
+    draws: EnvelopeDraws = 40,
+    seed: EnvelopeSeed = 0,
+    corners: EnvelopeCorners = False,
     set_: Changes = None,
     out: Annotated[Path, typer.Option("--out", help="Folder for envelope.html, settings.csv and results.json.")] = Path(
         "forcefeel-envelope"
@@ -290,12 +306,16 @@ def envelope(
 ) -> None:
     """Map which programmed feels the loader renders: stable, and its release within the tolerances of a rule.
 
-    With the nominal plant, with each plant parameter off by 20 % (the valve's gain 30 %; --off) and with each pilot's arm at the
-    grip.
+    With the nominal plant, with each plant parameter at either end of its tolerance (the loader file's; where it gives none, 20 %
+    are assumed, of the valve's gain 30 %; --off) and with each pilot's arm at the grip; then with all tolerances at once.
     """
     from forcefeel.cli import envelope_command  # noqa: PLC0415
+    from forcefeel.envelopes.draws import Draws  # noqa: PLC0415
 
-    chosen = envelope_command.EnvelopeOptions(grid, compensator, compare, rule, angle, off, set_, out, replace, threads)
+    drawn = Draws(draws, seed, corners)
+    chosen = envelope_command.EnvelopeOptions(
+        grid, compensator, compare, rule, angle, off, drawn, set_, out, replace, threads
+    )
     envelope_command.run_envelope(loader, chosen, units, as_json=json)
 
 
@@ -306,6 +326,8 @@ def frontier(
     compensator: FrontierCompensator = None,
     rule: EnvelopeRule = None,
     angle: EnvelopeAngle = None,
+    off: EnvelopeOff = None,
+    set_: Changes = None,
     out: Annotated[Path, typer.Option("--out", help="Folder for frontier.html and results.json.")] = Path(
         "forcefeel-frontier"
     ),
@@ -320,7 +342,7 @@ def frontier(
     """
     from forcefeel.cli import frontier_command  # noqa: PLC0415
 
-    chosen = frontier_command.FrontierOptions(grid, compensator, rule, angle, out, replace, threads)
+    chosen = frontier_command.FrontierOptions(grid, compensator, rule, angle, off, set_, out, replace, threads)
     frontier_command.run_frontier(loader, chosen, units, as_json=json)
 
 
@@ -331,6 +353,8 @@ def schedule(
     method: ScheduleMethod = "robust",
     refine: ScheduleRefine = 10,
     rule: EnvelopeRule = None,
+    off: EnvelopeOff = None,
+    set_: Changes = None,
     out: Annotated[Path, typer.Option("--out", help="Folder for schedule.html, gains.csv and results.json.")] = Path(
         "forcefeel-schedule"
     ),
@@ -345,7 +369,7 @@ def schedule(
     """
     from forcefeel.cli import schedule_command  # noqa: PLC0415
 
-    chosen = schedule_command.ScheduleCommandOptions(knots, method, refine, rule, out, replace, threads)
+    chosen = schedule_command.ScheduleCommandOptions(knots, method, refine, rule, off, set_, out, replace, threads)
     schedule_command.run_schedule(loader, chosen, units, as_json=json)
 
 
@@ -353,28 +377,50 @@ def schedule(
 def qualify(
     loader: LoaderFile = None,
     rule: QualifyRule = None,
+    test: Tests = None,
     axis: AxisOption = ControlAxis.PITCH,
     throw: ThrowOption = None,
     overdamped: OverdampedOption = Overdamped.FALL_TIME,
     dynamic_pressure: Pressure = None,
     reference: References = None,
     record: Recorded = None,
+    column: RecordColumns = None,
+    unit: RecordUnits = None,
     compensator: Laws = None,
     compare: AllLaws = False,
     set_: Changes = None,
     out: OutFolder = Path("forcefeel-qualification"),
     pdf: Pdf = False,
+    simulator: Simulator = "",
+    operator: Operator = "",
     units: Units = UnitSystem.US,
     json: Json = False,
 ) -> None:
     """Make the control feel tests of a qualification rule on a loader, or on records of a simulator.
 
-    The reference is the programmed feel, or a recorded aircraft. Exit status 1 unless all that was evaluated passed.
+    The reference is the programmed feel, or a recorded aircraft. What is tested qualifies, does not qualify, or is incomplete.
+    Exit status 0 if it qualifies, or passed all that `--test` asked for; else 1.
     """
     from forcefeel.cli import qualify_command  # noqa: PLC0415
 
     chosen = qualify_command.QualifyOptions(
-        rule, axis, throw, overdamped, dynamic_pressure, reference, record, compensator, compare, set_, out, pdf
+        rule,
+        test,
+        axis,
+        throw,
+        overdamped,
+        dynamic_pressure,
+        reference,
+        record,
+        column,
+        unit,
+        compensator,
+        compare,
+        set_,
+        out,
+        pdf,
+        simulator,
+        operator,
     )
     qualify_command.run_qualify(loader, chosen, units, as_json=json)
 

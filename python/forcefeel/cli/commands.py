@@ -1,5 +1,6 @@
 """What each command does."""
 
+import io
 import json
 import warnings
 from dataclasses import dataclass, replace
@@ -14,10 +15,11 @@ from forcefeel import workflow
 from forcefeel.assessment import assess, peaks
 from forcefeel.cli import show
 from forcefeel.cli.options import Coupling
+from forcefeel.cli.terminal import Terminal
 from forcefeel.compensation import PUBLISHED_HORIZON_S, DesignSettings, published_settings
 from forcefeel.compensation import compensate as run_recursion
-from forcefeel.errors import InputError
-from forcefeel.files import write_whole
+from forcefeel.errors import InputError, shortened
+from forcefeel.files import MOST_TEXT_BYTES, read_input, write_whole
 from forcefeel.findings import conclusions
 from forcefeel.loader import BUILT_IN, Loader, open_loader
 from forcefeel.reproduction import Verdict, markdown
@@ -80,10 +82,10 @@ def new(path: Path, built_in: str, units: UnitSystem, *, as_json: bool, force: b
 
 def design(path: Path | None, options: Options, out: Path, units: UnitSystem, *, as_json: bool) -> None:
     """Designs and writes the report."""
-    from forcefeel.report import check_folder, write_report  # noqa: PLC0415  Plotly is only needed here
+    from forcefeel.report import FOLDER, write_report  # noqa: PLC0415  Plotly is only needed here
 
     loader = _loader(path)
-    check_folder(out)  # before the work, not after it
+    FOLDER.check(out)  # before the work, not after it
     settings = options.settings(loader)
     with Steps(len(workflow.STEPS)) as progress:
         found = workflow.design(loader, settings, progress.step)
@@ -92,7 +94,7 @@ def design(path: Path | None, options: Options, out: Path, units: UnitSystem, *,
     if as_json:
         _print_json({"report": str(page), "design": plain(found, units)})
     else:
-        show.conclusions(Console(), conclusions(found, units))
+        show.conclusions(Terminal(), conclusions(found, units))
         print(f"report: {page}")
     _exit(good=found.acceptable)
 
@@ -103,13 +105,12 @@ def analyze(path: Path | None, units: UnitSystem, *, as_json: bool) -> None:
     if as_json:
         _print_json(plain(found, units))
     else:
-        show.analysis(Console(), found, units)
+        show.analysis(Terminal(), found, units)
     _exit(good=found.configuration("compliant").programmed.assessment.stable)
 
 
-def compensate(path: Path | None, options: Options, units: UnitSystem, *, as_json: bool) -> None:
+def compensate(loader: Loader, options: Options, units: UnitSystem, *, as_json: bool) -> None:
     """Computes gains and closes the loop."""
-    loader = _loader(path)
     settings = options.settings(loader)
     with Steps(1) as progress:
         progress.step("recursion (22)")
@@ -121,7 +122,7 @@ def compensate(path: Path | None, options: Options, units: UnitSystem, *, as_jso
         parts = {"loader": loader, "compensation": found, "assessment": judged, "peaks": demand}
         _print_json(plain(parts, units))
     else:
-        show.compensation(Console(), loader, found, judged, demand, units)
+        show.compensation(Terminal(), loader, found, judged, demand, units)
     _exit(good=found.reached and judged.stable)
 
 
@@ -134,18 +135,19 @@ def reproduce(units: UnitSystem, *, as_json: bool, as_markdown: bool) -> None:
     elif as_markdown:
         print(markdown(sections), end="")
     else:
-        show.reproduction(Console(), sections)
+        show.reproduction(Terminal(), sections)
     _exit(good=all(row.verdict is not Verdict.OPEN for section in sections for row in section.rows))
 
 
 def _read_q(path: Path | None) -> tuple[tuple[float, ...], ...] | None:
     if path is None:
         return None
+    data = read_input(path, MOST_TEXT_BYTES, "[Q] as CSV, 7 rows of 7 numbers")
     try:
         with warnings.catch_warnings(action="error"):  # NumPy only warns of an empty file
-            return tuple(tuple(row) for row in np.loadtxt(path, delimiter=",", ndmin=2).tolist())
-    except (OSError, ValueError, UserWarning) as error:
-        raise InputError(f"{path}: expected [Q] as CSV, 7 rows of 7 numbers: {error}") from error
+            return tuple(tuple(row) for row in np.loadtxt(io.BytesIO(data), delimiter=",", ndmin=2).tolist())
+    except (ValueError, UserWarning) as error:
+        raise InputError(f"{path}: expected [Q] as CSV, 7 rows of 7 numbers: {shortened(str(error), 120)}") from error
 
 
 def _loader(path: Path | None) -> Loader:

@@ -14,9 +14,11 @@ from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.plain import plain_choice
 from forcefeel.choice.score import COARSE, check_names
 from forcefeel.cli import commands
+from forcefeel.cli.given_loader import given_deviations
 from forcefeel.cli.progress import all_or_nothing
+from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
-from forcefeel.loader import open_loader
+from forcefeel.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.units import UnitSystem, to_text
@@ -34,6 +36,7 @@ class MethodOptions:
     envelope: bool
     grid: list[str] | None
     rule: str | None
+    off: list[str] | None
     out: Path | None
     replace: bool
     threads: int | None
@@ -60,21 +63,23 @@ class MethodOptions:
             raise InputError(
                 "--envelope: is for one method by its name; --method auto tries all over the envelope anyway"
             )
-        if self.method != AUTO and self.grid and not self.envelope:
-            raise InputError("--grid: is for the envelope; add --envelope, or take --method auto")
+        if self.method != AUTO and not self.envelope:
+            for name in ("grid", "off"):
+                if getattr(self, name):
+                    raise InputError(f"--{name}: is for the envelope; add --envelope, or take --method auto")
 
 
 def run_compensate(
-    path: Path | None, recursion: commands.Options, chosen: MethodOptions, units: UnitSystem, *, as_json: bool
+    loader: Loader, recursion: commands.Options, chosen: MethodOptions, units: UnitSystem, *, as_json: bool
 ) -> None:
     """Tries methods, or designs one, and writes the folder; without ``--method``, recursion (22)."""
     if chosen.method is None:
         chosen.refuse_alone()
-        commands.compensate(path, recursion, units, as_json=as_json)
+        commands.compensate(loader, recursion, units, as_json=as_json)
         return
     _refuse_recursion(recursion)
     chosen.check()
-    _run(path, chosen, units, as_json=as_json)
+    _run(loader, chosen, units, as_json=as_json)
 
 
 def _refuse_recursion(recursion: commands.Options) -> None:
@@ -84,16 +89,15 @@ def _refuse_recursion(recursion: commands.Options) -> None:
             raise InputError(f"--{option}: is for recursion (22) alone; leave it out, or leave out --method")
 
 
-def _run(path: Path | None, options: MethodOptions, units: UnitSystem, *, as_json: bool) -> None:
-    from forcefeel.report.choice_folder import check_choice_folder, write_choice  # noqa: PLC0415  Plotly
+def _run(loader: Loader, options: MethodOptions, units: UnitSystem, *, as_json: bool) -> None:
+    from forcefeel.report.choice_folder import FOLDER, write_choice  # noqa: PLC0415  Plotly
 
     out = options.out or _FOLDER
-    loader = open_loader(path)
     names = None if options.method == AUTO else (options.method or "",)
     if names is not None:
         check_names(loader, names)
     grid = {**COARSE, **text.assignments("--grid", options.grid, "stiffness=1..100 %:6:log")}
-    check_choice_folder(out, replace=options.replace)  # before the work, not after it
+    FOLDER.check(out, replace=options.replace)  # before the work, not after it
     with all_or_nothing(silent=as_json) as bar:
         scored = score_methods(
             loader,
@@ -103,6 +107,7 @@ def _run(path: Path | None, options: MethodOptions, units: UnitSystem, *, as_jso
             threads=options.threads,
             progress=bar.show,
             rule=options.rule or DEFAULT_EDITION,
+            changes=given_deviations(loader, options.off),
         )
         choice = choose(scored) if names is None else None
         bar.describe("report")
@@ -110,7 +115,7 @@ def _run(path: Path | None, options: MethodOptions, units: UnitSystem, *, as_jso
     if as_json:
         print(json.dumps({"page": str(page), **plain_choice(scored, choice, units)}, indent=2, allow_nan=False))
     else:
-        _show(Console(), scored, choice, units)
+        _show(Terminal(), scored, choice, units)
         print(f"page: {page}")
     if not (scored.scores[0].own.stable if choice is None else choice.chosen):
         raise typer.Exit(1)

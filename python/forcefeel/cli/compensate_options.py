@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from forcefeel.threads import MOST_THREADS
+
 _METHOD = "Methods"
 
 CompensateMethod = Annotated[
@@ -46,6 +48,15 @@ CompensateRule = Annotated[
         show_default=False,
     ),
 ]
+CompensateOff = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--off",
+        help="Over the envelope: how far a parameter of the plant is off to either side, as `envelope` takes it.",
+        rich_help_panel=_METHOD,
+        show_default=False,
+    ),
+]
 CompensateOut = Annotated[
     Path | None,
     typer.Option(
@@ -62,6 +73,11 @@ CompensateReplace = Annotated[
 CompensateThreads = Annotated[
     int | None,
     typer.Option(
-        "--threads", help="Threads.  [default: all cores]", min=1, rich_help_panel=_METHOD, show_default=False
+        "--threads",
+        help="Threads.  [default: all cores]",
+        min=1,
+        max=MOST_THREADS,
+        rich_help_panel=_METHOD,
+        show_default=False,
     ),
 ]

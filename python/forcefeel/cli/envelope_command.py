@@ -7,17 +7,18 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from forcefeel.cli.given_loader import given_loader
+from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
+from forcefeel.cli.terminal import Terminal
 from forcefeel.designs.setting_laws import names_for
 from forcefeel.envelopes import Envelope
-from forcefeel.envelopes.cases import changes_of
+from forcefeel.envelopes.draws import Draws
 from forcefeel.envelopes.findings import envelope_conclusions
 from forcefeel.envelopes.plain import plain_envelope
 from forcefeel.envelopes.plan import Plan, make_plan
+from forcefeel.envelopes.result import MOST
 from forcefeel.envelopes.run import compute
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.sweep.findings import share_text
@@ -34,6 +35,7 @@ class EnvelopeOptions:
     rule: str | None
     angle: str | None
     off: list[str] | None
+    draws: Draws
     changes: list[str] | None
     out: Path
     replace: bool
@@ -53,22 +55,10 @@ class EnvelopeOptions:
         options = {
             "rule": self.rule or DEFAULT_EDITION,
             "angle_rad": release_angle(self.angle),
-            "changes": self._off(loader),
+            "changes": given_deviations(loader, self.off),
+            "draws": self.draws,
         }
         return make_plan(loader, names, grid, **options)
-
-    def _off(self, loader: Loader) -> dict[str, float]:
-        """How far each parameter of the plant is off."""
-        found = dict(changes_of(loader))
-        for key, given in text.assignments("--off", self.off, "column.inertia=2 %").items():
-            if given == "none":
-                found.pop(key, None)
-                continue
-            try:
-                found[key] = parse(given, "", "2 %")
-            except InputError as error:
-                raise InputError(f"--off: {key}: {error}") from error
-        return found
 
 
 def release_angle(given: str | None) -> float | None:
@@ -85,10 +75,10 @@ def release_angle(given: str | None) -> float | None:
 
 def run_envelope(path: Path | None, options: EnvelopeOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Computes an envelope and writes its folder."""
-    from forcefeel.report.envelope_folder import check_envelope_folder, write_envelope  # noqa: PLC0415  Plotly
+    from forcefeel.report.envelope_folder import FOLDER, write_envelope  # noqa: PLC0415  Plotly
 
     plan = options.plan(path)
-    check_envelope_folder(options.out, replace=options.replace)  # before the work, not after it
+    FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     with all_or_nothing(silent=as_json) as bar:
         found = compute(plan, threads=options.threads, progress=bar.show)
         bar.describe("report")
@@ -96,7 +86,7 @@ def run_envelope(path: Path | None, options: EnvelopeOptions, units: UnitSystem,
     if as_json:
         print(json.dumps({"page": str(page), **plain_envelope(found, units)}, indent=2, allow_nan=False))
     else:
-        _show(Console(), found, units)
+        _show(Terminal(), found, units)
         print(f"page: {page}")
 
 
@@ -108,7 +98,21 @@ def _show(console: Console, found: Envelope, units: UnitSystem) -> None:
         one = found.shares(name)
         table.add_row(name, *map(share_text, (one.stable, one.passes, one.stable_worst, one.passes_worst)))
     console.print(table)
+    if found.plan.machines:
+        console.print(_drawn(found))
     said = envelope_conclusions(found, units)
     console.print(said.verdict, style="bold", highlight=False)
     for finding in said.findings:
         console.print(f"- {finding}", highlight=False)
+
+
+def _drawn(found: Envelope) -> Table:
+    machines = f"{len(found.plan.machines):,} machines {'at the corners' if found.plan.draws.corners else 'at random'}"
+    table = Table("compensator", title=f"All tolerances at once, {machines}", title_justify="left", title_style="bold")
+    most = share_text(MOST)
+    for name in (f"settings, in {most} of machines", f"machines, at {most} of settings", "a machine, on average"):
+        table.add_column(name, justify="right")
+    for name in found.compensators:
+        one = found.drawn_shares(name)
+        table.add_row(name, *map(share_text, (one.settings, one.good, one.passes)))
+    return table

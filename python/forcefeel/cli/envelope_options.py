@@ -4,6 +4,8 @@ from typing import Annotated
 
 import typer
 
+from forcefeel.threads import MOST_THREADS
+
 _WHAT = "What is asked"
 
 EnvelopeGrid = Annotated[
@@ -51,12 +53,31 @@ EnvelopeOff = Annotated[
     list[str] | None,
     typer.Option(
         "--off",
-        help="How far a parameter of the plant is off to either side, such as 'column.inertia=2 %', in place of 20 % (the valve's "
-        "gain 30 %); 'none' for not at all. May be given again.",
+        help="How far a parameter of the plant is off to either side, such as 'column.inertia=2 %', in place of the loader file's "
+        "tolerance, or the 20 % (the valve's gain 30 %) assumed where it gives none; 'none' for not at all. May be given again.",
+        rich_help_panel=_WHAT,
+        show_default=False,
+    ),
+]
+EnvelopeDraws = Annotated[
+    int,
+    typer.Option(
+        "--draws", help="Machines drawn with all tolerances at once; 0 for none.", min=0, rich_help_panel=_WHAT
+    ),
+]
+EnvelopeSeed = Annotated[
+    int, typer.Option("--seed", help="Of the draws; the same seed, the same machines.", min=0, rich_help_panel=_WHAT)
+]
+EnvelopeCorners = Annotated[
+    bool,
+    typer.Option(
+        "--corners",
+        help="Draw machines with every tolerance at one of its ends, in place of anywhere between.",
         rich_help_panel=_WHAT,
         show_default=False,
     ),
 ]
 EnvelopeThreads = Annotated[
-    int | None, typer.Option("--threads", help="Threads.  [default: all cores]", min=1, show_default=False)
+    int | None,
+    typer.Option("--threads", help="Threads.  [default: all cores]", min=1, max=MOST_THREADS, show_default=False),
 ]

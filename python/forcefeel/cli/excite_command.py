@@ -15,6 +15,7 @@ from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.cli.given_loader import designed_law, given_loader
 from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.scenario_text import value
+from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
 from forcefeel.excitation import Excitation, ExcitationPlan, NotSeparableError, excite, write_excitation
 from forcefeel.excitation.bench_file import check_excitation_file
@@ -104,7 +105,7 @@ def run_excite(path: Path | None, options: ExciteOptions, units: UnitSystem, *, 
     if as_json:
         print(json.dumps({"file": str(options.out), **plain_excitation(found, units)}, indent=2, allow_nan=False))
     else:
-        _show(Console(), found, units)
+        _show(Terminal(), found, units)
         print(f"file: {options.out}")
     if found.vague:
         raise typer.Exit(1)

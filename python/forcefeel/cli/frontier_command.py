@@ -8,13 +8,14 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.envelope_command import release_angle
+from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
+from forcefeel.cli.terminal import Terminal
 from forcefeel.envelopes.plan import Plan
 from forcefeel.frontier import Frontier
 from forcefeel.frontier.findings import frontier_conclusions, points_text, tolerance_text
 from forcefeel.frontier.plain import plain_frontier
 from forcefeel.frontier.run import compute_frontier, frontier_plan
-from forcefeel.loader import open_loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.sweep.findings import share_text
@@ -29,6 +30,8 @@ class FrontierOptions:
     compensator: str | None
     rule: str | None
     angle: str | None
+    off: list[str] | None
+    changes: list[str] | None
     out: Path
     replace: bool
     threads: int | None
@@ -41,16 +44,21 @@ class FrontierOptions:
         """
         angle = release_angle(self.angle)
         grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:7:log")
-        rule = self.rule or DEFAULT_EDITION
-        return frontier_plan(open_loader(path), self.compensator, grid, rule=rule, angle_rad=angle)
+        loader = given_loader(path, self.changes)
+        options = {
+            "rule": self.rule or DEFAULT_EDITION,
+            "angle_rad": angle,
+            "changes": given_deviations(loader, self.off),
+        }
+        return frontier_plan(loader, self.compensator, grid, **options)
 
 
 def run_frontier(path: Path | None, options: FrontierOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Computes a frontier and writes its folder."""
-    from forcefeel.report.frontier_folder import check_frontier_folder, write_frontier  # noqa: PLC0415  Plotly
+    from forcefeel.report.frontier_folder import FOLDER, write_frontier  # noqa: PLC0415  Plotly
 
     plan = options.plan(path)
-    check_frontier_folder(options.out, replace=options.replace)  # before the work, not after it
+    FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     with all_or_nothing(silent=as_json) as bar:
 
         def show(what: str, done: int, total: int) -> None:
@@ -63,7 +71,7 @@ def run_frontier(path: Path | None, options: FrontierOptions, units: UnitSystem,
     if as_json:
         print(json.dumps({"page": str(page), **plain_frontier(found, units)}, indent=2, allow_nan=False))
     else:
-        _show(Console(), found, units)
+        _show(Terminal(), found, units)
         print(f"page: {page}")
 
 
@@ -79,7 +87,7 @@ def _show(console: Console, found: Frontier, units: UnitSystem) -> None:
 def _tolerances(found: Frontier) -> Table:
     tight, known = found.tightening.inertia_and_geometry, found.tightening.all_in_proportion
     table = Table("inertia known to", title="Passes in every case", title_justify="left", title_style="bold")
-    for name in ("inertia and geometry tightened", "all in proportion", "bound on any law"):
+    for name in ("inertia and geometry tightened", "all in proportion", "bound on any linear law"):
         table.add_column(name, justify="right")
     bounds = dict(zip(found.bound.errors, found.bound.shares, strict=True))
     for tolerance, one, other in zip(tight.tolerances, tight.shares, known.shares, strict=True):

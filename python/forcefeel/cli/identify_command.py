@@ -19,6 +19,7 @@ from forcefeel.cli.given_loader import designed_law, given_loader
 from forcefeel.cli.identify_options import IdentifyLoss
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_options import Law
+from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
 from forcefeel.identification.findings import identification_conclusions
 from forcefeel.identification.fit import identify
@@ -112,7 +113,7 @@ def run_identify(path: Path | None, options: IdentifyOptions, units: UnitSystem,
         paths = {"page": str(page), "loader_file": written and str(written)}
         print(json.dumps({**paths, **plain_identification(found, units, settings)}, indent=2, allow_nan=False))
     else:
-        _show(Console(), found, units)
+        _show(Terminal(), found, units)
         print(f"page: {page}")
         if written:
             print(f"loader: {written}")
@@ -162,9 +163,9 @@ def _show(console: Console, found: Identification, units: UnitSystem) -> None:
         table.add_row(*(row[name] for name in shown))
     console.print(table)
     said = identification_conclusions(found, units)
-    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False, markup=False)
+    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
     for finding in said.findings:
-        console.print(f"- {finding}", highlight=False, markup=False)
+        console.print(f"- {finding}", highlight=False)
 
 
 def _row(one: Estimate, units: UnitSystem) -> tuple[str, ...]:

@@ -61,7 +61,7 @@ BenchColumn = Annotated[
     list[str] | None,
     _option(
         "--column",
-        "What a record's file calls a channel, such as 'column_angle=theta'. May be given again.",
+        "What a file calls a channel or another column, such as 'column_angle=theta'. May be given again.",
         _DATA,
         "[STEM:]CHANNEL=NAME",
     ),

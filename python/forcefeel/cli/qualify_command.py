@@ -8,9 +8,11 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from forcefeel.cli.bench_data import options_named
 from forcefeel.cli.given_loader import given_loader
 from forcefeel.cli.qualify_options import ControlAxis, Overdamped
 from forcefeel.cli.scenario_options import Law
+from forcefeel.cli.terminal import Terminal
 from forcefeel.designs.setting_laws import names_for
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
@@ -26,17 +28,22 @@ class QualifyOptions:
     """The options as given; ``None`` is not given."""
 
     rule: str | None
+    tests: list[str] | None
     axis: ControlAxis
     throw: str | None
     overdamped: Overdamped
     dynamic_pressure: str | None
     references: list[str] | None
     records: list[str] | None
+    columns: list[str] | None
+    units: list[str] | None
     laws: list[Law] | None
     compare: bool
     changes: list[str] | None
     out: Path
     pdf: bool
+    simulator: str
+    operator: str
 
     def setup(self, loader: Loader, units: UnitSystem) -> QualificationSetup:
         """How a loader is qualified.
@@ -58,9 +65,14 @@ class QualifyOptions:
             throw_rad=_value("--throw", self.throw, "rad", "18 deg"),
             references=tuple(self.references or ()),
             records=tuple(self.records or ()),
+            tests=tuple(self.tests or ()),
+            columns=tuple(self.columns or ()),
+            units=tuple(self.units or ()),
             dynamic_pressure_pa=_value("--dynamic-pressure", self.dynamic_pressure, "Pa", "5 kPa"),
             overdamped=self.overdamped.value,
             system=units,
+            simulator=self.simulator,
+            operator=self.operator,
         )
 
 
@@ -73,14 +85,15 @@ def run_qualify(path: Path | None, options: QualifyOptions, units: UnitSystem, *
 
     check_qualification_folder(options.out, pdf=options.pdf)  # before the work, not after it
     loader = given_loader(path, options.changes)
-    found = qualify_loader(loader, options.setup(loader, units))
+    with options_named():
+        found = qualify_loader(loader, options.setup(loader, units))
     page = write_qualification(found, options.out, pdf=options.pdf)
     if as_json:
         print(json.dumps({"page": str(page), **plain_qualification(found)}, indent=2, allow_nan=False))
     else:
-        _show(Console(), found)
+        _show(Terminal(), found)
         print(f"page: {page}")
-    if not found.qualifies:
+    if not found.fulfilled:
         raise typer.Exit(1)
 
 
@@ -99,22 +112,24 @@ _SIDE_BY_SIDE = 3
 
 def _tests(found: Qualification, title: str) -> Table:
     """Test by test, a column for each law."""
-    table = Table("test", "what", title=title, title_justify="left", title_style="bold")
+    table = Table("test", title=title, title_justify="left", title_style="bold")
     for section in found.sections:
         table.add_column(section.title)
+    table.add_column("number")
     for results in zip(*(section.results for section in found.sections), strict=True):
         trial = results[0].trial
-        table.add_row(trial.test.number, trial.title, *(str(one.outcome) for one in results))
+        table.add_row(trial.key, *(str(one.outcome) for one in results), trial.test.number)
     return table
 
 
 def _counts(found: Qualification, title: str) -> Table:
-    """How many tests came to what, a row for each law."""
-    table = Table("law", title=title, title_justify="left", title_style="bold")
+    """What each law came to, and how many tests came to what."""
+    table = Table("law", "standing", title=title, title_justify="left", title_style="bold")
     for outcome in Outcome:
         table.add_column(str(outcome), justify="right")
     for section in found.sections:
-        table.add_row(section.title, *(str(section.count(outcome)) for outcome in Outcome))
+        counts = (str(section.count(outcome)) for outcome in Outcome)
+        table.add_row(section.title, str(section.standing), *counts)
     return table
 
 

@@ -26,7 +26,7 @@ class Overdamped(StrEnum):
     RISE_TIME = "rise time"
 
 
-_TESTS, _RECORDS, _LOADER = "Tests", "Records", "Loader and law"
+_TESTS, _RECORDS, _LOADER, _PAGE = "Tests", "Records", "Loader and law", "Page"
 
 QualifyRule = Annotated[
     str | None,
@@ -36,6 +36,17 @@ QualifyRule = Annotated[
         "Rows that nobody has held against the document say so.  [default: part60-a-2014]",
         rich_help_panel=_TESTS,
         metavar="EDITION",
+        show_default=False,
+    ),
+]
+Tests = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--test",
+        help="Make this test alone, such as release-25-positive, static, medium or fast. May be given again. Exit status 0 if all "
+        "that are asked for pass; without the rest of the programme that is incomplete, and said to be.  [default: the programme]",
+        rich_help_panel=_TESTS,
+        metavar="NAME",
         show_default=False,
     ),
 ]
@@ -78,7 +89,7 @@ References = Annotated[
         "--reference",
         help="A recorded aircraft in place of the programmed feel: NAME=FILE, NAME being a test such as release-25-positive, "
         "static, medium or fast; a file alone, whose test is told from its name or from what is in it; or a folder of files "
-        "named after tests. CSV or Parquet. May be given again.",
+        "named after tests. CSV, Parquet or MATLAB. May be given again.",
         rich_help_panel=_RECORDS,
         metavar="[NAME=]FILE",
         show_default=False,
@@ -91,6 +102,27 @@ Recorded = Annotated[
         help="A recorded simulator in place of the simulated loader, as --reference.",
         rich_help_panel=_RECORDS,
         metavar="[NAME=]FILE",
+        show_default=False,
+    ),
+]
+RecordColumns = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--column",
+        help="What the files of --record and --reference call a column, such as 'position=theta'; with STEM:, the file's name "
+        "without its ending, in that file alone. May be given again.",
+        rich_help_panel=_RECORDS,
+        metavar="[STEM:]COLUMN=NAME",
+        show_default=False,
+    ),
+]
+RecordUnits = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--unit",
+        help="Unit of a column whose header has none, such as 'theta=deg'. May be given again.",
+        rich_help_panel=_RECORDS,
+        metavar="[STEM:]NAME=UNIT",
         show_default=False,
     ),
 ]
@@ -112,6 +144,26 @@ Changes = Annotated[
         help="Changes a value of the loader, such as 'column.coulomb_friction=3 lb'. May be given again.",
         rich_help_panel=_LOADER,
         metavar="NAME=VALUE",
+        show_default=False,
+    ),
+]
+Simulator = Annotated[
+    str,
+    typer.Option(
+        "--simulator",
+        help="Which simulator, for its field on the page.  [default: a blank line]",
+        rich_help_panel=_PAGE,
+        metavar="TEXT",
+        show_default=False,
+    ),
+]
+Operator = Annotated[
+    str,
+    typer.Option(
+        "--operator",
+        help="Who made the tests, for the field on the page.  [default: a blank line]",
+        rich_help_panel=_PAGE,
+        metavar="TEXT",
         show_default=False,
     ),
 ]

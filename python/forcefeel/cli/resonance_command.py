@@ -16,6 +16,7 @@ from forcefeel.bench.resonance import Reading, Resonance, link_from_resonance, r
 from forcefeel.bench.responses import Response
 from forcefeel.cli.bench_data import BenchData
 from forcefeel.cli.given_loader import given_loader
+from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.parameters import ALTERNATIVES, TABLE, unit, with_unit
@@ -53,7 +54,7 @@ def run_resonance(
     if as_json:
         print(json.dumps(_plain(response, found, loader, units), indent=2, allow_nan=False))
     else:
-        _show(Console(), response, found, loader, units)
+        _show(Terminal(), response, found, loader, units)
     if found.frequency_hz is None:
         raise typer.Exit(1)
 
@@ -128,10 +129,10 @@ def _show(console: Console, response: Response, found: Resonance, loader: Loader
         table.add_row(words, *numbers, reading.note)
     console.print(table)
     good = found.frequency_hz is not None
-    console.print(_verdict(response, found), style="bold" if good else "bold red", highlight=False, markup=False)
-    console.print(f"- {found.note}.", highlight=False, markup=False)
+    console.print(_verdict(response, found), style="bold" if good else "bold red", highlight=False)
+    console.print(f"- {found.note}.", highlight=False)
     if lines := _lines(found, units):
-        console.print(f"- {HOLDS_FOR}", highlight=False, markup=False)
+        console.print(f"- {HOLDS_FOR}", highlight=False)
         print("\nIn [linkage] of the loader file, in place of stiffness and damping:")
         for name, text in lines.items():
             print(f'{name} = "{text}"')

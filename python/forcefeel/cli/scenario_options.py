@@ -22,10 +22,12 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from forcefeel.arms import ARM_ROWS, ARMS, Arm
+from forcefeel.cli.bench_data import options_named
 from forcefeel.cli.given_loader import designed_law
 from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, InputOptions, Spacing
 from forcefeel.cli.scenario_text import assignments, over_time, seconds
 from forcefeel.errors import InputError
+from forcefeel.tables.column_names import ColumnNames
 from forcefeel.units import show
 
 if TYPE_CHECKING:
@@ -66,6 +68,8 @@ _METAVARS = {
     "--to": "FREQUENCY",
     "--lines": "FREQUENCIES",
     "--record": "FILE",
+    "--column": "time|force=NAME",
+    "--unit": "NAME=UNIT",
     "--trim": "TIME: ANGLE, ...",
     "--dynamic-pressure": "TIME: PRESSURE, ...",
     "--shaker": "TIME: SHARE, ...",
@@ -137,9 +141,20 @@ class ScenarioOptions:
         Path | None,
         _option(
             "--record",
-            "CSV file of a recorded force, columns such as 'time (s),force (lb)'; its first point is the start of the run.",
+            "File of a recorded force (CSV, Parquet, MATLAB), columns such as 'time (s),force (lb)'; its first point is the "
+            "start of the run.",
             _INPUT,
         ),
+    ] = None
+    column: Annotated[
+        list[str] | None,
+        _option(
+            "--column", "What the file of --record calls a column, such as 'force=F1'. May be given again.", _INPUT
+        ),
+    ] = None
+    unit: Annotated[
+        list[str] | None,
+        _option("--unit", "Unit of a column whose header has none, such as 'F1=lb'. May be given again.", _INPUT),
     ] = None
     duration: Annotated[
         str | None,
@@ -314,13 +329,16 @@ class ScenarioOptions:
         return {name: text for name, text in named.items() if text is not None}
 
     def _recorded(self) -> "Recorded | None":
+        stems = [] if self.record is None else [self.record.stem]
+        names = ColumnNames.of(self.column, self.unit, stems)
         if self.record is None:
             return None
         for option in (*(["--input"] if self.input else []), *self._given()):
             raise InputError(f"{option}: given with --record, which is the pilot's input; leave one out")
         from forcefeel.inputs import read_recorded  # noqa: PLC0415
 
-        return read_recorded(self.record).from_zero()
+        with options_named():
+            return read_recorded(self.record, **names.arguments(self.record.stem)).from_zero()
 
     def _shaker(self, loader: "Loader") -> "Schedule | None":
         on = _schedule("--shaker", self.shaker, "", "1")

@@ -8,11 +8,12 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
+from forcefeel.cli.terminal import Terminal
 from forcefeel.flight_schedules import ScheduleCheck, check_schedule, design_schedule, read_knots
 from forcefeel.flight_schedules.findings import schedule_conclusions
 from forcefeel.flight_schedules.plain import plain_schedule
-from forcefeel.loader import open_loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.units import UnitSystem, to_text
 
@@ -25,6 +26,8 @@ class ScheduleCommandOptions:
     method: str
     refine: int
     rule: str | None
+    off: list[str] | None
+    changes: list[str] | None
     out: Path
     replace: bool
     threads: int | None
@@ -32,16 +35,18 @@ class ScheduleCommandOptions:
 
 def run_schedule(path: Path | None, options: ScheduleCommandOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Designs and checks a schedule and writes its folder."""
-    from forcefeel.report.schedule_folder import check_schedule_folder, write_schedule  # noqa: PLC0415  Plotly
+    from forcefeel.report.schedule_folder import FOLDER, write_schedule  # noqa: PLC0415  Plotly
 
-    loader, knots = open_loader(path), read_knots(options.knots)
-    check_schedule_folder(options.out, replace=options.replace)  # before the work, not after it
+    loader, knots = given_loader(path, options.changes), read_knots(options.knots)
+    deviations = given_deviations(loader, options.off)
+    FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     with all_or_nothing(silent=as_json) as bar:
         bar.describe("schedule")
         schedule = design_schedule(loader, knots.axes, knots.feel, options.method)
         found = check_schedule(
             schedule,
             options.refine,
+            changes=deviations,
             rule=options.rule or DEFAULT_EDITION,
             threads=options.threads,
             progress=bar.show,
@@ -51,7 +56,7 @@ def run_schedule(path: Path | None, options: ScheduleCommandOptions, units: Unit
     if as_json:
         print(json.dumps({"page": str(page), **plain_schedule(found, units)}, indent=2, allow_nan=False))
     else:
-        _show(Console(), found)
+        _show(Terminal(), found)
         print(f"page: {page}")
     if not found.stable:
         raise typer.Exit(1)

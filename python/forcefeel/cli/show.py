@@ -1,8 +1,10 @@
 """Results as tables for a terminal."""
 
+from math import isfinite
+
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from forcefeel.analysis.frequency import Margins
 from forcefeel.analysis.modes import Mode, least_damped
@@ -101,12 +103,12 @@ def reproduction(console: Console, sections: tuple[Section, ...]) -> None:
     table = _table("The 1974 report beside its models", "item", "printed", "computed", "unit", "verdict")
     for section in sections:
         table.add_section()
-        table.add_row(f"[bold]{section.title}[/]")
+        table.add_row(Text(section.title, "bold"))
         for row in section.rows:
-            item = escape(f"{row.item} ({row.where})")
-            reason = f"\n[dim]{escape(row.reason)}[/]" if row.reason else ""
-            verdict = f"[{_COLOURS[row.verdict]}]{row.verdict}[/]"
-            table.add_row(item + reason, row.printed, row.computed, row.unit, verdict)
+            item = Text(f"{row.item} ({row.where})")
+            if row.reason:
+                item.append(f"\n{row.reason}", "dim")
+            table.add_row(item, row.printed, row.computed, row.unit, Text(row.verdict, _COLOURS[row.verdict]))
     console.print(table)
     console.print(summary(sections), highlight=False)
 
@@ -127,14 +129,13 @@ def _modes(title: str, found: tuple[Mode, ...]) -> Table:
     return table
 
 
-def _loop(found: Assessment, loop_margins: Margins) -> tuple[str, ...]:
-    stable = "yes" if found.stable else "[red]no[/]"
+def _loop(found: Assessment, loop_margins: Margins) -> tuple[str | Text, ...]:
     if not found.stable:
-        return stable, *_margins(loop_margins), "-", "-"
+        return Text("no", "red"), *_margins(loop_margins), "-", "-"
     return (
-        stable,
+        "yes",
         *_margins(loop_margins),
-        f"{100 * (1 + found.static_error):.3g} %",
+        _percent(1 + found.static_error, ".3g"),
         f"{100 * found.tracking_error:.3g} %",
     )
 
@@ -146,7 +147,10 @@ def _closed_loop(judged: Assessment, demand: Peaks, units: UnitSystem) -> list[t
         ("frequency", f"{_hertz(judged.frequency_rad_per_s)} Hz"),
         ("damping ratio", to_text(judged.damping_ratio, 3)),
         ("least damping ratio of any mode", to_text(judged.least_damping_ratio, 3)),
-        ("deflection at rest", f"{angle} {ANGLE.shown(units)}, {100 * judged.static_error:+.2g} % off the programmed"),
+        (
+            "deflection at rest",
+            f"{angle} {ANGLE.shown(units)}, {_percent(judged.static_error, '+.2g')} off the programmed",
+        ),
         ("deviation from the ideal over 2 s (r.m.s.)", f"{100 * judged.tracking_error:.3g} % of the deflection"),
         ("cost index V over 2 s", to_text(judged.cost)),
         (
@@ -168,6 +172,10 @@ def _table(title: str, *columns: str) -> Table:
     for column in columns:
         table.add_column(column)
     return table
+
+
+def _percent(share: float, digits: str) -> str:
+    return f"{100 * share:{digits}} %" if isfinite(share) else to_text(share)
 
 
 def _hertz(frequency_rad_per_s: float) -> str:

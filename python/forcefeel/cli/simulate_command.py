@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
+from forcefeel.cli.terminal import Terminal
 from forcefeel.findings import Conclusions
 from forcefeel.loader import open_loader
 from forcefeel.run_findings import input_in_words, run_conclusions
@@ -21,9 +22,9 @@ def run_simulate(
 ) -> None:
     """Runs one simulation and shows it, or writes it to a folder."""
     if out is not None:
-        from forcefeel.report.simulation_folder import check_simulation_folder  # noqa: PLC0415  Plotly
+        from forcefeel.report.simulation_folder import FOLDER  # noqa: PLC0415  Plotly
 
-        check_simulation_folder(out)  # before the work, not after it
+        FOLDER.check(out)  # before the work, not after it
     loader = options.changed(open_loader(path))
     run = simulate(loader, options.scenario(loader), options.compensator(loader))
     law = str(options.law or Law.ORIGINAL)
@@ -36,7 +37,7 @@ def run_simulate(
         report = {} if page is None else {"page": str(page)}
         print(json.dumps({**report, **plain_run(run, units, law)}, indent=2, allow_nan=False))
     else:
-        _show(Console(), run, units)
+        _show(Terminal(), run, units)
         if page is not None:
             print(f"page: {page}")
     if run.status is RunStatus.DIVERGED:

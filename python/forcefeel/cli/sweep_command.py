@@ -10,8 +10,10 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from forcefeel.cli.progress import INTERRUPTED, Bar
+from forcefeel.cli import INTERRUPTED
+from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
+from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
 from forcefeel.loader import open_loader
 from forcefeel.simulation import RunStatus
@@ -89,7 +91,7 @@ def run_sweep_command(
     if as_json:
         print(json.dumps({"page": str(page), **plain_sweep(result, summary, units)}, indent=2, allow_nan=False))
     else:
-        _show(Console(), result, summary, units)
+        _show(Terminal(), result, summary, units)
         print(f"page: {page}")
     if not sweep.axes and summary.share(RunStatus.DIVERGED).runs:
         raise typer.Exit(1)

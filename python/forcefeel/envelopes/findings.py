@@ -1,12 +1,18 @@
 """What an engineer should conclude from an envelope, in words."""
 
+from collections.abc import Sequence
 from math import inf, isfinite
 
+import numpy as np
+from numpy.typing import NDArray
+
 from forcefeel.envelopes.cases import Kind
-from forcefeel.envelopes.result import INERTIA, Envelope
+from forcefeel.envelopes.result import INERTIA, MOST, Envelope
+from forcefeel.envelopes.settings import AXES, Axis
+from forcefeel.envelopes.tolerance_words import tolerance_sentences
 from forcefeel.findings import Conclusions
 from forcefeel.parameters import TABLE, unit
-from forcefeel.sweep.findings import share_text
+from forcefeel.sweep.findings import interval_text, share_text
 from forcefeel.units import ANGLE, UnitSystem, to_text
 
 WHOLE_NOMINAL, WHOLE_WORST = 0.95, 0.90
@@ -28,8 +34,9 @@ def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
     )
     lines = [_fails(found, name) for name in found.compensators]
     lines += [line for name in found.compensators if (line := _worst(found, name))]
+    lines += [_drawn(found, best.compensator)] if found.plan.machines else []
     lines += [line for line in (_smallest(found, best.compensator, units), _passive(found)) if line]
-    return Conclusions(whole, verdict, (*lines, *caveats(found, units)))
+    return Conclusions(whole, verdict, (*lines, _counted(found, units), *caveats(found, units)))
 
 
 def name_text(name: str) -> str:
@@ -44,7 +51,7 @@ def name_text(name: str) -> str:
 def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
     """What the figures do not cover."""
     plan = found.plan
-    lines = []
+    lines = [*tolerance_sentences(plan.given, plan.deviations)]
     what = [] if plan.rule_verified else [f"{plan.rules.title} ({plan.rules.edition})"]
     what += [case.name for case in plan.cases if not case.verified]
     if what:
@@ -78,6 +85,58 @@ def _worst(found: Envelope, name: str) -> str:
         return ""
     parts = [f"{row.case} ({share_text(row.lost)})" for row in rows]
     return f"Of what {name_text(name)} render{_s(name)} nominally, most is lost with {' and with the '.join(parts)}."
+
+
+def _drawn(found: Envelope, name: str) -> str:
+    one, most = found.drawn_shares(name), share_text(MOST)
+    where = "at the corners of" if found.plan.draws.corners else "at random within"
+    sure = interval_text(one.good_low, one.good_high)
+    return (
+        f"All tolerances at once, {one.machines:,} machines drawn {where} them, hands off, with {name_text(name)}: "
+        f"{share_text(one.settings)} of the settings pass in at least {most} of the machines, and {share_text(one.good)} of the "
+        f"machines ({sure} of all such, 95 % sure) pass at {most} of the settings or more. A machine passes at "
+        f"{share_text(one.passes)} of the settings on average, the worst of them at {share_text(one.least)}."
+    )
+
+
+def _counted(found: Envelope, units: UnitSystem) -> str:
+    """By which grid the shares count, and what another weight of its points would give."""
+    settings = found.plan.settings
+    grid = "; ".join(
+        f"{axis.title} {spacing_text(axis, getattr(settings, name), units)}" for name, axis in AXES.items()
+    )
+    others = ", ".join(
+        f"{share_text(one.passes)} with {name_text(one.compensator)} ({share_text(one.passes_worst)} in every case)"
+        for one in map(found.even_shares, found.compensators)
+    )
+    return (
+        f"Every point of the grid counts the same: {grid}. Weighed so that equal steps in proportion count the same along all "
+        f"three axes, the same points pass at {others}."
+    )
+
+
+def spacing_text(axis: Axis, values: Sequence[float], units: UnitSystem) -> str:
+    """The values of an axis, or how many there are from where to where."""
+    shown = [to_text(axis.unit.from_si(value, units), 3) for value in values]
+    name = f" {axis.unit.shown(units)}".rstrip()
+    even = [
+        kind for kind, step in (("in proportion", np.diff(np.log(values))), ("evenly", np.diff(values))) if _equal(step)
+    ]
+    if even and len(values) > _FEW:
+        return f"{shown[0]} to {shown[-1]}{name}, {len(values)} values {even[0]}"
+    return f"{', '.join(shown)}{name}"
+
+
+_FEW = 3
+"""Values that are listed however they are spaced."""
+
+
+def _equal(steps: NDArray[np.float64]) -> bool:
+    return bool(np.ptp(steps) < _SAME * steps.max())
+
+
+_SAME = 1e-6
+"""Relative; steps that are the same but for rounding."""
 
 
 def _smallest(found: Envelope, name: str, units: UnitSystem) -> str:

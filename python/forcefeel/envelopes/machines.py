@@ -5,6 +5,8 @@ law is designed with the nominal one's. A feel computer that hears a torque ``s`
 moves as one that hears it right: where the geometry is off, the rows hold that feel, and the law is the nominal one's exactly.
 """
 
+from math import prod
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,7 +24,8 @@ def plain_feel(loader: Loader) -> tuple[Loader, tuple[str, ...]]:
     What is programmed in an envelope is I, B and G; friction, breakout, stops or a curve of the feel would be another feel.
     """
     rows = [key for key in loader.given if key.startswith(("feel.", "pilot."))]
-    left = loader.replace(dict.fromkeys(rows)) if rows else loader
+    bare = loader.with_tolerances(dict.fromkeys(key for key in rows if key in loader.tolerances))
+    left = bare.replace(dict.fromkeys(rows)) if rows else loader
     return _without_curves(left), (*rows, *(f"feel.{name}" for name in loader.curves))
 
 
@@ -32,16 +35,15 @@ def _without_curves(loader: Loader) -> Loader:
 
 def columns(case: Case) -> list[str]:
     """The rows of the parameter table in which the machines of a case differ from the loader."""
-    return [*FEEL_SETTING, *ARM_ROWS, *([case.parameter] if case.parameter else [])]
+    return [*FEEL_SETTING, *ARM_ROWS, *case.off]
 
 
 def machines(loader: Loader, case: Case, feel: NDArray[np.float64], laws: SettingLaws) -> NDArray[np.float64]:
     """SI values of ``columns(case)`` for settings I, B, G, a row each."""
-    off = 1 + case.change
-    factor = off if laws.gains is not None and case.parameter in _GEOMETRY else 1.0
+    scale = prod(1 + case.off.get(key, 0.0) for key in _GEOMETRY) if laws.gains is not None else 1.0
     arm = case.arm.values if case.arm else (0.0, 0.0, 0.0)
-    rest = (*arm, *([loader[case.parameter] * off] if case.parameter else []))
-    return np.column_stack([feel * factor, np.tile(rest, (len(feel), 1))])
+    rest = (*arm, *(loader[key] + share * abs(loader[key]) for key, share in case.off.items()))
+    return np.column_stack([feel * scale, np.tile(rest, (len(feel), 1))])
 
 
 def full_rows(loader: Loader, case: Case, feel: NDArray[np.float64], laws: SettingLaws) -> NDArray[np.float64]:

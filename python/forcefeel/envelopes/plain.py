@@ -2,17 +2,20 @@
 
 import csv
 import io
+from collections.abc import Mapping
 from importlib.metadata import version
 
 import numpy as np
 
+from forcefeel.envelopes.cases import Case
+from forcefeel.envelopes.deviations import Deviation
 from forcefeel.envelopes.findings import envelope_conclusions
 from forcefeel.envelopes.plan import Plan
 from forcefeel.envelopes.result import INERTIA, Envelope
 from forcefeel.envelopes.settings import AXES, Settings
 from forcefeel.parameters import TABLE, unit
 from forcefeel.results import Plain, plain, quantity
-from forcefeel.units import ANGLE, UnitSystem
+from forcefeel.units import ANGLE, PERCENT, UnitSystem
 
 
 def plain_envelope(found: Envelope, units: UnitSystem) -> dict[str, Plain]:
@@ -27,8 +30,10 @@ def plain_envelope(found: Envelope, units: UnitSystem) -> dict[str, Plain]:
         "method": "exact" if plan.linear else "stepped",
         "settings": plan.settings.count,
         "grid": plain_grid(plan.settings, units),
-        "cases": [plain(case, units) for case in plan.cases],
-        "releases": int(np.prod(found.data["outcome"].shape)),
+        "tolerances": plain_deviations(plan.deviations),
+        "cases": [_case(case, units) for case in plan.cases],
+        "draws": plain(plan.draws, units),
+        "releases": releases(found),
         "left_out": list(plan.left_out),
         "conclusions": plain(envelope_conclusions(found, units), units),
         "compensators": {name: _compensator(found, name, units) for name in found.compensators},
@@ -56,9 +61,40 @@ def plain_grid(settings: Settings, units: UnitSystem) -> dict[str, Plain]:
     }
 
 
+def plain_deviations(deviations: Mapping[str, Deviation]) -> list[Plain]:
+    """How far each parameter may be off, in per cent of its value, and who says so; cases are made of its ends."""
+    return [
+        {
+            "parameter": key,
+            "origin": str(one.origin),
+            "distribution": str(one.spread.distribution),
+            "ends": [quantity(end, PERCENT, UnitSystem.SI) for end in one.ends],
+        }
+        for key, one in deviations.items()
+    ]
+
+
+def releases(found: Envelope) -> int:
+    """Releases in all: of the cases, and of the machines that were drawn."""
+    names = ("outcome", "drawn_outcome")
+    return sum(int(found.data[name].size) for name in names if name in found.data)
+
+
+def _case(case: Case, units: UnitSystem) -> dict[str, Plain]:
+    return {
+        "name": case.name,
+        "kind": str(case.kind),
+        "parameter": case.parameter,
+        "change": quantity(case.change, PERCENT, units),
+        "arm": plain(case.arm, units),
+    }
+
+
 def _compensator(found: Envelope, name: str, units: UnitSystem) -> dict[str, Plain]:
     return {
         "shares": plain(found.shares(name), units),
+        "shares_even_in_proportion": plain(found.even_shares(name), units),
+        "all_at_once": plain(found.drawn_shares(name), units) if found.plan.machines else None,
         "fails_first_nominally": {str(kind): share for kind, share in found.failure_shares(name).items()},
         "smallest_nominally": plain(found.smallest(name), units),
         "smallest_in_every_case": plain(found.smallest(name, worst=True), units),

@@ -10,7 +10,9 @@ from forcefeel._core import Compensator
 from forcefeel.compensation import DesignSettings
 from forcefeel.designs.methods import Method
 from forcefeel.designs.setting_laws import NAMED_LAWS, Law, named
-from forcefeel.envelopes.cases import REFERENCE_ARMS, Case, PilotArm, changes_of, make_cases
+from forcefeel.envelopes.cases import REFERENCE_ARMS, Case, PilotArm, make_cases
+from forcefeel.envelopes.deviations import Deviation, chosen_deviations
+from forcefeel.envelopes.draws import NO_DRAWS, Draws
 from forcefeel.envelopes.machines import plain_feel
 from forcefeel.envelopes.settings import Settings
 from forcefeel.errors import InputError
@@ -31,12 +33,16 @@ class Plan:
         compensators: The laws by name: names of ``setting_laws.NAMED_LAWS``, or laws of one's own.
         settings: The grid of settings.
         rule: Edition of the rule whose release test it must pass.
-        changes: By which share each parameter of the plant is off, to either side; ``cases.changes_of`` the loader if not given.
+        changes: How far each parameter of the plant is off: shares to either side, or deviations; ``deviations_of`` the loader if
+            not given.
         arms: The arms at the grip, beside none.
         angle_rad: Angle of the release; if not given, the rule's largest share of the throw, of its shorter side.
+        draws: How many machines are drawn from all tolerances at once; none if not given.
         loader: The loader with a feel of I, B and G alone.
         left_out: Rows of the feel and the arm that the loader has and the envelope leaves out.
+        deviations: How far each parameter may be off, and who says so.
         cases: The nominal case, then what is off, then the arms.
+        machines: The machines that are drawn.
         rules: The rule.
         test: Its release test.
         throw: How far the column goes, for the release and for tolerances that are shares of the travel.
@@ -49,12 +55,15 @@ class Plan:
     compensators: Mapping[str, Law]
     settings: Settings
     rule: str = DEFAULT_EDITION
-    changes: Mapping[str, float] | None = None
+    changes: Mapping[str, float | Deviation] | None = None
     arms: Sequence[PilotArm] = REFERENCE_ARMS
     angle_rad: Annotated[float, ANGLE] | None = None
+    draws: Draws = NO_DRAWS
     loader: Loader = field(init=False)
     left_out: tuple[str, ...] = field(init=False)
+    deviations: Mapping[str, Deviation] = field(init=False)
     cases: tuple[Case, ...] = field(init=False)
+    machines: tuple[Case, ...] = field(init=False, repr=False)
     rules: Rules = field(init=False)
     test: Test = field(init=False)
     throw: Throw = field(init=False)
@@ -67,10 +76,13 @@ class Plan:
             raise InputError(f"angle_rad: expected an angle above 0 and up to 90 deg, got {show(given)} rad")
         if not self.compensators:
             raise InputError(f"compensators: expected at least one, such as {', '.join(NAMED_LAWS)}")
+        deviations = chosen_deviations(loader, self.changes)
         found = {
             "loader": loader,
             "left_out": left_out,
-            "cases": make_cases(changes_of(loader) if self.changes is None else self.changes, self.arms),
+            "deviations": deviations,
+            "cases": make_cases(deviations, self.arms),
+            "machines": self.draws.machines(deviations),
             "rules": rules,
             "test": rules.of("release", "pitch"),
             "throw": Throw.of(self.given),
@@ -110,7 +122,7 @@ def make_plan(
         loader: The loader.
         compensators: Names of ``setting_laws.NAMED_LAWS``, or laws by name.
         grid: Axes as ``Settings.of`` takes them.
-        options: ``rule``, ``changes``, ``arms``, ``angle_rad`` of ``Plan``.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws`` of ``Plan``.
 
     Raises:
         InputError: If one of them is bad.

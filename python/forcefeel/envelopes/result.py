@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from forcefeel.envelopes.cases import Case, Kind
 from forcefeel.envelopes.passivity import Passivity
 from forcefeel.envelopes.plan import Plan
+from forcefeel.errors import InputError
 from forcefeel.units import HERTZ, PERCENT, ROTARY_STIFFNESS, Unit
+from forcefeel.wilson import wilson_interval
 
 INERTIA = Unit("N m s^2/rad", "N m s^2/rad", "lb in s^2/rad", "n_m_s2_per_rad")
 
@@ -70,6 +72,49 @@ class Shares:
 
 
 @dataclass(frozen=True)
+class DrawnShares:
+    """One compensator on machines that were drawn from all tolerances at once.
+
+    Attributes:
+        compensator: Its name.
+        machines: How many were drawn.
+        settings: Share of the settings that pass in at least ``MOST`` of the machines.
+        good: Share of the machines that pass at ``MOST`` of the settings or more.
+        good_low, good_high: Between these lies the share of all such machines, with a confidence of 95 %: Wilson's interval.
+        passes: Share of the settings that a machine passes at, the mean of all machines.
+        least: That of the worst of the machines.
+    """
+
+    compensator: str
+    machines: int
+    settings: Annotated[float, PERCENT]
+    good: Annotated[float, PERCENT]
+    good_low: Annotated[float, PERCENT]
+    good_high: Annotated[float, PERCENT]
+    passes: Annotated[float, PERCENT]
+    least: Annotated[float, PERCENT]
+
+
+MOST = 0.95
+"""Share of the machines, or of the settings, that counts as most of them."""
+
+
+@dataclass(frozen=True)
+class EvenShares:
+    """One compensator's shares where equal steps in proportion count the same along stiffness, frequency and damping ratio.
+
+    Attributes:
+        compensator: Its name.
+        passes: Passes with the nominal plant, hands off.
+        passes_worst: Passes in every case.
+    """
+
+    compensator: str
+    passes: Annotated[float, PERCENT]
+    passes_worst: Annotated[float, PERCENT]
+
+
+@dataclass(frozen=True)
 class CaseShares:
     """What one case does.
 
@@ -117,7 +162,9 @@ class Envelope:
     Attributes:
         plan: Of what.
         data: ``outcome`` (compensator, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the least
-            margin as a share of its tolerance: 1 exact, 0 at the limit, not a number where it could not be measured.
+            margin as a share of its tolerance: 1 exact, 0 at the limit, not a number where it could not be measured. Where
+            machines were drawn, ``drawn_outcome`` and ``drawn_margin`` (.., machine, ..) too, and ``off`` (machine, parameter): by
+            which share of its value each parameter is off.
         outcomes: ``passes``, ``unstable``, then what can fail first, by the rule's names.
         passivity: How passive the grip is, by compensator.
     """
@@ -155,6 +202,33 @@ class Envelope:
         stable, passes = self.stable(compensator), self.passes(compensator)
         found = (stable[0], passes[0], stable.all(axis=0), passes.all(axis=0))
         return Shares(compensator, *(float(which.mean()) for which in found))
+
+    def even_shares(self, compensator: str) -> EvenShares:
+        """The shares with each setting weighed by the room that it stands for in proportion."""
+        passes, weights = self.passes(compensator), self.plan.settings.weights
+        return EvenShares(compensator, float(weights[passes[0]].sum()), float(weights[passes.all(axis=0)].sum()))
+
+    def drawn_shares(self, compensator: str) -> DrawnShares:
+        """A compensator on the machines that were drawn.
+
+        Raises:
+            InputError: If none were.
+        """
+        if not self.plan.machines:
+            raise InputError("draws: expected machines that were drawn, got none; compute the envelope with some")
+        place, machines = self.compensators.index(compensator), len(self.plan.machines)
+        passes = self.data["drawn_outcome"].values[place].reshape(machines, -1) == 0
+        share = passes.mean(axis=1)
+        good = int((share >= MOST).sum())
+        return DrawnShares(
+            compensator,
+            machines,
+            float((passes.mean(axis=0) >= MOST).mean()),
+            good / machines,
+            *wilson_interval(good, machines),
+            float(share.mean()),
+            float(share.min()),
+        )
 
     def case_shares(self, compensator: str) -> tuple[CaseShares, ...]:
         """What each case does to a compensator."""

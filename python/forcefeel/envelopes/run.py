@@ -17,7 +17,7 @@ from forcefeel.envelopes.result import PASSES, UNSTABLE, Envelope
 from forcefeel.envelopes.settings import AXES
 from forcefeel.loader import Loader
 from forcefeel.qualification import ReleaseBatch, judge_releases
-from forcefeel.simulation.engine import cores
+from forcefeel.threads import threads_or_cores
 
 Progress = Callable[[int, int], None]
 """Called with the releases that are done and all there are."""
@@ -47,8 +47,8 @@ def envelope(
             ``"1..100 %:40:log"``, ``"0.5..4 Hz:25"``, ``"0.1..1.5:20"``.
         threads: How many; all cores if not given. The numbers do not depend on it.
         progress: Called with the releases that are done and all there are.
-        options: ``rule``, an edition of ``qualification.editions()``; ``changes``, shares by plant parameter; ``arms``;
-            ``angle_rad``.
+        options: ``rule``, an edition of ``qualification.editions()``; ``changes``, shares by plant parameter, or deviations, in
+            place of the loader's tolerances; ``arms``; ``angle_rad``; ``draws``, machines with all tolerances at once.
 
     Returns:
         The envelope.
@@ -61,23 +61,25 @@ def envelope(
 
 def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lambda done, total: None) -> Envelope:
     """Computes a planned envelope; arguments as ``envelope``."""
-    threads = threads or cores()
+    threads = threads_or_cores(threads)
     feel = plan.settings.feel(plan.loader)
     laws = {name: SettingLaws.of(law, plan.loader, feel) for name, law in plan.compensators.items()}
-    shape = len(laws), len(plan.cases), len(feel)
+    cases = (*plan.cases, *plan.machines)
+    shape = len(laws), len(cases), len(feel)
     outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
     done, total = 0, int(np.prod(shape))
     progress(0, total)
     names: tuple[str, ...] = ()
     for which, record in pieces(plan):
         references: dict[PilotArm | None, ReleaseBatch] = {}
-        for place, case in enumerate(plan.cases):
+        some = [law.some(which) for law in laws.values()]
+        for place, case in enumerate(cases):
             if case.arm not in references:
                 ideal = carrying(plan.loader, feel[which], case.arm)
                 responses = ideal_releases(ideal, plan.release_rad, record.step_s, record.samples)
                 references[case.arm] = measured(plan, record, responses, threads)
-            for k, law in enumerate(laws.values()):
-                stable, angles = released(plan, case, feel[which], law.some(which), record, threads)
+            for k, law in enumerate(some):
+                stable, angles = released(plan, case, feel[which], law, record, threads)
                 found = measured(plan, record, angles, threads)
                 verdicts = judge_releases(found, references[case.arm], plan.test, travel=plan.throw.travel_rad)
                 names = verdicts.names
@@ -104,10 +106,18 @@ def _dataset(
         "case": [case.name for case in plan.cases],
         **axes,
     }
-    shape = (len(plan.compensators), len(plan.cases), *plan.settings.shape)
-    data = {
-        "outcome": (tuple(coordinates), outcome.reshape(shape)),
-        "margin": (tuple(coordinates), margin.reshape(shape)),
+    over = tuple(axes)
+    shape = (len(plan.compensators), -1, *plan.settings.shape)
+    single = slice(len(plan.cases))
+    data: dict[str, Any] = {
+        "outcome": (("compensator", "case", *over), outcome[:, single].reshape(shape)),
+        "margin": (("compensator", "case", *over), margin[:, single].reshape(shape)),
     }
+    if plan.machines:
+        drawn = slice(len(plan.cases), None)
+        coordinates["parameter"] = list(plan.deviations)
+        data["drawn_outcome"] = ("compensator", "machine", *over), outcome[:, drawn].reshape(shape)
+        data["drawn_margin"] = ("compensator", "machine", *over), margin[:, drawn].reshape(shape)
+        data["off"] = ("machine", "parameter"), [list(machine.off.values()) for machine in plan.machines]
     about = {"loader": plan.loader.name, "rule": plan.rule, "outcomes": ", ".join(outcomes)}
     return xr.Dataset(data, coordinates, about)

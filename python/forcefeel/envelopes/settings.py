@@ -111,6 +111,19 @@ class Settings:
         axes = np.meshgrid(self.damping, self.frequency, self.stiffness, indexing="ij")
         return np.column_stack([axis.ravel() for axis in axes])
 
+    @cached_property
+    def weights(self) -> NDArray[np.float64]:
+        """The room that each setting stands for, in proportion along all three axes, as a share of all.
+
+        Along an axis a value stands for what is nearer to it than to its neighbours, from the first value to the last.
+        """
+        axes = []
+        for name in AXES:
+            along = np.log(getattr(self, name))
+            edges = np.concatenate([along[:1], (along[1:] + along[:-1]) / 2, along[-1:]])
+            axes.append(np.diff(edges) / (along[-1] - along[0]))
+        return np.asarray(np.einsum("i,j,k->ijk", *axes).ravel())
+
     def feel(self, loader: Loader) -> NDArray[np.float64]:
         """I, B, G in SI units of each setting, a row each."""
         damping, frequency, share = self.rows.T

@@ -5,6 +5,7 @@ as one that moves slowly against the loop. Between the points of the refined gri
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,8 @@ from numpy.typing import NDArray
 from forcefeel.command_loop import CommandLoop
 from forcefeel.command_margins import loop_margins
 from forcefeel.designs.methods import method
-from forcefeel.envelopes.cases import REFERENCE_ARMS, Case, PilotArm, changes_of, make_cases
+from forcefeel.envelopes.cases import NOMINAL, REFERENCE_ARMS, Case, PilotArm, make_cases
+from forcefeel.envelopes.deviations import Deviation, chosen_deviations
 from forcefeel.envelopes.machines import plain_feel
 from forcefeel.errors import InputError
 from forcefeel.flight_schedules.axes import cells, mesh, place_text
@@ -23,7 +25,7 @@ from forcefeel.flight_schedules.schedule import FlightSchedule
 from forcefeel.flight_schedules.transitions import Transitions
 from forcefeel.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, load_rules
-from forcefeel.simulation.engine import cores
+from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
 
 MOST_LOOPS = 2_000_000
@@ -37,7 +39,7 @@ def check_schedule(
     schedule: FlightSchedule,
     refine: int = 10,
     *,
-    changes: Mapping[str, float] | None = None,
+    changes: Mapping[str, float | Deviation] | None = None,
     arms: Sequence[PilotArm] = REFERENCE_ARMS,
     rule: str = DEFAULT_EDITION,
     threads: int | None = None,
@@ -48,7 +50,8 @@ def check_schedule(
     Args:
         schedule: The schedule.
         refine: Into how many parts the way between two knots is cut, 2 or more.
-        changes: By which share each parameter of the plant is off, one at a time, to either side; an envelope's if not given.
+        changes: How far each parameter of the plant is off, one at a time, as ``envelope`` takes it; if not given, by the
+            loader's tolerances, and as assumed where it has none.
         arms: The arms at the grip of the nominal plant, beside none.
         rule: Edition of the rule whose release test is asked for.
         threads: How many; all cores if not given. The numbers do not depend on it.
@@ -60,11 +63,12 @@ def check_schedule(
     Raises:
         InputError: If an argument is bad, or there would be more than ``MOST_LOOPS`` loops.
     """
-    if isinstance(refine, bool) or not isinstance(refine, int) or refine < 2:
-        raise InputError(f"refine: expected a whole number of 2 or more, got {show(refine)}")
+    if isinstance(refine, bool) or not isinstance(refine, int) or not 2 <= refine <= MOST_LOOPS:
+        raise InputError(f"refine: expected a whole number from 2 to {MOST_LOOPS:,}, got {show(refine)}")
     loader, _ = plain_feel(schedule.loader)
-    cases = make_cases(changes_of(loader) if changes is None else changes, arms)
-    threads = threads or cores()
+    deviations = chosen_deviations(loader, changes)
+    cases = make_cases(deviations, arms)
+    threads = threads_or_cores(threads)
     test = ReleaseTest.of(load_rules(rule), schedule.loader)
     transitions = Transitions.of(schedule, refine)
     count = _check_count(schedule, refine, len(transitions.ends), len(cases))
@@ -85,6 +89,7 @@ def check_schedule(
     return ScheduleCheck(
         schedule=schedule,
         refine=refine,
+        deviations=deviations,
         cases=cases,
         where=where,
         knot=knot,
@@ -101,7 +106,7 @@ def check_schedule(
 
 def _check_count(schedule: FlightSchedule, refine: int, changes: int, cases: int) -> int:
     """How many loops there are."""
-    places = int(np.prod([(len(axis.values) - 1) * refine + 1 for axis in schedule.axes]))
+    places = prod((len(axis.values) - 1) * refine + 1 for axis in schedule.axes)
     count = (places + changes * (refine - 1)) * cases
     if count > MOST_LOOPS:
         raise InputError(
@@ -175,7 +180,7 @@ def _margins(
     worst = where[[int(poles.critical[0].argmax())]]
     points = np.unique(np.vstack([ends, middle, worst]), axis=0)
     feel, laws = schedule.between(points)
-    loops = loops_of(loader, feel, laws, make_cases({}, ())[0], threads=1)
+    loops = loops_of(loader, feel, laws, NOMINAL, threads=1)
     return tuple(
         CheckedMargins(place_text(schedule.axes, point), loop_margins(CommandLoop.sampled(loops, k)))
         for k, point in enumerate(points)

@@ -1,5 +1,6 @@
 """What the check of a flight schedule says, in sentences."""
 
+from forcefeel.envelopes.tolerance_words import tolerance_sentences
 from forcefeel.findings import Conclusions
 from forcefeel.flight_schedules.result import CheckedRelease, Part, PartFound, ScheduleCheck
 from forcefeel.units import to_text
@@ -109,6 +110,7 @@ def _caveats(found: ScheduleCheck) -> tuple[str, ...]:
     ranked = [LEAK] if any(part.largest > part.critical for part in found.parts) else []
     lines = [
         *ranked,
+        *tolerance_sentences(found.schedule.loader, found.deviations),
         "Each place is checked as if the setting stood still there: one that moves as fast as the loop itself is not covered, "
         "nor is what lies between the places.",
     ]

@@ -1,7 +1,5 @@
 """The knots of a flight schedule from a CSV file: a column for each axis, and the setting in three others."""
 
-import csv
-import io
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,9 +11,11 @@ from numpy.typing import NDArray
 
 from forcefeel.envelopes.result import INERTIA
 from forcefeel.errors import InputError
+from forcefeel.files import MOST_TEXT_BYTES, read_input
 from forcefeel.flight_schedules.axes import MOST_AXES, ScheduleAxis, place_text
 from forcefeel.flight_schedules.schedule import second_order_feel
 from forcefeel.parameters import TABLE, unit
+from forcefeel.tables.csv_table import csv_rows, text_lines
 from forcefeel.units import RATIO, Unit, factor, show
 
 EXAMPLE = "dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio"
@@ -81,16 +81,9 @@ def read_knots(path: str | Path) -> Knots:
 
 def _lines(file: Path) -> list[tuple[int, list[str]]]:
     """Header and rows that are not empty, each with its line."""
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
-        raise InputError(f"{file}: cannot be read ({reason}); expected a CSV file such as {EXAMPLE!r}") from error
-    reader = csv.reader(io.StringIO(text, newline=None))
-    try:
-        found = [(reader.line_num, [" ".join(cell.split()) for cell in row]) for row in reader if any(row)]
-    except csv.Error as error:
-        raise InputError(f"{file}: line {reader.line_num}: is not CSV ({error})") from error
+    data = read_input(file, MOST_TEXT_BYTES, f"a CSV file such as {EXAMPLE!r}")
+    rows = csv_rows(file, text_lines(file, data), EXAMPLE)
+    found = [(line, [" ".join(cell.split()) for cell in row]) for row, line in rows if any(row)]
     if not found:
         raise InputError(f"{file}: is empty; expected a header such as {EXAMPLE!r} and a row for each knot")
     return found

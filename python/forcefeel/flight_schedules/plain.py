@@ -4,6 +4,7 @@ import csv
 import io
 from importlib.metadata import version
 
+from forcefeel.envelopes.plain import plain_deviations
 from forcefeel.envelopes.result import INERTIA
 from forcefeel.flight_schedules.findings import schedule_conclusions
 from forcefeel.flight_schedules.result import ScheduleCheck
@@ -38,6 +39,7 @@ def plain_schedule(found: ScheduleCheck, units: UnitSystem) -> dict[str, Plain]:
             for where, feel in zip(schedule.where.tolist(), schedule.rows.tolist(), strict=True)
         ],
         "refine": found.refine,
+        "tolerances": plain_deviations(found.deviations),
         "cases": [case.name for case in found.cases],
         "conclusions": plain(schedule_conclusions(found), units),
         "stable": found.stable,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.designs.setting_laws import SettingLaws
-from forcefeel.envelopes.cases import Case, Kind
+from forcefeel.envelopes.cases import NOMINAL
 from forcefeel.envelopes.ideal import frequency_and_damping, ideal_releases
 from forcefeel.envelopes.machines import full_rows
 from forcefeel.envelopes.releases import Record
@@ -22,7 +22,6 @@ from forcefeel.simulation.scenario import LONGEST_STEP_S
 PASSES, DIVERGES, NOT_JUDGED = "passes", "diverges", "not judged"
 """Outcomes beside the figure that fails first. Not judged is a feel with less damping than an envelope asks for."""
 
-_NOMINAL = Case("nominal", Kind.NOMINAL)
 _BAND = np.log(2) / 2
 """Feels whose frequencies are within half an octave are recorded alike."""
 
@@ -64,7 +63,7 @@ class ReleaseTest:
     def _judged(
         self, loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator, record: Record, threads: int
     ) -> list[str]:
-        rows = full_rows(loader, _NOMINAL, feel, SettingLaws(laws))
+        rows = full_rows(loader, NOMINAL, feel, SettingLaws(laws))
         step = min(record.step_s, LONGEST_STEP_S)
         scenario = Scenario(Release(self.angle_rad), record.duration_s, step, record.step_s)
         runs = simulate_batch(loader, scenario, rows, laws, keep=["column_angle_rad"], threads=threads)

@@ -1,5 +1,6 @@
 """What the check of a flight schedule found."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Annotated
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from forcefeel.command_margins import LoopMargins
 from forcefeel.envelopes.cases import Case
+from forcefeel.envelopes.deviations import Deviation
 from forcefeel.flight_schedules.poles import Poles
 from forcefeel.flight_schedules.releases import PASSES, ReleaseTest
 from forcefeel.flight_schedules.schedule import FlightSchedule
@@ -94,6 +96,7 @@ class ScheduleCheck:
     Attributes:
         schedule: The schedule.
         refine: Into how many parts the way between two knots was cut.
+        deviations: How far each parameter of the plant may be off, and who says so.
         cases: The nominal machine, each parameter off its value, each arm.
         where: Places of the refined grid, (places, axes); the last axis runs fastest.
         knot: Which of them are knots.
@@ -110,6 +113,7 @@ class ScheduleCheck:
 
     schedule: FlightSchedule
     refine: int
+    deviations: Mapping[str, Deviation]
     cases: tuple[Case, ...]
     where: NDArray[np.float64] = field(repr=False)
     knot: NDArray[np.bool_] = field(repr=False)

@@ -1,21 +1,25 @@
-"""The bound that no law beats: the worst-case share that is left when the column's inertia is known to a share e.
+"""The bound that no linear law beats: the worst-case share that is left when the column's inertia is known to a share e.
 
-Every sensor sits on the machine's side of the column's inertia. With ``T_link = alpha R_b F_c`` the torque of the link,
+Every sensor sits on the machine's side of the column's inertia. With ``T_link = alpha R_b F_c`` the torque of the link, a column of
+inertia ``j`` and a hand that holds the mass ``m``,
 
-    J theta'' = T_p + T_link,      eqs. (6), (7)
+    (j + m R_p^2) theta'' = T_p + T_link,      eqs. (6), (7)
 
-and everything that the law measures (F_c, x_p, theta) or moves (the valve) meets the column only through theta and T_link.
-A column of inertia (1 + e) J with the hands off,
+and everything that the law measures (F_c, x_p, theta, also theta'') or moves (the valve) meets the column only through theta and
+T_link. So sensors, commands and motion depend on the sum ``j + m R_p^2`` alone, sample by sample, whatever the law. Hands off,
 
-    (1 + e) J theta'' = T_link     <=>     J theta'' = -e J theta'' + T_link,
+    (1 + e) J        moves as       J        with the mass  e J / R_p^2  in the hand,
+         J           moves as   (1 - e) J    with the mass  e J / R_p^2  in the hand.
 
-is to the law, sample by sample, the nominal column with T_p = -e J theta'': with a mass ``e J / R_p^2`` in the hand. The law is
-right for every hand, so it answers as to that mass; what the hand feels is its rendering plus e J, whatever the law, linear or
-not, adaptive or not. What would tell the two apart is a sensor beyond the inertia: of the force at the grip.
+**Linear laws.** Where T_link follows theta linearly, it does so the same for every column: a rendering I', B', G with the nominal
+column is one of I' + d J, B', G with a column of (1 + d) J, hands off. A setting can be rendered for all inertias from (1 - e) J to
+(1 + e) J only if *one* I', B', G passes the rule at e J below, at and above, hands off, and with each arm at the nominal column.
+This asks nothing of the hands, and it is what is computed.
 
-**Proved** so: a law whose rendering is I', B', G with the nominal column is one of I' + e J, B', G with the other. A setting can be
-rendered for all inertias from (1 - e) J to (1 + e) J only if *one* I', B', G passes the rule at e J below, at and above, hands
-off, and with each arm at the nominal column.
+**Any law**, adaptive or not, is bound where it must be right for a hand that may hold any mass up to 2 e J / R_p^2: one motion must
+then pass as the release of I and as that of I + 2 e J. A law that may know more gets around this: from a sensor of the force at the
+grip, from a switch that says that no hand is there, or from knowing arms, which have a damper and a spring that a column alone has
+not. See docs/laws.md.
 
 **Not proved**: that no rendering of higher order does better. The bound is taken over I' = I + s e J, s of ``SHIFTS``, and
 B' = b B, b of ``DAMPINGS``, with G as programmed, which the static force asks for. Laws that pass where it says none can are
@@ -38,7 +42,7 @@ from numpy.typing import NDArray
 from forcefeel.envelopes.plan import Plan
 from forcefeel.errors import InputError
 from forcefeel.frontier.referee import Referee, referees
-from forcefeel.simulation.engine import cores
+from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
 
 ERRORS = (0.001, 0.002, 0.003, 0.005, 0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3)
@@ -95,6 +99,7 @@ def inertia_bound(
     plan: Plan,
     errors: Sequence[float] = ERRORS,
     *,
+    lean: float = 0.0,
     threads: int | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> Bound:
@@ -102,7 +107,9 @@ def inertia_bound(
 
     Args:
         plan: The envelope; its compensators are not used.
-        errors: Relative errors of the column's inertia, above 0 and below 1.
+        errors: Relative errors e of the column's inertia, above 0 and below 1.
+        lean: How far the middle of the range of inertias lies from the nominal one, as a share of e: 0 for a range from (1 - e) J
+            to (1 + e) J.
         threads: How many; all cores if not given.
         progress: Called with the settings that are done and all there are.
 
@@ -115,36 +122,37 @@ def inertia_bound(
     shape = len(given), plan.settings.count
     possible, centred = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
     done = 0
-    for referee in referees(plan, threads or cores()):
+    for referee in referees(plan, threads_or_cores(threads)):
         for k, error in enumerate(given):
-            possible[k, referee.which], centred[k, referee.which] = _possible(referee, error)
+            possible[k, referee.which], centred[k, referee.which] = _possible(referee, error, lean)
         done += len(referee.which)
         progress(done, plan.settings.count)
     return Bound(given, possible, centred)
 
 
-def _possible(referee: Referee, error: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _possible(referee: Referee, error: float, lean: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Where some trial response passes in every case, and where the exact one, which is tried first, does."""
-    off = np.array([error * referee.plan.loader["column.inertia"], 0.0, 0.0])
-    # At e = 0, and with an arm, this one is the ideal itself.
-    centred = referee.passes(referee.feel - off) & referee.passes(referee.feel + off)
+    size = np.array([error * referee.plan.loader["column.inertia"], 0.0, 0.0])
+    off = (lean - 1) * size, (lean + 1) * size
+    # At the nominal inertia, and with an arm, this one is the ideal itself.
+    centred = referee.passes(referee.feel + off[0]) & referee.passes(referee.feel + off[1])
     found = centred.copy()
     for damping in DAMPINGS:
         left = np.flatnonzero(~found)
         if len(left):
             # All shifts in one batch.
-            shifts = np.repeat(SHIFTS, len(left))[:, None] * off
+            shifts = (np.repeat(SHIFTS, len(left))[:, None] - lean) * size
             renders = _renders(referee.some(np.tile(left, len(SHIFTS))), shifts, damping, off)
             found[left] = renders.reshape(len(SHIFTS), -1).any(axis=0)
     return found, centred
 
 
 def _renders(
-    referee: Referee, shifts: NDArray[np.float64], damping: float, off: NDArray[np.float64]
+    referee: Referee, shifts: NDArray[np.float64], damping: float, off: tuple[NDArray[np.float64], NDArray[np.float64]]
 ) -> NDArray[np.bool_]:
     """Whether each trial response passes with the inertia off to either side, at its value, and with every arm."""
     trial = referee.feel * [1.0, damping, 1.0] + shifts
-    found = referee.passes(trial - off) & referee.passes(trial + off)
+    found = referee.passes(trial + off[0]) & referee.passes(trial + off[1])
     if found.any():
         found &= referee.passes(trial)
         for arm in referee.plan.arms:

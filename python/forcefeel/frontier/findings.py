@@ -1,6 +1,6 @@
 """What an engineer should conclude from a frontier, in words."""
 
-from math import isfinite
+from math import isclose, isfinite
 
 from forcefeel.envelopes.findings import WHOLE_NOMINAL, WHOLE_WORST, caveats, name_text
 from forcefeel.envelopes.result import INERTIA as INERTIA_UNIT
@@ -27,10 +27,17 @@ def frontier_conclusions(found: Frontier, units: UnitSystem) -> Conclusions:
     verdict = (
         f"Of {found.plan.settings.count:,} programmed feels {share_text(tight.nominal)} are rendered nominally and "
         f"{share_text(tight.worst)} in every case with {name_text(found.compensator)}. With the column's inertia known to "
-        f"{tolerance_text(found.inertia_tolerance)}, {share_text(float(found.possible.mean()))} is the bound on any law, "
+        f"{tolerance_text(found.inertia_tolerance)}, {share_text(float(found.possible.mean()))} is the bound on any linear law, "
         "computed over responses of second order."
     )
-    lines = [_limits(found), _goal(found), _dearest(found), _hardware(found), _valve(found, units)]
+    lines = [
+        _limits(found),
+        _goal(found),
+        geometry_text(found),
+        _dearest(found),
+        _hardware(found),
+        _valve(found, units),
+    ]
     lines += [_smallest(found, units), _friction(found, units), _sensor(), *caveats(found.envelope, units)]
     return Conclusions(good, verdict, tuple(line for line in lines if line))
 
@@ -38,6 +45,32 @@ def frontier_conclusions(found: Frontier, units: UnitSystem) -> Conclusions:
 def tolerance_text(share: float) -> str:
     """A tolerance to either side, as people say it."""
     return f"{to_text(PERCENT.from_si(share, UnitSystem.SI), 2)} %"
+
+
+def geometry_text(found: Frontier) -> str:
+    """What goes with the inertia's tolerance where the geometry is not known as well; empty where it is."""
+    if _known_alike(found):
+        return ""
+    known = _known_text(found, found.inertia_tolerance)
+    return f"At the full tolerances there is {known}; tightened, inertia and geometry shrink by the same factor."
+
+
+def _known_text(found: Frontier, inertia: float) -> str:
+    """How well inertia and geometry are known where the inertia is known to a share."""
+    if _known_alike(found):
+        return f"{found.tightening.inertia_and_geometry.name} known to {tolerance_text(inertia)}"
+    factor = inertia / found.inertia_tolerance
+    known = {key: factor * found.rungs.tolerances[key] for key in KNOWN_BETTER if key in found.rungs.tolerances}
+    return ", ".join(f"{key} known to {tolerance_text(one)}" for key, one in known.items())
+
+
+def _known_alike(found: Frontier) -> bool:
+    known = [it for key, it in found.rungs.tolerances.items() if key in KNOWN_BETTER]
+    return all(isclose(one, found.inertia_tolerance, rel_tol=_SAME) for one in known)
+
+
+_SAME = 1e-9
+"""Relative; tolerances that are the same but for rounding."""
 
 
 def points_text(gain: float) -> str:
@@ -76,14 +109,14 @@ def _reach(found: Frontier) -> str:
     goal = f"{100 * WHOLE_WORST:.0f} %"
     if isfinite(path.needed):
         return (
-            f"The worst case reaches {goal} with {path.name} known to {tolerance_text(path.needed)} (interpolated between two "
-            "computed tolerances), all others at their full tolerance."
+            f"The worst case reaches {goal} with {_known_text(found, path.needed)} (interpolated between two computed "
+            "tolerances), all others at their full tolerance."
         )
     if path.limit >= WHOLE_WORST:
-        finest = tolerance_text(path.tolerances[-1])
+        finest = _known_text(found, path.tolerances[-1])
         return (
-            f"The worst case does not reach {goal} with {path.name} known to {finest}, the finest that was computed; exactly "
-            f"known it is {share_text(path.limit)}."
+            f"The worst case does not reach {goal} with {finest}, the finest that was computed; exactly known it is "
+            f"{share_text(path.limit)}."
         )
     return f"Even where {path.name} are known exactly, the worst case is {share_text(path.limit)}: {_rest(found)}."
 
@@ -105,10 +138,8 @@ def _pair(found: Frontier) -> str:
     pair = found.tightening.pair
     if pair is None:
         return ""
-    return (
-        f" With all other tolerances at {tolerance_text(pair.others)} of theirs and column inertia and geometry known to "
-        f"{tolerance_text(pair.inertia_and_geometry)}, it is {share_text(pair.share)}."
-    )
+    others, known = tolerance_text(pair.others), _known_text(found, pair.inertia_and_geometry)
+    return f" With all other tolerances at {others} of theirs and {known}, it is {share_text(pair.share)}."
 
 
 def _dearest(found: Frontier) -> str:
@@ -129,10 +160,10 @@ def _dearest(found: Frontier) -> str:
 
 def _hardware(found: Frontier) -> str:
     gains = [gain for gain in found.hardware if gain.worst_gain >= _POINTS]
-    best = max(found.hardware, key=lambda one: one.nominal_gain)
+    best = max(found.hardware, key=lambda one: one.nominal_gain, default=None)
     nominal = (
         f" Nominally most comes of {best.name}, {points_text(best.nominal_gain)} points."
-        if best.nominal_gain >= _POINTS
+        if best is not None and best.nominal_gain >= _POINTS
         else " None gains half a point nominally."
     )
     if not gains:
@@ -193,6 +224,7 @@ def _force(value: float, units: UnitSystem) -> str:
 
 def _sensor() -> str:
     return (
-        "A sensor of the force at the grip, beyond the column's inertia, would lift the bound on the inertia: the law could then "
-        "tell a heavier column from a hand. It is not computed here."
+        "The bound holds for linear laws. One that adapts is bound too as long as the hand may hold any mass. A sensor of the "
+        "force at the grip, beyond the column's inertia, would lift it: the law could then tell a heavier column from a hand. It "
+        "is not computed here."
     )

@@ -14,7 +14,7 @@ from forcefeel.parameters import OFF, TABLE, in_range
 from forcefeel.units import PERCENT
 
 KNOWN_TO = 0.02
-"""Tolerance of what was measured on a bench; the nearest rung is taken."""
+"""Tolerance of what was measured on a bench; the nearest rung is taken, where the inertia is not known so well already."""
 
 
 @dataclass(frozen=True)
@@ -125,14 +125,15 @@ def hardware(
             plan.compensators,
             plan.settings,
             plan.rule,
-            plan.changes,
+            plan.deviations,
             plan.arms,
             plan.release_rad,
         )
         after = compute(changed, threads=threads, progress=onward(progress, done, total))
         done += changed.settings.count * len(changed.cases)
         found.append(_gain(change.name, change.remark, after.shares(rungs.compensator), before))
-    found += [_known(rungs, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
+    if rungs.tolerances[INERTIA] > KNOWN_TO:
+        found += [_known(rungs, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
     return tuple(sorted(found, key=lambda one: (-one.worst_gain, -one.nominal_gain)))
 
 

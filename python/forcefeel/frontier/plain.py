@@ -2,7 +2,7 @@
 
 from importlib.metadata import version
 
-from forcefeel.envelopes.plain import plain_grid, plain_rule
+from forcefeel.envelopes.plain import plain_deviations, plain_grid, plain_rule
 from forcefeel.frontier.findings import frontier_conclusions
 from forcefeel.frontier.result import Frontier
 from forcefeel.frontier.tightening import Path
@@ -22,6 +22,7 @@ def plain_frontier(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "settings": plan.settings.count,
         "grid": plain_grid(plan.settings, units),
+        "tolerances": plain_deviations(plan.deviations),
         "conclusions": plain(frontier_conclusions(found, units), units),
         "shares": plain(found.envelope.shares(found.compensator), units),
         "limits": {str(limit): quantity(share, PERCENT, units) for limit, share in found.limit_shares.items()},

@@ -24,7 +24,7 @@ class Limit(StrEnum):
 
     NONE = "rendered in every case"
     VALVE = "forbidden by the valve"
-    INERTIA = "inertia not known well enough, whatever the law"
+    INERTIA = "inertia not known well enough for any linear law"
     NOMINAL = "this law, even with the nominal plant"
     LAW = "this law, with something off or an arm"
 
@@ -35,7 +35,7 @@ class Frontier:
 
     Attributes:
         rungs: The law on every rung of the ladder of tolerances.
-        bound: What no law beats, over the error of the inertia.
+        bound: What no linear law beats, over the error of the inertia.
         tightening: How the shares move with the tolerances.
         valve: What the valve forbids.
         friction: The smallest friction.

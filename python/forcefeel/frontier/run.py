@@ -9,7 +9,7 @@ from forcefeel.frontier.bound import ERRORS, inertia_bound
 from forcefeel.frontier.friction import smallest_friction
 from forcefeel.frontier.hardware import hardware, hardware_releases
 from forcefeel.frontier.result import Frontier
-from forcefeel.frontier.rungs import FACTORS, climb, rung_releases, tolerances_of
+from forcefeel.frontier.rungs import FACTORS, Rungs, climb, rung_releases
 from forcefeel.frontier.tightening import INERTIA, tightening
 from forcefeel.frontier.valve_limits import valve_limits
 from forcefeel.loader import Loader
@@ -64,10 +64,10 @@ def frontier_plan(
     """The envelope that a frontier is about; arguments as ``find_frontier``."""
     name = compensator or ("robust" if loader["controller.period"] else "published")
     plan = make_plan(loader, (name,), {**DEFAULT_GRID, **(grid or {})}, **options)
-    if INERTIA not in tolerances_of(plan):
-        raise InputError(
-            f"changes: expected a tolerance of {INERTIA}, which the bound is about; add it, for example 0.2"
-        )
+    if INERTIA not in plan.deviations:
+        raise InputError(f"{INERTIA}: expected a tolerance, which the bound is about; add it, for example 20 %")
+    if (size := plan.deviations[INERTIA].size) >= 1:
+        raise InputError(f"{INERTIA}: expected a tolerance of less than 100 % to either side, got {100 * size:.4g} %")
     return plan
 
 
@@ -80,13 +80,18 @@ def compute_frontier(
     rungs = climb(plan, FACTORS, threads=threads, progress=lambda now, _: progress("tolerances", now, total))
     gains = hardware(rungs, threads=threads, progress=lambda now, _: progress("hardware", climbing + now, total))
     progress("bound", total, total)
-    known_to = rungs.tolerances[INERTIA]
-    errors = sorted({*(one for one in ERRORS if not isclose(one, known_to)), known_to})
     return Frontier(
         rungs=rungs,
-        bound=inertia_bound(plan, errors, threads=threads),
+        bound=inertia_bound(plan, _errors(rungs), lean=plan.deviations[INERTIA].lean, threads=threads),
         tightening=tightening(rungs),
         valve=valve_limits(plan, threads=threads),
         friction=smallest_friction(plan),
         hardware=gains,
     )
+
+
+def _errors(rungs: Rungs) -> list[float]:
+    """Errors of the inertia at which the bound is asked: some for the curve, and the tolerance on every rung."""
+    asked = [factor * rungs.tolerances[INERTIA] for factor in rungs.factors]
+    others = [one for one in ERRORS if not any(isclose(one, other) for other in asked)]
+    return sorted([*asked, *others])

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.envelopes.cases import Case, Kind, changes_of
+from forcefeel.envelopes.cases import Case, Kind
 from forcefeel.envelopes.plan import Plan
 from forcefeel.envelopes.result import Envelope
 from forcefeel.envelopes.run import compute
@@ -48,8 +48,8 @@ class Rungs:
 
     @property
     def tolerances(self) -> Mapping[str, float]:
-        """The full tolerances by parameter."""
-        return tolerances_of(self.full.plan)
+        """The full tolerances by parameter: half the distance of the ends."""
+        return {key: it.size for key, it in self.full.plan.deviations.items()}
 
     @property
     def nominal(self) -> NDArray[np.bool_]:
@@ -74,11 +74,6 @@ class Rungs:
 
     def _off(self, rung: int, parameters: Collection[str]) -> list[bool]:
         return [case.kind is Kind.PLANT and case.parameter in parameters for case in self.cases[rung]]
-
-
-def tolerances_of(plan: Plan) -> Mapping[str, float]:
-    """The full tolerances of a plan by parameter."""
-    return changes_of(plan.loader) if plan.changes is None else plan.changes
 
 
 def onward(progress: Progress, done: int, total: int) -> Progress:
@@ -113,11 +108,10 @@ def climb(
         raise InputError(f"compensators: expected one, got {', '.join(plan.compensators)}; make a frontier for each")
     if factors[:1] != (1.0,) or any(np.diff(factors) >= 0) or factors[-1] <= 0:
         raise InputError(f"factors: expected rungs that fall from 1 and stay above 0, got {list(factors)}")
-    tolerances = tolerances_of(plan)
     total, done = rung_releases(plan, factors), 0
     found: list[Envelope] = []
     for factor in factors:
-        changes = {key: factor * share for key, share in tolerances.items()}
+        changes = {key: it.scaled(factor) for key, it in plan.deviations.items()}
         arms = plan.arms if factor == 1.0 else ()
         rung = Plan(plan.given, plan.compensators, plan.settings, plan.rule, changes, arms, plan.angle_rad)
         found.append(compute(rung, threads=threads, progress=onward(progress, done, total)))

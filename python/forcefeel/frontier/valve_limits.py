@@ -33,7 +33,7 @@ from scipy.linalg import expm
 from forcefeel.envelopes.plan import Plan
 from forcefeel.frontier.referee import Referee, referees
 from forcefeel.loader import Loader
-from forcefeel.simulation.engine import cores
+from forcefeel.threads import threads_or_cores
 from forcefeel.units import FLOW, PERCENT, SECONDS
 
 SLOWER = (1.0, 0.97, 0.94, 0.91, 0.88)
@@ -94,7 +94,7 @@ def valve_limits(plan: Plan, *, threads: int | None = None) -> ValveLimits:
     """
     count = plan.settings.count
     demand, least = np.zeros(count), np.zeros(count)
-    for referee in referees(plan, threads or cores()):
+    for referee in referees(plan, threads_or_cores(threads)):
         demand[referee.which], least[referee.which] = _demands(referee)
     feel = plan.settings.feel(plan.loader)
     unload = _unload_s(plan.loader, feel, plan.release_rad)

@@ -7,6 +7,7 @@ from forcefeel.bench.responses import Response
 from forcefeel.identification.result import Estimate, Identification, data_of
 from forcefeel.loader import Loader
 from forcefeel.parameters import TABLE, limits_si
+from forcefeel.printable import visible
 from forcefeel.tolerances import Distribution, Tolerance
 
 _CUT_AT = 3.0
@@ -39,4 +40,5 @@ def _tolerance(estimate: Estimate) -> Tolerance:
 
 
 def _named(data: Response | BenchRecord) -> str:
-    return f"{data.name} (SHA-256 {data.data_hash})" if data.data_hash else data.name
+    name = visible(data.name)
+    return f"{name} (SHA-256 {data.data_hash})" if data.data_hash else name

@@ -22,8 +22,9 @@ from forcefeel.parameters import INDEX
 from forcefeel.qualification import load_rules
 from forcefeel.qualification.let_go import find_release
 from forcefeel.qualification.records import Record
-from forcefeel.simulation.engine import cores, prepared
+from forcefeel.simulation.engine import prepared
 from forcefeel.simulation.scenario import Scenario, controller_steps
+from forcefeel.threads import cores
 
 _STEP_S = 1e-3
 """Longest step of the engine: the column on its link is then right to some 1e-5."""

@@ -1,5 +1,6 @@
-"""A force recorded on a bench or an aircraft, and the CSV file that it comes in."""
+"""A force recorded on a bench or an aircraft, and the file that it comes in."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -7,12 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.inputs.columns import Column, fault, read_csv
 from forcefeel.inputs.sampled import ROUNDING, Grid, Sampled, through_points
+from forcefeel.tables.faults import fault
+from forcefeel.tables.signals import Signals
+from forcefeel.tables.table_file import open_table
 
-_COLUMNS = (Column("time", ("s",)), Column("force", ("N",)))
+_SIGNALS = Signals(
+    {"time": ("s",), "force": ("N",)},
+    needed=("time", "force"),
+    example="time (s),force (lb)",
+    also={"pilot_force": "force"},  # as a bench calls it
+)
 _UNITS = {"time": "s", "force": "N"}
-_EXAMPLE = "time (s),force (lb)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +27,7 @@ class Recorded:
     """A recorded force, straight between its points; they may be at any distance, but without a gap.
 
     Attributes:
-        time_s: Times of the points, s, each above the one before; a step of more than ``columns.GAP`` times the median is a gap.
+        time_s: Times of the points, s, each above the one before; a step of more than ``faults.GAP`` times the median is a gap.
         force_n: Forces at these times, N.
         name: What a message names.
 
@@ -75,28 +82,28 @@ class Recorded:
         return through_points(self.name, grid, self.time_s, self.force_n)
 
 
-def read_recorded(path: str | Path) -> Recorded:
-    """Reads a recorded force from a CSV file.
+def read_recorded(
+    path: str | Path, *, columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None
+) -> Recorded:
+    """Reads a recorded force from a ``.csv``, ``.parquet`` or ``.mat`` file, by the ending of its name.
 
-    The first line names the columns, each with its unit: ``time (s),force (lb)``, ``time [s], force [N]`` or
-    ``time_s,force_n``; ``lb`` is a pound of force. Other columns may stand beside them and are not read. Numbers have a
-    decimal point; a comma parts the columns.
+    The columns are ``time`` and ``force`` or ``pilot force``, each with its unit: ``time (s),force (lb)``, ``time [s], force [N]``
+    or ``time_s,force_n``; ``lb`` is a pound of force. Others may stand beside them and are not read.
 
     Args:
-        path: A CSV file in UTF-8.
+        path: The file.
+        columns: The file's own names of ``time`` and ``force``: ``{"force": "F1"}``.
+        units: Units where the header has none, by these names or the file's own: ``{"F1": "lb"}``.
 
     Returns:
         The recording in SI units, named as the file without its ending.
 
     Raises:
-        InputError: With the file, the line, what is wrong, what was expected and the remedy: a file that cannot be read,
-            is not UTF-8, is empty or has fewer than two rows; a column that is missing, stands twice, has no unit, an
-            unknown one or one that measures something else; a row with another number of values, text that is no
-            number, a number that is not finite; time that runs backwards or stands still; a gap.
+        InputError: With the file, the line or row, what is wrong, what was expected and the remedy: a file that cannot be read or
+            is no table; a column that is missing, stands twice, has no unit, an unknown one or one that measures something else;
+            a row with another number of values, text that is no number, a number that is not finite; fewer than two rows; time
+            that runs backwards or stands still; a gap.
     """
-    path = Path(path)
-    read = read_csv(path, _COLUMNS, _EXAMPLE)
-    if found := fault(read.values, read.units):
-        row_at_fault, sentence = found
-        raise InputError(f"{read.places[row_at_fault]}: {sentence}")
-    return Recorded(read.values["time"], read.values["force"], path.stem)
+    table = open_table(path, _SIGNALS.example)
+    read = _SIGNALS.read(table, columns, units)
+    return Recorded(read.values["time"], read.values["force"], table.path.stem)

@@ -28,8 +28,9 @@ def judge_release(
     """Verdicts on a release; steady states are aligned, since all quantities are taken from each record's own.
 
     The reference says what is compared. If it overshoots by more than the residual band: P0, the full cycles at whose end an
-    overshoot above the band lies (later ones are after the last significant overshoot), and every overshoot above the band. If
-    not: the way back. In both cases the number of overshoots, and the steady state, by the way there from the held position.
+    overshoot above the band lies (later ones are after the last significant overshoot), as far as they may be off by less than
+    themselves, and every overshoot above the band, up to the sixteenth. If not: the way back. In both cases the number of
+    overshoots, and the steady state, by the way there from the held position.
 
     Args:
         measured: Features of the record.
@@ -94,7 +95,8 @@ class _Judging:
                 case "P0":
                     yield self._cycle(rule, 0)
                 case "Pn":
-                    yield from (self._cycle(rule, n) for n in range(1, self.reference.count // 2 + 1))
+                    whole = (n for n in range(1, self.reference.count // 2 + 1) if rule.limit(1.0, n=n) < 1)
+                    yield from (self._cycle(rule, n) for n in whole)
                 case "A1" | "An":
                     yield from self._overshoots(rule)
                 case "first overshoot":

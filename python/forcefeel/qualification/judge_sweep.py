@@ -1,6 +1,7 @@
 """The static tests, the alternate method of the dynamic ones, and the small inputs: curves against the reference's."""
 
 from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,8 @@ _SAME_DURATION = 0.2
 """Share by which two sweeps that are compared may differ in duration."""
 _ENDS = 1.5
 """Steps of the reference by which a record may be longer."""
+
+_SIDES: tuple[Literal["positive", "negative"], ...] = ("positive", "negative")
 
 _Array = NDArray[np.float64]
 
@@ -50,8 +53,10 @@ def judge_sweep(
     for rule in test.tolerances:
         row = Row(test.number, rule, test.is_verified(rule), coverage)
         if rule.quantity == "breakout":
-            figures = measured.breakout, reference.breakout
-            verdicts.append(row.decide("breakout", figures, float(rule.limit(figures[1].value, system=system))))
+            for side in _SIDES:
+                figures = measured.breakout(side), reference.breakout(side)
+                limit = float(rule.limit(figures[1].value, system=system))
+                verdicts.append(row.decide(f"breakout, {side}", figures, limit))
         elif rule.quantity == "freeplay":
             figures = measured.freeplay, reference.freeplay
             if measured.position_unit == "m":
@@ -115,6 +120,9 @@ def judge_small_inputs(
 ) -> tuple[Verdict, ...]:
     """Verdict on the body rate after a small input, over the time from each record's beginning.
 
+    The two may be sampled at different rates: they are compared at the instants of both, each one's own samples against a cubic
+    spline through the other's.
+
     Args:
         record: With the body rate; without it nothing is evaluated.
         reference: The reference's record.
@@ -127,19 +135,25 @@ def judge_small_inputs(
     _check_kind(test, "small inputs")
     (rule,) = test.tolerances
     row = Row(test.number, rule, test.is_verified(rule), coverage)
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415  only here
+
     mine, theirs = record.body_rate_rad_per_s, reference.body_rate_rad_per_s
     if mine is None or theirs is None:
         name = record.name if mine is None else reference.name
         return (row.not_evaluated("body rate", f"{name} has no body rate"),)
-    time = record.time_s - record.time_s[0]
-    if time[-1] > reference.duration_s + _ENDS * reference.step_s:
+    if record.duration_s > reference.duration_s + _ENDS * reference.step_s:
         raise InputError(
-            f"{reference.name}: lasts {reference.duration_s:.6g} s, {record.name} {time[-1]:.6g} s; expected a reference "
+            f"{reference.name}: lasts {reference.duration_s:.6g} s, {record.name} {record.duration_s:.6g} s; expected a reference "
             f"that covers the record; cut {record.name} at {record.time_s[0] + reference.duration_s:.6g} s"
         )
-    expected = np.interp(time, reference.time_s - reference.time_s[0], theirs)
-    limit = rule.limit(np.full_like(time, np.max(np.abs(theirs))))
-    return (_worst(row, "body rate", time, [mine, expected], [0.0, 0.0], limit, "rad/s"),)
+    splines = [CubicSpline(one.time_s - one.time_s[0], rate) for one, rate in ((record, mine), (reference, theirs))]
+    time = np.union1d(*(spline.x for spline in splines))
+    time = time[time <= min(spline.x[-1] for spline in splines)]
+    turns = splines[1].derivative().roots(extrapolate=False)
+    peak = np.max(np.abs(splines[1](np.concatenate([time, turns[np.isfinite(turns)]]))))
+    limit = rule.limit(np.full_like(time, peak))
+    rates = [np.asarray(spline(time)) for spline in splines]
+    return (_worst(row, "body rate", time, rates, [0.0, 0.0], limit, "rad/s"),)
 
 
 def _curves(

@@ -21,14 +21,19 @@ _LEAST = 20.0
 """A release goes this many times farther than noise and resolution at least."""
 _EXACT = 1e-9
 """Share of the range within which values of a record without noise are the same."""
-_QUIET = 1e-5
-"""Noise, as a share of Ad, below which the first two samples that move say when the way began."""
 _ON_SAMPLE = 0.02
 """Share of a step within which the release is at a sample."""
-_START = 0.2
-"""Share of Ad that the way's start is read from."""
-_BENT = 0.1
-"""Share of the start's duration to which its beginning is known, with noise and with a way that is no parabola."""
+_BEGUN, _UNDER_WAY = 0.02, 0.1
+"""Shares of Ad that a control has left behind on its way: it began to move before the first at the latest by as much time again as
+it took from there to the second, since a mass goes as the square of the time."""
+_FEWEST_HELD = 3
+"""Samples of a held grip from which it is read how far it wanders."""
+_LEAST_WANDER = 1e-4
+"""As a share of Ad: a grip that is held stiller than that shows the instant no better, since a 2 Hz column has gone as far in a
+millisecond."""
+_CLEAR, _FEWEST = 25.0, 2
+"""How many times as far as a held grip wanders the way's beginning reaches that is laid back to its start, and its fewest
+samples."""
 _CLIPPED = 3
 """Samples at one extreme value, reached at speed, that are a clipped record."""
 _AT_SPEED = 0.002
@@ -46,6 +51,7 @@ class LetGo:
         time_s: When it was let go, s.
         time_uncertainty_s: How well that is known, s.
         displacement: Held position less steady state, roughly.
+        wander: Standard deviation of the held position: noise of the sensor and what the held control really moves.
     """
 
     held: int
@@ -54,6 +60,7 @@ class LetGo:
     time_s: float
     time_uncertainty_s: float
     displacement: float
+    wander: float
 
 
 def check_rate(record: Record) -> None:
@@ -79,12 +86,15 @@ def find_release(record: Record, tail: float, rules: ReleaseRules) -> LetGo:
     x, t = record.position, record.time_s
     if not 0 < tail <= 0.5:
         raise InputError(f"tail: expected a share of the record above 0, at most 0.5, got {tail}")
-    off = max(_SEEN * record.position_noise, 1.5 * record.position_resolution, _EXACT * float(np.ptp(x)))
+    floor = max(_SEEN * record.position_noise, 1.5 * record.position_resolution, _EXACT * float(np.ptp(x)))
     steady = float(np.mean(x[-max(int(tail * len(x)), 1) :]))
-    least = max(_LEAST / _SEEN * off, _EXACT * float(np.max(np.abs(x))))
-    level, moved = float(x[0]), 1
-    if abs(level - steady) > least:
-        level, moved = _departure(x, steady, off, rules.high)
+    least = max(_LEAST / _SEEN * floor, _EXACT * float(np.max(np.abs(x))))
+    level, moved, known = float(x[0]), 1, record.release_s
+    if known is not None:
+        moved = int(np.searchsorted(t, known + _ON_SAMPLE * record.step_s, side="right"))
+        level = float(np.mean(x[:moved]))
+    elif abs(level - steady) > least:
+        level, moved, floor = _departure(x, steady, floor, rules.high)
     displacement = level - steady
     if abs(displacement) <= least:
         raise InputError(
@@ -98,40 +108,49 @@ def find_release(record: Record, tail: float, rules: ReleaseRules) -> LetGo:
             f"{record.name}: ends at {t[-1]:.6g} s, {samples} samples after the release; expected 20 at least; record "
             "for longer"
         )
-    when, known = _when(record, level, displacement, moved)
-    on_sample = 0 <= when - t[moved - 1] < _ON_SAMPLE * record.step_s
+    when, uncertainty = _when(record, level, moved, floor) if known is None else (known, 0.0)
+    on_sample = abs(when - t[moved - 1]) < _ON_SAMPLE * record.step_s
     free = moved - 1 if on_sample or moved == 1 else moved
-    return LetGo(moved, free, max(int(tail * samples), 1), when, known, displacement)
+    return LetGo(moved, free, max(int(tail * samples), 1), when, uncertainty, displacement, float(np.std(x[:moved])))
 
 
-def _departure(x: NDArray[np.float64], steady: float, off: float, high: float) -> tuple[float, int]:
-    """The held position, and the first sample that is off it for good."""
+def _departure(x: NDArray[np.float64], steady: float, floor: float, high: float) -> tuple[float, int, float]:
+    """The held position, the first sample that is off it for good, and how far off it the held grip wanders."""
     level, moved = float(x[0]), 1
+    wander = floor = max(floor, _LEAST_WANDER * abs(level - steady))
     for _ in range(3):
-        away = np.abs(x - steady) < high * abs(level - steady)
-        passed = int(np.argmax(away)) if away.any() else len(x) - 1
-        still = np.flatnonzero(np.abs(x[: passed + 1] - level) <= off)
+        gone = np.abs(x - steady) < high * abs(level - steady)
+        passed = int(np.argmax(gone)) if gone.any() else len(x) - 1
+        away = np.abs(x[: passed + 1] - level)
+        # A grip that is held by a hand, or by a loader whose sensors are noisy, wanders more than its sensor's noise.
+        begun, under_way = (
+            int(np.flatnonzero(away <= share * abs(level - steady))[-1:].sum()) for share in (_BEGUN, _UNDER_WAY)
+        )
+        held = begun - (under_way - begun)
+        if held >= _FEWEST_HELD:
+            wander = max(floor, _SEEN * float(np.std(x[:held])), float(np.max(away[:held])))
+        still = np.flatnonzero(away <= wander)
         moved = int(still[-1]) + 1 if len(still) else 1
         level = float(np.mean(x[:moved]))
-    return level, max(min(moved, len(x) - 1), 1)
+    return level, max(min(moved, len(x) - 1), 1), wander
 
 
-def _when(record: Record, level: float, displacement: float, moved: int) -> tuple[float, float]:
+def _when(record: Record, level: float, moved: int, floor: float) -> tuple[float, float]:
     """When it was let go: the way starts as ``(t - t_0)^2``, so that its root is a straight line from ``t_0`` on."""
     t, way = record.time_s[moved:], np.abs(record.position[moved:] - level)
     step = record.step_s / math.sqrt(12)
     if moved == 1:
         return float(record.time_s[0]), step
-    if record.position_noise <= _QUIET * abs(displacement) and way[0] > 0:
-        root = math.sqrt(way[1] / way[0])
-        when = (t[0] * root - t[1]) / (root - 1) if root > 1 else t[0]
-        return float(np.clip(when, record.time_s[moved - 1], t[0])), step
-    until = int(np.argmax(way > _START * abs(displacement))) + 1
-    if until < 3:
-        return float(t[0]), record.step_s
-    slope, at_zero = np.polyfit(t[:until] - t[0], np.sqrt(way[:until]), 1)
-    early = float(np.clip(at_zero / slope, 0.0, t[until - 1] - t[0])) if slope > 0 else 0.0
-    return float(t[0]) - early, math.hypot(step, _BENT * (float(t[until - 1] - t[0]) + early))
+    until = max(int(np.argmax(way > _CLEAR * floor)), _FEWEST)
+    when, longer = (_laid_back(t[:count], way[:count], record.step_s) for count in (until, until + until // 2))
+    return when, math.hypot(step, longer - when)
+
+
+def _laid_back(t: NDArray[np.float64], way: NDArray[np.float64], step_s: float) -> float:
+    """Where the root of a way, as a straight line, begins."""
+    slope, at_zero = np.polyfit(t - t[0], np.sqrt(way), 1)
+    early = float(np.clip(at_zero / slope, 0.0, t[-1] - t[0] + step_s)) if slope > 0 else 0.0
+    return float(t[0]) - early
 
 
 def check_clipping(record: Record, let_go: LetGo) -> None:

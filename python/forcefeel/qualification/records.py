@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.inputs.columns import fault
+from forcefeel.tables.faults import fault
 from forcefeel.units import factor, show
 
 PositionUnit = Literal["rad", "m"]
@@ -44,6 +44,9 @@ class Record:
         resolution: Step between values that the position's sensor tells apart; ``None``: found from the values.
         noise: Standard deviation of the position's noise; ``None``: found from the record's last tenth.
         force_resolution_n, force_noise_n: The same of the force.
+        release_s: When a control that is held is let go, where that is known, as of a simulation; ``None``: found from the
+            record.
+        data_hash: SHA-256 of the file that it came from, in hexadecimal; empty if from none.
 
     Raises:
         InputError: When built, with the row and the time at fault: fewer than two rows, signals of other lengths, numbers
@@ -61,6 +64,8 @@ class Record:
     noise: float | None = None
     force_resolution_n: float | None = None
     force_noise_n: float | None = None
+    release_s: float | None = None
+    data_hash: str = ""
 
     def __post_init__(self) -> None:
         if self.position_unit not in ("rad", "m"):
@@ -84,6 +89,11 @@ class Record:
             given = getattr(self, field)
             if given is not None and not 0 <= given < np.inf:
                 raise InputError(f"{self.name}: {field}: expected a number of at least zero, got {show(given)}")
+        if self.release_s is not None and not self.time_s[0] <= self.release_s < self.time_s[-1]:
+            raise InputError(
+                f"{self.name}: release_s: expected a time within the record, {self.time_s[0]:.6g} to {self.time_s[-1]:.6g} s, "
+                f"got {show(self.release_s)}"
+            )
 
     @staticmethod
     def of(  # noqa: PLR0913  a unit for each signal
@@ -130,6 +140,7 @@ class Record:
             force_n=cut(self.force_n),
             surface_rad=cut(self.surface_rad),
             body_rate_rad_per_s=cut(self.body_rate_rad_per_s),
+            release_s=self.release_s if self.release_s is not None and start_s <= self.release_s < end_s else None,
         )
 
     @property

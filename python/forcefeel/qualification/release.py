@@ -138,7 +138,9 @@ class _Measured:
         deviation = float(values[COLUMNS["tail_deviation"].start])
         swing = max(deviation - _PASSED * self.white, 0.0) / np.sqrt(3)
         self.u_steady = combined(self.white / np.sqrt(let_go.tail), self.stuck, swing)
-        self.u_held = combined(self.white / np.sqrt(let_go.held), self.stuck)
+        self.u_held = combined(
+            self.white / np.sqrt(let_go.held), self.stuck, max(let_go.wander - _PASSED * self.white, 0.0)
+        )
 
     def _kernel(self, reach: float) -> NDArray[np.float64]:
         let_go, record = self.let_go, self.record

@@ -1,6 +1,5 @@
 """Features of many releases at once, by the kernel that measures one."""
 
-import os
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,6 +11,7 @@ from forcefeel.errors import InputError
 from forcefeel.qualification.release import REST
 from forcefeel.qualification.release_columns import COLUMNS
 from forcefeel.qualification.rules import ReleaseRules, load_rules
+from forcefeel.threads import threads_or_cores
 
 _Array = NDArray[np.float64]
 
@@ -140,5 +140,5 @@ def measure_releases(
         held=held,
         free=held - 1,
     )
-    values = measuring.features(runs, threads or os.cpu_count() or 1)
+    values = measuring.features(runs, threads_or_cores(threads))
     return ReleaseBatch(values, float(time[held - 1]), float(time[-1]), rules.residual_band)

@@ -5,12 +5,14 @@
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
+from forcefeel.qualification.breakout import NEAR, breakout
 from forcefeel.qualification.figures import Figure, combined
 from forcefeel.qualification.records import PositionUnit, Record
 from forcefeel.qualification.sweep_curves import Curves, curves_of
@@ -21,8 +23,12 @@ _SIDE = (0.02, 0.20)
 """Shares of the travel from neutral between which the gradient of a side is read."""
 _ONSET = (0.03, 0.15)
 """Shares of the largest spring force between which the spring's line is laid back to where its force begins."""
-_SLOPE = 0.03
-"""Share of the travel over which the force's rise after the first move is read."""
+_ONWARD = 0.01
+"""Share of the travel beyond a deadband's end from which the gradient of a side is read."""
+_SIDES = (-1.0, 1.0)
+"""Below and above neutral."""
+_SEEN = 3.0
+"""Standard uncertainties of a force within which it may be none."""
 
 _Array = NDArray[np.float64]
 
@@ -38,7 +44,7 @@ class SweepFeatures:
         surface_up_rad, surface_down_rad: The same of the surface; ``None`` if it was not recorded.
         friction_curve_n: Half the loop's width (points,).
         force_uncertainty_n: Standard uncertainty of a point of the curves.
-        breakout: Force at which the position first moves.
+        breakout_low, breakout_high: Force at which the control moves off neutral, below and above it.
         friction: Median of half the loop's width over the middle of the travel.
         freeplay: Travel around neutral over which the spring takes no force.
         centring: Largest distance from neutral at which the control rests without a force, coming from either side.
@@ -58,7 +64,8 @@ class SweepFeatures:
     surface_down_rad: _Array | None
     friction_curve_n: _Array
     force_uncertainty_n: float
-    breakout: Figure
+    breakout_low: Figure
+    breakout_high: Figure
     friction: Figure
     freeplay: Figure
     centring: Figure
@@ -69,6 +76,10 @@ class SweepFeatures:
     stops: tuple[float, float]
     duration_s: float
     position_unit: PositionUnit
+
+    def breakout(self, side: Literal["positive", "negative"]) -> Figure:
+        """Force at which the control moves off neutral, above or below it."""
+        return self.breakout_high if side == "positive" else self.breakout_low
 
 
 def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
@@ -90,9 +101,14 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
     curves = curves_of(record, record.force_n, points)
     x, up, down = curves.position, curves.force_up_n, curves.force_down_n
     spring, friction = (up + down) / 2, (up - down) / 2
-    low, high = (_side(curves, spring, sign, record.position_unit) for sign in (-1.0, 1.0))
-    gradient = Figure((low.value + high.value) / 2, combined(low.uncertainty, high.uncertainty) / 2, low.unit)
     middle = np.abs(x - (x[0] + x[-1]) / 2) <= _MIDDLE / 2 * (x[-1] - x[0])
+    rubbing = _median(friction[middle & np.isfinite(friction)], curves.force_uncertainty_n)
+    breakout_low, breakout_high = breakouts = [_breakout(record, record.force_n, curves, sign) for sign in _SIDES]
+    low, high = (
+        _side(curves, spring, sign, broken.value - rubbing.value, record.position_unit)
+        for sign, broken in zip(_SIDES, breakouts, strict=True)
+    )
+    gradient = Figure((low.value + high.value) / 2, combined(low.uncertainty, high.uncertainty) / 2, low.unit)
     return SweepFeatures(
         name=record.name,
         position=x,
@@ -102,10 +118,11 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
         surface_down_rad=curves.surface_down_rad,
         friction_curve_n=friction,
         force_uncertainty_n=curves.force_uncertainty_n,
-        breakout=_breakout(record, record.force_n, curves),
-        friction=_median(friction[middle & np.isfinite(friction)], curves.force_uncertainty_n),
+        breakout_low=breakout_low,
+        breakout_high=breakout_high,
+        friction=rubbing,
         freeplay=_freeplay(curves, spring, record.position_unit),
-        centring=_centring(curves, record.position_unit),
+        centring=_centring(record, record.force_n, curves),
         gradient=gradient,
         gradient_low=low,
         gradient_high=high,
@@ -116,21 +133,20 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
     )
 
 
-def _breakout(record: Record, force: _Array, curves: Curves) -> Figure:
-    """The force when the position leaves neutral, less what the spring took until the move was seen."""
-    x, first = record.position, curves.moved
-    away = np.abs(x - curves.neutral)
-    near = np.arange(len(x)) >= first
-    near &= (np.arange(len(x)) <= curves.turns[0]) & (
-        away <= away[first] + _SLOPE * (curves.position[-1] - curves.position[0])
-    )
-    slope = _line(away[near], np.abs(force[near]))[1]
-    slope = max(slope, 0.0) if math.isfinite(slope) else 0.0
+def _breakout(record: Record, force: _Array, curves: Curves, sign: float) -> Figure:
+    """The force at which the control leaves neutral to one side."""
+    first, (turn, other) = curves.moved, curves.turns
+    out = sign * (record.position - curves.neutral)
+    goes_first = bool(out[turn] > 0)
+    way = slice(first, turn + 1) if goes_first else slice(turn, other + 1)
+    near = (out[way] > 0) & (out[way] <= NEAR * (curves.position[-1] - curves.position[0]))
+    known = breakout(out[way][near], sign * force[way][near], record.force_uncertainty_n)
     # With static friction the force falls as the control breaks away: then the last sample before it says more.
-    value = max(abs(float(force[first])) - slope * float(away[first]), abs(float(force[first - 1])))
-    stepped = abs(abs(float(force[first])) - abs(float(force[first - 1]))) / math.sqrt(12)
-    position = combined(record.position_noise, record.position_resolution / math.sqrt(12))
-    return Figure(max(value, 0.0), combined(record.force_uncertainty_n, slope * position, stepped), "N")
+    held = sign * float(force[first - 1])
+    if not goes_first or held <= known.value:
+        return known
+    stepped = abs(float(force[first]) - float(force[first - 1])) / math.sqrt(12)
+    return Figure(held, combined(record.force_uncertainty_n, stepped), "N")
 
 
 def _median(values: _Array, each: float) -> Figure:
@@ -142,50 +158,61 @@ def _median(values: _Array, each: float) -> Figure:
     )
 
 
-def _side(curves: Curves, spring: _Array, sign: float, unit: PositionUnit) -> Figure:
-    """Slope of the spring force on one side of neutral."""
+def _side(curves: Curves, spring: _Array, sign: float, built_up_n: float, unit: PositionUnit) -> Figure:
+    """Slope of the spring force on one side of neutral, beyond the breakout that has built up and a deadband."""
     x, travel = curves.position, curves.position[-1] - curves.position[0]
     off = sign * (x - curves.neutral)
-    there = (off >= _SIDE[0] * travel) & (off <= _SIDE[1] * travel) & np.isfinite(spring)
+    begin, _ = _begin(curves, spring, sign, max(built_up_n, 0.0))
+    nearest = max(_SIDE[0] * travel, begin + _ONWARD * travel) if math.isfinite(begin) else _SIDE[0] * travel
+    there = (off >= nearest) & (off <= nearest + (_SIDE[1] - _SIDE[0]) * travel) & np.isfinite(spring)
     _, slope, _, known = _line(x[there], spring[there])
     return Figure(slope, known, f"N/{unit}")
 
 
-def _freeplay(curves: Curves, spring: _Array, unit: PositionUnit) -> Figure:
-    """Between where the lines of both sides begin; nothing where they meet before, as with a spring that is preloaded."""
+def _begin(curves: Curves, spring: _Array, sign: float, built_up_n: float = 0.0) -> tuple[float, float]:
+    """Where the line of a side's spring force begins, its distance from neutral, and its standard deviation."""
     x, known = curves.position, np.isfinite(spring)
     most = float(np.max(np.abs(spring[known]), initial=0.0))
-    begins, uncertainty = [], [(x[1] - x[0]) / math.sqrt(12)]
-    for sign in (-1.0, 1.0):
-        size, off = sign * spring, sign * (x - curves.neutral)
-        onset = max(_ONSET[0] * most, 3 * curves.force_uncertainty_n)
-        beyond = known & (off > 0) & (size > onset)
-        begins_at = float(np.min(size[beyond], initial=np.inf))
-        rising = beyond & (size <= begins_at + (_ONSET[1] - _ONSET[0]) * most)
-        # Position over force: where the force is nothing.
-        begin, _, deviation, _ = _line(size[rising], off[rising])
-        begins.append(begin)
-        uncertainty.append(deviation)
+    size, off = sign * spring - built_up_n, sign * (x - curves.neutral)
+    onset = max(_ONSET[0] * most, 3 * curves.force_uncertainty_n)
+    beyond = known & (off > 0) & (size > onset)
+    begins_at = float(np.min(size[beyond], initial=np.inf))
+    rising = beyond & (size <= begins_at + (_ONSET[1] - _ONSET[0]) * most)
+    # Position over force: where the force is nothing.
+    begin, _, deviation, _ = _line(size[rising], off[rising])
+    return begin, deviation
+
+
+def _freeplay(curves: Curves, spring: _Array, unit: PositionUnit) -> Figure:
+    """Between where the lines of both sides begin; nothing where they meet before, as with a spring that is preloaded."""
+    begins, deviations = zip(*(_begin(curves, spring, sign) for sign in _SIDES), strict=True)
+    bin_known = (curves.position[1] - curves.position[0]) / math.sqrt(12)
     width = sum(begins)
-    return Figure(max(width, 0.0) if math.isfinite(width) else math.nan, combined(*uncertainty), unit)
+    return Figure(max(width, 0.0) if math.isfinite(width) else math.nan, combined(bin_known, *deviations), unit)
 
 
-def _centring(curves: Curves, unit: PositionUnit) -> Figure:
-    x, bin_known = curves.position, (curves.position[1] - curves.position[0]) / math.sqrt(3)
-    rests, known = [], []
-    for force in (curves.force_up_n, curves.force_down_n):
-        finite = np.isfinite(force)
-        at, size = x[finite], force[finite]
-        passes = np.flatnonzero((size[:-1] <= 0) & (size[1:] > 0))
+def _centring(record: Record, force: _Array, curves: Curves) -> Figure:
+    """Where the ways back pass through no force, the farther one from neutral."""
+    turn, other = curves.turns
+    position = combined(record.position_noise, record.position_resolution / math.sqrt(12))
+    rests: list[Figure] = []
+    for way in (slice(turn, other + 1), slice(other, len(force))):
+        x, size = record.position[way] - curves.neutral, force[way]
+        passes = np.flatnonzero(np.sign(size[:-1]) != np.sign(size[1:]))
         if not len(passes):
             continue
-        nearest = passes[np.argmin(np.abs(at[passes] - curves.neutral))]
-        slope = (size[nearest + 1] - size[nearest]) / (at[nearest + 1] - at[nearest])
-        rests.append(float(at[nearest] - size[nearest] / slope) - curves.neutral)
-        known.append(curves.force_uncertainty_n / float(slope))
+        k = int(passes[np.argmin(np.abs(x[passes]))])
+        share = size[k] / (size[k] - size[k + 1])
+        at, near = float(x[k] + share * (x[k + 1] - x[k])), np.abs(size) <= _SEEN * record.force_uncertainty_n
+        if near.sum() > 2:
+            at = float(np.mean(x[near]))
+        # A force that jumps there says no more than between which samples.
+        known = combined(float(np.std(x[near])) if near.any() else 0.0, abs(float(x[k + 1] - x[k])) / 2, position)
+        rests.append(Figure(at, known, record.position_unit))
     if not rests:
-        return Figure(math.nan, math.nan, unit)
-    return Figure(max(map(abs, rests)), combined(max(known), bin_known), unit)
+        return Figure(math.nan, math.nan, record.position_unit)
+    farther = max(rests, key=lambda rest: abs(rest.value))
+    return replace(farther, value=abs(farther.value))
 
 
 def _line(x: _Array, y: _Array) -> tuple[float, float, float, float]:

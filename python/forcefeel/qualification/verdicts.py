@@ -146,7 +146,7 @@ class Row:
 
 
 def overall(verdicts: Iterable[Verdict]) -> Outcome:
-    """Of several: failed if one failed, else too close to call if one is, else passed; not evaluated if none was."""
+    """Of several: failed if one failed, else too close to call if one is; passed only if there are some, and all passed."""
     found = {verdict.outcome for verdict in verdicts}
-    order = (Outcome.FAILED, Outcome.TOO_CLOSE, Outcome.PASSED)
+    order = (Outcome.FAILED, Outcome.TOO_CLOSE, Outcome.NOT_EVALUATED, Outcome.PASSED)
     return next((outcome for outcome in order if outcome in found), Outcome.NOT_EVALUATED)

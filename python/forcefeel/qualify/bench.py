@@ -1,14 +1,15 @@
 """One law, or one recorded simulator, through the programme: what is measured, what it is held against, and the verdicts."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property, partial
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TypeVar
 
 from forcefeel.errors import InputError
 from forcefeel.inputs import Recorded
 from forcefeel.loader import Loader
 from forcefeel.qualification import (
+    Figure,
     Outcome,
     Record,
     ReleaseFeatures,
@@ -25,7 +26,7 @@ from forcefeel.qualification import (
 )
 from forcefeel.qualification.judge_release import Overdamped
 from forcefeel.qualify.feel_alone import FeelAlone
-from forcefeel.qualify.given import Given, check_cover, check_pair
+from forcefeel.qualify.given import Given, check_cover
 from forcefeel.qualify.motions import (
     LoopError,
     Motions,
@@ -113,6 +114,7 @@ class TestBench:
 
     def __init__(self, task: Task, name: str, moved: Moved | None, records: Mapping[str, Given]) -> None:
         self.task, self.name, self.moved, self.records = task, name, moved, records
+        self._slow_sweeps: dict[str, tuple[Side, Side]] = {}
 
     def result(self, trial: Trial) -> Result:
         """What a test comes to.
@@ -122,6 +124,7 @@ class TestBench:
         """
         made: dict[str, Callable[[Trial], Result]] = {
             "static": self._static,
+            "freeplay": self._freeplay,
             "release": self._release,
             "dynamic sweep": self._dynamic,
             "small inputs": self._small,
@@ -148,7 +151,6 @@ class TestBench:
         reference = reference or self._programmed_release(angle, mine)
         measured = measured or self._loader_release(angle)
         if mine is not None and theirs is not None:
-            check_pair(mine, theirs)
             check_cover(measured, reference)
         in_angle = measured[0].position_unit == "rad"
         verdicts = judge_release(
@@ -190,20 +192,29 @@ class TestBench:
     # Sweeps.
 
     def _static(self, trial: Trial) -> Result:
-        measured, reference = self._slow
+        measured, reference = self._slow(STATIC)
         verdicts = judge_sweep(_swept(measured), _swept(reference), trial.test, system=self.task.system)
         kept = tuple(one for one in verdicts if (one.rule.quantity == "surface") is (trial.key == SURFACE))
         if trial.key == SURFACE and all(one.outcome is Outcome.NOT_EVALUATED for one in kept):
-            what = "a control loader has no surface; record one" if self.moved else "a record has no surface position"
-            return Result(
-                trial, Outcome.NOT_EVALUATED, reason=f"{what}, in a column 'surface (deg)' of the static sweep"
-            )
+            raise MissingError("needs the surface in both static sweeps, in a column 'surface (deg)'")
         return _judged(trial, kept, measured, reference)
 
-    @cached_property
-    def _slow(self) -> tuple[Side, Side]:
-        """The slow sweep of both."""
-        mine, theirs = self._given(STATIC), self._reference(STATIC)
+    def _freeplay(self, trial: Trial) -> Result:
+        """The rule has it as a length at the grip: of an angle ``R_p theta``."""
+        measured, reference = self._slow(trial.key)
+        arm = self.task.loader["column.grip_arm"]
+        mine, theirs = (_at_grip(_swept(side), arm) for side in (measured, reference))
+        return _judged(trial, judge_sweep(mine, theirs, trial.test, system=self.task.system), measured, reference)
+
+    def _slow(self, key: str) -> tuple[Side, Side]:
+        """The slow sweep of both, made once; recorded ones are each of their own test."""
+        key = key if self.records or self.task.references else STATIC
+        if key not in self._slow_sweeps:
+            self._slow_sweeps[key] = self._swept_slowly(key)
+        return self._slow_sweeps[key]
+
+    def _swept_slowly(self, key: str) -> tuple[Side, Side]:
+        mine, theirs = self._given(key), self._reference(key)
         measured = None if mine is None else _side(mine)
         reference = None if theirs is None else _side(theirs)
         like = measured if measured is not None else reference
@@ -213,8 +224,6 @@ class TestBench:
             swept = _swept(like)
             throw = Throw(swept.stops[0] - swept.neutral, swept.stops[1] - swept.neutral, swept.name)
             lasts = swept.duration_s
-        if mine is not None and theirs is not None:
-            check_pair(mine, theirs)
         return measured or self._loader_slow(throw, lasts), reference or self._programmed_slow(throw, lasts)
 
     def _loader_slow(self, throw: Throw, lasts: float) -> Side:
@@ -233,11 +242,9 @@ class TestBench:
         for what, those in (("record", self.records), ("reference", self.task.references)):
             if those and STATIC not in those:
                 raise MissingError(f"needs the slow sweep too: no {what} of the test {STATIC} was given")
-        slow, slow_reference = self._slow
+        slow, slow_reference = self._slow(STATIC)
         measured = _side(mine) if mine is not None else None
         reference = _side(theirs) if theirs is not None else None
-        if mine is not None and theirs is not None:
-            check_pair(mine, theirs)
         if measured is None:
             measured = self._loader_fast(slow, theirs, name)
         if reference is None:
@@ -280,10 +287,7 @@ class TestBench:
     def _small(self, trial: Trial) -> Result:
         mine, theirs = self._given(trial.key), self._reference(trial.key)
         if mine is None or theirs is None:
-            raise MissingError(
-                "a control loader has no aircraft that turns; give a record and a reference with a column 'body rate (deg/s)'"
-            )
-        check_pair(mine, theirs)
+            raise MissingError("needs a record and a reference with a column 'body rate (deg/s)'")
         return _judged(trial, judge_small_inputs(mine, theirs, trial.test), Side(mine), Side(theirs))
 
     def _given(self, key: str) -> Record | None:
@@ -291,7 +295,7 @@ class TestBench:
         if self.moved is not None:
             return None
         if key not in self.records:
-            raise MissingError(f"no record of the test {key} was given")
+            raise MissingError("no record was given")
         return self.records[key].record
 
     def _reference(self, key: str) -> Record | None:
@@ -299,7 +303,7 @@ class TestBench:
         if not self.task.references:
             return None
         if key not in self.task.references:
-            raise MissingError(f"no reference of the test {key} was given")
+            raise MissingError("no reference was given")
         return self.task.references[key].record
 
     def _moved(self, make: Callable[[Moved], Record]) -> Record:
@@ -339,6 +343,15 @@ def _side(record: Record) -> Side:
 def _swept(side: Side) -> SweepFeatures:
     assert isinstance(side.features, SweepFeatures)  # sides of sweeps are made of them
     return side.features
+
+
+def _at_grip(swept: SweepFeatures, grip_arm_m: float) -> SweepFeatures:
+    """Its freeplay as a length; the other figures stay what they are."""
+    if swept.position_unit == "m":
+        return swept
+    play = swept.freeplay
+    at_grip = Figure(grip_arm_m * play.value, grip_arm_m * play.uncertainty, "m")
+    return replace(swept, freeplay=at_grip, position_unit="m")
 
 
 def _force_of(record: Record) -> Recorded:

@@ -1,6 +1,5 @@
 """Records that were handed over as files: which test each is of, and what is wrong with two that do not go together."""
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,11 +10,8 @@ from forcefeel.errors import InputError
 from forcefeel.qualification import Record, ReleaseFeatures, Rules, measure_release, read_record
 from forcefeel.qualify.programme import SIGNS, SMALL, STATIC, Trial
 from forcefeel.qualify.throw import Throw
-
-_ENDINGS = (".csv", ".parquet")
-
-_SAME_RATE = 0.02
-"""Share by which the rates of a record and its reference may differ: what a clock is off."""
+from forcefeel.tables.column_names import ColumnNames
+from forcefeel.tables.table_file import ENDINGS
 
 _BOTH_SIDES = 0.3
 """Of its range a record goes to either side of where it began at least, if it is a sweep."""
@@ -28,56 +24,96 @@ class Given:
     Attributes:
         record: What is in it.
         path: Where it was read; ``None`` of one that was in memory.
-        sha256: Hash of the file.
     """
 
     record: Record
     path: Path | None = None
-    sha256: str = ""
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the file, in hexadecimal; empty if it was in memory."""
+        return self.record.data_hash
 
 
-def read_given(
-    option: str, words: Sequence[str], planned: Sequence[Trial], rules: Rules, throw: Throw
-) -> dict[str, Given]:
-    """The records by the test they are of.
+def given_files(option: str, words: Sequence[str], planned: Sequence[Trial]) -> list[tuple[str, Path]]:
+    """The files that an option names, each with its test, empty where that is not said.
 
     Args:
         option: What a message names.
         words: ``NAME=FILE``; a file by itself, whose test is that of its name or else seen from what is in it; or a folder,
             all of whose files are named after tests.
         planned: The tests there are.
-        rules: How long sweeps last.
-        throw: Where the control ends, for a release that is told by its share of it.
 
     Raises:
-        InputError: If a file cannot be read or measured, is of no test, or two are of one.
+        InputError: If a test is unknown or a folder has no such file.
     """
     keys = [trial.key for trial in planned]
-    found: dict[str, Given] = {}
-    for key, path in (pair for word in words for pair in _paths(option, word, keys)):
-        record = read_record(path)
-        key = key or _recognised(record, planned, rules, throw)  # noqa: PLW2901
-        if key in found:
-            raise InputError(
-                f"{option}: {path} and {found[key].path} are both of the test {key}; say which is which with NAME=FILE, where "
-                f"NAME is one of {', '.join(keys)}"
-            )
-        found[key] = Given(record, path, hashlib.sha256(path.read_bytes()).hexdigest())
-    return found
+    return [pair for word in words for pair in _paths(option, word, keys)]
 
 
-def check_pair(record: Record, reference: Record) -> None:
-    """Refuses two recorded files of other rates.
+@dataclass(frozen=True)
+class Recognition:
+    """What tells which test a record is of.
 
-    Raises:
-        InputError: With both rates and where the reference's differs.
+    Attributes:
+        planned: The tests there are.
+        rules: How long sweeps last.
+        throw: Where the control ends, for a release that is told by its share of it.
     """
-    rates = 1 / record.step_s, 1 / reference.step_s
-    if abs(rates[1] / rates[0] - 1) > _SAME_RATE:
-        raise InputError(
-            f"{reference.name}: has {rates[1]:.4g} samples a second from {reference.time_s[0]:.6g} s on, {record.name} has "
-            f"{rates[0]:.4g}; expected one rate; sample one of them again at the other's times"
+
+    planned: Sequence[Trial]
+    rules: Rules
+    throw: Throw
+
+    def read(self, option: str, files: Sequence[tuple[str, Path]], names: ColumnNames) -> dict[str, Given]:
+        """The records by the test they are of.
+
+        Args:
+            option: What a message names.
+            files: As of ``given_files``.
+            names: What the files call their columns.
+
+        Raises:
+            InputError: If a file cannot be read or measured, is of no test, or two are of one.
+        """
+        found: dict[str, Given] = {}
+        for said, path in files:
+            record = read_record(path, **names.arguments(path.stem))
+            key = said or self._test_of(record)
+            if key in found:
+                raise InputError(
+                    f"{option}: {path} and {found[key].path} are both of the test {key}; say which is which with NAME=FILE, where "
+                    f"NAME is one of {', '.join(trial.key for trial in self.planned)}"
+                )
+            found[key] = Given(record, path)
+        return found
+
+    def _test_of(self, record: Record) -> str:
+        """The test that a record is of: a sweep goes to both sides with a force, a release to one."""
+        keys = {trial.key for trial in self.planned}
+        away = record.position - record.position[0]
+        span = float(np.ptp(away))
+        if record.body_rate_rad_per_s is not None and SMALL in keys and record.force_n is None:
+            return SMALL
+        if record.force_n is not None and min(-float(away.min()), float(away.max())) > _BOTH_SIDES * span:
+            middles = {sweep.name: sum(sweep.duration_s) / 2 for sweep in self.rules.sweeps}
+            nearest = min(middles, key=lambda name: abs(np.log(record.duration_s / middles[name])))
+            return STATIC if nearest == "slow" else nearest
+        features = measure_release(record, rules=self.rules.release, settle_check=False)
+        displaced = features.displacement.value
+        sign = 1 if displaced > 0 else -1
+        releases: Mapping[float, Trial] = {trial.share: trial for trial in self.planned if trial.test.kind == "release"}
+        share = (
+            displaced / abs(self.throw.end(sign))
+            if record.position_unit == "rad"
+            else sign * self.rules.release.deflection[1]
         )
+        same_side = [one for one in releases if one * sign > 0]
+        if not same_side:
+            raise InputError(
+                f"{record.name}: is a {SIGNS[sign]} release, of which {self.rules.id} has none for this axis"
+            )
+        return releases[min(same_side, key=lambda one: abs(one - share))].key
 
 
 def check_cover(one: tuple[Record, ReleaseFeatures], other: tuple[Record, ReleaseFeatures]) -> None:
@@ -106,32 +142,10 @@ def _paths(option: str, word: str, keys: Sequence[str]) -> list[tuple[str, Path]
     path = Path(word)
     if not path.is_dir():
         return [(path.stem if path.stem in keys else "", path)]
-    files = sorted(file for file in path.iterdir() if file.suffix.lower() in _ENDINGS and file.stem in keys)
+    files = sorted(file for file in path.iterdir() if file.suffix.lower() in ENDINGS and file.stem in keys)
     if not files:
         raise InputError(
             f"{option}: {path}: has no file that is named after a test; expected some of {', '.join(keys)}, each with "
-            f"{' or '.join(_ENDINGS)}"
+            f"{', '.join(ENDINGS)}"
         )
     return [(file.stem, file) for file in files]
-
-
-def _recognised(record: Record, planned: Sequence[Trial], rules: Rules, throw: Throw) -> str:
-    """The test that a record is of: a sweep goes to both sides with a force, a release to one."""
-    keys = {trial.key for trial in planned}
-    away = record.position - record.position[0]
-    span = float(np.ptp(away))
-    if record.body_rate_rad_per_s is not None and SMALL in keys and record.force_n is None:
-        return SMALL
-    if record.force_n is not None and min(-float(away.min()), float(away.max())) > _BOTH_SIDES * span:
-        middles = {sweep.name: sum(sweep.duration_s) / 2 for sweep in rules.sweeps}
-        nearest = min(middles, key=lambda name: abs(np.log(record.duration_s / middles[name])))
-        return STATIC if nearest == "slow" else nearest
-    features = measure_release(record, rules=rules.release, settle_check=False)
-    displaced = features.displacement.value
-    sign = 1 if displaced > 0 else -1
-    releases: Mapping[float, Trial] = {trial.share: trial for trial in planned if trial.test.kind == "release"}
-    share = displaced / abs(throw.end(sign)) if record.position_unit == "rad" else sign * rules.release.deflection[1]
-    same_side = [one for one in releases if one * sign > 0]
-    if not same_side:
-        raise InputError(f"{record.name}: is a {SIGNS[sign]} release, of which {rules.id} has none for this axis")
-    return releases[min(same_side, key=lambda one: abs(one - share))].key

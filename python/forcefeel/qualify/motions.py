@@ -1,6 +1,6 @@
 """Records of what moves: a loader under a law, or the programmed feel alone, released and swept."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log, pi
 from typing import Protocol
 
@@ -94,7 +94,8 @@ class Motions:
         held = round(_HELD_S / self.sample_s)
         samples = held + round(duration_s / self.sample_s)
         force = Release(angle_rad, held * self.sample_s)
-        return _record(moved.move(self._scenario(force, samples * self.sample_s, self.sample_s)), self.sample_s, name)
+        angle = moved.move(self._scenario(force, samples * self.sample_s, self.sample_s))
+        return replace(_record(angle, self.sample_s, name), release_s=force.start_s)
 
     def forced(self, moved: Moved, force: Recorded, name: str) -> Record:
         """Moved by a force over time, from zero on."""

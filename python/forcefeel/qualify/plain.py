@@ -12,7 +12,16 @@ from forcefeel.results import quantity as plain_quantity
 from forcefeel.units import SECONDS, UnitSystem
 
 _RELEASE = ("release_s", "steady", "displacement", "fall_time", "rise_time")
-_SWEEP = ("breakout", "friction", "freeplay", "centring", "gradient", "gradient_low", "gradient_high")
+_SWEEP = (
+    "breakout_low",
+    "breakout_high",
+    "friction",
+    "freeplay",
+    "centring",
+    "gradient",
+    "gradient_low",
+    "gradient_high",
+)
 
 
 def plain_qualification(found: Qualification) -> dict[str, Plain]:
@@ -36,12 +45,17 @@ def plain_qualification(found: Qualification) -> dict[str, Plain]:
         "forcefeel": version("forcefeel"),
         "date": found.day.isoformat(),
         "units": str(system),
-        "outcome": str(found.outcome),
+        "standing": str(found.standing),
         "conclusions": plain(conclusions(found), system),
         "rule": rule,
         "throw": plain(found.throw, system),
         "reference": found.reference,
         "left_out": list(found.left_out),
+        "simulator": found.simulator,
+        "operator": found.operator,
+        "programme": [trial.key for trial in found.programme.trials],
+        "outside_the_programme": [trial.key for trial in found.programme.outside],
+        "named": list(found.programme.named),
         "files": files,
         "sections": [_section(section, found) for section in found.sections],
         "loader": plain(found.loader, system),
@@ -52,7 +66,8 @@ def _section(section: Section, found: Qualification) -> dict[str, Plain]:
     return {
         "name": section.name,
         "title": section.title,
-        "outcome": str(section.outcome),
+        "standing": str(section.standing),
+        "missing": [{"any_of": [trial.key for trial in group]} for group in section.missing],
         "tally": tally(section),
         "tests": [_result(result, found) for result in section.results],
     }
@@ -66,7 +81,7 @@ def _result(result: Result, found: Qualification) -> dict[str, Plain]:
         "test": test.number,
         "source": test.source,
         "conditions": list(test.conditions),
-        "verified": result.verified,
+        "verified": trial.verified,
         "outcome": str(result.outcome),
         "words": result_words(result, found),
         "reason": result.reason,

@@ -1,18 +1,27 @@
-"""The programme: which tests of a rule are made of a control, and what each one is called."""
+"""The programme: which tests of a rule are made of a control, what each one is called, and which of them must be there."""
 
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 from forcefeel.errors import InputError
 from forcefeel.qualification import Rules, Test
 from forcefeel.qualification.rules import Axis, Kind
+from forcefeel.units import show
 
 SweepName = Literal["slow", "medium", "fast"]
 
 SIGNS = {1: "positive", -1: "negative"}
 """Directions by the sign of the column's angle, as test names have them."""
 
-STATIC, SURFACE, SMALL = "static", "surface", "small-inputs"
+STATIC, SURFACE, FREEPLAY, SMALL = "static", "surface", "freeplay", "small-inputs"
+
+OF_THE_AIRCRAFT = {SURFACE: "a control loader has no surface", SMALL: "a control loader turns no aircraft"}
+"""Tests that a simulated control loader cannot be given, and why: they are of what it moves."""
+
+_RELEASES: Kind = "release"
+_SWEEPS: Kind = "dynamic sweep"
+"""The two methods of the dynamic tests. The rule takes either: the second is its alternate one."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +42,82 @@ class Trial:
     share: float = 0.0
     sweep: SweepName | None = None
 
+    @property
+    def verified(self) -> bool:
+        """Whether a person has held every tolerance that it is judged by against the document."""
+        return all(self.test.is_verified(one) for one in self.test.tolerances)
+
+    @property
+    def demand(self) -> str:
+        """What of the rule it meets: of a release its direction, since any share of the throw within the rule's limits will do."""
+        return f"release {SIGNS[1 if self.share > 0 else -1]}" if self.share else self.key
+
+
+@dataclass(frozen=True)
+class Programme:
+    """The tests that a control has to pass.
+
+    Attributes:
+        trials: In the order of the rule.
+        outside: Tests of the rule that what is tested cannot be given; they are neither made nor missed.
+        named: Keys of the tests that alone are made; all are if there are none.
+    """
+
+    trials: tuple[Trial, ...]
+    outside: tuple[Trial, ...] = ()
+    named: tuple[str, ...] = ()
+
+    @property
+    def made(self) -> tuple[Trial, ...]:
+        """The tests that are made."""
+        return tuple(trial for trial in self.trials if not self.named or trial.key in self.named)
+
+    def missing(self, evaluated: Collection[str]) -> tuple[tuple[Trial, ...], ...]:
+        """What the rule asks for beyond the tests that were evaluated: of each group one test will do.
+
+        Of the two methods of the dynamic tests one is enough; if neither is whole, the releases are missing.
+        """
+        demands: dict[str, list[Trial]] = {}
+        for trial in self.trials:
+            demands.setdefault(trial.demand, []).append(trial)
+        found = [tuple(some) for some in demands.values() if not any(trial.key in evaluated for trial in some)]
+        asked = {trial.test.kind for trial in self.trials}
+        short = {some[0].test.kind for some in found}
+        spared = _RELEASES if _SWEEPS in asked - short else _SWEEPS if _RELEASES in asked else None
+        return tuple(some for some in found if some[0].test.kind != spared)
+
+
+def programme_of(rules: Rules, axis: Axis, *, recorded: bool, named: Sequence[str] = ()) -> Programme:
+    """The programme of a control.
+
+    Args:
+        rules: The rule.
+        axis: Which control.
+        recorded: A simulator that was recorded, which has surfaces and a body; else a simulated control loader.
+        named: Keys of the tests that alone are made.
+
+    Raises:
+        InputError: If the rule has none for that axis, or a name is of no test of the programme.
+    """
+    planned = trials(rules, axis)
+    outside = () if recorded else tuple(trial for trial in planned if trial.key in OF_THE_AIRCRAFT)
+    inside = tuple(trial for trial in planned if trial not in outside)
+    keys = [trial.key for trial in inside]
+    for name in named:
+        if name in keys:
+            continue
+        others = f"expected some of {', '.join(keys)}"
+        if any(trial.key == name for trial in outside):
+            raise InputError(
+                f"test: {name} is outside the programme of a simulated loader: {OF_THE_AIRCRAFT[name]}; {others}; or record the "
+                "simulator"
+            )
+        raise InputError(f"test: unknown test {show(name)}; {others}")
+    return Programme(inside, outside, tuple(key for key in keys if key in named))
+
 
 def trials(rules: Rules, axis: Axis) -> tuple[Trial, ...]:
-    """The tests of an axis, in the order of the rule: static, releases, alternate method, small inputs.
+    """The tests of an axis, in the order of the rule: static, freeplay, releases, alternate method, small inputs.
 
     Raises:
         InputError: If the rule has none for that axis.
@@ -45,12 +127,14 @@ def trials(rules: Rules, axis: Axis) -> tuple[Trial, ...]:
         found.append(Trial(STATIC, "Static sweep from stop to stop", static, sweep="slow"))
         if static.tolerance("surface"):
             found.append(Trial(SURFACE, "Surface position over the control's position", static, sweep="slow"))
-    if release := _test(rules, "release", axis):
+    if freeplay := _test(rules, "freeplay", axis):
+        found.append(Trial(FREEPLAY, "Freeplay", freeplay, sweep="slow"))
+    if release := _test(rules, _RELEASES, axis):
         for share in rules.release.deflection:
             for sign, side in SIGNS.items():
                 title = f"Release from {100 * share:g} % of the throw, {side}"
                 found.append(Trial(f"release-{100 * share:g}-{side}", title, release, share=sign * share))
-    if dynamic := _test(rules, "dynamic sweep", axis):
+    if dynamic := _test(rules, _SWEEPS, axis):
         found.append(Trial("medium", "Alternate method: medium sweep against the slow one", dynamic, sweep="medium"))
         found.append(Trial("fast", "Alternate method: fast sweep against the slow one", dynamic, sweep="fast"))
     if small := _test(rules, "small inputs", axis):

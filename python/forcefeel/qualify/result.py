@@ -1,18 +1,30 @@
 """What a qualification came to."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import date
+from enum import StrEnum
 
 from forcefeel.loader import Loader
 from forcefeel.qualification import Outcome, Record, ReleaseFeatures, Rules, SweepFeatures, Verdict
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualify.given import Given
-from forcefeel.qualify.programme import Trial
+from forcefeel.qualify.programme import Programme, Trial
 from forcefeel.qualify.throw import Throw
 from forcefeel.units import UnitSystem
 
 Features = ReleaseFeatures | SweepFeatures
+
+
+class Standing(StrEnum):
+    """What all tests together come to, the worst first."""
+
+    DOES_NOT_QUALIFY = "does not qualify"
+    """A test failed."""
+    INCOMPLETE = "incomplete"
+    """None failed, but some of the programme are missing: not evaluated, not asked for, or too close to call."""
+    QUALIFIES = "qualifies"
+    """The programme is whole, and all that was evaluated passed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,11 +63,6 @@ class Result:
     reason: str = ""
     remarks: tuple[str, ...] = ()
 
-    @property
-    def verified(self) -> bool:
-        """Whether a person has held every tolerance that it was judged by against the document."""
-        return all(self.trial.test.is_verified(one) for one in self.trial.test.tolerances)
-
 
 @dataclass(frozen=True, eq=False)
 class Section:
@@ -64,17 +71,34 @@ class Section:
     Attributes:
         name: Of the law; ``record``.
         title: In words.
-        results: In the order of the rule.
+        results: Of the tests that were made, in the order of the rule.
+        programme: The tests that it has to pass.
     """
 
     name: str
     title: str
     results: tuple[Result, ...]
+    programme: Programme
 
     @property
-    def outcome(self) -> Outcome:
-        """The worst that its tests came to."""
-        return worst(result.outcome for result in self.results)
+    def standing(self) -> Standing:
+        """What its tests come to."""
+        if self.count(Outcome.FAILED):
+            return Standing.DOES_NOT_QUALIFY
+        return Standing.INCOMPLETE if self.missing else Standing.QUALIFIES
+
+    @property
+    def missing(self) -> tuple[tuple[Trial, ...], ...]:
+        """What a whole programme lacks: of each group one test will do."""
+        evaluated = {one.trial.key for one in self.results if one.outcome is not Outcome.NOT_EVALUATED}
+        undecided = ((one.trial,) for one in self.results if one.outcome is Outcome.TOO_CLOSE)
+        return *undecided, *self.programme.missing(evaluated)
+
+    @property
+    def fulfilled(self) -> bool:
+        """Whether it qualifies, or passed every test where only some were asked for."""
+        passed = self.count(Outcome.PASSED) == len(self.results)
+        return self.standing is Standing.QUALIFIES or (bool(self.programme.named) and passed)
 
     def count(self, outcome: Outcome) -> int:
         """How many tests came to that."""
@@ -93,8 +117,10 @@ class Qualification:
         throw: How far it goes.
         system: Units; of the rule's two roundings of a force, that one holds.
         reference: What was the reference, in words.
+        programme: The tests to pass.
         sections: One for each law, or one for the record.
         files: Files that were read, by what they were given as.
+        simulator, operator: Which was tested, and by whom; blank lines of the page where nobody says.
         day: When.
     """
 
@@ -105,23 +131,25 @@ class Qualification:
     throw: Throw
     system: UnitSystem
     reference: str
+    programme: Programme
     sections: tuple[Section, ...]
     files: Mapping[str, Given] = field(default_factory=dict)
+    simulator: str = ""
+    operator: str = ""
     day: date = field(default_factory=date.today)
 
     @property
-    def outcome(self) -> Outcome:
+    def standing(self) -> Standing:
         """The worst of the sections'."""
-        return worst(section.outcome for section in self.sections)
+        found = {section.standing for section in self.sections}
+        return next(standing for standing in Standing if standing in found)
 
     @property
     def qualifies(self) -> bool:
-        """Whether something was evaluated, and all of that passed."""
-        return self.outcome is Outcome.PASSED
+        """Whether every section does."""
+        return self.standing is Standing.QUALIFIES
 
-
-def worst(outcomes: Iterable[Outcome]) -> Outcome:
-    """Of several tests: failed, too close to call, passed, and not evaluated only if nothing was."""
-    found = set(outcomes)
-    order = (Outcome.FAILED, Outcome.TOO_CLOSE, Outcome.PASSED)
-    return next((outcome for outcome in order if outcome in found), Outcome.NOT_EVALUATED)
+    @property
+    def fulfilled(self) -> bool:
+        """Whether every section qualifies, or passed every test where only some were asked for."""
+        return all(section.fulfilled for section in self.sections)

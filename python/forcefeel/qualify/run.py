@@ -13,13 +13,14 @@ from forcefeel.qualification.judge_release import Overdamped
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualify.bench import Task, TestBench
 from forcefeel.qualify.feel_alone import FeelAlone
-from forcefeel.qualify.given import Given, read_given
+from forcefeel.qualify.given import Given, Recognition, given_files
 from forcefeel.qualify.laws import LAW_WORDS, ORIGINAL, named_laws
 from forcefeel.qualify.motions import Motions, SimulatedLoader
-from forcefeel.qualify.programme import Trial, trials
+from forcefeel.qualify.programme import Trial, programme_of, trials
 from forcefeel.qualify.result import Qualification, Section
 from forcefeel.qualify.throw import Throw
 from forcefeel.sampled_compensator import SampledCompensator
+from forcefeel.tables.column_names import ColumnNames
 from forcefeel.units import ANGLE, PRESSURE, UnitSystem, show
 
 Records = Sequence[str] | Mapping[str, Record]
@@ -37,9 +38,13 @@ class QualificationSetup:
         throw_rad: Throw to either side; the loader's or its feel's stops, or a usual one if not given.
         references: Recorded references; the programmed feel if there are none.
         records: Records of a simulator that take the place of the simulated loader; no law then counts.
+        tests: Keys of the tests that alone are made, as ``release-25-positive``; the whole programme if there are none.
+        columns: What the files of both call their columns, as the command takes it: ``[STEM:]position=NAME``.
+        units: Units of columns whose header has none, likewise: ``[STEM:]NAME=deg``.
         dynamic_pressure_pa: For a feel whose stiffness depends on it.
         overdamped: What a response without overshoots is judged by.
         system: Units; of the rule's two roundings of a force, that one holds.
+        simulator, operator: For the page: which was tested, and by whom.
     """
 
     laws: Sequence[str] | Mapping[str, Compensator | SampledCompensator | None] = (ORIGINAL,)
@@ -48,9 +53,14 @@ class QualificationSetup:
     throw_rad: Annotated[float, ANGLE] | None = None
     references: Records = ()
     records: Records = ()
+    tests: Sequence[str] = ()
+    columns: Sequence[str] = ()
+    units: Sequence[str] = ()
     dynamic_pressure_pa: Annotated[float, PRESSURE] | None = None
     overdamped: Overdamped = "fall time"
     system: UnitSystem = field(default=UnitSystem.US)
+    simulator: str = ""
+    operator: str = ""
 
 
 def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Qualification:
@@ -70,12 +80,12 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
     setup = setup or QualificationSetup()
     rules = load_rules(setup.rule)
     planned = trials(rules, setup.axis)
+    programme = programme_of(rules, setup.axis, recorded=bool(setup.records), named=setup.tests)
     left_out = tuple(row for row in ARM_ROWS if loader[row] != 0)
     loader = loader.replace(dict.fromkeys(left_out))
     throw = Throw.of(loader, setup.throw_rad)
-    references = _given("reference", setup.references, planned, setup, throw)
-    records = _given("record", setup.records, planned, setup, throw)
-    feel = FeelAlone(loader, throw, setup.dynamic_pressure_pa)
+    references, records = _given(setup, Recognition(planned, rules, throw))
+    feel = FeelAlone(loader)
     motions = Motions.of(loader, setup.dynamic_pressure_pa)
     task = Task(loader, feel, motions, rules, throw, references, setup.system, setup.overdamped)
     if records:
@@ -86,7 +96,8 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
             for name, law in _laws(loader, setup).items()
         }
     sections = tuple(
-        Section(name, bench.name, tuple(bench.result(trial) for trial in planned)) for name, bench in benches.items()
+        Section(name, bench.name, tuple(map(bench.result, programme.made)), programme)
+        for name, bench in benches.items()
     )
     files = {
         f"{kind} {key}": one
@@ -101,8 +112,11 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
         throw,
         setup.system,
         "recorded aircraft" if references else feel.method,
+        programme,
         sections,
         files,
+        setup.simulator,
+        setup.operator,
     )
 
 
@@ -122,12 +136,27 @@ def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Compensator
     return given
 
 
-def _given(
-    kind: str, words: Records, planned: tuple[Trial, ...], setup: QualificationSetup, throw: Throw
-) -> dict[str, Given]:
-    if not isinstance(words, Mapping):
-        return read_given(f"--{kind}", words, planned, load_rules(setup.rule), throw)
+def _given(setup: QualificationSetup, recognition: Recognition) -> tuple[dict[str, Given], dict[str, Given]]:
+    """References and records by the test they are of."""
+    both = {"reference": setup.references, "record": setup.records}
+    files = {
+        kind: given_files(f"--{kind}", those, recognition.planned)
+        for kind, those in both.items()
+        if not isinstance(those, Mapping)
+    }
+    stems = list(dict.fromkeys(path.stem for named in files.values() for _, path in named))
+    names = ColumnNames.of(setup.columns, setup.units, stems)
+    references, records = (
+        _in_memory(kind, those, recognition.planned)
+        if isinstance(those, Mapping)
+        else recognition.read(f"--{kind}", files[kind], names)
+        for kind, those in both.items()
+    )
+    return references, records
+
+
+def _in_memory(kind: str, those: Mapping[str, Record], planned: Sequence[Trial]) -> dict[str, Given]:
     keys = [trial.key for trial in planned]
-    if strangers := [key for key in words if key not in keys]:
+    if strangers := [key for key in those if key not in keys]:
         raise InputError(f"{kind}s: unknown test {show(strangers[0])}; expected some of {', '.join(keys)}")
-    return {key: Given(record) for key, record in words.items()}
+    return {key: Given(record) for key, record in those.items()}

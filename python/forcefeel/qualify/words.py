@@ -4,7 +4,8 @@ from math import isfinite
 
 from forcefeel.findings import Conclusions
 from forcefeel.qualification import Figure, Outcome, ReleaseFeatures, Verdict
-from forcefeel.qualify.result import Qualification, Result, Section
+from forcefeel.qualify.programme import OF_THE_AIRCRAFT
+from forcefeel.qualify.result import Qualification, Result, Section, Standing
 from forcefeel.run_findings import FORCE
 from forcefeel.units import ANGLE, LENGTH, RATIO, SECONDS, Unit, UnitSystem, to_text
 
@@ -31,45 +32,82 @@ def quantity(value: float, unit: str, system: UnitSystem, digits: int = 3) -> st
 
 
 def conclusions(found: Qualification) -> Conclusions:
-    """What to conclude of the whole: good if all that was evaluated passed."""
-    lines = [section_words(section, found) for section in found.sections]
-    return Conclusions(found.qualifies, _verdict(found), (*lines, *caveats(found)))
+    """What to conclude of the whole: good if it qualifies, or passed what was asked for where only some tests were."""
+    if len(found.sections) == 1:
+        lines = _reasons(found.sections[0], found)
+    else:
+        lines = [" ".join([_sentence(_standing(one)), *_reasons(one, found)]) for one in found.sections]
+    return Conclusions(found.fulfilled, _verdict(found), (*lines, *caveats(found)))
 
 
 def _verdict(found: Qualification) -> str:
-    rule = f"{found.rules.title} ({found.rules.edition})"
+    rows = [trial.test.is_verified(one) for trial in found.programme.made for one in trial.test.tolerances]
+    unverified = "" if all(rows) else ", in part unverified" if any(rows) else ", unverified"
+    rule = f"By {found.rules.title} ({found.rules.edition}{unverified})"
     if len(found.sections) == 1:
         (section,) = found.sections
-        word = {
-            Outcome.PASSED: "qualifies, as far as it was evaluated",
-            Outcome.FAILED: "does not qualify",
-            Outcome.TOO_CLOSE: "is too close to a tolerance to be called",
-            Outcome.NOT_EVALUATED: "was not evaluated",
-        }[section.outcome]
-        return f"By {rule} the {section.title} {word}: {tally(section)}."
-    good = [section.title for section in found.sections if section.outcome is Outcome.PASSED]
-    if not good:
-        return f"By {rule} none of {len(found.sections)} laws qualifies."
-    return f"By {rule} {len(good)} of {len(found.sections)} laws qualif{'y' if len(good) > 1 else 'ies'}: {', '.join(good)}."
+        return _sentence(f"{rule} {_standing(section)}")
+    good = [section.title for section in found.sections if section.fulfilled]
+    short = any(section.standing is not Standing.QUALIFIES for section in found.sections if section.fulfilled)
+    does = "passed what was asked for" if short else f"qualif{'y' if len(good) > 1 else 'ies'}"
+    number = f"{len(good)} of {len(found.sections)} laws" if good else f"none of {len(found.sections)} laws"
+    return _sentence(f"{rule} {number} {does}{': ' if good else ''}{', '.join(good)}{_asked(found)}")
+
+
+def _asked(found: Qualification | Section) -> str:
+    """What alone was asked for."""
+    return f" (asked for: {', '.join(found.programme.named)})" if found.programme.named else ""
+
+
+def _standing(section: Section) -> str:
+    """What the tests of a section come to, with what is missing and what alone was made."""
+    came = tally(section) + _asked(section)
+    match section.standing:
+        case Standing.QUALIFIES:
+            rest = "; the rule asks for no more" if section.count(Outcome.NOT_EVALUATED) else ""
+            return f"the {section.title} qualifies: {came}{rest}"
+        case Standing.DOES_NOT_QUALIFY:
+            return f"the {section.title} does not qualify: {came}"
+        case Standing.INCOMPLETE:
+            return f"the qualification of the {section.title} is incomplete: {came}. Missing: {missing_text(section)}"
+
+
+def missing_text(section: Section) -> str:
+    """What a whole programme lacks, by the reason; tests of which one would do with an *or* between them."""
+    results = {one.trial.key: one for one in section.results}
+    why: dict[str, list[str]] = {}
+    for group in section.missing:
+        reasons = dict.fromkeys(_why_missing(results.get(trial.key)) for trial in group)
+        why.setdefault("; ".join(reasons), []).append(" or ".join(trial.key for trial in group))
+    text = "; ".join(f"{', '.join(keys)} ({reason})" for reason, keys in why.items())
+    alternate = [trial.key for trial in section.programme.trials if trial.test.kind == "dynamic sweep"]
+    releases = [group[0].key for group in section.missing if group[0].test.kind == "release"]
+    if alternate and any(_why_missing(results.get(key)) != Outcome.TOO_CLOSE for key in releases):
+        text += f"; {' and '.join(alternate)} would do instead of the releases"
+    return text
+
+
+def _why_missing(result: Result | None) -> str:
+    if result is None:
+        return "not asked for"
+    if result.outcome is Outcome.TOO_CLOSE:
+        return str(Outcome.TOO_CLOSE)
+    return result.reason or next(one.reason for one in result.verdicts if one.outcome is Outcome.NOT_EVALUATED)
 
 
 def tally(section: Section) -> str:
-    """How many tests came to what: ``2 of 9 tests passed, 5 failed, 2 not evaluated``."""
+    """How many tests came to what: ``1 of 7 tests passed, 6 failed``."""
     others = (Outcome.FAILED, Outcome.TOO_CLOSE, Outcome.NOT_EVALUATED)
     parts = [f"{section.count(Outcome.PASSED)} of {len(section.results)} tests passed"]
     return ", ".join(parts + [f"{number} {outcome}" for outcome in others if (number := section.count(outcome))])
 
 
-def section_words(section: Section, found: Qualification) -> str:
-    """What a law came to, and the first reason why not."""
-    text = f"{section.title[0].upper()}{section.title[1:]}: {tally(section)}."
+def _reasons(section: Section, found: Qualification) -> list[str]:
+    """Why a section does not qualify: the first release and the first sweep that are off."""
     bad = [one for one in section.results if one.outcome in (Outcome.FAILED, Outcome.TOO_CLOSE)]
     releases = [one for one in bad if one.trial.test.kind == "release"]
     sweeps = [one for one in bad if one.trial.test.kind != "release"]
-    for one in (releases[:1], sweeps[:1]):
-        if one:
-            text += f" {one[0].trial.title}: {result_words(one[0], found)}"
-    return text
+    return [f"{one[0].trial.title}: {result_words(one[0], found)}" for one in (releases, sweeps) if one]
 
 
 def result_words(result: Result, found: Qualification) -> str:
@@ -101,7 +139,7 @@ def _told(verdict: Verdict, result: Result, found: Qualification) -> str:
     if verdict.measured is None or verdict.reference is None or not isfinite(verdict.difference):
         return f"{name}: {verdict.reason}" if verdict.reason else f"{name} is not there"
     mine, theirs, unit = verdict.measured.value, verdict.reference.value, verdict.unit
-    asked = "programmed" if not _recorded(found) else "recorded"
+    asked = "recorded" if recorded(found, "reference") else "programmed"
     if unit == "s":
         off = f"{to_text(100 * abs(verdict.difference) / theirs, 2)} % {'long' if mine > theirs else 'short'}"
         told = f"{name} is {off}, {quantity(mine, unit, system)} where {quantity(theirs, unit, system)} are {asked}"
@@ -148,7 +186,13 @@ def _share(verdict: Verdict) -> float:
 
 def caveats(found: Qualification) -> tuple[str, ...]:
     """What else a reader must know."""
-    lines = [f"Reference: {found.reference}."]
+    lines = []
+    if outside := found.programme.outside:
+        tests = ", ".join(f"{trial.key} ({trial.test.number}; {OF_THE_AIRCRAFT[trial.key]})" for trial in outside)
+        lines.append(
+            f"Outside the programme of a simulated loader: {tests}. They are judged on records of the simulator."
+        )
+    lines.append(f"Reference: {found.reference}.")
     low, high = (quantity(end, "rad", found.system) for end in (found.throw.low_rad, found.throw.high_rad))
     lines.append(f"Throw: {low} to {high}, {found.throw.source}.")
     if unverified := unverified_tests(found):
@@ -162,9 +206,9 @@ def caveats(found: Qualification) -> tuple[str, ...]:
 
 def unverified_tests(found: Qualification) -> list[str]:
     """Numbers of the tests with rows that are not verified, and the durations of the sweeps."""
-    results = [one for one in found.sections[0].results if not one.verified]
-    numbers = list(dict.fromkeys(f"test {one.trial.test.number}" for one in results))
-    swept = any(one.trial.sweep for one in found.sections[0].results)
+    made = found.programme.made
+    numbers = list(dict.fromkeys(f"test {trial.test.number}" for trial in made if not trial.verified))
+    swept = any(trial.sweep for trial in made)
     durations = ["the durations of the sweeps"] if swept and not all(one.verified for one in found.rules.sweeps) else []
     release = [] if found.rules.release.verified else ["the shares of a release"]
     return [*numbers, *durations, *release]
@@ -177,8 +221,9 @@ def figure_text(figure: Figure | None, system: UnitSystem) -> str:
     return to_text(UNITS[figure.unit].from_si(figure.value, system), 4)
 
 
-def _recorded(found: Qualification) -> bool:
-    return any(name.startswith("reference") for name in found.files)
+def recorded(found: Qualification, kind: str) -> bool:
+    """Whether there were files of a ``record`` or a ``reference``."""
+    return any(name.startswith(kind) for name in found.files)
 
 
 def _sentence(text: str) -> str:

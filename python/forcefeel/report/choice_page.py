@@ -14,6 +14,7 @@ from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PHASE_RAD
 from forcefeel.report import choice_plots, choice_tables, machine
 from forcefeel.report.canvas import html
+from forcefeel.report.tolerance_table import tolerances
 from forcefeel.report.typography import number_text, parameter_text, prose_html, quantity_text
 from forcefeel.templating import environment
 from forcefeel.units import ANGLE, UnitSystem
@@ -47,6 +48,7 @@ def choice_page(scored: Scored, choice: Choice | None, units: UnitSystem) -> str
             release=Markup(html(choice_plots.release(scored, shown), "release-plot")),
             poles=choice_tables.poles(shown[0]),
             grid=choice_tables.grid(scored, units),
+            tolerances=tolerances(plan.deviations),
             least={"gain": LEAST_GAIN, "phase": quantity_text(LEAST_PHASE_RAD, ANGLE, units, 3), "close": CLOSE},
             holding=HOLDING,
             angle=quantity_text(plan.release_rad, ANGLE, units, 3),

@@ -9,9 +9,11 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from forcefeel.envelopes.findings import envelope_conclusions
+from forcefeel.envelopes.plain import releases
 from forcefeel.envelopes.result import Envelope
 from forcefeel.report import envelope_maps, envelope_plots, envelope_tables, machine
 from forcefeel.report.canvas import html
+from forcefeel.report.tolerance_table import tolerances
 from forcefeel.report.typography import number_text, prose_html, quantity_text
 from forcefeel.templating import environment
 from forcefeel.units import ANGLE, UnitSystem
@@ -38,13 +40,16 @@ def envelope_page(found: Envelope, units: UnitSystem) -> str:
             worst=envelope_maps.rows(found, worst=True),
             failures=envelope_tables.failures(found),
             cases=envelope_tables.cases(found),
+            drawn=envelope_tables.drawn(found) if plan.machines else None,
+            counted=envelope_tables.counted(found),
+            tolerances=tolerances(plan.deviations),
             smallest=envelope_tables.smallest(found, units),
             impedance=Markup(html(envelope_plots.impedance(found), "impedance")),
             passive=envelope_tables.passive(found),
             grid=envelope_tables.grid(found, units),
             arms=envelope_tables.arms(found),
             angle=quantity_text(plan.release_rad, ANGLE, units, 3),
-            releases=f"{found.data['outcome'].size:,}",
+            releases=f"{releases(found):,}",
             parameters=machine.parameters(plan.given, units),
             plotly_js=Markup(get_plotlyjs()),
         )

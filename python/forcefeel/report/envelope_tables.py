@@ -4,12 +4,12 @@ from math import isfinite
 
 from forcefeel.envelopes.cases import Kind
 from forcefeel.envelopes.passivity import ARM_HZ, HIGHEST_HZ
-from forcefeel.envelopes.result import INERTIA, Envelope, Failure
+from forcefeel.envelopes.result import INERTIA, MOST, Envelope, Failure
 from forcefeel.envelopes.settings import AXES
 from forcefeel.parameters import TABLE, unit
 from forcefeel.report.table import Cell, Table, heads, number, words
 from forcefeel.report.typography import NONE, heading_text, number_text, parameter_name, value_text
-from forcefeel.sweep.findings import share_text
+from forcefeel.sweep.findings import interval_text, share_text
 from forcefeel.units import HERTZ, UnitSystem
 
 _BAD = (240, 140, 60)
@@ -23,6 +23,37 @@ def shares(found: Envelope) -> Table:
         numbers = (one.stable, one.passes, one.stable_worst, one.passes_worst)
         rows.append((words(capital(name)), *(number(share_text(share)) for share in numbers)))
     head = ("Law", "Stable", "Passes", "Stable in every case", "Passes in every case")
+    return Table(heads(*head), tuple(rows))
+
+
+def drawn(found: Envelope) -> Table:
+    """One number each, on machines with all tolerances at once."""
+    rows = []
+    for name in found.compensators:
+        one = found.drawn_shares(name)
+        sure = interval_text(one.good_low, one.good_high)
+        good = f"{share_text(one.good)} ({sure})"
+        numbers = (share_text(one.settings), good, share_text(one.passes), share_text(one.least))
+        rows.append((words(capital(name)), *map(number, numbers)))
+    most = share_text(MOST)
+    head = (
+        "Law",
+        f"Settings that pass in {most} of the machines",
+        f"Machines that pass at {most} of the settings",
+        "A machine passes at, on average",
+        "The worst machine passes at",
+    )
+    return Table(heads(*head), tuple(rows))
+
+
+def counted(found: Envelope) -> Table:
+    """The shares by two weights of the grid's points."""
+    rows = []
+    for name in found.compensators:
+        one, even = found.shares(name), found.even_shares(name)
+        numbers = (one.passes, even.passes, one.passes_worst, even.passes_worst)
+        rows.append((words(capital(name)), *(number(share_text(share)) for share in numbers)))
+    head = ("Law", "Passes: by points", "in proportion", "In every case: by points", "in proportion")
     return Table(heads(*head), tuple(rows))
 
 

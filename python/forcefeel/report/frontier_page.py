@@ -9,10 +9,11 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from forcefeel.envelopes.findings import WHOLE_WORST, name_text
-from forcefeel.frontier.findings import GOAL, frontier_conclusions, tolerance_text
+from forcefeel.frontier.findings import GOAL, frontier_conclusions, geometry_text, tolerance_text
 from forcefeel.frontier.result import Frontier
 from forcefeel.report import frontier_maps, frontier_plots, frontier_tables, machine
 from forcefeel.report.canvas import html
+from forcefeel.report.tolerance_table import tolerances
 from forcefeel.report.typography import number_text, prose_html, quantity_text
 from forcefeel.templating import environment
 from forcefeel.units import ANGLE, UnitSystem
@@ -42,6 +43,8 @@ def frontier_page(found: Frontier, units: UnitSystem) -> str:
             hardware=frontier_tables.hardware(found),
             edges=frontier_tables.edges(found, units),
             grid=frontier_tables.grid(found, units),
+            known=tolerances(plan.deviations),
+            geometry=geometry_text(found),
             angle=quantity_text(plan.release_rad, ANGLE, units, 3),
             beyond=found.beyond_bound,
             parameters=machine.parameters(plan.given, units),

@@ -10,8 +10,8 @@ from forcefeel.frontier.result import Frontier
 from forcefeel.report.canvas import frame, line
 from forcefeel.report.palette import COMPENSATED, COMPLIANT, IDEAL, Look
 
-_TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30)
-_SAID = (0.1, 0.5, 1, 2, 5, 10, 20)
+_TICKS = (0.001, 0.01, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30)
+_SAID = (0.001, 0.01, 0.1, 0.5, 1, 2, 5, 10, 20)
 """Ticks with a number; the others have no room for one on a phone."""
 
 
@@ -19,7 +19,7 @@ def shares(found: Frontier) -> go.Figure:
     """Bound and achieved shares over the tolerance of the column's inertia; the tightening that reaches the goal is marked."""
     picture, tight = go.Figure(), found.tightening
     curves = (
-        ("bound on any law", found.bound.errors, found.bound.shares, Look(IDEAL, "dot")),
+        ("bound on any linear law", found.bound.errors, found.bound.shares, Look(IDEAL, "dot")),
         (
             "achieved, inertia and geometry tightened",
             tight.inertia_and_geometry.tolerances,

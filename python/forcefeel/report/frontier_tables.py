@@ -4,6 +4,7 @@ from math import isfinite
 
 from forcefeel.envelopes.result import INERTIA
 from forcefeel.envelopes.settings import AXES
+from forcefeel.envelopes.tolerance_words import ends_text
 from forcefeel.frontier.findings import MILLISECONDS, points_text, tolerance_text
 from forcefeel.frontier.friction import FORCE
 from forcefeel.frontier.result import Frontier
@@ -33,7 +34,7 @@ def tolerances(found: Frontier) -> Table:
         rows.append((words(f"±{tolerance_text(tolerance)}"), *map(number, cells)))
     exactly = (share_text(one.limit), share_text(every.limit), share_text(1.0))
     rows.append((words("exactly"), *map(number, exactly)))
-    head = ("Inertia known to", "Inertia and geometry tightened", "All in proportion", "Bound on any law")
+    head = ("Inertia known to", "Inertia and geometry tightened", "All in proportion", "Bound on any linear law")
     return Table(heads(*head), tuple(rows))
 
 
@@ -50,7 +51,7 @@ def costs(found: Frontier) -> Table:
         rows.append(
             (
                 words(name),
-                number(f"±{tolerance_text(cost.tolerance)}" if known else NONE),
+                number(ends_text(found.plan.deviations[cost.name]).replace("-", _MINUS) if known else NONE),
                 number(share_text(cost.passes)),
                 number(share_text(cost.lost) if cost.lost else NONE),
                 number(share_text(cost.only) if cost.only else NONE),

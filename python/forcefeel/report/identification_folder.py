@@ -10,11 +10,14 @@ from forcefeel.errors import InputError
 from forcefeel.identification.plain import FitSettings, plain_identification, response_csv
 from forcefeel.identification.result import Identification
 from forcefeel.report.identification_page import identification_page
-from forcefeel.report.staging import write_together
+from forcefeel.report.staging import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS, LOADER, RESPONSES = "identification.html", "results.json", "loader.toml", "responses"
 """Names in the folder."""
+
+FOLDER = OutputFolder("the identification", (PAGE, RESULTS, LOADER), (RESPONSES,))
+"""Checked before the work, written after it."""
 
 _NAME = re.compile(r"[^\w.-]+")
 
@@ -52,24 +55,19 @@ def write_identification(
             name, or cannot be written.
     """
     tables = {f"{RESPONSES}/{name}": one for name, one in zip(_names(estimated), estimated, strict=True)}
-    check_identification_folder(out, inputs, replace=replace, names=(*_FIXED, *tables))
+    check_identification_folder(out, inputs, replace=replace, names=(*FOLDER.files, *tables))
     contents = {name: response_csv(one, units) for name, one in tables.items()}
     if found.loader is not None:
         contents[LOADER] = found.loader.to_toml(units)
     results = plain_identification(found, units, settings)
     contents[RESULTS] = json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     contents[PAGE] = identification_page(found, units, settings, tuple(tables))
-    write_together(out, contents)
-    if found.loader is None:
-        (out / LOADER).unlink(missing_ok=True)
+    FOLDER.write(out, contents)
     return out / PAGE
 
 
-_FIXED = (PAGE, RESULTS, LOADER)
-
-
 def check_identification_folder(
-    out: Path, inputs: Sequence[Path], *, replace: bool, names: Sequence[str] = _FIXED
+    out: Path, inputs: Sequence[Path], *, replace: bool, names: Sequence[str] = FOLDER.files
 ) -> None:
     """Refuses what would fail halfway or overwrite what the identification is made from.
 
@@ -82,22 +80,12 @@ def check_identification_folder(
     Raises:
         InputError: If ``out`` is a file, holds a folder of such a name, one of ``inputs``, or a file that may not be replaced.
     """
-    if out.exists() and not out.is_dir():
-        raise InputError(
-            f"{out}: is a file; expected a folder for the identification; name another one, or move the file away"
-        )
-    for name in names:
-        target = out / name
-        if target.is_dir():
-            raise InputError(f"{target}: is a folder; expected to write a file of that name; move the folder away")
-        if not target.exists():
-            continue
-        if any(given.exists() and given.samefile(target) for given in inputs):
+    for target in (out / name for name in names):
+        if target.exists() and any(given.exists() and given.samefile(target) for given in inputs):
             raise InputError(
                 f"{target}: is what the identification is made from, and stays as it is; name another folder with --out"
             )
-        if not replace:
-            raise InputError(f"{out}: holds {name} already; name another folder with --out, or --replace to replace it")
+    OutputFolder(FOLDER.what, tuple(names), FOLDER.folders).check(out, replace=replace)
 
 
 def _names(estimated: Sequence[Response]) -> list[str]:

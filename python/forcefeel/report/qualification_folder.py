@@ -3,15 +3,17 @@
 import json
 from pathlib import Path
 
-from forcefeel.errors import InputError
 from forcefeel.qualify.plain import plain_qualification
 from forcefeel.qualify.result import Qualification
 from forcefeel.report.chromium import find_chromium, page_pdf
 from forcefeel.report.qualification_page import qualification_page
-from forcefeel.report.staging import write_together
+from forcefeel.report.staging import OutputFolder
 
 PAGE, NUMBERS, PDF = "qualification.html", "results.json", "qualification.pdf"
 """Names in the folder."""
+
+FOLDER = OutputFolder("the qualification", (PAGE, NUMBERS, PDF))
+"""Checked before the work, written after it."""
 
 
 def write_qualification(found: Qualification, out: Path, *, pdf: bool = False) -> Path:
@@ -36,7 +38,7 @@ def write_qualification(found: Qualification, out: Path, *, pdf: bool = False) -
     contents: dict[str, str | bytes] = {NUMBERS: numbers, PAGE: page}
     if pdf:
         contents = {PDF: page_pdf(page), **contents}
-    write_together(out, contents)
+    FOLDER.write(out, contents)
     return out / PAGE
 
 
@@ -46,12 +48,6 @@ def check_qualification_folder(out: Path, *, pdf: bool = False) -> None:
     Raises:
         InputError: If so.
     """
-    if out.exists() and not out.is_dir():
-        raise InputError(
-            f"{out}: is a file; expected a folder for the qualification; name another one, or move the file away"
-        )
-    for name in (PAGE, NUMBERS, PDF):
-        if (out / name).is_dir():
-            raise InputError(f"{out / name}: is a folder; expected to write a file of that name; move the folder away")
+    FOLDER.check(out)
     if pdf:
         find_chromium()

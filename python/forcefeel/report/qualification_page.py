@@ -9,7 +9,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from forcefeel.qualify.result import Qualification, Result, Section
-from forcefeel.qualify.words import conclusions, result_words, tally
+from forcefeel.qualify.words import conclusions, result_words, tally, unverified_tests
 from forcefeel.report import machine, qualification_plots, qualification_tables
 from forcefeel.report.canvas import html
 from forcefeel.report.table import Table
@@ -17,15 +17,15 @@ from forcefeel.report.typography import prose_html
 from forcefeel.templating import environment
 
 _RELEASE = (
-    "Position from each record's own steady state. Bars: tolerances at the reference's zero crossings and overshoots; grey: the "
-    "residual band, within which overshoots do not count."
+    "Position from each record's own steady state. Circles: the instants and overshoots that are judged; bars: tolerances "
+    "around the reference's; grey: the residual band, within which overshoots do not count."
 )
 _SWEEP = "Force over position, both ways. Grey: within tolerance of the reference."
 _DYNAMIC = (
     "What the sweep takes above the slow one at the same position, both ways. Grey: within tolerance of the reference."
 )
 _SMALL = "Body rate. Grey: within tolerance of the reference."
-_MEANINGS = {"release": _RELEASE, "static": _SWEEP, "dynamic sweep": _DYNAMIC, "small inputs": _SMALL}
+_MEANINGS = {"release": _RELEASE, "static": _SWEEP, "dynamic sweep": _DYNAMIC, "small inputs": _SMALL, "freeplay": ""}
 
 
 @dataclass(frozen=True)
@@ -76,6 +76,7 @@ def qualification_page(found: Qualification, beside: tuple[str, ...]) -> str:
             sections=[_section(section, found) for section in found.sections],
             conditions=qualification_tables.conditions(found),
             provenance=qualification_tables.provenance(found),
+            unverified=unverified_tests(found),
             parameters=machine.parameters(found.loader, found.system),
             beside=beside,
             plotly_js=Markup(get_plotlyjs()),
@@ -88,7 +89,7 @@ def _section(section: Section, found: Qualification) -> ShownSection:
 
 
 def _test(result: Result, section: Section, found: Qualification) -> ShownTest:
-    key = f"{section.name}-{result.trial.key}"
+    key = qualification_tables.anchor(section, result.trial)
     picture = qualification_plots.drawn(result, found, section.name)
     return ShownTest(
         key=key,

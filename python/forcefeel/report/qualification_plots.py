@@ -5,20 +5,16 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from forcefeel.qualification import ReleaseFeatures, SweepFeatures, Tolerance
+from forcefeel.qualification import SweepFeatures, Tolerance
 from forcefeel.qualify.result import Qualification, Result, Side
 from forcefeel.qualify.words import UNITS
 from forcefeel.report.canvas import frame, line
-from forcefeel.report.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+from forcefeel.report.palette import COMPENSATED, COMPLIANT, RIGID, Look
+from forcefeel.report.release_plot import BAND, REFERENCE, release
 from forcefeel.run_findings import FORCE
 from forcefeel.units import factor
 
 _COLORS = {"original": COMPLIANT, "published": COMPENSATED, "converged": RIGID}
-_REFERENCE = Look(IDEAL, "dot", 2.0)
-_BAND, _TOLERANCE = "rgba(34,34,34,0.10)", "#6B7580"
-_MOST_POINTS = 1200
-_SHOWN = 1.25
-"""A release is drawn until so much longer than its reference takes to come to rest."""
 
 _Array = NDArray[np.float64]
 
@@ -26,68 +22,6 @@ _Array = NDArray[np.float64]
 def color(section: str) -> str:
     """The colour of a law."""
     return _COLORS.get(section, COMPENSATED)
-
-
-def release(result: Result, found: Qualification, section: str) -> go.Figure:
-    """Position from each record's steady state over the time from its release, with the tolerances at the reference's marks."""
-    assert result.measured
-    assert result.reference
-    picture = make_subplots(rows=1, cols=1)
-    unit = UNITS[result.measured.record.position_unit]
-    scale, shown = unit.from_si(1.0, found.system), unit.shown(found.system)
-    theirs = _features(result.reference)
-    end = _SHOWN * max(one.settled_s - one.release_s.value for one in (_features(result.measured), theirs))
-    band = theirs.band * scale
-    grey = {"fillcolor": _BAND, "line_width": 0, "layer": "below"}
-    picture.add_hrect(-band, band, **grey, exclude_empty_subplots=False)  # the curves come after it
-    for side, name, look in (
-        (result.reference, "reference", _REFERENCE),
-        (result.measured, "measured", Look(color(section), "solid", 2.4)),
-    ):
-        time = side.record.time_s - _features(side).release_s.value
-        kept = np.flatnonzero((time >= -0.05 * end) & (time <= end))
-        kept = kept[:: -(-len(kept) // _MOST_POINTS) or 1]
-        position = (side.record.position[kept] - _features(side).steady.value) * scale
-        picture.add_scatter(
-            x=time[kept], y=position, name=name, mode="lines", line=line(look), hovertemplate=f"%{{y:.3~g}} {shown}"
-        )
-    _marks(picture, result, theirs, scale)
-    frame(picture, 380)
-    picture.update_xaxes(
-        title_text="Time from release, s", range=[-0.03 * end, end], unifiedhovertitle={"text": "%{x:.3f} s"}
-    )
-    picture.update_yaxes(title_text=f"From steady state, {shown}", zeroline=True, zerolinecolor="#8A939E")
-    return picture
-
-
-def _marks(picture: go.Figure, result: Result, theirs: ReleaseFeatures, scale: float) -> None:
-    """Bars of the tolerances: of times where the reference passes zero, of overshoots where it has them."""
-    limits = {one.quantity: one.tolerance for one in result.verdicts if np.isfinite(one.tolerance)}
-    sign = 1.0 if theirs.displacement.value > 0 else -1.0
-    start = theirs.release_s.value
-    times = [
-        (theirs.crossing_times_s[2 * n] - start, limits[f"P{n}"])
-        for n in range(len(theirs.cycles))
-        if f"P{n}" in limits
-    ]
-    if times:
-        at, width = zip(*times, strict=True)
-        _bars(picture, at, np.zeros(len(at)), "tolerance of P0, P1, ...", error_x=width)
-    tops = [
-        (time - start, sign * (-1.0) ** (k + 1) * size.value * scale, limits[f"A{k + 1}"] * scale)
-        for k, (size, time) in enumerate(zip(theirs.overshoots, theirs.overshoot_times_s, strict=False))
-        if f"A{k + 1}" in limits
-    ]
-    if tops:
-        at, height, width = zip(*tops, strict=True)
-        _bars(picture, at, height, "tolerance of A1, A2, ...", error_y=width)
-
-
-def _bars(picture: go.Figure, x: object, y: object, name: str, **errors: object) -> None:
-    ((kind, size),) = errors.items()
-    bar = {"type": "data", "array": size, "color": _TOLERANCE, "thickness": 2, "width": 5}
-    marker = {"size": 4, "color": _TOLERANCE}
-    picture.add_scatter(x=x, y=y, mode="markers", name=name, marker=marker, hoverinfo="skip", **{kind: bar})
 
 
 def sweep(result: Result, found: Qualification, section: str) -> go.Figure:
@@ -105,7 +39,7 @@ def sweep(result: Result, found: Qualification, section: str) -> go.Figure:
         limit = rule.limit(curve, system=system)
         _band(picture, at * scale, (curve - limit) * force, (curve + limit) * force, first=k == 0)
     for curves, name, look in (
-        (theirs, "reference", _REFERENCE),
+        (theirs, "reference", REFERENCE),
         (mine, "measured", Look(color(section), "solid", 2.2)),
     ):
         for way in ("up", "down"):
@@ -135,7 +69,7 @@ def small_inputs(result: Result, section: str) -> go.Figure:
     degrees = factor("rad", "deg")
     limit = next((one.tolerance for one in result.verdicts if np.isfinite(one.tolerance)), 0.0) * degrees
     for side, name, look in (
-        (result.reference, "reference", _REFERENCE),
+        (result.reference, "reference", REFERENCE),
         (result.measured, "measured", Look(color(section), "solid", 2.4)),
     ):
         rate = side.record.body_rate_rad_per_s
@@ -157,7 +91,7 @@ def _band(picture: go.Figure, x: _Array, low: _Array, high: _Array, *, first: bo
         x=np.concatenate([x[known], x[known][::-1]]),
         y=np.concatenate([low[known], high[known][::-1]]),
         fill="toself",
-        fillcolor=_BAND,
+        fillcolor=BAND,
         line={"width": 0},
         mode="lines",
         name="tolerance",
@@ -191,20 +125,17 @@ def _rule(result: Result) -> Tolerance:
     return next(one for one in result.trial.test.tolerances if one.quantity in wanted)
 
 
-def _features(side: Side) -> ReleaseFeatures:
-    assert isinstance(side.features, ReleaseFeatures)  # a release's result
-    return side.features
-
-
 def drawn(result: Result, found: Qualification, section: str) -> go.Figure | None:
     """The plot of a test; ``None`` where there is nothing to draw."""
     if result.measured is None or result.reference is None:
         return None
     match result.trial.test.kind:
         case "release":
-            return release(result, found, section)
+            return release(result, found, color(section))
         case "small inputs":
             return small_inputs(result, section)
+        case "freeplay":  # of the static sweep
+            return None
         case "static" if any(one.rule.quantity == "surface" for one in result.verdicts):
             return None
     return sweep(result, found, section)

@@ -8,49 +8,69 @@ from markupsafe import Markup
 
 from forcefeel.qualification import Outcome, Verdict
 from forcefeel.qualify.motions import SHORT
-from forcefeel.qualify.result import Qualification, Result
-from forcefeel.qualify.words import UNITS, figure_text, quantity, unverified_tests
+from forcefeel.qualify.programme import OF_THE_AIRCRAFT, Trial
+from forcefeel.qualify.result import Qualification, Result, Section, Standing
+from forcefeel.qualify.words import UNITS, figure_text, quantity, recorded, unverified_tests
 from forcefeel.report.table import Cell, Table, number, words
 from forcefeel.report.typography import NONE, number_text, prose_html, unit_text
 from forcefeel.units import UnitSystem
 
 _MINUS = "\N{MINUS SIGN}"
-_BACKGROUNDS = {
-    Outcome.PASSED: "#E3F3EC",
-    Outcome.FAILED: "#FBE3E0",
-    Outcome.TOO_CLOSE: "#FDF0D3",
-    Outcome.NOT_EVALUATED: "#ECEEF1",
+_GOOD, _BAD, _OPEN, _NONE = "#E3F3EC", "#FBE3E0", "#FDF0D3", "#ECEEF1"
+_BACKGROUNDS: dict[Outcome | Standing, str] = {
+    Outcome.PASSED: _GOOD,
+    Outcome.FAILED: _BAD,
+    Outcome.TOO_CLOSE: _OPEN,
+    Outcome.NOT_EVALUATED: _NONE,
+    Standing.QUALIFIES: _GOOD,
+    Standing.DOES_NOT_QUALIFY: _BAD,
+    Standing.INCOMPLETE: _OPEN,
 }
 UNVERIFIED = Markup(" <small>unverified</small>")
 
 
+def anchor(section: Section, trial: Trial) -> str:
+    """Where the page has a test."""
+    return f"{section.name}-{trial.key}"
+
+
 def summary(found: Qualification) -> Table:
-    """A row for each test, a column for each law."""
-    head = (Cell("Test"), Cell("What"), *(Cell(section.title) for section in found.sections))
+    """A row for each test of the rule with what it came to, a column for each law; each leads to its test."""
+    head = (Cell("Test"), *(Cell(section.title) for section in found.sections), Cell("Number"))
+    by_section = [(section, {one.trial.key: one for one in section.results}) for section in found.sections]
     rows = []
-    for results in zip(*(section.results for section in found.sections), strict=True):
-        trial = results[0].trial
-        mark = Markup("") if results[0].verified else UNVERIFIED
-        rows.append((Cell(trial.test.number + mark), words(trial.title), *(outcome(one.outcome) for one in results)))
-    total = (Cell(""), words("all"), *(outcome(section.outcome) for section in found.sections))
+    for trial in found.programme.trials:
+        came = (_linked(section, results.get(trial.key)) for section, results in by_section)
+        rows.append((words(trial.title), *came, _number(trial)))
+    for trial in found.programme.outside:
+        reason = f"outside the programme: {OF_THE_AIRCRAFT[trial.key]}"
+        rows.append((words(trial.title), *(Cell(reason, "words", _NONE) for _ in found.sections), _number(trial)))
+    total = (words("All"), *(coloured(section.standing) for section in found.sections), Cell(""))
     return Table(head, (*rows, total), "outcomes")
 
 
-def outcome(came: Outcome) -> Cell:
-    """An outcome in its colour."""
-    return Cell(str(came), background=_BACKGROUNDS[came])
+def _linked(section: Section, result: Result | None) -> Cell:
+    if result is None:
+        return Cell("not asked for", "", _NONE)
+    link = Markup('<a href="#{}">{}</a>').format(anchor(section, result.trial), str(result.outcome))
+    return Cell(link, "", _BACKGROUNDS[result.outcome])
+
+
+def _number(trial: Trial) -> Cell:
+    return Cell(trial.test.number + (Markup("") if trial.verified else UNVERIFIED))
+
+
+def coloured(came: Outcome | Standing) -> Cell:
+    """What a test or a whole came to, in its colour."""
+    return Cell(str(came), "", _BACKGROUNDS[came])
 
 
 def figures(result: Result, system: UnitSystem) -> Table:
-    """The features of a test: measured, reference, difference, tolerance, uncertainty, margin, verdict."""
+    """The features of a test: verdict, measured, reference, difference, tolerance, uncertainty, margin."""
+    numbers = ("Measured", "Reference", "Difference", "Tolerance", "Uncertainty", "Margin")
     head = (
-        Cell("Feature"),
-        Cell("Unit"),
-        *(
-            Cell(name, "number")
-            for name in ("Measured", "Reference", "Difference", "Tolerance", "Uncertainty", "Margin")
-        ),
-        Cell("Verdict"),
+        *(Cell(name) for name in ("Feature", "Verdict", "Unit")),
+        *(Cell(name, "number") for name in numbers),
         Cell("Rule"),
     )
     return Table(head, tuple(_figure_row(one, result, system) for one in result.verdicts))
@@ -61,19 +81,15 @@ def _figure_row(verdict: Verdict, result: Result, system: UnitSystem) -> tuple[C
     if verdict.at is not None:
         small = quantity(verdict.at, "rad" if result.trial.test.kind != "small inputs" else "s", system)
         name += Markup(" <small>at {}</small>").format(small.replace("-", _MINUS))
-    said = str(verdict.outcome)
+    reason = Markup(" <small>{}</small>").format(verdict.reason) if verdict.reason else Markup("")
     rule = prose_html(verdict.rule.text(system)) + (Markup("") if verdict.verified else UNVERIFIED)
     numbers = (verdict.difference, verdict.tolerance, verdict.uncertainty, verdict.margin)
     return (
         Cell(name),
+        Cell(Markup("{}").format(str(verdict.outcome)) + reason, "words", _BACKGROUNDS[verdict.outcome]),
         Cell(unit_text(UNITS[verdict.unit].shown(system)) or ""),
         *(number(figure_text(one, system).replace("-", _MINUS)) for one in (verdict.measured, verdict.reference)),
         *(number(_value(value, verdict.unit, system)) for value in numbers),
-        Cell(
-            Markup("{}").format(said) + (Markup(" <small>{}</small>").format(verdict.reason) if verdict.reason else ""),
-            "words",
-            _BACKGROUNDS[verdict.outcome],
-        ),
         words(rule),
     )
 
@@ -88,7 +104,9 @@ def conditions(found: Qualification) -> Table:
     least, most = (100 * share for share in rules.release.deflection)
     low, high = (quantity(end, "rad", system) for end in (found.throw.low_rad, found.throw.high_rad))
     unverified = ", ".join(unverified_tests(found))
-    asked = list(dict.fromkeys(one for result in found.sections[0].results for one in result.trial.test.conditions))
+    made = found.programme.made
+    asked = dict.fromkeys(one for trial in made for one in trial.test.conditions)
+    feel = "that was recorded" if recorded(found, "record") else "that the loader programs, hands off"
     sweeps = ", ".join(f"{one.name} {one.duration_s[0]:g} to {one.duration_s[1]:g} s" for one in rules.sweeps)
     rows = [
         ("Rule", f"{rules.title}, edition {rules.edition}, {rules.category}"),
@@ -102,15 +120,11 @@ def conditions(found: Qualification) -> Table:
         ("Throw", f"from {low} to {high}: {found.throw.source}"),
         ("Reference", found.reference),
         ("Conditions the rule asks for", "; ".join(asked)),
-        (
-            "Conditions here",
-            "the one feel that the loader programs, hands off: repeat for each feel of the flight conditions asked for",
-        ),
+        ("Conditions here", f"the one feel {feel}: repeat for each feel of the flight conditions asked for"),
     ]
     if found.left_out:
         rows.append(("Left out of the loader", ", ".join(found.left_out)))
-    sources = list(dict.fromkeys(result.trial.test.source for result in found.sections[0].results))
-    rows.append(("Sources", "; ".join(sources)))
+    rows.append(("Sources", "; ".join(dict.fromkeys(trial.test.source for trial in made))))
     return Table((Cell("What"), Cell("Here")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
 
 

@@ -3,15 +3,17 @@
 import json
 from pathlib import Path
 
-from forcefeel.errors import InputError
 from forcefeel.flight_schedules.plain import gains_csv, plain_schedule
 from forcefeel.flight_schedules.result import ScheduleCheck
 from forcefeel.report.schedule_page import schedule_page
-from forcefeel.report.staging import write_together
+from forcefeel.report.staging import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS, GAINS = "schedule.html", "results.json", "gains.csv"
 """Names in the folder."""
+
+FOLDER = OutputFolder("the schedule", (PAGE, RESULTS, GAINS))
+"""Checked before the work, written after it."""
 
 
 def write_schedule(found: ScheduleCheck, out: Path, units: UnitSystem, *, replace: bool = False) -> Path:
@@ -31,24 +33,7 @@ def write_schedule(found: ScheduleCheck, out: Path, units: UnitSystem, *, replac
     Raises:
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
     """
-    check_schedule_folder(out, replace=replace)
+    FOLDER.check(out, replace=replace)
     results = json.dumps(plain_schedule(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    write_together(out, {GAINS: gains_csv(found.schedule), RESULTS: results, PAGE: schedule_page(found, units)})
+    FOLDER.write(out, {GAINS: gains_csv(found.schedule), RESULTS: results, PAGE: schedule_page(found, units)})
     return out / PAGE
-
-
-def check_schedule_folder(out: Path, *, replace: bool) -> None:
-    """Refuses what would fail halfway: a file where a folder is wanted, a folder where a file is, files of somebody else.
-
-    Raises:
-        InputError: If so.
-    """
-    if out.exists() and not out.is_dir():
-        raise InputError(
-            f"{out}: is a file; expected a folder for the schedule; name another one, or move the file away"
-        )
-    for name in (PAGE, RESULTS, GAINS):
-        if (out / name).is_dir():
-            raise InputError(f"{out / name}: is a folder; expected to write a file of that name; move the folder away")
-        if (out / name).exists() and not replace:
-            raise InputError(f"{out}: holds {name} already; name another folder with --out, or --replace to replace it")

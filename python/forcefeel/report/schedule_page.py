@@ -12,6 +12,7 @@ from forcefeel.flight_schedules.findings import schedule_conclusions
 from forcefeel.flight_schedules.result import ScheduleCheck
 from forcefeel.report import machine, schedule_plots, schedule_tables
 from forcefeel.report.canvas import html
+from forcefeel.report.tolerance_table import tolerances
 from forcefeel.report.typography import number_text, prose_html, quantity_text
 from forcefeel.templating import environment
 from forcefeel.units import ANGLE, UnitSystem
@@ -37,6 +38,7 @@ def schedule_page(found: ScheduleCheck, units: UnitSystem) -> str:
             middle=schedule_tables.middle(found),
             margins=schedule_tables.margins(found),
             axes=schedule_tables.axes(schedule),
+            tolerances=tolerances(found.deviations),
             several=len(schedule.axes) > 1,
             period=f"{number_text(1e3 * schedule.laws.period_s)} ms",
             delay=f"{number_text(1e3 * schedule.laws.delay_s)} ms",

@@ -5,15 +5,17 @@ import io
 import json
 from pathlib import Path
 
-from forcefeel.errors import InputError
 from forcefeel.report.simulation_page import simulation_page
-from forcefeel.report.staging import write_together
+from forcefeel.report.staging import OutputFolder
 from forcefeel.run_results import Column, columns, plain_run
 from forcefeel.simulation import Run
 from forcefeel.units import UnitSystem
 
 SIMULATION, HISTORY, NUMBERS = "simulation.html", "history.csv", "results.json"
 """Names in the folder."""
+
+FOLDER = OutputFolder("the simulation", (SIMULATION, HISTORY, NUMBERS))
+"""Checked before the work, written after it."""
 
 
 def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "original") -> Path:
@@ -33,7 +35,7 @@ def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "origina
     Raises:
         InputError: If ``out`` is a file, or cannot be made or written.
     """
-    check_simulation_folder(out)
+    FOLDER.check(out)
     found = columns(run, units)
     heads = [f"{column.name} ({column.unit})" for column in found]
     document = plain_run(run, units, law) | {"history": {"file": HISTORY, "columns": heads}}
@@ -42,23 +44,8 @@ def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "origina
         NUMBERS: json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n",
         SIMULATION: simulation_page(run, units, law),
     }
-    write_together(out, contents)
+    FOLDER.write(out, contents)
     return out / SIMULATION
-
-
-def check_simulation_folder(out: Path) -> None:
-    """Refuses what would fail halfway: a file where a folder is wanted, or a folder where a file is.
-
-    Raises:
-        InputError: If so.
-    """
-    if out.exists() and not out.is_dir():
-        raise InputError(
-            f"{out}: is a file; expected a folder for the simulation; name another one, or move the file away"
-        )
-    for name in (SIMULATION, HISTORY, NUMBERS):
-        if (out / name).is_dir():
-            raise InputError(f"{out / name}: is a folder; expected to write a file of that name; move the folder away")
 
 
 def _csv(heads: list[str], found: tuple[Column, ...]) -> str:

@@ -1,57 +1,175 @@
-"""Files of a folder, put in place together: everything is written aside first, the page moves last."""
+"""A command's folder: its files appear together or not at all, and those of others stay.
+
+A folder that holds nothing else is written anew beside and takes the old one's place in one step of the file system, so that even a
+run that is killed leaves the old folder or the new one. Where files of others lie in it, or the folder cannot be exchanged (it is
+mounted, or somebody works in it), everything is written aside within it and moves in file by file, the page last.
+"""
 
 import contextlib
+import ctypes
+import os
+import re
+import secrets
 import shutil
-import tempfile
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from forcefeel.errors import InputError
 
+_ASIDE = ".forcefeel-"
+_TOKEN_BYTES = 4
+_NAME = re.compile(rf"{re.escape(_ASIDE)}(?P<folder>.+)-[0-9a-f]{{{2 * _TOKEN_BYTES}}}", re.DOTALL)
+_AT_FDCWD, _RENAME_EXCHANGE = -100, 2
+"""Of Linux, ``renameat2(2)``."""
 
-def write_together(out: Path, contents: Mapping[str, str | bytes]) -> None:
-    """Writes files so that what was there stays until all that is new is complete; other files are left alone.
 
-    Args:
-        out: The folder; made if it is not there.
-        contents: Each file's text or bytes by its name within the folder, in the order in which they move into place.
+@dataclass(frozen=True)
+class OutputFolder:
+    """The folder of a command.
 
-    Raises:
-        InputError: If the folder cannot be made or written.
+    Attributes:
+        what: What it is for, as a message names it: ``the envelope``.
+        files: Names of the files that the command writes, whether or not each time; one that a run does not write goes.
+        folders: Names of folders within, of files that differ from run to run; what else is in them stays.
     """
-    with _explained(out), _staging(out) as aside:
-        for name, text in contents.items():
-            (aside / name).parent.mkdir(exist_ok=True)
-            if isinstance(text, bytes):
-                (aside / name).write_bytes(text)
-            else:
-                (aside / name).write_text(text, encoding="utf-8", newline="\n")
+
+    what: str
+    files: tuple[str, ...]
+    folders: tuple[str, ...] = ()
+
+    def check(self, out: Path, *, replace: bool = True) -> None:
+        """Refuses what would fail halfway, before any work: a file where a folder is wanted, or the other way round.
+
+        Args:
+            out: The folder.
+            replace: Whether the files may take the place of others.
+
+        Raises:
+            InputError: If so, or there is a file that is not to be replaced.
+        """
+        if out.exists() and not out.is_dir():
+            raise InputError(
+                f"{out}: is a file; expected a folder for {self.what}; name another one, or move the file away"
+            )
+        for name in self.files:
+            if (out / name).is_dir():
+                raise InputError(
+                    f"{out / name}: is a folder; expected to write a file of that name; move the folder away"
+                )
+            if (out / name).exists() and not replace:
+                raise InputError(
+                    f"{out}: holds {name} already; name another folder with --out, or --replace to replace it"
+                )
+        for name in self.folders:
+            if (out / name).exists() and not (out / name).is_dir():
+                raise InputError(f"{out / name}: is a file; expected a folder of that name; move the file away")
+
+    def write(self, out: Path, contents: Mapping[str, str | bytes]) -> None:
+        """Writes all files, or none.
+
+        Args:
+            out: The folder; made if it is not there.
+            contents: Each file's text or bytes by its name within the folder, in the order in which they move into place.
+
+        Raises:
+            InputError: If the folder cannot be made or written.
+        """
+        with _explained(out), _made(out) as folder:
+            for left in _left_by_killed_runs(folder):
+                shutil.rmtree(left, ignore_errors=True)
+            own = {*self.files, *contents}
+            if not (_is_free(folder, own) and _exchanged(folder, contents)):
+                _moved_in(folder, contents, own)
+
+
+def _left_by_killed_runs(folder: Path) -> list[Path]:
+    """What a run that was killed while it wrote to ``folder`` left in it or beside it."""
+    within = [path for path in folder.glob(f"{_ASIDE}*") if _whose(path) in {folder.name, None}]
+    beside = [path for path in folder.parent.glob(f"{_ASIDE}*") if _whose(path) == folder.name]
+    return [path for path in (*within, *beside) if path.is_dir() and not path.is_symlink()]
+
+
+def _whose(aside: Path) -> str | None:
+    """Name of the folder that was to be made of it; ``None`` where its own name does not say."""
+    match = _NAME.fullmatch(aside.name)
+    return match and match["folder"]
+
+
+def _is_free(folder: Path, own: set[str]) -> bool:
+    """Whether nobody misses ``folder`` when another takes its place."""
+    own = own | {Path(name).parent.as_posix() for name in own}
+    return (
+        os.name == "posix"
+        and all(path.relative_to(folder).as_posix() in own for path in folder.rglob("*"))
+        and os.access(folder.parent, os.W_OK)
+        and not folder.is_mount()
+        and not Path.cwd().is_relative_to(folder)
+    )
+
+
+def _exchanged(folder: Path, contents: Mapping[str, str | bytes]) -> bool:
+    """Writes a new folder beside and exchanges it for ``folder``; nothing, if the system cannot do that in one step."""
+    with _aside(folder.parent, folder) as new:
+        _write(new, contents)
+        shutil.copymode(folder, new)
+        if any(folder.iterdir()):
+            return _exchange(folder, new)
+        new.rename(folder)  # an empty folder gives way
+    return True
+
+
+def _exchange(one: Path, other: Path) -> bool:
+    """Exchanges two folders in one step; whether that was possible."""
+    rename = getattr(ctypes.CDLL(None), "renameat2", None)
+    names = os.fsencode(one), os.fsencode(other)
+    return rename is not None and rename(_AT_FDCWD, names[0], _AT_FDCWD, names[1], _RENAME_EXCHANGE) == 0
+
+
+def _moved_in(folder: Path, contents: Mapping[str, str | bytes], own: set[str]) -> None:
+    """Writes the files aside, then moves them in; those of an earlier run that this one does not write go."""
+    with _aside(folder, folder) as aside:
+        _write(aside, contents)
+        for name in own - contents.keys():
+            (folder / name).unlink(missing_ok=True)
         for name in contents:
-            (out / name).parent.mkdir(exist_ok=True)
-            (aside / name).replace(out / name)
+            (folder / name).parent.mkdir(exist_ok=True)
+            (aside / name).replace(folder / name)
+
+
+def _write(folder: Path, contents: Mapping[str, str | bytes]) -> None:
+    for name, text in contents.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        if isinstance(text, bytes):
+            (folder / name).write_bytes(text)
+        else:  # the name of a data file need not be made of letters
+            (folder / name).write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
 
 
 @contextlib.contextmanager
-def _staging(out: Path) -> Iterator[Path]:
-    """A folder within ``out``, so that a file moves into place in one step; gone afterwards."""
-    made = _make(out)
-    aside = Path(tempfile.mkdtemp(prefix=".forcefeel-", dir=out))
+def _aside(where: Path, folder: Path) -> Iterator[Path]:
+    """An empty folder in ``where`` for what is to become ``folder``; gone afterwards."""
+    aside = where / f"{_ASIDE}{folder.name}-{secrets.token_hex(_TOKEN_BYTES)}"
+    aside.mkdir()
     try:
         yield aside
-    except BaseException:
+    finally:
         shutil.rmtree(aside, ignore_errors=True)
-        for folder in reversed(made):
-            with contextlib.suppress(OSError):  # not empty: something of the report, or of others, is in it
-                folder.rmdir()
+
+
+@contextlib.contextmanager
+def _made(out: Path) -> Iterator[Path]:
+    """The folder ``out`` itself, whatever links lead there; if what follows fails, none is there that was not before."""
+    folder = out.resolve()
+    missing = [one for one in (*reversed(folder.parents), folder) if not one.exists()]
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        yield folder
+    except BaseException:
+        for one in reversed(missing):
+            with contextlib.suppress(OSError):  # not empty: something of others is in it
+                one.rmdir()
         raise
-    shutil.rmtree(aside, ignore_errors=True)
-
-
-def _make(out: Path) -> list[Path]:
-    """Makes ``out``; the folders that were not there before."""
-    missing = [folder for folder in (*reversed(out.parents), out) if not folder.exists()]
-    out.mkdir(parents=True, exist_ok=True)
-    return missing
 
 
 @contextlib.contextmanager

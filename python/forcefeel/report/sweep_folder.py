@@ -5,8 +5,7 @@ import io
 import json
 from pathlib import Path
 
-from forcefeel.errors import InputError
-from forcefeel.report.staging import write_together
+from forcefeel.report.staging import OutputFolder
 from forcefeel.report.sweep_page import sweep_page
 from forcefeel.sweep import SweepResult
 from forcefeel.sweep.folder import CHUNKS, PLAN, RUNS
@@ -16,6 +15,12 @@ from forcefeel.units import ANGLE, UnitSystem
 
 PAGE, SUMMARY, ENVELOPE = "sweep.html", "summary.json", "envelope.csv"
 """Names in the folder."""
+
+FOLDER = OutputFolder("the sweep", (PAGE, SUMMARY, ENVELOPE))
+"""What the report writes."""
+
+_RUNS = OutputFolder("the sweep", (PLAN, RUNS), (CHUNKS,))
+"""What the runs leave."""
 
 
 def write_sweep(result: SweepResult, summary: Summary, out: Path, units: UnitSystem, law: str = "original") -> Path:
@@ -43,7 +48,7 @@ def write_sweep(result: SweepResult, summary: Summary, out: Path, units: UnitSys
     }
     if not result.sweep.axes:
         contents = {ENVELOPE: _envelope(result, units), **contents}
-    write_together(out, contents)
+    FOLDER.write(out, contents)
     return out / PAGE
 
 
@@ -53,13 +58,8 @@ def check_sweep_folder(out: Path) -> None:
     Raises:
         InputError: If so.
     """
-    if out.exists() and not out.is_dir():
-        raise InputError(f"{out}: is a file; expected a folder for the sweep; name another one, or move the file away")
-    for name in (PAGE, SUMMARY, ENVELOPE, PLAN, RUNS):
-        if (out / name).is_dir():
-            raise InputError(f"{out / name}: is a folder; expected to write a file of that name; move the folder away")
-    if (out / CHUNKS).exists() and not (out / CHUNKS).is_dir():
-        raise InputError(f"{out / CHUNKS}: is a file; expected a folder for finished pieces; move the file away")
+    for part in (FOLDER, _RUNS):
+        part.check(out)
 
 
 def _envelope(result: SweepResult, units: UnitSystem) -> str:

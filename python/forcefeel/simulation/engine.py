@@ -1,6 +1,5 @@
 """The Rust engine, asked for one run or for many."""
 
-import os
 from collections.abc import Sequence
 from math import isclose
 from typing import Any
@@ -27,6 +26,7 @@ from forcefeel.simulation.outcome import (
     without_diverged,
 )
 from forcefeel.simulation.scenario import Scenario, Steps
+from forcefeel.threads import threads_or_cores
 
 MOST_HISTORY_BYTES = 4 * 2**30
 """Largest histories that a batch keeps; more is refused before it starts."""
@@ -49,7 +49,8 @@ def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | Samp
 
     Returns:
         The run. A loader without any optional row is linear, and its run is exact at the samples; any other is stepped, to
-        some 1e-5 of full travel at steps of 1 ms. Peaks of an exact run are those of its samples.
+        some 1e-5 of full travel at steps of 1 ms, and so is one whose matrices are too ill-conditioned to begin at rest. Peaks of
+        an exact run are those of its samples.
 
     Raises:
         InputError: If a time does not fall on a step, the loader asks for an input that is not given, or a sampled law was made
@@ -57,14 +58,8 @@ def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | Samp
     """
     law = Compensator.original(loader.values) if compensator is None else compensator
     units = outputs(_displacement_unit(law))
-    exact = isinstance(law, Compensator) and linear.applies(loader, scenario)
-    if isinstance(law, Compensator) and exact:
-        values, measured = linear.run(loader, law, scenario)
-    else:
-        engine = prepared(loader, scenario, range(len(units)), law)
-        laws = engine_law(loader, law)
-        found, histories = engine.run(loader.values[np.newaxis], **laws, seed=scenario.seed, threads=_SINGLE)
-        values, measured = histories[0], found[0]
+    exact = _exact(loader, law, scenario)
+    values, measured = exact or _stepped(loader, law, scenario, len(units))
     status = RunStatus(statuses(measured[np.newaxis])[0])
     measures = Measures(*without_diverged(measured[np.newaxis])[0].tolist())
     values = _cut(values, scenario.sample_s, measures.diverged_at_s)
@@ -77,6 +72,27 @@ def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | Samp
         history=history(values, units, scenario.sample_s, about),
         method="exact" if exact else "stepped",
     )
+
+
+def _exact(loader: Loader, law: Law, scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Outputs and measures of the linear model; ``None`` where it does not apply, or rounding leaves no equilibrium of it."""
+    if not isinstance(law, Compensator) or not linear.applies(loader, scenario):
+        return None
+    try:
+        return linear.run(loader, law, scenario)
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _stepped(
+    loader: Loader, law: Law, scenario: Scenario, outputs: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Outputs and measures of the engine."""
+    engine = prepared(loader, scenario, range(outputs), law)
+    measured, histories = engine.run(
+        loader.values[np.newaxis], **engine_law(loader, law), seed=scenario.seed, threads=_SINGLE
+    )
+    return histories[0], measured[0]
 
 
 def simulate_batch(
@@ -126,7 +142,7 @@ def simulate_batch(
         force_scale=values[:, list(TABLE).index("pilot.force")] / loader["pilot.force"],
         seed=scenario.seed,
         first_run=first_run,
-        threads=threads or cores(),
+        threads=threads_or_cores(threads),
     )
     status = statuses(measured)
     measured = without_diverged(measured)
@@ -141,11 +157,6 @@ def simulate_batch(
             cut = _cut_all(histories[:, k], scenario.sample_s, measured[:, -1])
             data[name] = (("run", "time_s"), cut, {"units": units[name]})
     return xr.Dataset(data, coordinates, {"loader": loader.name})
-
-
-def cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def engine_law(loader: Loader, law: Law) -> dict[str, Any]:

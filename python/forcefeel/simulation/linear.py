@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
+from forcefeel.analysis.time import equilibrium
 from forcefeel.errors import InputError
 from forcefeel.loader import Loader
 from forcefeel.models import Linkage, loader_model
 from forcefeel.parameters import INDEX, OFF, TABLE
 from forcefeel.simulation.outcome import outputs
 from forcefeel.simulation.scenario import Scenario, Steps, on_samples
+from forcefeel.threads import threads_or_cores
 
 
 def applies(loader: Loader, scenario: Scenario) -> bool:
@@ -42,6 +44,9 @@ def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[n
 
     ``x_{k+1} = Phi x_k + Gamma_0 u_k + Gamma_1 (u_{k+1} - u_k)`` with the exponential of the model's matrices, exact for a force
     that changes evenly within each step.
+
+    Raises:
+        numpy.linalg.LinAlgError: If the run begins at rest under a force, and rounding leaves no equilibrium.
     """
     model = loader_model(loader, law, Linkage.COMPLIANT)
     steps = Steps.of(on_samples(scenario), loader)
@@ -50,7 +55,7 @@ def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[n
     states = np.empty((len(force) + 1, len(phi)))
     states[0] = 0.0
     if steps.held or steps.start_force_n:
-        per_force = _at_rest(model)
+        per_force = equilibrium(model)
         angle, until = steps.held or (0.0, 0)
         hand = angle / float(np.asarray(model.C)[0] @ per_force)
         states[0] = per_force * (hand + steps.start_force_n)
@@ -99,7 +104,7 @@ def simulate_linear_batch(
     Source:
         C. F. Van Loan, Computing integrals involving the matrix exponential, 1978.
     """
-    from forcefeel.simulation.engine import MOST_HISTORY_BYTES, cores  # noqa: PLC0415
+    from forcefeel.simulation.engine import MOST_HISTORY_BYTES  # noqa: PLC0415
 
     values = np.ascontiguousarray(values, dtype=np.float64)
     gains = np.ascontiguousarray(compensator, dtype=np.float64) if isinstance(compensator, np.ndarray) else None
@@ -115,7 +120,7 @@ def simulate_linear_batch(
         raise InputError(
             f"keep: histories of {len(values)} runs take more than {MOST_HISTORY_BYTES >> 30} GiB; run fewer at a time"
         )
-    threads = threads or cores()
+    threads = threads_or_cores(threads)
     force, force_scale = (
         np.ascontiguousarray(steps.inputs[:, 0]),
         values[:, INDEX["pilot.force"]] / loader["pilot.force"],
@@ -192,12 +197,6 @@ def _transition(
     whole = scipy.linalg.expm(block)
     phi = whole[:n, :n] * scale[:, np.newaxis] / scale
     return phi, whole[:n, n] * scale, whole[:n, n + 1] * scale
-
-
-def _at_rest(model: control.StateSpace) -> NDArray[np.float64]:
-    """The state at rest under a force of one newton."""
-    balanced, (scale, _) = scipy.linalg.matrix_balance(np.asarray(model.A), permute=False, separate=True)
-    return np.asarray(-scale * np.linalg.solve(balanced, np.asarray(model.B)[:, 0] / scale))
 
 
 def _outputs(model: control.StateSpace, states: NDArray[np.float64], force: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ from math import isfinite, pi
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.consistency import parts_of_period
 from forcefeel.errors import InputError
 from forcefeel.inputs import Force, HandsOff, Recorded, Release, Sampled, Schedule
 from forcefeel.inputs.sampled import Grid
@@ -25,10 +26,6 @@ LATEST_S = 1e6
 LARGEST_SEED = 2**63 - 1
 """Largest seed."""
 
-MOST_UNDER_WAY = 7
-"""Longest delay of the digital controller, in periods."""
-
-_MOST_STEPS_IN_PERIOD = 64
 _WHOLE = 1e-9
 """Relative; a quotient of two decimal numbers that is whole but for rounding."""
 
@@ -180,6 +177,10 @@ class Steps:
                     "give a rate, such as 50 deg/s"
                 )
             begin, end = (grid.index("feel change", time) for time in (change.at_s, change.at_s + change.over_s))
+            if end <= begin:
+                raise InputError(
+                    f"feel change: expected to take a step of {step_s:g} s at least, got {change.over_s:g} s"
+                )
             share = np.clip((np.arange(grid.steps + 1) - begin) / (end - begin), 0.0, 1.0)
             fade = share**2 * (3 - 2 * share)
             inputs[begin:end, 4] = np.column_stack([fade[:-1], fade[1:]])[begin:end]
@@ -235,18 +236,9 @@ def controller_steps(loader: Loader, longest_s: float) -> tuple[float, tuple[int
     """A step that divides the controller's period and its delay, no longer than so much, and both in such steps.
 
     Raises:
-        InputError: If the delay is too long, or no simple share of the period.
+        InputError: As ``parts_of_period``; no loader has such a delay.
     """
     period, delay = loader["controller.period"], loader["controller.delay"]
-    if delay > MOST_UNDER_WAY * period * (1 + _WHOLE):
-        raise InputError(
-            f"controller.delay: expected at most {MOST_UNDER_WAY} periods of {period:g} s, got {delay:g} s"
-        )
-    fewest = int(np.ceil(period / longest_s * (1 - _WHOLE)))
-    for steps in range(fewest, max(fewest, _MOST_STEPS_IN_PERIOD) + 1):
-        share = delay / period * steps
-        if abs(share - round(share)) < _WHOLE * max(steps, 1):
-            return period / steps, (steps, round(share))
-    raise InputError(
-        f"controller.delay: expected a simple share of the period of {period:g} s, such as a half or a tenth, got {delay:g} s"
-    )
+    parts = parts_of_period(period, delay)
+    steps = parts * int(np.ceil(period / longest_s / parts * (1 - _WHOLE)))
+    return period / steps, (steps, round(delay / period * steps))

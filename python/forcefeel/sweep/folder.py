@@ -1,8 +1,9 @@
 """A sweep's folder: ``plan.json`` first, then each finished chunk, whole; at the end ``runs.nc``, and the chunks go."""
 
+import contextlib
 import io
 import json
-import shutil
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,12 +19,19 @@ from forcefeel.files import write_whole
 from forcefeel.simulation.outcome import MEASURES
 from forcefeel.sweep.identity import differences, digest, identity
 from forcefeel.sweep.plan import Sweep
+from forcefeel.units import show
 
 PLAN, CHUNKS, RUNS = "plan.json", "chunks", "runs.nc"
 """Names in the folder."""
 
 REPORT = ("sweep.html", "summary.json", "envelope.csv")
 """What the report adds to it."""
+
+_OWN = re.compile(r"\.?\d{5,}\.npy(\.\w{8})?")
+"""Name of a chunk, or of one that was being written when a run was killed."""
+
+_HALF_WRITTEN = re.compile(rf"\.({re.escape(PLAN)}|{re.escape(RUNS)})\.\w{{8}}")
+"""Name of what a run was writing when it was killed."""
 
 _SHOWN = 5
 """Differences between two plans that a message lists."""
@@ -62,6 +70,9 @@ class Folder:
         except OSError as error:
             what = "is a file" if self.path.is_file() else f"cannot be made ({error.strerror})"
             raise InputError(f"{self.path}: {what}; expected a folder for the sweep; name another one") from error
+        for path in self.path.glob(".*"):
+            if _HALF_WRITTEN.fullmatch(path.name):
+                path.unlink()
         there = self._stored_plan() if not replace else None
         if there is not None:
             self._check(there, resume=resume)
@@ -89,7 +100,8 @@ class Folder:
 
     def _check_empty(self) -> None:
         """Refuses a folder without a plan that holds files of the names that a sweep writes: they may be somebody's."""
-        found = [name for name in (RUNS, CHUNKS, *REPORT) if (self.path / name).exists()]
+        self._check_chunks()
+        found = [name for name in (RUNS, *REPORT) if (self.path / name).exists()]
         if found:
             raise InputError(
                 f"{self.path}: holds {found[0]}, but no {PLAN} that says of what sweep; name another folder, or --replace to "
@@ -110,14 +122,41 @@ class Folder:
         return found
 
     def _clear(self) -> None:
-        """Removes a sweep, its plan first: chunks without a plan belong to none."""
+        """Removes a sweep but for its plan, which is what says that the chunks that are left are of a sweep."""
+        self._check_chunks()
         try:
-            for name in (PLAN, RUNS, *REPORT):
+            for name in (RUNS, *REPORT):
                 (self.path / name).unlink(missing_ok=True)
-            if (self.path / CHUNKS).exists():
-                shutil.rmtree(self.path / CHUNKS)
+            self._drop_chunks()
         except OSError as error:
             raise InputError(f"{error.filename}: cannot be removed ({error.strerror}); name another folder") from error
+
+    def _check_chunks(self) -> None:
+        """Refuses a folder of chunks that no sweep made: it is never removed."""
+        chunks = self.path / CHUNKS
+        if not chunks.exists():
+            return
+        strange = [path.name for path in chunks.iterdir() if not _OWN.fullmatch(path.name)] if chunks.is_dir() else []
+        if strange:
+            why = f"holds {show(min(strange))}, which no sweep wrote"
+        elif not chunks.is_dir() or chunks.is_symlink():
+            why = "is no folder that a sweep made"
+        elif not (self.path / PLAN).exists():
+            why = f"has no {PLAN} beside it that says of what sweep"
+        else:
+            return
+        raise InputError(f"{chunks}: {why}; move it away, or name another folder")
+
+    def _drop_chunks(self) -> None:
+        """Removes the chunks, and their folder if nothing else is in it."""
+        chunks = self.path / CHUNKS
+        if not chunks.exists():
+            return
+        for path in chunks.iterdir():
+            if _OWN.fullmatch(path.name):
+                path.unlink()
+        if not any(chunks.iterdir()):
+            chunks.rmdir()
 
     def _chunk(self, index: int) -> Path:
         return self.path / CHUNKS / f"{index:05d}.npy"
@@ -168,4 +207,5 @@ class Folder:
     def finish(self, runs: xr.Dataset) -> None:
         """Writes the results; the chunks, which are all in them, go."""
         write_whole(self.path / RUNS, bytes(runs.to_netcdf(None, engine="scipy", format="NETCDF3_64BIT")))
-        shutil.rmtree(self.path / CHUNKS, ignore_errors=True)
+        with contextlib.suppress(OSError):  # the results are there
+            self._drop_chunks()

@@ -19,11 +19,11 @@ from forcefeel.models import state_feedback
 from forcefeel.parameters import INDEX, TABLE
 from forcefeel.sampled_compensator import SampledCompensator
 from forcefeel.schedule import schedule_gains
+from forcefeel.seeded_numbers import shares
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.engine import Law
 from forcefeel.simulation.scenario import LARGEST_SEED, Steps
 from forcefeel.sweep import text
-from forcefeel.sweep.numbers import shares
 from forcefeel.tolerances import Tolerance, beyond
 from forcefeel.units import show
 
@@ -49,7 +49,7 @@ _GEOMETRY = ("linkage.ratio", "column.base_arm")
 class Sweep:
     """A sweep: machines drawn from tolerances (Monte Carlo), a grid over settings, or such machines at each of its points.
 
-    The numbers of a machine depend on the seed, the parameter and the machine's index alone (``sweep.numbers``). At every
+    The numbers of a machine depend on the seed, the parameter and the machine's index alone (``seeded_numbers``). At every
     point of a grid stand the same machines, so that what differs between points is the setting.
 
     Attributes:

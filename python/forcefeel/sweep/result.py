@@ -57,7 +57,7 @@ class SweepResult:
         attributes = {
             "title": "forcefeel sweep",
             "loader": sweep.loader.name,
-            "seed": sweep.seed,
+            "seed": str(sweep.seed),  # as text: netCDF 3 has no whole numbers of this size
             "forcefeel": version("forcefeel"),
         }
         runs = xr.Dataset(data, {"run": np.arange(sweep.total), **coordinates}, attributes)

@@ -12,9 +12,7 @@ from forcefeel.sweep.chunk import measure
 from forcefeel.sweep.folder import Folder
 from forcefeel.sweep.plan import Sweep
 from forcefeel.sweep.result import SweepResult
-
-MOST_THREADS = 1024
-"""Most threads that are started here: more than any machine has cores."""
+from forcefeel.threads import threads_or_cores
 
 Progress = Callable[[int, int], None]
 """Is told how many runs are done, of how many."""
@@ -50,9 +48,9 @@ def run_sweep(
         InputError: If the folder cannot be used or holds another sweep, or the cluster fails; what is finished stays.
         KeyboardInterrupt: As it comes; what is finished stays in the folder.
     """
-    if threads is not None and (not 1 <= threads <= MOST_THREADS or scheduler is not None):
-        remedy = "leave it out, a cluster has its own" if scheduler is not None else "leave it out for all cores"
-        raise InputError(f"threads: expected 1 to {MOST_THREADS} for runs on this machine, got {threads}; {remedy}")
+    if threads is not None and scheduler is not None:
+        raise InputError("threads: are for runs on this machine, and a cluster has its own; leave them out")
+    threads = threads_or_cores(threads)
     if folder is None and (resume or replace):
         raise InputError("resume, replace: are about a folder, and there is none; name it")
     store = None if folder is None else Folder(Path(folder), sweep)

@@ -13,9 +13,9 @@ from forcefeel.loader import Loader
 from forcefeel.parameters import INDEX, REQUIRED, TABLE, did_you_mean
 from forcefeel.sampled_compensator import SampledCompensator
 from forcefeel.sampled_loop import sampled_loops
-from forcefeel.simulation.engine import cores
 from forcefeel.simulation.linear import STABLE, STABLE_BY_POLES
 from forcefeel.sweep.plan import Sweep
+from forcefeel.threads import cores, threads_or_cores
 from forcefeel.units import show
 
 MOST_POINTS = 2_000_000
@@ -58,7 +58,7 @@ def stability_batch(
     columns = {key: np.asarray(values, dtype=np.float64) for key, values in varied.items()}
     _check(columns, compensator)
     table = np.column_stack(list(columns.values()))
-    verdict = _loops(loader.values, list(columns), table, compensator).stability(threads or cores())
+    verdict = _loops(loader.values, list(columns), table, compensator).stability(threads_or_cores(threads))
     coordinates = {key: ("loop", values, {"units": TABLE[key].unit_si}) for key, values in columns.items()}
     data = {
         "stable": ("loop", (verdict == STABLE) | (verdict == STABLE_BY_POLES)),

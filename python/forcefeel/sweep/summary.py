@@ -15,12 +15,10 @@ from forcefeel.run_results import NAMES
 from forcefeel.simulation.outcome import MEASURES, Measures
 from forcefeel.sweep.result import STATUSES, SweepResult
 from forcefeel.units import PERCENT, RATIO, Unit
+from forcefeel.wilson import CONFIDENCE, wilson_interval
 
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 """Shares of the runs below each value of a spread."""
-
-CONFIDENCE = 0.95
-"""Of the interval of a share, and of the level above which a correlation is more than chance."""
 
 _NAMES = {"settling_time_s": "settling time"}
 """Of measures whose common name is a sentence's beginning."""
@@ -137,10 +135,7 @@ def _share(status: str, count: int, total: int, random: bool) -> Share:
     share = count / total
     if not random:
         return Share(status, count, share, math.nan, math.nan)
-    z = float(ndtri((1 + CONFIDENCE) / 2))
-    middle, width = share + z**2 / (2 * total), z * math.sqrt(share * (1 - share) / total + (z / (2 * total)) ** 2)
-    low, high = ((middle + side * width) / (1 + z**2 / total) for side in (-1, 1))
-    return Share(status, count, share, max(low, 0.0) if count else 0.0, min(high, 1.0) if count < total else 1.0)
+    return Share(status, count, share, *wilson_interval(count, total))
 
 
 def _spread(name: str, values: NDArray[np.float64], nominal: float) -> Spread:

@@ -5,6 +5,7 @@
 use super::{Inputs, Machine, Moment, Now, Rest, Shared, State};
 use crate::Scalar;
 use crate::controller::{Timing, UnderWay};
+use crate::feel_computer::FeelMotion;
 use crate::observer::{Estimate, MOST_STATES, SAMPLED, Says};
 use crate::transducers::SENSORS;
 
@@ -125,73 +126,13 @@ impl<S: Scalar> Machine<S> {
         e - self.converters.cut_off(e)
     }
 
-    /// The feel computer over one period under a torque that stays: a Runge-Kutta step of its own.
+    /// The feel computer over one period.
     #[inline(always)]
     fn run_feel(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, torque: S, h: S) {
         let around = self.around(&shared.effects, state, inputs, Moment::Start);
-        let fade = inputs.fade[0];
-        let effects = &shared.effects;
-        let friction = effects.feel_friction;
-        let pull = |state: &State<S>, [delta, rate]: [S; 2]| {
-            let now = Now { delta, delta_rate: rate, ..Now::at(delta) };
-            let free = self.feel_acceleration(shared, &now, torque, &around, fade);
-            let held = S::select(state.feel.stuck, free.zero(), free + state.feel.drag);
-            (free, if friction { held } else { free })
-        };
-        if friction {
-            let (free, _) = pull(state, state.slow.feel);
-            // The torque jumped to its value at the sample: what broke away, did so now.
-            let before = state.feel.pull;
-            let per_h = h.constant(1.0) / h;
-            let friction = self.feel_friction(inputs);
-            let found = friction.settled(&state.feel, state.slow.feel[1], before, (h, per_h));
-            state.feel = friction.grip(found.velocity, free);
-            state.slow.feel = [state.slow.feel[0] + found.displacement, found.velocity];
-        }
-        let start = state.slow.feel;
-        let moved = |[delta, rate]: [S; 2], by: S| [start[0] + by * delta, start[1] + by * rate];
-        let limits = (start[0], start[1]);
-        let slope = |x: [S; 2]| {
-            let (delta, rate) =
-                if effects.feel_limits { self.feel.held_within(limits, (x[0], x[1])) } else { (x[0], x[1]) };
-            [rate, pull(state, [delta, rate]).1]
-        };
-        let k_1 = slope(start);
-        let k_2 = slope(moved(k_1, h.times(0.5)));
-        let k_3 = slope(moved(k_2, h.times(0.5)));
-        let k_4 = slope(moved(k_3, h));
-        let sum = |k: usize| (k_1[k] + k_4[k]) + (k_2[k] + k_3[k]).times(2.0);
-        let mut end = moved([sum(0), sum(1)], h.times(1.0 / 6.0));
-        if effects.feel_limits {
-            let (delta, rate) = self.feel.limited((start[0], start[1]), (end[0], end[1]), h);
-            end = [delta, rate];
-        }
-        if effects.feel_damping_and_stops {
-            let push = self.soft_stop_push((start[0], end[0]), end[1], h, fade);
-            end = [end[0] + push.displacement, end[1] + push.velocity];
-        }
-        state.slow.feel = end;
-        state.slider = self.dragged(effects, state);
-    }
-}
-
-impl<S: Scalar> Now<S> {
-    /// Everything at zero.
-    #[inline(always)]
-    fn at(like: S) -> Self {
-        let zero = like.zero();
-        Self {
-            base: zero,
-            base_rate: zero,
-            delta: zero,
-            delta_rate: zero,
-            piston: zero,
-            force: zero,
-            pressure: zero,
-            flow: zero,
-            current: zero,
-            pilot_force: zero,
-        }
+        let mut motion = FeelMotion { at: state.slow.feel, grip: state.feel, slider: state.slider };
+        self.feel_computer(shared, inputs.fade[0]).run(&mut motion, torque, &around, h);
+        (state.slow.feel, state.feel, state.slider) = (motion.at, motion.grip, motion.slider);
     }
 }
 

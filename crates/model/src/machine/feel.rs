@@ -1,9 +1,9 @@
 //! The feel computer's share of a step.
 
-use super::{Inputs, Machine, Moment, Now, Shared, State};
+use super::{Inputs, Machine, Moment, Shared, State};
 use crate::Scalar;
-use crate::dry_friction::DryFriction;
 use crate::effects::Effects;
+use crate::feel_computer::FeelComputer;
 use crate::feel_law::{FeelLaw, Surroundings};
 use crate::observer::Observer;
 use crate::parameters::Parameters;
@@ -33,24 +33,16 @@ impl<S: Scalar> Machine<S> {
         }
     }
 
-    /// Acceleration of the programmed displacement, dry friction left out; while the feel changes, between the two feels'.
+    /// The feel computer where the feel has been changed so far.
     #[inline(always)]
-    pub(super) fn feel_acceleration(
-        &self,
-        shared: &Shared,
-        now: &Now<S>,
-        torque: S,
-        around: &Surroundings<S>,
-        fade: f64,
-    ) -> S {
-        let at = (now.delta, now.delta_rate);
-        let curve = shared.curve.as_ref();
-        let acceleration = self.feel.acceleration(&shared.effects, curve, at, torque, around);
-        if fade == 0.0 {
-            return acceleration;
+    pub(super) fn feel_computer<'a>(&'a self, shared: &'a Shared, fade: f64) -> FeelComputer<'a, S> {
+        FeelComputer {
+            feel: &self.feel,
+            next: &self.next_feel,
+            fade,
+            effects: &shared.effects,
+            curve: shared.curve.as_ref(),
         }
-        let next = self.next_feel.acceleration(&shared.effects, curve, at, torque, around);
-        acceleration + (next - acceleration).times(fade)
     }
 
     #[inline(always)]
@@ -83,12 +75,5 @@ impl<S: Scalar> Machine<S> {
     #[inline(always)]
     pub(super) fn dragged(&self, effects: &Effects, state: &State<S>) -> S {
         if effects.feel_spring { self.feel.dragged(state.slider, state.slow.feel[0]) } else { state.slider }
-    }
-
-    /// Dry friction of the feel; while the feel changes, between the two feels'.
-    #[inline(always)]
-    pub(super) fn feel_friction(&self, inputs: &Inputs) -> DryFriction<S> {
-        let fade = inputs.fade[0];
-        if fade == 0.0 { self.feel.friction } else { self.feel.friction.towards(&self.next_feel.friction, fade) }
     }
 }

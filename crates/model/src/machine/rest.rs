@@ -6,11 +6,10 @@
 //! stretch of the link and so the piston, and the law the command. `delta` is where the flow that the command asks for is the
 //! one that is lost; for a given pilot force, `theta` is where that force holds the column. A feel computer that is deaf stays at
 //! neutral; then it is `p` at which the flows agree.
-//!
-//! Roots are halved in to rounding by value; their slopes, for numbers that have one, follow from those of the residual.
 
 use super::{Machine, Shared, State};
 use crate::Scalar;
+use crate::bisect::bisect;
 use crate::dry_friction::Grip;
 use crate::feel_law::Surroundings;
 use crate::machine::slow::Slow;
@@ -55,7 +54,7 @@ impl<S: Scalar> Machine<S> {
         } else {
             (theta * self.feel.per_angle, self.feel.per_angle.times(SEARCH_RAD))
         };
-        bisect((centre - reach, centre + reach), |x| {
+        bisect((centre - reach, centre + reach), Rest::neutral(centre.zero()), |x| {
             // A feel computer that is deaf stays at neutral, and it is the pressure that is looked for.
             let (delta, oil) = if deaf {
                 (neutral, (x, self.balance.stretch_at_rest(x)))
@@ -70,7 +69,7 @@ impl<S: Scalar> Machine<S> {
     #[inline(always)]
     pub fn held_by(&self, shared: &Shared, force: S, trim: S, stiffness_factor: S) -> Rest<S> {
         let reach = force.constant(SEARCH_RAD);
-        bisect((-reach, reach), |theta| {
+        bisect((-reach, reach), Rest::neutral(reach.zero()), |theta| {
             let rest = self.held_at(shared, theta, trim, stiffness_factor);
             (rest.pilot_force - force, rest)
         })
@@ -183,53 +182,4 @@ impl<S: Scalar> Machine<S> {
 }
 
 /// Angle to either side within which a state of rest is looked for.
-const SEARCH_RAD: f64 = 1.5;
-
-/// The end of an interval between whose ends a residual changes sign, halved until the interval is below rounding; with the slope of
-/// the root, for numbers that have one. The residual is worked out in one place, as it is compiled into every vector's loop.
-#[inline(always)]
-fn bisect<S: Scalar>((low, high): (S, S), residual: impl Fn(S) -> (S, Rest<S>)) -> Rest<S> {
-    let (mut low, mut high) = (low, high);
-    let zero = low.zero();
-    let (mut at_low, mut still, mut change, mut rest) = (zero, zero, zero, Rest::neutral(zero));
-    for turn in 0..=LAST {
-        if !S::HAS_SLOPE && (STILL..LAST).contains(&turn) {
-            continue;
-        }
-        let x = match turn {
-            0 => low,
-            1..=HALVINGS => (low + high).times(0.5),
-            STILL => high.still(),
-            MOVING => high.moving(),
-            _ => high,
-        };
-        let (found, at) = residual(x);
-        match turn {
-            0 => at_low = found,
-            1..=HALVINGS => {
-                let same = zero.less(found * at_low);
-                // An exact root is kept from below, so that a symmetric loader rests at zero.
-                let exact = !zero.less(found.abs());
-                low = S::select(same | exact, x, low);
-                high = S::select(same, high, x);
-            }
-            STILL => still = found,
-            MOVING => {
-                change = found - still;
-                high = high.still().root(still, change);
-            }
-            // What the change was short of digits, where the root moves by very different amounts with one thing and another.
-            AGAIN => high = high.root(found, change),
-            _ => rest = at,
-        }
-    }
-    rest
-}
-
-/// Halvings of an interval.
-const HALVINGS: usize = 60;
-/// After them, the residual's slopes: with a root that stands still, with one that moves, and with the root's own; then the rest.
-const STILL: usize = HALVINGS + 1;
-const MOVING: usize = HALVINGS + 2;
-const AGAIN: usize = HALVINGS + 3;
-const LAST: usize = HALVINGS + 4;
+pub const SEARCH_RAD: f64 = 1.5;

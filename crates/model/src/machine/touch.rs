@@ -3,9 +3,9 @@
 //! `T` time from the touch to the end of the step · `P` impulse of the pressure over it · see `contact.rs`
 
 use super::slow::Slow;
-use super::{Begun, Inputs, Machine, Moment, Now, Shared, Stage, State};
+use super::{Begun, Inputs, Machine, Moment, Shared, Stage, State};
 use crate::Scalar;
-use crate::contact::{Push, since_touch};
+use crate::contact::since_touch;
 
 impl<S: Scalar> Machine<S> {
     /// Makes good what touched inside the step that began with `begun` and `start`.
@@ -23,7 +23,7 @@ impl<S: Scalar> Machine<S> {
             self.meet_end_stop(state, start, begun);
         }
         if effects.feel_damping_and_stops && shared.timing.is_none() {
-            self.meet_soft_stop(state, inputs, start, begun);
+            self.meet_soft_stop(shared, state, inputs, start, begun);
         }
         if effects.feel_limits && shared.timing.is_none() {
             self.meet_hard_stop(shared, state, inputs, begun);
@@ -44,27 +44,19 @@ impl<S: Scalar> Machine<S> {
     }
 
     #[inline(always)]
-    fn meet_soft_stop(&self, state: &mut State<S>, inputs: &Inputs, start: &Slow<S>, begun: &Begun<S>) {
+    fn meet_soft_stop(
+        &self,
+        shared: &Shared,
+        state: &mut State<S>,
+        inputs: &Inputs,
+        start: &Slow<S>,
+        begun: &Begun<S>,
+    ) {
         let rate = state.slow.feel[1] + self.feel_impulse * begun.now.pressure;
         let way = (start.feel[0], state.slow.feel[0]);
-        let push = self.soft_stop_push(way, rate, self.step, inputs.fade[0]);
+        let push = self.feel_computer(shared, inputs.fade[0]).soft_stop_push(way, rate, self.step);
         state.slow.feel[0] = state.slow.feel[0] + push.displacement;
         state.slow.feel[1] = state.slow.feel[1] + push.velocity;
-    }
-
-    /// What the soft stops did inside a step; while the feel changes, between the two feels'.
-    #[inline(always)]
-    pub(super) fn soft_stop_push(&self, way: (S, S), rate: S, h: S, fade: f64) -> Push<S> {
-        let push = self.feel.soft_stops.push(way, rate, h, self.feel.per_torque);
-        if fade == 0.0 {
-            return push;
-        }
-        let next = self.next_feel.soft_stops.push(way, rate, h, self.next_feel.per_torque);
-        let between = |a: S, b: S| a + (b - a).times(fade);
-        Push {
-            velocity: between(push.velocity, next.velocity),
-            displacement: between(push.displacement, next.displacement),
-        }
     }
 
     /// Hard stops and velocity limit of the feel.
@@ -88,7 +80,7 @@ impl<S: Scalar> Machine<S> {
             // From rest at the stop it goes back at once, if it is drawn back.
             let mut back = self.pull_at_rest(shared, state, inputs, begun, held);
             if effects.feel_friction {
-                back = self.feel_friction(inputs).from_rest(back);
+                back = self.feel_computer(shared, inputs.fade[0]).friction().from_rest(back);
             }
             back = S::select(met & (back * depth).less(zero), back, zero);
             held = held + (back * time * time).times(0.5);
@@ -105,8 +97,8 @@ impl<S: Scalar> Machine<S> {
         let end = self.look(&shared.effects, &begun.side, &state.slow, state, pilot_force);
         let ([force, ..], _) = self.shown(&stage, &end);
         let around = self.around(&shared.effects, state, inputs, Moment::End);
-        let rest = Now { delta, delta_rate: delta.zero(), ..end };
-        self.feel_acceleration(shared, &rest, self.law.feel_torque(force), &around, inputs.fade[1])
+        let torque = self.law.feel_torque(force);
+        self.feel_computer(shared, inputs.fade[1]).acceleration((delta, delta.zero()), torque, &around)
     }
 
     /// The link meets the end of its play: the pressure comes in with a jump.

@@ -1,6 +1,6 @@
-"""The random numbers of a sweep: each belongs to a parameter and a machine, whoever asks for it and in whatever order.
+"""Random numbers of many machines: each belongs to a parameter and a machine, whoever asks for it and in whatever order.
 
-The numbers of a parameter are a stream of Philox 4x64-10, keyed by the sweep's seed and the parameter's name; machine k has
+The numbers of a parameter are a stream of Philox 4x64-10, keyed by a seed and the parameter's name; machine k has
 the k-th. So a piece of a sweep is the same wherever it is computed, and a parameter's numbers stay when others are varied too.
 
 Source: J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, Parallel Random Numbers: As Easy as 1, 2, 3, SC'11.
@@ -21,7 +21,7 @@ def shares(seed: int, key: str, first: int, count: int) -> NDArray[np.float64]:
     """Independent numbers, uniform between 0 and 1, of machines ``first`` to ``first + count - 1``.
 
     Args:
-        seed: The sweep's seed.
+        seed: The seed of all.
         key: The parameter's ``part.name``.
         first: Index of the first machine.
         count: How many.

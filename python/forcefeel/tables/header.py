@@ -1,12 +1,12 @@
-"""What the columns of bench data are called and what they are measured in."""
+"""What the columns of a table are called and what they are measured in."""
 
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
-from forcefeel.bench.channels import CHANNELS, channel
-from forcefeel.bench.tables import Found, Table
 from forcefeel.errors import InputError
+from forcefeel.tables.table import Found, Table
 from forcefeel.units import factor, show
 
 DECIBEL = "dB"
@@ -15,7 +15,6 @@ DECIBEL = "dB"
 _LONGEST_UNIT = 40
 _ROUNDING = 1e-12
 """Relative; equal units that are defined by other products differ by some roundings."""
-_BRACKETS = re.compile(r"(?P<name>.*?)\s*(?:\((?P<round>.*)\)|\[(?P<square>[^\]]*)\])", re.DOTALL)
 # Names are in small letters, where these units are not.
 _SUFFIXES = {
     unit.lower(): unit
@@ -38,14 +37,16 @@ def heading(cell: str, known: Collection[str]) -> Heading:
         cell: The header's cell.
         known: Names that are looked for; a suffix is a unit only after one of them.
     """
-    if bracketed := _BRACKETS.fullmatch(cell.strip()):
-        unit = bracketed["round"] if bracketed["round"] is not None else bracketed["square"]
-        return Heading(_name(bracketed["name"]), " ".join(unit.split()))
+    cell = cell.strip()
+    for opening, closing in ("()", "[]"):
+        before, opened, unit = cell[:-1].partition(opening)
+        if opened and cell.endswith(closing):
+            return Heading(_name(before), " ".join(unit.split()))
     name = _name(cell)
-    before = [it for it in known if name.startswith(f"{it}_")]
-    if name in known or not before:
+    starts = [it for it in known if name.startswith(f"{it}_")]
+    if name in known or not starts:
         return Heading(name, "")
-    longest = max(before, key=len)
+    longest = max(starts, key=len)
     unit = suffix_unit(name.removeprefix(f"{longest}_"))
     return Heading(longest, unit) if unit else Heading(name, "")
 
@@ -75,25 +76,35 @@ def same_unit(one: str, other: str) -> bool:
 
 
 def locate(
-    table: Table, wanted: Mapping[str, tuple[str, ...]], units: Mapping[str, str], own: Mapping[str, str]
+    table: Table,
+    wanted: Mapping[str, tuple[str, ...]],
+    units: Mapping[str, str],
+    own: Mapping[str, str],
+    also: Mapping[str, str] = MappingProxyType({}),
 ) -> dict[str, tuple[int, str, float]]:
     """Which columns of a table those that are wanted are; one that is missing is left out.
 
     Args:
         table: The table.
         wanted: Units by name in which a column may be, SI; ``""`` for a number, ``DECIBEL`` for a gain.
-        units: Units by name, wanted or the file's own, where the header has none.
-        own: The file's own name of a wanted column.
+        units: Units by name, wanted or the file's own, where the header has none; as of ``by_wanted_name``.
+        own: The file's own name of a wanted column; as of ``by_wanted_name``.
+        also: Second names of wanted columns, with the name that they are wanted by.
 
     Raises:
         InputError: If one stands twice, has no unit, one that does not measure it, or another than ``units`` says.
     """
+    cells = [heading(cell, (*wanted, *also)) for cell in table.header]
     found: dict[str, tuple[int, str, float]] = {}
     for name, accepted in wanted.items():
-        places = _places(table, name, wanted, own.get(name))
+        if name in own:
+            places = columns_called(table, own[name])
+        else:
+            places = [(i, cell.unit) for i, cell in enumerate(cells) if also.get(cell.name, cell.name) == name]
         if len(places) > 1:
-            cells = " and ".join(show(table.header[i]) for i, _ in places)
-            raise InputError(f"{table.where}: has {len(places)} columns {name!r}, {cells}; leave one of them")
+            came = " and ".join(show(table.header[i]) for i, _ in places)
+            remedy = "leave one of them, or name one by the argument columns"
+            raise InputError(f"{table.where}: has {len(places)} columns {name!r}, {came}; {remedy}")
         for i, unit in places:
             given = units.get(name) or units.get(own.get(name, name))
             where = f"{table.where}: {name}"
@@ -114,31 +125,45 @@ def need(table: Table, found: Found, names: Collection[str], example: str) -> No
     """
     for name in names:
         if name not in found:
-            raise InputError(f"{table.where}: has no column {name!r}; expected {example!r}, got {_cells(table)}")
+            raise InputError(
+                f"{table.where}: has no column {name!r}; expected a header such as {example!r}, got {_cells(table)}; rename the "
+                "column, or name it by the argument columns"
+            )
 
 
-def channel_and_unit(text: str) -> tuple[str, str]:
-    """Channel and unit of ``test_signal (V)``; the unit is empty where none is given.
+def columns_called(table: Table, name: str) -> list[tuple[int, str]]:
+    """Where the columns stand that the file calls ``name``, perhaps with a unit, and their units there."""
+    cells = [heading(cell, (_name(name),)) for cell in table.header]
+    written = [" ".join(cell.split()) == " ".join(name.split()) for cell in table.header]
+    return [(i, cell.unit) for i, cell in enumerate(cells) if cell.name == _name(name) or written[i]]
+
+
+def by_wanted_name(
+    where: str,
+    argument: str,
+    given: Mapping[str, str],
+    allowed: Collection[str],
+    also: Mapping[str, str] = MappingProxyType({}),
+) -> dict[str, str]:
+    """What the argument ``columns`` or ``units`` gives, by the names that are wanted; ``also`` as of ``locate``.
 
     Raises:
-        InputError: If there is no such channel.
+        InputError: If a key names nothing, or two of them one column.
     """
-    found = heading(text, CHANNELS)
-    return channel(found.name), found.unit
+    found: dict[str, str] = {}
+    for name, said in given.items():
+        if name not in allowed and name not in also:
+            names = ", ".join((*allowed, *also))
+            raise InputError(f"{where}: the argument {argument}: unknown name {show(name)}; the names are {names}")
+        if found.setdefault(also.get(name, name), said) != said:
+            raise InputError(
+                f"{where}: the argument {argument}: {also.get(name, name)} is given twice; leave one of them"
+            )
+    return found
 
 
 def _name(text: str) -> str:
     return "_".join(text.strip().lower().split())
-
-
-def _places(table: Table, name: str, known: Collection[str], own: str | None) -> list[tuple[int, str]]:
-    """Where a column stands and its unit there."""
-    if own is None:
-        cells = [heading(cell, known) for cell in table.header]
-        return [(i, cell.unit) for i, cell in enumerate(cells) if cell.name == name]
-    cells = [heading(cell, (_name(own),)) for cell in table.header]
-    written = [" ".join(cell.split()) == " ".join(own.split()) for cell in table.header]  # with its unit, perhaps
-    return [(i, cell.unit) for i, cell in enumerate(cells) if cell.name == _name(own) or written[i]]
 
 
 def _agreed(where: str, in_file: str, given: str | None) -> str:

@@ -1,0 +1,24 @@
+"""Text of others on a terminal: what does not print is seen, not obeyed."""
+
+import unicodedata
+
+_CONTROL = frozenset({"Cc", "Cs", "Zl", "Zp"})
+"""Unicode's control characters, halves of pairs, separators of lines and paragraphs."""
+
+_TURNS = frozenset({"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"})
+"""Characters after which a text runs the other way, whatever it says."""
+
+
+def unprintable(text: str, allowed: str = "") -> str | None:
+    """The first character that would steer a terminal instead of printing, but for those allowed; ``None`` if all print."""
+    if text.isprintable():
+        return None
+    steers = (c for c in text if unicodedata.category(c) in _CONTROL or unicodedata.bidirectional(c) in _TURNS)
+    return next((c for c in steers if c not in allowed), None)
+
+
+def visible(text: str) -> str:
+    """The text with an escape for each such character, as Python has it; lines and tabs stay."""
+    if unprintable(text, "\n\t") is None:
+        return text
+    return "".join(repr(c)[1:-1] if unprintable(c, "\n\t") else c for c in text)

@@ -1,0 +1,66 @@
+"""What is wrong with the numbers of signals over time, whatever they are of."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+
+GAP = 5.0
+"""A step of more than so many times the median step is a gap in a recording."""
+
+_ROUNDING = 1e-6
+"""Of a step; times in decimals are off by 3e-16 of the time, which is so little for a billion steps."""
+_SHORTEST_STEP_S = 10e-6
+"""Median step that anything is recorded at: a hundredth of a usual controller's period."""
+
+
+def fault(columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) -> tuple[int, str] | None:
+    """The first row at fault, counted from 1, and what is wrong with it; ``time`` is one of the columns."""
+    time = columns["time"]
+    if len(time) < 2:
+        return len(time), f"expected two rows of numbers at least, got {len(time)}; record for longer"
+    finite = np.logical_and.reduce([np.isfinite(values) for values in columns.values()])
+    if not finite.all():
+        i = int(np.argmin(finite))
+        came = " and ".join(f"{values[i]:.15g} {units[name]}" for name, values in columns.items())
+        return i + 1, f"expected finite numbers, got {came}; leave the row out if the sample was lost"
+    with np.errstate(over="ignore"):  # times from end to end of what a number can hold
+        steps = np.diff(time)
+    if not (steps > 0).all():
+        i = int(np.argmin(steps > 0))
+        what = f"time runs backwards from {time[i]:.15g} s to" if steps[i] < 0 else "time stands still at"
+        return i + 2, f"{what} {time[i + 1]:.15g} s; expected rising times; sort the rows and leave one of each time"
+    median = float(np.median(steps))
+    gaps = steps > GAP * median * (1 + _ROUNDING)
+    if gaps.any():
+        i = int(np.argmax(gaps))
+        what = f"a gap of {steps[i]:.6g} s after {time[i]:.15g} s"
+        return (
+            i + 2,
+            f"{what}; expected at most {GAP:g} times the median step of {median:.6g} s; cut the recording there",
+        )
+    return None
+
+
+def check_step(time_s: NDArray[np.float64], where: str, longest_s: float) -> None:
+    """Refuses a time that is most likely in another unit than is said: nothing is recorded so fast or so slowly.
+
+    Args:
+        time_s: Rising times, s.
+        where: The record, for the message.
+        longest_s: Longest median step of such a record, s.
+
+    Raises:
+        InputError: With the median step and how to say the unit.
+    """
+    step = float(np.median(np.diff(time_s)))
+    if _SHORTEST_STEP_S * (1 - _ROUNDING) <= step <= longest_s * (1 + _ROUNDING):
+        return
+    unit, asked = ("ms", "ms") if step > longest_s else ("s", "s, not in ms")
+    raise InputError(
+        f"{where}: time: has a median step of {step:.6g} s; expected {_SHORTEST_STEP_S * 1e6:.0f} microseconds to "
+        f"{longest_s:g} s; is the time in {asked}? Say so in the header, 'time ({unit})', or where it has no unit by the "
+        f"argument units (time={unit})"
+    )

@@ -1,0 +1,57 @@
+"""Tables from Parquet files; what they say of themselves stands in the metadata of the schema."""
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from forcefeel.errors import InputError
+from forcefeel.tables.table import NOTES, Columns, Found, Table, check_size, columns_of
+
+
+def read_parquet(path: Path, data: bytes, example: str) -> Table:
+    """The table in a Parquet file.
+
+    Args:
+        path: Where it was, for messages.
+        data: What is in it.
+        example: A good CSV header, for messages.
+
+    Raises:
+        InputError: If it is damaged, or pyarrow is not installed.
+    """
+    try:
+        import pyarrow as pa  # noqa: PLC0415  large, and only here
+        from pyarrow import parquet  # noqa: PLC0415
+    except ImportError as error:
+        remedy = "install forcefeel[parquet], or give a CSV file"
+        raise InputError(f"{path}: Parquet files need pyarrow, which is not installed; {remedy}") from error
+
+    @contextmanager
+    def refused() -> Iterator[None]:
+        try:
+            yield
+        except InputError:
+            raise
+        # A damaged name is a UnicodeDecodeError, which is a ValueError, and a damaged schema lacks the columns that it names.
+        except (OSError, ValueError, KeyError, pa.ArrowException) as error:
+            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+            expected = f"expected columns as in {example!r}"
+            raise InputError(
+                f"{path}: cannot be read as Parquet ({reason}); {expected}; write the file again"
+            ) from error
+
+    with refused():
+        file = parquet.ParquetFile(pa.BufferReader(data))
+        check_size(str(path), file.metadata.num_columns, file.metadata.num_rows)
+        header = [str(name) for name in file.schema_arrow.names]
+        said = {key.decode(errors="replace").lower(): text for key, text in (file.schema_arrow.metadata or {}).items()}
+    notes = {key: said[key].decode(errors="replace") for key in NOTES if key in said}
+
+    def take(found: Found) -> Columns:
+        with refused():
+            table = file.read(columns=[header[i] for i, _, _ in found.values()])
+            given = {name: table[header[i]] for name, (i, _, _) in found.items()}
+        return columns_of(path, given, found, "row")
+
+    return Table(path, header, f"{path}: schema", notes, hashlib.sha256(data).hexdigest(), take)

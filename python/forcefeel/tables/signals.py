@@ -1,0 +1,48 @@
+"""Signals over time from a table: the columns that a reader wants, in SI units, and without a fault."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from forcefeel.errors import InputError
+from forcefeel.tables.faults import fault
+from forcefeel.tables.header import by_wanted_name, locate, need
+from forcefeel.tables.table import Columns, Table
+
+
+@dataclass(frozen=True)
+class Signals:
+    """What a reader wants of a table.
+
+    Attributes:
+        wanted: SI units in which each column may be, by name; ``time`` is one of them.
+        needed: Names without which there is nothing to read.
+        also: Second names of columns, with the name that they are wanted by.
+        example: A good CSV header, for messages.
+    """
+
+    wanted: Mapping[str, tuple[str, ...]]
+    needed: tuple[str, ...]
+    example: str
+    also: Mapping[str, str] = field(default_factory=dict)
+
+    def read(self, table: Table, columns: Mapping[str, str] | None, units: Mapping[str, str] | None) -> Columns:
+        """The columns that the table has.
+
+        Args:
+            table: The table.
+            columns: The file's own names of them.
+            units: Units where the header has none, by these names or the file's own.
+
+        Raises:
+            InputError: If one that is needed is missing, one is not what it should be, or a row is at fault.
+        """
+        where = str(table.path)
+        columns = by_wanted_name(where, "columns", columns or {}, self.wanted, self.also)
+        units = by_wanted_name(where, "units", units or {}, (*self.wanted, *columns.values()), self.also)
+        found = locate(table, self.wanted, units, columns, self.also)
+        need(table, found, self.needed, self.example)
+        read = table.take(found)
+        if wrong := fault(read.values, read.units):
+            row, sentence = wrong
+            raise InputError(f"{read.places[row]}: {sentence}")
+        return read

@@ -1,0 +1,131 @@
+"""A table in a file: its header, its notes, and the numbers of the columns that are asked for."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+
+Found = Mapping[str, tuple[int, str, float]]
+"""Which column of a header each is, its SI unit and the SI value of one of its units."""
+
+NOTES = ("experiment", "from", "to", "hold")
+"""What a file can say of itself."""
+
+MOST_BYTES = 256 * 2**20
+"""Largest file of data."""
+MOST_COLUMNS = 10_000
+MOST_ROWS = 10_000_000
+"""Rows of a table: 2.7 hours at 1 kHz."""
+
+_TIMES = {"M": "dates", "m": "durations"}
+"""Kinds of NumPy's types that are no numbers, and turn into some all the same."""
+
+
+@dataclass(frozen=True)
+class Places(Sequence[str]):
+    """Where each row of a table stands, for messages; the header's place is the first.
+
+    Attributes:
+        before: What stands before the number of a row.
+        numbers: Line or row of each.
+    """
+
+    before: str
+    numbers: Sequence[int]
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    @overload
+    def __getitem__(self, at: int) -> str: ...
+    @overload
+    def __getitem__(self, at: slice) -> "Places": ...
+    def __getitem__(self, at: int | slice) -> "str | Places":
+        if isinstance(at, slice):
+            return Places(self.before, self.numbers[at])
+        return f"{self.before} {self.numbers[at]}"
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """What was read: values in SI units by name, each one's SI unit, and where each row stands."""
+
+    values: dict[str, NDArray[np.float64]]
+    units: dict[str, str]
+    places: Sequence[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A file of columns whose header has been read, and not yet its numbers.
+
+    Attributes:
+        path: The file.
+        header: The columns as the file names them.
+        where: Where the header stands, for messages.
+        notes: What the file says of itself, by one of ``NOTES``.
+        data_hash: SHA-256 of the file, in hexadecimal.
+        take: Reads the numbers of columns that were found, in SI units.
+    """
+
+    path: Path
+    header: list[str]
+    where: str
+    notes: Mapping[str, str]
+    data_hash: str
+    take: Callable[[Found], Columns]
+
+
+def check_size(where: str, columns: int, rows: int = 0) -> None:
+    """Refuses a table of too many columns or rows.
+
+    Raises:
+        InputError: With the most there may be.
+    """
+    for came, most, what in ((columns, MOST_COLUMNS, "columns"), (rows, MOST_ROWS, "rows")):
+        if came > most:
+            raise InputError(f"{where}: has more than {most:,} {what}; leave out what is not needed")
+
+
+def columns_of(path: Path, given: Mapping[str, Any], found: Found, row: str) -> Columns:
+    """Columns of one length in SI units; rows are counted from 1.
+
+    Raises:
+        InputError: If one is not of numbers, has more dimensions than one, another length, or too many rows.
+    """
+    with np.errstate(all="ignore"):  # what is not finite is said with its row
+        values = {name: _numbers(path, name, given[name]) * scale for name, (_, _, scale) in found.items()}
+    lengths = {name: len(column) for name, column in values.items()}
+    if len(set(lengths.values())) > 1:
+        came = ", ".join(f"{length} of {name}" for name, length in lengths.items())
+        raise InputError(f"{path}: expected as many values of each column, got {came}; record them together")
+    rows = max(lengths.values(), default=0)
+    check_size(str(path), len(found), rows)
+    places = Places(f"{path}: {row}", range(rows + 1))
+    return Columns(values, {name: unit for name, (_, unit, _) in found.items()}, places)
+
+
+def _numbers(path: Path, name: str, given: Any) -> NDArray[np.float64]:
+    """A column as numbers; a sample that is missing is not a number."""
+    try:
+        column = np.asarray(given)
+        if np.iscomplexobj(column):
+            raise InputError(f"{path}: {name}: expected real numbers, got complex ones; give gain and phase")
+        if column.dtype.kind in _TIMES:  # they would be taken as counts of their unit
+            raise InputError(
+                f"{path}: {name}: expected a column of numbers, got {_TIMES[column.dtype.kind]} ({column.dtype}); write numbers, "
+                "and as time the seconds since the first sample"
+            )
+        values = np.atleast_1d(np.squeeze(np.asarray(column, dtype=np.float64)))
+    except InputError:
+        raise
+    except (TypeError, ValueError, OverflowError, NotImplementedError) as error:
+        raise InputError(f"{path}: {name}: expected a column of numbers ({error})") from error
+    if values.ndim != 1:
+        raise InputError(f"{path}: {name}: expected one row or column of numbers, got shape {values.shape}")
+    return values

@@ -1,0 +1,33 @@
+"""A table from a file, by the ending of its name."""
+
+from pathlib import Path
+
+from forcefeel.errors import InputError
+from forcefeel.files import read_input
+from forcefeel.tables.csv_table import read_csv
+from forcefeel.tables.matlab_table import read_matlab
+from forcefeel.tables.parquet_table import read_parquet
+from forcefeel.tables.table import MOST_BYTES, Table
+from forcefeel.units import show
+
+_READERS = {".csv": read_csv, ".parquet": read_parquet, ".mat": read_matlab}
+
+ENDINGS = tuple(_READERS)
+"""Endings of files that are read."""
+
+
+def open_table(path: str | Path, example: str) -> Table:
+    """The header and the notes of a ``.csv``, ``.parquet`` or ``.mat`` file.
+
+    Args:
+        path: The file.
+        example: A good CSV header, for messages.
+
+    Raises:
+        InputError: If the file cannot be read, is too large, or is no table.
+    """
+    path = Path(path)
+    if (read := _READERS.get(path.suffix.lower())) is None:
+        *most, last = ENDINGS
+        raise InputError(f"{path}: expected a file that ends in {', '.join(most)} or {last}, got {show(path.name)}")
+    return read(path, read_input(path, MOST_BYTES, f"a table with columns such as {example!r}"), example)

@@ -1,0 +1,92 @@
+"""What the program ends with: 1 is an answer, 2 the user's input, 70 a fault of its own, 130 Ctrl-C."""
+
+import sys
+
+import pytest
+
+from forcefeel.cli import BAD_INPUT, FAULT, INTERRUPTED, TRACEBACK, commands, main
+from forcefeel.errors import InputError
+
+
+class PanicException(BaseException):
+    """As PyO3 makes it: no ``Exception``."""
+
+
+@pytest.fixture
+def ended(monkeypatch, capsys):
+    """Status and error output of a command in which ``error`` is raised."""
+
+    def call(error):
+        def raises(*_, **__):
+            raise error
+
+        monkeypatch.setattr(commands, "analyze", raises)
+        monkeypatch.setattr(sys, "argv", ["forcefeel", "analyze"])
+        with pytest.raises(SystemExit) as end:
+            main()
+        return end.value.code, capsys.readouterr().err
+
+    return call
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        KeyError("x"),
+        ValueError("two\nlines"),
+        PanicException("index"),
+        FileNotFoundError(2, "No such file", "a template"),
+    ],
+)
+def test_a_fault_of_the_program_has_a_status_of_its_own_and_a_line_that_asks_to_report_it(ended, error):
+    status, said = ended(error)
+    assert status == FAULT == 70
+    assert said.startswith(f"forcefeel: a fault of forcefeel itself ({type(error).__name__}: ")
+    assert f"please report it: the command, its files, what it prints with {TRACEBACK}=1" in said
+    assert said.count("\n") == 1
+
+
+def test_where_it_happened_is_shown_to_those_who_ask(ended, monkeypatch):
+    monkeypatch.setenv(TRACEBACK, "1")
+    status, said = ended(KeyError("x"))
+    assert status == FAULT
+    assert said.startswith("Traceback (most recent call last)")
+    assert said.splitlines()[-1].startswith("forcefeel: a fault of forcefeel itself (KeyError: 'x')")
+
+
+def test_what_a_library_says_is_shortened(ended):
+    assert len(ended(ValueError("x" * 100_000))[1]) < 500
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "said"),
+    [
+        (InputError("my.toml: name: missing value"), BAD_INPUT, "forcefeel: my.toml: name: missing value\n"),
+        (OSError(28, "No space left on device"), BAD_INPUT, "the output cannot be written (No space left on device)\n"),
+        (MemoryError(), BAD_INPUT, "memory does not suffice"),
+        (KeyboardInterrupt(), INTERRUPTED, ""),
+    ],
+)
+def test_what_is_no_fault(ended, error, status, said):
+    found = ended(error)
+    assert found[0] == status
+    assert said in found[1]
+    assert "fault" not in found[1]
+
+
+def test_the_help_names_them(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["forcefeel", "--help"])
+    with pytest.raises(SystemExit):
+        main()
+    told = " ".join(capsys.readouterr().out.replace("│", " ").split())
+    assert "2 the input is bad, 70 a fault of forcefeel itself" in told
+    assert TRACEBACK in told
+
+
+def test_a_message_is_of_bounded_length_and_says_what_it_leaves_out():
+    lines = str(InputError("\n".join(f"line {k}" for k in range(5000)))).split("\n")
+    assert lines[:2] == ["line 0", "line 1"]
+    assert lines[-1] == "... and 4,980 more"
+    assert len(lines) == 21
+    assert len(str(InputError("x" * 10**6))) == 4000
+    assert str(InputError(str(InputError("x\n" * 5000)))) == str(InputError("x\n" * 5000))

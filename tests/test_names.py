@@ -1,0 +1,100 @@
+"""A loader's name is text: with a dot, with what looks like mark-up, in any script; what steers a terminal is refused."""
+
+import ast
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.table import Table
+
+import forcefeel as ff
+from forcefeel import cli
+from forcefeel.cli import main
+from forcefeel.cli.terminal import Terminal
+from forcefeel.errors import InputError
+from forcefeel.printable import visible
+
+NAMES = ["elevator v1.2", "rig [/2]", "[bold]rig[/] :smile:", "Höhenruder 昇降 😀", "a$b[0].c", "%s {0}"]
+KNOTS = "flaps (deg),stiffness (lb in/rad),frequency (Hz),damping ratio\n0,9600,2,0.2\n1,9000,2,0.2\n"
+COMMANDS = {
+    "analyze": (),
+    "compensate": ("--horizon", "0.05"),
+    "simulate": ("--duration", "0.5", "--out", "out"),
+    "sweep": ("--runs", "4", "--duration", "0.5", "--replace"),
+    "excite": ("--fit", "k,c", "--time", "5", "--replace"),
+    "schedule": ("--knots", "knots.csv", "--refine", "2", "--replace"),
+}
+"""Each in a short form; what they share with ``design``, ``envelope`` and the others are the models, the pages and the terminal."""
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Status, output and error output of a command on a loader of some name."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+    Path("knots.csv").write_text(KNOTS, encoding="utf-8")
+
+    def call(name, command, *words):
+        Path("my.toml").write_text(replace(ff.digital_elevator(), name=name).to_toml(), encoding="utf-8")
+        monkeypatch.setattr(sys, "argv", ["forcefeel", command, "my.toml", *words])
+        with pytest.raises(SystemExit) as ended:
+            main()
+        printed = capsys.readouterr()
+        return ended.value.code or 0, printed.out, printed.err
+
+    return call
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_takes_a_name_with_a_dot_and_what_looks_like_markup(run, command):
+    status, out, err = run("rig [/2] v1.2", command, *COMMANDS[command])
+    assert (status, err) == (0, "")
+    if command in {"analyze", "simulate"}:  # those that print it
+        assert out.startswith("rig [/2] v1.2")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_name_is_printed_as_it_is(capsys, name):
+    Terminal().print(f"{name}: programmed feel", highlight=False)
+    table = Table("test", title=name)
+    table.add_row(name)
+    Terminal().print(table)
+    printed = capsys.readouterr().out
+    assert printed.startswith(f"{name}: programmed feel")
+    assert printed.count(name) == 3
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_model_of_any_name_is_made(name):
+    assert ff.compliant_model(replace(ff.elevator(), name=name)).nstates == 8
+
+
+@pytest.mark.parametrize("c", ["\x1b", "\x07", "\n", "\r", "\x85", "\u2028", "\u202e", "\u2066", "\x00"])
+def test_a_control_character_is_refused_when_the_file_is_read(run, tmp_path, c):
+    text = ff.elevator().to_toml().replace('name = "elevator"', f'name = "a\\u{ord(c):04x}[31mb"')
+    (tmp_path / "bad.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=f"bad.toml: name: has the control character U\\+{ord(c):04X}; expected"):
+        ff.load(tmp_path / "bad.toml")
+    with pytest.raises(InputError, match="source: has the control character"):
+        replace(ff.elevator(), source=f"a\x1b{c}")
+
+
+def test_a_source_may_have_lines():
+    assert replace(ff.elevator(), source="one\n\ttwo").source == "one\n\ttwo"
+
+
+def test_no_message_steers_the_terminal(run, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["forcefeel", "analyze", "a\x1b[31m\udcff.toml"])
+    with pytest.raises(SystemExit):
+        main()
+    assert capsys.readouterr().err.startswith(r"forcefeel: a\x1b[31m\udcff.toml: cannot be read")
+    assert visible("one\ntwo\t\x9b") == "one\ntwo\t\\x9b"
+
+
+def test_only_the_terminal_prints_tables():
+    """A console of Rich by itself would read names as mark-up; the bars, which print no names, go to the error output."""
+    for path in Path(cli.__file__).parent.glob("*.py"):
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "Console":
+                assert [word.arg for word in call.keywords] == ["stderr"], path.name

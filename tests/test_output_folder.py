@@ -1,0 +1,206 @@
+"""A command's folder: all of its files or none, also where the run is killed; what others put there stays."""
+
+import os
+import stat
+from pathlib import Path
+
+import pytest
+
+from forcefeel.errors import InputError
+from forcefeel.report import staging
+from forcefeel.report.staging import OutputFolder
+
+FOLDER = OutputFolder("the test", ("page.html", "results.json", "extra.csv"), ("tables",))
+OLD = {"results.json": "old", "extra.csv": "old", "page.html": "old"}
+NEW = {"tables/a.csv": b"new", "results.json": "new", "page.html": "new"}
+WRITTEN = dict.fromkeys(NEW, "new")
+
+forking = pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+"""The child of a process with threads writes files and ends."""
+
+KILLED = 9
+"""Exit status of a child that ends without another word, as by a signal that nobody can catch."""
+
+
+def held(folder):
+    return {path.relative_to(folder).as_posix(): path.read_text() for path in folder.rglob("*") if path.is_file()}
+
+
+def left(folder):
+    return [path.name for path in folder.iterdir() if path.name.startswith(".forcefeel-")]
+
+
+@pytest.fixture
+def out(tmp_path):
+    FOLDER.write(tmp_path / "out", OLD)
+    return tmp_path / "out"
+
+
+def test_a_folder_is_made_with_all_above_it(tmp_path):
+    out = tmp_path / "a" / "b" / "out"
+    FOLDER.write(out, NEW)
+    assert held(out) == WRITTEN
+    assert stat.S_IMODE(out.stat().st_mode) == stat.S_IMODE((tmp_path / "a").stat().st_mode)
+    assert left(out) == left(out.parent) == []
+
+
+def test_what_an_earlier_run_left_under_the_commands_names_goes(out):
+    FOLDER.write(out, NEW)
+    assert held(out) == WRITTEN
+
+
+def test_files_of_others_stay_where_they_are(out):
+    (out / "notes.txt").write_text("mine")
+    (out / "empty").mkdir()
+    inode = out.stat().st_ino
+    FOLDER.write(out, NEW)
+    assert held(out) == WRITTEN | {"notes.txt": "mine"}
+    assert (out / "empty").is_dir()
+    assert out.stat().st_ino == inode
+    assert left(out) == left(out.parent) == []
+
+
+@pytest.mark.parametrize("within", [".", "tables"])
+def test_a_folder_that_somebody_works_in_is_not_exchanged(out, monkeypatch, within):
+    (out / within).mkdir(exist_ok=True)
+    monkeypatch.chdir(out / within)
+    inode = out.stat().st_ino
+    FOLDER.write(out, NEW)
+    assert out.stat().st_ino == inode
+    assert held(out) == WRITTEN
+
+
+def test_a_system_that_cannot_exchange_folders_moves_the_files(out, monkeypatch):
+    monkeypatch.setattr(staging, "_exchange", lambda *_: False)
+    FOLDER.write(out, NEW)
+    assert held(out) == WRITTEN
+    assert left(out) == left(out.parent) == []
+
+
+def test_a_link_leads_to_the_folder(out):
+    link = out.parent / "link"
+    link.symlink_to(out, target_is_directory=True)
+    FOLDER.write(link, NEW)
+    assert link.is_symlink()
+    assert held(out) == WRITTEN
+
+
+@pytest.mark.parametrize("notes", [False, True])
+def test_a_full_disk_leaves_what_was_there(out, monkeypatch, notes):
+    if notes:
+        (out / "notes.txt").write_text("mine")
+    before, write = held(out), Path.write_text
+
+    def full(self, text, **options):
+        if self.name == "page.html":
+            raise OSError(28, "No space left on device")
+        return write(self, text, **options)
+
+    monkeypatch.setattr(Path, "write_text", full)
+    with pytest.raises(InputError, match=r"out: cannot be written \(No space left on device\)"):
+        FOLDER.write(out, NEW)
+    with pytest.raises(InputError, match="cannot be written"):
+        FOLDER.write(out.parent / "new" / "out", NEW)
+    assert held(out) == before
+    assert [path.name for path in out.parent.iterdir()] == ["out"]
+
+
+def _killed(call: int, out: Path) -> int:
+    """Exit status of a process that writes ``out`` and ends at its so-manyth change of the file system."""
+    child = os.fork()
+    if child == 0:
+        _killed_at(pytest.MonkeyPatch(), call)
+        FOLDER.write(out, NEW)
+        os._exit(0)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def _killed_at(monkeypatch, call: int) -> None:
+    """Ends this process at its so-manyth call that changes the file system."""
+    done = 0
+
+    def counted(original):
+        def one(*words, **options):
+            nonlocal done
+            done += 1
+            if done > call:
+                os._exit(KILLED)
+            return original(*words, **options)
+
+        return one
+
+    for owner, name in (
+        *((Path, name) for name in ("mkdir", "write_text", "write_bytes", "rename", "replace", "unlink", "rmdir")),
+        *((staging, name) for name in ("_exchange",)),
+        *((staging.shutil, name) for name in ("rmtree", "copymode")),
+    ):
+        monkeypatch.setattr(owner, name, counted(getattr(owner, name)))
+
+
+@forking
+def test_a_run_that_is_killed_leaves_the_old_folder_or_the_new_one_and_the_next_clears_up(tmp_path):
+    out, seen = tmp_path / "out", []
+    for call in range(100):
+        FOLDER.write(out, OLD)
+        status = _killed(call, out)
+        assert held(out) in (OLD, WRITTEN)
+        seen.append((status, held(out) == OLD))
+        if status == 0:
+            break
+        FOLDER.write(out, OLD)
+        assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    assert {(KILLED, True), (KILLED, False)} <= set(seen)
+    assert seen[-1] == (0, False)
+
+
+@forking
+def test_a_run_that_is_killed_loses_no_file_of_others(tmp_path):
+    out = tmp_path / "out"
+    for call in range(100):
+        FOLDER.write(out, OLD)
+        (out / "notes.txt").write_text("mine")
+        status = _killed(call, out)
+        assert (out / "notes.txt").read_text() == "mine"
+        assert set(held(out).values()) <= {"old", "new", "mine"}
+        if status == 0:
+            break
+    assert left(out) == left(tmp_path) == []
+
+
+def test_what_killed_runs_left_is_cleared_but_not_what_another_folder_is_made_of(out):
+    mine, others = (out.parent / f".forcefeel-{name}-01234567" for name in ("out", "other"))
+    for path in (mine, others, out / ".forcefeel-abcd1234"):
+        path.mkdir()
+        (path / "page.html").write_text("half")
+    (out.parent / ".forcefeel-file").write_text("mine")
+    FOLDER.write(out, NEW)
+    assert left(out) == []
+    assert sorted(left(out.parent)) == [".forcefeel-file", others.name]
+
+
+def test_a_text_with_half_a_letter_is_written(out):
+    FOLDER.write(out, {"page.html": "the file a\udcff.csv"})
+    assert (out / "page.html").read_text() == r"the file a\udcff.csv"
+
+
+@pytest.mark.parametrize("name", FOLDER.files)
+def test_a_folder_where_a_file_goes(tmp_path, name):
+    (tmp_path / name).mkdir()
+    with pytest.raises(InputError, match=f"{name}: is a folder; expected to write a file of that name"):
+        FOLDER.check(tmp_path)
+
+
+def test_a_file_where_a_folder_goes(tmp_path):
+    (tmp_path / "tables").write_text("mine")
+    with pytest.raises(InputError, match="tables: is a file; expected a folder"):
+        FOLDER.check(tmp_path)
+    with pytest.raises(InputError, match="tables: is a file; expected a folder for the test"):
+        FOLDER.check(tmp_path / "tables")
+
+
+def test_files_are_replaced_only_where_that_is_said(out):
+    FOLDER.check(out)
+    with pytest.raises(
+        InputError, match=r"out: holds page\.html already; name another folder with --out, or --replace"
+    ):
+        FOLDER.check(out, replace=False)
