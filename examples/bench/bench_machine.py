@@ -185,6 +185,14 @@ def held(machine: Machine, loop: str, angle: float) -> np.ndarray:
     return found
 
 
+def poles(machine: Machine, loop: str) -> np.ndarray:
+    """Poles (machines, states) in 1/s while the column moves and no limit is reached, under an analog law."""
+    many = machine.each()
+    rates, _ = _modes(many, loop, digital=False)
+    states = 8 if loop == "loader" else 6
+    return np.linalg.eigvals(rates[_mode(1, 0), :, :states, :states])
+
+
 def _mode(motion, current):
     """Place of a mode: direction of the column's motion, 0 stuck, and of the limit that the current is at, 0 none."""
     return 3 * (motion + 1) + current + 1
