@@ -18,9 +18,7 @@ ONE_STEP = 1.5
 @pytest.fixture(scope="module")
 def anew(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.syspath_prepend(BENCH)  # as where it is run from its folder
-        runpy.run_path(str(BENCH / "make.py"))["main"](folder)
+    runpy.run_path(str(BENCH / "make.py"))["main"](folder)
     return folder
 
 

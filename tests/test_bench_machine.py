@@ -5,10 +5,11 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import bench_machine
+import exact_steps
 import numpy as np
 import pytest
-from examples.bench import bench_machine
-from examples.bench.bench_machine import Controller, Machine, held, run
+from bench_machine import Controller, Machine, held, run
 
 from tests import nonlinear_witness, witness
 
@@ -201,15 +202,10 @@ def test_wrong_words_are_refused():
         run(MACHINE, "servo-closed", RATE_HZ, force=DRIVES["force"], controller=Controller(3e-3))
 
 
-def test_it_shares_no_line_with_the_engine():
-    tree = ast.parse(Path(bench_machine.__file__).read_text(encoding="utf-8"))
+@pytest.mark.parametrize("module", [bench_machine, exact_steps])
+def test_it_shares_no_line_with_the_engine(module):
+    tree = ast.parse(Path(module.__file__).read_text(encoding="utf-8"))
     names = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
     names |= {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-    assert {name.split(".")[0] for name in names} <= {
-        "math",
-        "collections",
-        "dataclasses",
-        "itertools",
-        "numpy",
-        "scipy",
-    }
+    own = {"math", "collections", "dataclasses", "itertools", "numpy", "scipy", "exact_steps"}
+    assert {name.split(".")[0] for name in names} <= own

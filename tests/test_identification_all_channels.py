@@ -2,9 +2,9 @@
 
 from functools import cache
 
+import bench_machine
 import numpy as np
 import pytest
-from examples.bench import bench_machine
 
 import forcefeel as ff
 from forcefeel.bench.experiments import Experiment

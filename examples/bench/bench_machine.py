@@ -14,19 +14,16 @@ there. Load pressure is a state, with the oil's own pole near -3e4 1/s.
 
 At rest the column sticks while |M| <= F_s R_p. Servo alone: delta = 0; open: e = e_T.
 
-Apart from switches all of this is linear, so a step is exact: the matrix exponential of one of nine modes, three of the column
-(back, stuck, forth) by three of the amplifier (limit, line, limit), with inputs that run straight through the step. A switch
-inside a step, looked for at eight instants of it, is found by halving the step down to parts of 1 us and taken there to second
-order. Every channel is then right to 1e-7 of its largest value (``tests/test_bench_machine.py``).
+Apart from switches all of this is linear, and `exact_steps` makes exact steps of it, with inputs that run straight through each.
+Every channel is right to 1e-7 of its largest value (``tests/test_bench_machine.py``).
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from itertools import product
 
 import numpy as np
-from scipy.linalg import expm
+from exact_steps import ExactSteps, Modes, mode
 
 X, P, QI, QI_RATE, THETA, W, DELTA, DELTA_RATE = range(8)
 E, FORCE, TORQUE, ONE, E_RATE, FORCE_RATE = range(8, 14)
@@ -35,10 +32,8 @@ computer, one, and how fast the first two of these change."""
 SIZE = 14
 KEPT = [X, P, QI, THETA, W]
 
-INSTANTS = 8
-"""Of a step or a part of it, at which is looked whether a mode still holds."""
 SMALLEST_S = 1e-6
-"""Parts of a step are no smaller: inside one a switch is taken to second order."""
+"""Parts of a step that a switch is in are no smaller: inside one it is taken to second order."""
 
 LOOPS = ("servo-open", "servo-closed", "loader")
 
@@ -137,11 +132,12 @@ def run(  # noqa: PLR0913  what a bench has
     many, samples = machine.each(), np.shape(force if test_signal is None else test_signal)[-1]
     e, e_rate = _on_steps(test_signal, samples, per_sample, staircase)
     f, f_rate = _on_steps(force, samples, per_sample, staircase=False)
-    march = _March(many, loop, controller, step, smallest_s)
+    modes = _modes(many, loop, digital=controller is not None)
+    march = ExactSteps(modes, step, smallest_s)
     z = np.zeros((len(many.area), SIZE))
     z[:, :8] = 0.0 if start is None else start
     z[:, ONE] = 1.0
-    sampled = None if controller is None else _Sampled(march, loop, controller, z)
+    sampled = None if controller is None else _Sampled(many, loop, controller, (step, z))
     kept = np.empty((samples, len(KEPT) + 1, len(z)))
     for k in range(e.shape[1]):
         z[:, E], z[:, E_RATE] = e[:, k], e_rate[:, k] / step
@@ -154,7 +150,7 @@ def run(  # noqa: PLR0913  what a bench has
             march.jump(z)
         if k % per_sample == 0:
             kept[k // per_sample, :-1] = z[:, KEPT].T
-            kept[k // per_sample, -1] = np.einsum("mj,mj->m", march.rows[:, 2], z)
+            kept[k // per_sample, -1] = np.einsum("mj,mj->m", modes.rows[:, 2], z)
         z = march.advance(z)
     return _channels(many, kept)
 
@@ -175,9 +171,8 @@ def held(machine: Machine, loop: str, angle: float) -> np.ndarray:
     if loop == "servo-open":
         raise ValueError("loop: the open servo has no rest to be held in; close its position loop")
     many = machine.each()
-    rates, _ = _modes(many, loop, digital=False)
     free = [X, P, QI, QI_RATE] + ([DELTA, DELTA_RATE] if loop == "loader" else [])
-    stuck = rates[_mode(0, 0)]
+    stuck = _modes(many, loop, digital=False).rates[mode(0, 0)]
     found = np.zeros((len(many.area), 8))
     found[:, THETA] = angle
     right = -angle * stuck[:, free, THETA]
@@ -188,14 +183,8 @@ def held(machine: Machine, loop: str, angle: float) -> np.ndarray:
 def poles(machine: Machine, loop: str) -> np.ndarray:
     """Poles (machines, states) in 1/s while the column moves and no limit is reached, under an analog law."""
     many = machine.each()
-    rates, _ = _modes(many, loop, digital=False)
     states = 8 if loop == "loader" else 6
-    return np.linalg.eigvals(rates[_mode(1, 0), :, :states, :states])
-
-
-def _mode(motion, current):
-    """Place of a mode: direction of the column's motion, 0 stuck, and of the limit that the current is at, 0 none."""
-    return 3 * (motion + 1) + current + 1
+    return np.linalg.eigvals(_modes(many, loop, digital=False).rates[mode(1, 0), :, :states, :states])
 
 
 def _rows(m, loop, digital):
@@ -211,14 +200,14 @@ def _rows(m, loop, digital):
 
 
 def _modes(m, loop, digital):
-    """Rate of change of the vector in each mode, (9, machines, SIZE, SIZE), and what is watched."""
+    """Rate of change of the vector in each mode, and what is watched."""
     if loop not in LOOPS:
         raise ValueError(f"loop: expected {', '.join(LOOPS)}, got {loop!r}")
     rows = _rows(m, loop, digital)
     lever = m.ratio * m.base_arm
     found = np.zeros((9, len(m.area), SIZE, SIZE))
     for motion, current in product((-1, 0, 1), repeat=2):
-        a = found[_mode(motion, current)]
+        a = found[mode(motion, current)]
         # x' = (A p - k s) / c + alpha R_b w                                                               eq. (9)
         a[:, X, P], a[:, X, X] = m.area / m.link_damping, -m.link_stiffness / m.link_damping
         a[:, X, THETA], a[:, X, W] = lever * m.link_stiffness / m.link_damping, lever
@@ -246,123 +235,17 @@ def _modes(m, loop, digital):
             if not digital:
                 a[:, DELTA_RATE, P] = -m.maximum_stiffness * m.load_cell_gain * m.area / m.feel_inertia
         a[:, E, E_RATE] = a[:, FORCE, FORCE_RATE] = 1.0
-    return found, rows
-
-
-class _March:
-    """Machines on their way: the mode of each, and the exponentials of all modes for a step and its halves."""
-
-    def __init__(self, m, loop, controller, step, smallest):
-        self.m, self.step = m, step
-        self.rates, self.rows = _modes(m, loop, digital=controller is not None)
-        self.breakaway = m.grip_arm * np.maximum(m.static_friction, m.coulomb_friction)
-        self.halvings = max(0, math.ceil(math.log2(step / smallest)))
-        # A step, its half and so on: what is watched at the instants, then the end, all as rows on the vector at the start.
-        self.parts = np.stack([self._part(step / 2**level) for level in range(self.halvings + 1)])
-        self.each = np.arange(len(m.area))
-
-    def _part(self, span):
-        small = expm(self.rates * (span / INSTANTS))
-        powers = [small]
-        while len(powers) < INSTANTS:
-            powers.append(small @ powers[-1])
-        return np.concatenate([*(self.rows @ power for power in powers), powers[-1]], axis=2)
-
-    def begin(self, z):
-        """Modes that fit the state at the start."""
-        w, torque, asked = np.einsum("mij,mj->im", self.rows, z)
-        self.motion = np.where(w != 0, np.sign(w), self._leaving(torque, self.each)).astype(int)
-        self.current = self._limited(asked, self.each)
-        self.whole = self.parts[0, _mode(self.motion, self.current), self.each]
-
-    def jump(self, z):
-        """The amplifier's mode where what it is given may have jumped."""
-        before, self.current = self.current, self._limited(np.einsum("mj,mj->m", self.rows[:, 2], z), self.each)
-        which = np.flatnonzero(before != self.current)
-        self.whole[which] = self.parts[0, _mode(self.motion[which], self.current[which]), which]
-
-    def _limited(self, asked, which):
-        """Limit that the current is at; 0: none."""
-        return np.where(np.abs(asked) > self.m.current_limit[which], np.sign(asked), 0).astype(int)
-
-    def _leaving(self, torque, which):
-        """Direction in which a column at rest moves off; 0: it sticks."""
-        return np.where(np.abs(torque) <= self.breakaway[which], 0, np.sign(torque))
-
-    def _margins(self, watched, which):
-        """How far column and amplifier are from leaving their modes, (2, machines, instants), negative where they have.
-
-        ``watched``: w, M and the current that is asked, (machines, instants, 3).
-        """
-        motion, current = self.motion[which, np.newaxis], self.current[which, np.newaxis]
-        w, torque, asked = watched[..., 0], watched[..., 1], watched[..., 2]
-        limit = self.m.current_limit[which, np.newaxis]
-        column = np.where(motion == 0, self.breakaway[which, np.newaxis] - np.abs(torque), motion * w)
-        return column, np.where(current == 0, limit - np.abs(asked), current * asked - limit)
-
-    def _moved(self, part, z, which):
-        """States after a part of a step, and in which machines something switches before its end."""
-        after = np.einsum("mij,mj->mi", part, z)
-        column, amplifier = self._margins(after[:, :-SIZE].reshape(len(z), INSTANTS, 3), which)
-        return after[:, -SIZE:], (np.minimum(column, amplifier) < 0).any(axis=1)
-
-    def advance(self, z):
-        """One step of all machines."""
-        end, switched = self._moved(self.whole, z, self.each)
-        if switched.any():
-            which = np.flatnonzero(switched)
-            end[which] = self._through(z[which], which)
-            self.whole[which] = self.parts[0, _mode(self.motion[which], self.current[which]), which]
-        end[self.motion == 0, W] = 0.0
-        return end
-
-    def _through(self, z, which):
-        """A step of the machines ``which`` that switch inside it: by halves towards the switch, then on from there."""
-        left = np.full(len(which), 2**self.halvings)  # in smallest parts
-        top = np.full(len(which), self.halvings)  # the most that is tried next, as a power of two of them
-        while len(busy := np.flatnonzero(left)):
-            on = which[busy]
-            size = np.minimum(top[busy], np.frexp(left[busy])[1] - 1)
-            part = self.parts[self.halvings - size, _mode(self.motion[on], self.current[on]), on]
-            end, switched = self._moved(part, z[busy], on)
-            if (last := switched & (size == 0)).any():
-                end[last] = self._switched(z[busy[last]], end[last], on[last])
-            # What was refused is tried by its first half, then by the half of its second, and so on.
-            searching = (switched | (top[busy] < self.halvings)) & (size > 0)
-            top[busy] = np.where(searching, size - 1, self.halvings)
-            taken = ~switched | (size == 0)
-            z[busy[taken]] = end[taken]
-            left[busy[taken]] -= 2 ** size[taken]
-        return z
-
-    def _switched(self, before, after, which):
-        """States at the end of a smallest part with a switch in it, of the second order in its length; sets the new modes."""
-        watched = np.stack([before, after], axis=1) @ np.swapaxes(self.rows[which], 1, 2)
-        first, last = np.moveaxis(self._margins(watched, which), 2, 0)
-        passed = last < 0
-        good, over = np.where(passed, np.maximum(first, 0.0), 0.0), np.where(passed, -last, 1.0)
-        shares = np.where(passed, good / (good + over), np.inf)  # of the part, until the margin is used up
-        share = np.minimum(shares.min(axis=0), 1.0)
-        column, amplifier = shares <= share
-        z = before + share[:, np.newaxis] * (after - before)
-        z[column, W] = 0.0
-        there = np.einsum("mj,mj->m", self.rows[which, 1], z)
-        _, torque, asked = watched[:, 1].T
-        leaving = np.where(self.motion[which] == 0, np.sign(torque), self._leaving(there, which))
-        self.motion[which] = np.where(column, leaving, self.motion[which])
-        self.current[which] = np.where(amplifier, self._limited(asked, which), self.current[which])
-        rates = self.rates[_mode(self.motion[which], self.current[which]), which]
-        rest = self.step / 2**self.halvings * (1 - share)
-        return z + rest[:, np.newaxis] * np.einsum("mij,mj->mi", rates, z)
+    return Modes(found, rows, W, m.grip_arm * np.maximum(m.static_friction, m.coulomb_friction), m.current_limit)
 
 
 class _Sampled:
     """The digital controller at work."""
 
-    def __init__(self, march, loop, controller, z):
-        self.m, self.loop, self.controller = march.m, loop, controller
-        self.every = max(1, round(controller.period_s / march.step))
-        if abs(self.every * march.step / controller.period_s - 1) > 1e-9:
+    def __init__(self, m, loop, controller, start):
+        step, z = start
+        self.m, self.loop, self.controller = m, loop, controller
+        self.every = max(1, round(controller.period_s / step))
+        if abs(self.every * step / controller.period_s - 1) > 1e-9:
             raise ValueError(
                 f"period: {controller.period_s} s is no whole part or multiple of the time between two samples"
             )
