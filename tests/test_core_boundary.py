@@ -10,7 +10,7 @@ from forcefeel import _core
 
 VALUES = ff.digital_elevator().values
 LAW = _core.Compensator.original(VALUES)
-STILL = np.zeros((10, 6, 2))
+STILL = np.zeros((10, 7, 2))
 STILL[:, (2, 4)] = 1.0
 """Ten steps in which nothing happens: the factor on the spring and the fade are one."""
 
@@ -88,7 +88,7 @@ COUNTS = st.one_of(st.integers(0, 9), st.sampled_from([2**k + d for k in (16, 31
 NUMBERS = st.one_of(st.sampled_from([1e-3, 5e-4, 0.1, 1.0]), st.floats(width=64))
 CALLS = {
     "simulation": lambda n, x: _core.Simulation(
-        np.resize(x[:3], (n[0] % 20, 6, 2)),
+        np.resize(x[:3], (n[0] % 20, 7, 2)),
         x[0],
         every=n[1],
         outputs=[n[2]],

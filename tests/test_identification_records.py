@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -221,17 +222,33 @@ def test_a_breakaway_force_is_found_though_the_record_answers_it_in_jumps(loader
     assert found["F_s"].low < 1.9 * witness.LBF < found["F_s"].high
 
 
-def test_jags_widen_a_standard_error_and_a_smooth_cost_does_not(loader):
-    """The column turns round many times in the push, and each time it sticks for a moment, sooner or later as the friction is."""
-    growth = {}
-    for fit in ("k,c,J,C_i", "k,c,J,C_i,F_c"):
-        start, keys = true_loader(loader), parameter_keys(fit)
-        run = RecordRun(push_record(noise=0.01), start, None)
-        problem = Problem(unknowns_of(start, keys), [RecordObservation(run, keys)])
-        place = problem.search(problem.start(np.array([start[key] for key in keys])))
-        growth[fit] = surroundings(problem, place, confidence_of(problem, place)).growth
-    assert np.all(growth["k,c,J,C_i"] < 1.01)
-    assert growth["k,c,J,C_i,F_c"][4] > 1.5
+@pytest.mark.parametrize("jag", [0.0, 0.3, 4.0])
+def test_jags_widen_a_standard_error_and_a_smooth_cost_does_not(jag):
+    """A parabola ``(x / s)^2 / 2`` of two unknowns, to whose second a jag is added a standard error away: ``sqrt(1 + 2 jag)``."""
+    deviation = np.array([1e-3, 2e-3])
+
+    def cost(x, noise):
+        away = np.abs(x / deviation)
+        return 0.5 * away @ away + jag * (0.5 < away[1] < 2.0)
+
+    problem = SimpleNamespace(
+        unknowns=[0, 1], cost=cost, bounds=lambda count: (np.full(count, -1.0), np.full(count, 1.0))
+    )
+    place = SimpleNamespace(x=np.zeros(2), noise=None)
+    independent = SimpleNamespace(
+        deviation=deviation, sizes=np.ones(2), covariance=np.diag(deviation**2), inflation=np.ones(2)
+    )
+    found = surroundings(problem, place, independent)
+    np.testing.assert_allclose(found.growth, [1.0, np.sqrt(1 + 2 * jag)], rtol=1e-12)
+    assert found.drop == 0
+
+
+def test_a_smooth_record_widens_nothing(loader):
+    start, keys = true_loader(loader), parameter_keys("k,c,J,C_i")
+    run = RecordRun(push_record(noise=0.01), start, None)
+    problem = Problem(unknowns_of(start, keys), [RecordObservation(run, keys)])
+    place = problem.search(problem.start(np.array([start[key] for key in keys])))
+    assert np.all(surroundings(problem, place, confidence_of(problem, place)).growth < 1.01)
 
 
 def test_a_record_under_another_experiment_leads_to_no_loader_file(loader):

@@ -43,7 +43,7 @@ pub struct Effects {
     pub observer: bool,
     /// Trim, a factor on the feel's spring, or the stick shaker.
     pub surroundings: bool,
-    /// A test signal on the command.
+    /// A test signal at the amplifier, or one on the command.
     pub test_signal: bool,
     /// Something that moves the column from neutral while nobody touches it.
     pub biased: bool,

@@ -29,7 +29,7 @@ use crate::effects::Effects;
 use crate::feel_law::FeelLaw;
 use crate::observer::Observer;
 use crate::parameters::Parameters;
-use crate::pressure::{Balance, Flow, Side};
+use crate::pressure::{Balance, Flow, Side, Yielding};
 use crate::transducers::{SENSORS, Seen, Transducers};
 use crate::valve_motion::ValveMotion;
 use slow::Slow;
@@ -60,8 +60,10 @@ pub struct Inputs {
     pub shaker: [f64; 2],
     /// Share of the next feel, while the feel is being changed.
     pub fade: [f64; 2],
-    /// Test signal on the command in V.
+    /// Test signal at the amplifier's input in V.
     pub test_signal: [f64; 2],
+    /// What is added to the law's command in V: a digital controller adds what it finds at a sample, and sends it on with the command.
+    pub command_signal: [f64; 2],
 }
 
 impl Inputs {
@@ -73,6 +75,7 @@ impl Inputs {
         shaker: [0.0; 2],
         fade: [0.0; 2],
         test_signal: [0.0; 2],
+        command_signal: [0.0; 2],
     };
 
     /// The inputs as they stand at the end of the step, and stay.
@@ -86,6 +89,7 @@ impl Inputs {
             shaker: stay(self.shaker),
             fade: stay(self.fade),
             test_signal: stay(self.test_signal),
+            command_signal: stay(self.command_signal),
         }
     }
 }
@@ -107,8 +111,8 @@ pub struct Machine<S> {
     base_impulse: S,
     /// `r c kappa / I`: the same for the feel.
     feel_impulse: S,
-    /// One where the load cell is sampled or lags, zero where the feel computer hears it directly.
-    indirect: S,
+    /// `A` where the feel computer hears the load cell directly, zero where the load cell is sampled or lags.
+    direct: S,
     force_scale: S,
     per_base: S,
     per_area: S,
@@ -129,12 +133,12 @@ pub struct State<S: Scalar> {
     held: S,
     /// Pilot force at the end of the last step.
     pilot_force: S,
-    /// Load pressure at its start.
+    /// Slaved load pressure at its start.
     pressure: S,
     /// Force of a hand that holds the grip until it lets go, in N.
     hand: S,
-    /// Share of a step by which the load cell is behind the slaved pressure.
-    behind: S,
+    /// What is added to the command that it holds, in V.
+    test_signal: S,
     /// Share of the last step by which a force on the load cell came later than a straight line.
     late: S,
     /// Steps since the start.
@@ -164,6 +168,8 @@ pub struct Now<S> {
     pub current: S,
     /// Pilot force in N.
     pub pilot_force: S,
+    /// Pressure and flow in balance, which the motions see; those above are behind them by the oil's lag.
+    slaved: Flow<S>,
 }
 
 /// What the start of a step leaves for the rest of it.
@@ -229,7 +235,7 @@ impl<S: Scalar> Machine<S> {
             converters: Converters::new(parameters),
             base_impulse: column.per_link_force * balance.impulse,
             feel_impulse: heard * feel.per_torque * balance.impulse,
-            indirect: if shared.timing.is_none() { S::select(direct, one.zero(), one) } else { one },
+            direct: if shared.timing.is_none() { S::select(direct, balance.area, one.zero()) } else { one.zero() },
             force_scale: one,
             per_base: parameters.column.angle(one),
             per_area: one / balance.area,
@@ -268,11 +274,14 @@ impl<S: Scalar> Machine<S> {
         } else {
             self.balance.moving()
         };
-        let mut now = self.look(effects, &side, &state.slow, state, self.pilot_force(state, inputs, Moment::Start));
-        self.catch_up(effects, &side, state, &mut now);
+        let force = self.pilot_force(state, inputs, Moment::Start);
+        let mut now = self.look(effects, &side, &state.slow, state, (force, force.zero()));
+        let yielding = self.balance.yielding(effects, &side, state.slow.plant[1], &now.slaved);
+        self.catch_up(effects, &yielding, state, &mut now);
+        self.follow(effects, &side, &yielding, state, &mut now);
         if effects.lags || shared.timing.is_some() {
             let measured = Self::measured(&now);
-            let shown = self.transducers.after_whole(&state.seen, measured, state.behind + state.late);
+            let shown = self.transducers.after_whole(&state.seen, measured, state.late);
             state.seen = Seen { measured, shown };
         }
         if let Some(timing) = shared.timing {
@@ -306,7 +315,10 @@ impl<S: Scalar> Machine<S> {
         };
         let slow = Slow::middle((&before.slow, &before.rates), (&after.slow, &after.rates), self.step);
         let touches = self.link_touches(&before.slow) | self.link_touches(&after.slow);
-        let oil = self.balance.solve(&shared.effects, &before.side, touches, slow.plant);
+        let slaved = self.balance.solve(&shared.effects, &before.side, touches, slow.plant);
+        // The lag itself changes so little over a step that a straight line will do.
+        let between = |lag: &dyn Fn(&Now<S>) -> S| (lag(a) + lag(b)).times(0.5);
+        let pressure = slaved.pressure + between(&|now| now.pressure - now.slaved.pressure);
         let digital = shared.timing.is_some();
         let force = Moment::Half.of(inputs.force) - inputs.force[0];
         Now {
@@ -318,12 +330,13 @@ impl<S: Scalar> Machine<S> {
                 slow::cubic((a.delta, a.delta_rate), (b.delta, b.delta_rate), eighth)
             },
             delta_rate: if digital { a.delta_rate } else { rate(a.delta, b.delta, a.delta_rate, b.delta_rate) },
-            piston: self.balance.piston(slow.plant[0], oil.pressure),
-            force: self.balance.area * oil.pressure,
-            pressure: oil.pressure,
-            flow: oil.flow,
+            piston: self.balance.piston(slow.plant[0], pressure),
+            force: self.balance.area * pressure,
+            pressure,
+            flow: slaved.flow + between(&|now| now.flow - now.slaved.flow),
             current: if digital { a.current } else { (a.current + b.current).times(0.5) },
             pilot_force: a.pilot_force + self.force(force),
+            slaved,
         }
     }
 
@@ -360,7 +373,10 @@ impl<S: Scalar> Machine<S> {
         slow: &Slow<S>,
         moment: Moment,
     ) -> Slow<S> {
-        let mut now = self.look(&shared.effects, &begun.side, slow, state, self.pilot_force(state, inputs, moment));
+        // The lag hardly changes in a step.
+        let lag = begun.now.pressure - begun.now.slaved.pressure;
+        let force = self.pilot_force(state, inputs, moment);
+        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, lag));
         if shared.effects.feel_limits && shared.timing.is_none() {
             let before = (begun.now.delta, begun.now.delta_rate);
             (now.delta, now.delta_rate) = self.feel.held_within(before, (now.delta, now.delta_rate));
@@ -392,13 +408,21 @@ impl<S: Scalar> Machine<S> {
         state.hand = state.hand.zero();
     }
 
-    /// What follows from the slow states: pressure, flow and velocities.
+    /// What follows from the slow states: pressure and flow in balance, velocities and forces, and what sensors measure of a pressure
+    /// that is off its balance by `lag`.
     #[inline(always)]
-    fn look(&self, effects: &Effects, side: &Side<S>, slow: &Slow<S>, state: &State<S>, pilot_force: S) -> Now<S> {
+    fn look(
+        &self,
+        effects: &Effects,
+        side: &Side<S>,
+        slow: &Slow<S>,
+        state: &State<S>,
+        (pilot_force, lag): (S, S),
+    ) -> Now<S> {
         let [z, _, _, x_b, w] = slow.plant;
         let [delta, u] = slow.feel;
-        let oil = self.balance.solve(effects, side, self.link_touches(&state.slow), slow.plant);
-        let p = oil.pressure;
+        let slaved = self.balance.solve(effects, side, self.link_touches(&state.slow), slow.plant);
+        let p = slaved.pressure;
         let moving = w - self.base_impulse * p;
         let base_rate = if effects.column_friction { S::select(state.column.stuck, w.zero(), moving) } else { moving };
         let delta_rate = if effects.sampled {
@@ -407,18 +431,43 @@ impl<S: Scalar> Machine<S> {
             let rate = u + self.feel_impulse * p;
             if effects.feel_friction { S::select(state.feel.stuck, u.zero(), rate) } else { rate }
         };
+        let pressure = p + lag;
         Now {
             base: x_b,
             base_rate,
             delta,
             delta_rate,
-            piston: self.balance.piston(z, p),
-            force: self.balance.area * p,
-            pressure: p,
-            flow: oil.flow,
+            piston: self.balance.piston(z, pressure),
+            force: self.balance.area * pressure,
+            pressure,
+            flow: slaved.flow,
             current: p.zero(),
             pilot_force,
+            slaved,
         }
+    }
+
+    /// Pressure and flow as far as they have come behind their balance at the start of a step.
+    #[inline(always)]
+    fn follow(&self, effects: &Effects, side: &Side<S>, yielding: &Yielding<S>, state: &State<S>, now: &mut Now<S>) {
+        let [z, q_i, q_i_rate, x_b, _] = state.slow.plant;
+        // Up to here the oil has followed the force of before: it does not jump with the hand.
+        let mut accelerated = self.pull(effects, (x_b, x_b), &Now { pilot_force: state.pilot_force, ..*now });
+        if effects.column_friction {
+            accelerated = accelerated + state.column.drag;
+        }
+        let rates = [now.slaved.flow * self.per_area, q_i_rate, q_i.zero(), now.base_rate, accelerated];
+        let oil = self.balance.behind(effects, side, yielding, (q_i, &now.slaved), &rates);
+        (now.pressure, now.flow) = (oil.pressure, oil.flow);
+        (now.piston, now.force) = (self.balance.piston(z, oil.pressure), self.balance.area * oil.pressure);
+    }
+
+    /// Acceleration of the base, dry friction left out, that begins its step at `start`.
+    #[inline(always)]
+    fn pull(&self, effects: &Effects, (start, x_b): (S, S), now: &Now<S>) -> S {
+        self.column.per_link_force * self.balance.area * now.slaved.pressure
+            + self.column.per_pilot_force * now.pilot_force
+            + self.column.loads(effects, start, x_b, now.base_rate)
     }
 
     /// Whether the link is beyond its play at the start of the step.
@@ -434,12 +483,9 @@ impl<S: Scalar> Machine<S> {
 
     /// Makes good what the pressure's lag behind its slaved value did in the last step.
     #[inline(always)]
-    fn catch_up(&self, effects: &Effects, side: &Side<S>, state: &mut State<S>, now: &mut Now<S>) {
-        let [_, q_i, ..] = state.slow.plant;
-        let flow = Flow { pressure: now.pressure, flow: now.flow };
-        let lagging = self.balance.lagging(effects, side, q_i, &flow, now.pressure - state.pressure);
+    fn catch_up(&self, effects: &Effects, yielding: &Yielding<S>, state: &mut State<S>, now: &mut Now<S>) {
+        let lagging = self.balance.lagging(yielding, now.slaved.pressure - state.pressure);
         let (base, feel) = (self.base_impulse * lagging.pressure, -self.feel_impulse * lagging.pressure);
-        state.behind = self.indirect * lagging.time * self.per_step;
         state.slow.plant[0] = state.slow.plant[0] + lagging.piston;
         state.slow.plant[4] = state.slow.plant[4] + base;
         state.slow.feel[1] = state.slow.feel[1] + feel;
@@ -451,7 +497,7 @@ impl<S: Scalar> Machine<S> {
         };
         now.delta_rate =
             if effects.feel_friction { unless(state.feel.stuck, now.delta_rate, feel) } else { now.delta_rate + feel };
-        state.pressure = now.pressure;
+        state.pressure = now.slaved.pressure;
     }
 
     /// What the sensors show under the analog law.
@@ -463,8 +509,8 @@ impl<S: Scalar> Machine<S> {
         if effects.lags {
             shown = match stage.moment {
                 Moment::Start => stage.state.seen.shown,
-                Moment::Half => self.transducers.after_half(&stage.state.seen, shown, stage.state.behind),
-                Moment::End => self.transducers.after_whole(&stage.state.seen, shown, stage.state.behind),
+                Moment::Half => self.transducers.after_half(&stage.state.seen, shown),
+                Moment::End => self.transducers.after_whole(&stage.state.seen, shown, now.base.zero()),
             };
             base_rate = self.transducers.column_rate(now.base, base_rate, shown[2]);
         }
@@ -481,25 +527,33 @@ impl<S: Scalar> Machine<S> {
         let effects = &stage.shared.effects;
         let [_, q_i, q_i_rate, x_b, _] = slow.plant;
         let mut feel = slow.feel;
-        let e = if stage.shared.timing.is_some() {
-            stage.state.held
+        let mut e = if stage.shared.timing.is_some() {
+            stage.state.held + stage.state.test_signal
         } else {
             let ([force, piston, base], base_rate) = self.shown(stage, now);
             let around = self.around(effects, stage.state, stage.inputs, stage.moment);
-            let torque = self.law.feel_torque(force);
+            let torque = self.heard_torque(force, now);
             let fade = stage.moment.of(stage.inputs.fade);
             let computer = self.feel_computer(stage.shared, fade);
             feel = [now.delta_rate, computer.acceleration((now.delta, now.delta_rate), torque, &around)];
             let x = [piston, force / self.balance.area, now.delta, now.delta_rate, base, base_rate, now.pilot_force];
             let e = self.law.command(&x);
-            if effects.test_signal { e + e.constant(stage.moment.of(stage.inputs.test_signal)) } else { e }
+            if effects.test_signal { e + e.constant(stage.moment.of(stage.inputs.command_signal)) } else { e }
         };
+        if effects.test_signal {
+            e = e + e.constant(stage.moment.of(stage.inputs.test_signal));
+        }
         now.current = self.valve.current(effects, e);
-        let pull = self.column.per_link_force * now.force
-            + self.column.per_pilot_force * now.pilot_force
-            + self.column.loads(effects, stage.state.slow.plant[3], x_b, now.base_rate);
         let flow_acceleration = self.valve.flow_acceleration(effects, q_i, q_i_rate, now.current);
-        Slow { plant: [now.flow * self.per_area, q_i_rate, flow_acceleration, now.base_rate, pull], feel }
+        let pull = self.pull(effects, (stage.state.slow.plant[3], x_b), now);
+        Slow { plant: [now.slaved.flow * self.per_area, q_i_rate, flow_acceleration, now.base_rate, pull], feel }
+    }
+
+    /// Torque that an analog feel computer hears where the load cell shows `force`: where it hears it directly, it is a motion like
+    /// the column's, whose `u` knows of the lag.
+    #[inline(always)]
+    fn heard_torque(&self, force: S, now: &Now<S>) -> S {
+        self.law.feel_torque(force + self.direct * (now.slaved.pressure - now.pressure))
     }
 
     /// Dry friction at the start of a step: first what it did inside the last step, then what it does in this one.
@@ -523,7 +577,7 @@ impl<S: Scalar> Machine<S> {
             let found = friction.settled(&state.column, v, pull - jump, (self.step, self.per_step));
             state.column = friction.grip(found.velocity, pull);
             state.slow.plant[3] = state.slow.plant[3] + found.displacement;
-            let w = found.velocity + self.base_impulse * now.pressure;
+            let w = found.velocity + self.base_impulse * now.slaved.pressure;
             state.slow.plant[4] = S::select(found.settled, w, state.slow.plant[4]);
             now.base = state.slow.plant[3];
             now.base_rate = found.velocity;
@@ -536,7 +590,7 @@ impl<S: Scalar> Machine<S> {
             let found = friction.settled(&state.feel, rate, pull, (self.step, self.per_step));
             state.feel = friction.grip(found.velocity, pull);
             state.slow.feel[0] = state.slow.feel[0] + found.displacement;
-            let u = found.velocity - self.feel_impulse * now.pressure;
+            let u = found.velocity - self.feel_impulse * now.slaved.pressure;
             state.slow.feel[1] = S::select(found.settled, u, state.slow.feel[1]);
             now.delta = state.slow.feel[0];
             now.delta_rate = found.velocity;

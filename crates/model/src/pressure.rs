@@ -11,7 +11,9 @@
 //!
 //! `I'` is what makes the pole. Whatever the link's force accelerates gains `A p = (A p + I') - I'`, so a velocity with `I`
 //! given back never sees `I'`; and where `A p` stands alone, leaving `I'` out is an error of the pole's time constant squared.
-//! What is left is one equation for `p` without a time derivative, `a p = d + (c / A) q(p)`, which is solved in closed form.
+//! What is left is one equation for `p` without a time derivative, `a p = d + (c / A) q(p)`, which is solved in closed form. The
+//! pressure is behind this slaved value `p_s` by the pole's time constant: to its square, `p = p_s - T p_s'`, `T = c kappa / a_eff`
+//! with `a_eff = a - (c / A) dq / dp`. A sensor and the law see `p`; the motions see `p_s` and are put right as above.
 
 use crate::Scalar;
 use crate::effects::Effects;
@@ -32,6 +34,8 @@ pub struct Balance<S> {
     pub half_play: S,
     /// `1 / k` in m/N.
     pub per_stiffness: S,
+    /// `c kappa / A²` in s/m²: per area, the lag of the pressure behind a valve that lets nothing by.
+    lag: S,
     stiffness: S,
     damping_per_area: S,
     supply_pressure: S,
@@ -94,17 +98,26 @@ pub struct Lagging<S> {
     pub piston: S,
     /// Pressure whose impulse the link took meanwhile, in Pa.
     pub pressure: S,
-    /// Time by which the pressure is behind, in s.
-    pub time: S,
 }
 
-/// Pressure and flow in balance.
+/// Pressure and flow, in balance or behind it.
 #[derive(Debug, Clone, Copy)]
 pub struct Flow<S> {
     /// Load pressure in Pa.
     pub pressure: S,
     /// Flow `A z'` in m³/s that moves piston and oil: through the valve, less what the relief valve lets by.
     pub flow: S,
+    /// Flow through the valve per no-load flow.
+    pub opening: S,
+}
+
+/// How the slaved pressure answers to its change: `a_eff` as shares.
+#[derive(Debug, Clone, Copy)]
+pub struct Yielding<S> {
+    /// `A / a_eff`.
+    kept: S,
+    /// `(c / A) s_q / a_eff`, with `s_q = -dq / dp` through valve and relief.
+    share: S,
 }
 
 impl<S: Scalar> Balance<S> {
@@ -129,6 +142,7 @@ impl<S: Scalar> Balance<S> {
             ratio: linkage.ratio,
             half_play: linkage.backlash.times(0.5),
             per_stiffness: one / linkage.stiffness,
+            lag: impulse / (actuator.area * actuator.area),
             stiffness: linkage.stiffness,
             damping_per_area,
             supply_pressure: valve.supply_pressure,
@@ -188,7 +202,7 @@ impl<S: Scalar> Balance<S> {
         let (zero, stretch) = (z.zero(), self.stretch(z, x_b));
         let holds = self.half_play.less(stretch.abs()) & zero.less(found.pressure * stretch);
         let holds = touches & (holds | self.without_play());
-        Flow { pressure: S::select(holds, found.pressure, zero), flow: S::select(holds, found.flow, q_i) }
+        Flow { pressure: S::select(holds, found.pressure, zero), flow: S::select(holds, found.flow, q_i), ..found }
     }
 
     /// The same for a link at the end of its play that is nearer.
@@ -219,6 +233,7 @@ impl<S: Scalar> Balance<S> {
         Flow {
             pressure: S::select(over, open.pressure, closed.pressure),
             flow: S::select(over, open.flow - escaping, closed.flow),
+            opening: S::select(over, open.opening, closed.opening),
         }
     }
 
@@ -230,39 +245,66 @@ impl<S: Scalar> Balance<S> {
         let r = one - (d * gains.per_supply).times_sign(q_i);
         let g = q_i.abs() * gains.orifice;
         let y = ((g * g + r.abs()).sqrt() - g).times_sign(r);
-        Flow { pressure: (self.supply_pressure * (one - y * y.abs())).times_sign(q_i), flow: q_i * y }
+        Flow { pressure: (self.supply_pressure * (one - y * y.abs())).times_sign(q_i), flow: q_i * y, opening: y }
     }
 
     /// With eq. (4): `q = q_i - C_p p`.
     #[inline(always)]
     fn linear(&self, gains: &Gains<S>, d: S, q_i: S) -> Flow<S> {
         let pressure = (d + self.damping_per_area * q_i) * gains.linear;
-        Flow { pressure, flow: q_i - self.pressure_gain * pressure }
+        Flow { pressure, flow: q_i - self.pressure_gain * pressure, opening: d.constant(1.0) }
     }
 
-    /// What the lag `p - p_slaved = -(c kappa / a_eff) p'` adds up to over a change of pressure to `p`: see [`Lagging`].
+    /// How the slaved pressure yields.
     #[inline(always)]
-    pub fn lagging(&self, effects: &Effects, side: &Side<S>, q_i: S, now: &Flow<S>, change: S) -> Lagging<S> {
-        let one = change.constant(1.0);
-        let over = now.pressure - now.pressure.within(self.relief_pressure);
+    pub fn yielding(&self, effects: &Effects, side: &Side<S>, q_i: S, slaved: &Flow<S>) -> Yielding<S> {
+        let one = q_i.constant(1.0);
+        let over = slaved.pressure - slaved.pressure.within(self.relief_pressure);
         let open = one.zero().less(over.abs());
         let gains = if effects.relief { Gains::select(open, &side.relieved, &side.closed) } else { side.closed };
-        // a_eff = a + (c / A) s_q,  s_q = -dq/dp through valve and relief;  share = (c / A) s_q / a_eff
         let mut share = if effects.orifice {
-            let through = if effects.relief { now.flow + self.relief_gain * over } else { now.flow };
+            let through = if effects.relief { slaved.flow + self.relief_gain * over } else { slaved.flow };
             let slope = q_i.abs() * gains.orifice * q_i.abs();
             slope / (through.abs() + slope).max(one.constant(f64::MIN_POSITIVE))
         } else {
             self.damping_per_area * self.pressure_gain * gains.linear
         };
-        let kept = (one - share) * gains.area; // A / a_eff
+        let kept = (one - share) * gains.area;
         if effects.relief {
             share = S::select(open, one - kept / side.closed.area, share);
         }
-        Lagging {
-            piston: self.compressibility * share * change,
-            pressure: (one - kept) * change,
-            time: kept * self.impulse / self.area,
+        Yielding { kept, share }
+    }
+
+    /// What the lag `p - p_s = -T p_s'` adds up to over a change of pressure: see [`Lagging`].
+    #[inline(always)]
+    pub fn lagging(&self, &Yielding { kept, share }: &Yielding<S>, change: S) -> Lagging<S> {
+        Lagging { piston: self.compressibility * share * change, pressure: (change.constant(1.0) - kept) * change }
+    }
+
+    /// Pressure and flow behind the slaved ones, where `z, q_i, q_i', x_b, w` change at the `rates`.
+    #[inline(always)]
+    pub fn behind(
+        &self,
+        effects: &Effects,
+        side: &Side<S>,
+        &Yielding { kept, share }: &Yielding<S>,
+        (q_i, slaved): (S, &Flow<S>),
+        &[z_rate, q_i_rate, _, x_b_rate, w_rate]: &[S; 5],
+    ) -> Flow<S> {
+        // A p_s' = (A / a_eff) (k (z' - alpha x_b') - c alpha w' + (c / A) (q / q_i) q_i')
+        let link = self.stiffness * (z_rate - self.ratio * x_b_rate) - side.base * w_rate;
+        // Where nothing flows yet, the side to which the valve will open is not known.
+        let one = q_i.constant(1.0);
+        let opening = S::select(q_i.zero().less(q_i.abs()), slaved.opening, one);
+        let pushed = (link + self.damping_per_area * opening * q_i_rate) * kept;
+        // Within the link's play there is no pressure, and nothing that changes it.
+        let holds = pushed.zero().less(slaved.pressure.abs()) | self.without_play();
+        let rate = if effects.backlash { S::select(holds, pushed, pushed.zero()) } else { pushed };
+        Flow {
+            pressure: slaved.pressure - kept * self.lag * rate,
+            flow: slaved.flow + self.compressibility * share * rate,
+            opening: slaved.opening,
         }
     }
 

@@ -44,8 +44,8 @@ impl<S: Scalar> Lag<S> {
     }
 
     #[inline(always)]
-    fn shown(&self, f_0: S, x_0: S, x: S, behind: S) -> S {
-        let m = (x - x_0) * (self.per_time + behind);
+    fn shown(&self, f_0: S, x_0: S, x: S, late: S) -> S {
+        let m = (x - x_0) * (self.per_time + late);
         x - m + (f_0 - x_0 + m) * self.kept
     }
 }
@@ -80,14 +80,14 @@ impl<S: Scalar> Transducers<S> {
 
     /// What is shown after half a step in which the measured values changed evenly to `measured`.
     #[inline(always)]
-    pub fn after_half(&self, before: &Seen<S>, measured: [S; SENSORS], behind: S) -> [S; SENSORS] {
-        shown(&self.half, before, measured, behind + behind)
+    pub fn after_half(&self, before: &Seen<S>, measured: [S; SENSORS]) -> [S; SENSORS] {
+        shown(&self.half, before, measured, measured[0].zero())
     }
 
-    /// What is shown after a whole step.
+    /// What is shown after a whole step; `late` for the load cell, see [`load_cell_late`](Self::load_cell_late).
     #[inline(always)]
-    pub fn after_whole(&self, before: &Seen<S>, measured: [S; SENSORS], behind: S) -> [S; SENSORS] {
-        shown(&self.whole, before, measured, behind)
+    pub fn after_whole(&self, before: &Seen<S>, measured: [S; SENSORS], late: S) -> [S; SENSORS] {
+        shown(&self.whole, before, measured, late)
     }
 
     /// Rate of what the column's sensor shows, from the base's displacement and rate and from what is shown.
@@ -126,8 +126,8 @@ impl<S: Scalar> Transducers<S> {
 }
 
 #[inline(always)]
-fn shown<S: Scalar>(lags: &[Lag<S>; SENSORS], before: &Seen<S>, measured: [S; SENSORS], behind: S) -> [S; SENSORS] {
-    let one = |k: usize, behind: S| lags[k].shown(before.shown[k], before.measured[k], measured[k], behind);
-    let zero = behind.zero();
-    [one(0, behind), one(1, zero), one(2, zero)]
+fn shown<S: Scalar>(lags: &[Lag<S>; SENSORS], before: &Seen<S>, measured: [S; SENSORS], late: S) -> [S; SENSORS] {
+    let one = |k: usize, late: S| lags[k].shown(before.shown[k], before.measured[k], measured[k], late);
+    let zero = late.zero();
+    [one(0, late), one(1, zero), one(2, zero)]
 }

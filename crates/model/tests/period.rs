@@ -9,7 +9,7 @@ use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::{MOST_UNDER_WAY, Timing};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::machine::period::{BASE, PERIOD_STATES, Period, YOUNGEST};
+use forcefeel_model::machine::period::{BASE, Drives, PERIOD_STATES, Period, YOUNGEST};
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::Parameters;
@@ -115,23 +115,28 @@ impl Loop {
         }
     }
 
-    fn next<S: Scalar>(&self, numbers: &[S; PERIOD_STATES], force: S, test_signal: S) -> [S; PERIOD_STATES] {
-        let machine = self.machine(force);
-        Period { machine: &machine, shared: &self.shared, timing: self.timing }.next(numbers, force, test_signal)
+    /// The next state under a pilot's force and a signal on the command.
+    fn next<S: Scalar>(&self, numbers: &[S; PERIOD_STATES], force: S, command_signal: S) -> [S; PERIOD_STATES] {
+        self.driven(numbers, &Drives { command_signal, force, force_before: force, test_signal: (force.zero(), 0) })
     }
 
-    /// Slopes of the next state at zero along one of its numbers, the pilot's force or the test signal.
+    fn driven<S: Scalar>(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> [S; PERIOD_STATES] {
+        let machine = self.machine(drives.force);
+        Period { machine: &machine, shared: &self.shared, timing: self.timing }.next(numbers, drives)
+    }
+
+    /// Slopes of the next state at zero along one of its numbers, the pilot's force or the command signal.
     fn slopes(&self, along: Along) -> [f64; PERIOD_STATES] {
         let one = |is: bool| if is { Dual::variable(0.0) } else { Dual::constant(0.0) };
         let state = core::array::from_fn(|k| one(along == Along::State(k)));
-        self.next(&state, one(along == Along::Force), one(along == Along::TestSignal)).map(|number| number.slope)
+        self.next(&state, one(along == Along::Force), one(along == Along::CommandSignal)).map(|number| number.slope)
     }
 
     /// The next state from zero but for so much along one direction.
     fn moved(&self, along: Along, by: f64) -> [f64; PERIOD_STATES] {
         let one = |is: bool| if is { by } else { 0.0 };
         let state = core::array::from_fn(|k| one(along == Along::State(k)));
-        self.next(&state, one(along == Along::Force), one(along == Along::TestSignal))
+        self.next(&state, one(along == Along::Force), one(along == Along::CommandSignal))
     }
 }
 
@@ -140,19 +145,19 @@ impl Loop {
 enum Along {
     State(usize),
     Force,
-    TestSignal,
+    CommandSignal,
 }
 
 impl Along {
     fn all() -> impl Iterator<Item = Self> {
-        (0..PERIOD_STATES).map(Self::State).chain([Self::Force, Self::TestSignal])
+        (0..PERIOD_STATES).map(Self::State).chain([Self::Force, Self::CommandSignal])
     }
 
     fn size(self) -> f64 {
         match self {
             Self::State(k) => SIZES[k],
             Self::Force => 100.0,
-            Self::TestSignal => 1.0,
+            Self::CommandSignal => 1.0,
         }
     }
 }
@@ -169,7 +174,7 @@ fn periods_one_after_the_other_are_the_run_bit_for_bit() {
             let (machine, shared, timing) = (one.machine(1.0), &one.shared, one.timing);
             let rest = machine.held_at(shared, 0.0, 0.0, 1.0);
             let (mut state, mut memory) = (machine.start(shared, &rest), machine.remember(&rest));
-            let mut numbers = [0.0; PERIOD_STATES];
+            let (mut numbers, mut force_before) = ([0.0; PERIOD_STATES], 0.0);
             for period in 0..40 {
                 // A push, then a pull.
                 let force = if period < 20 { 150.0 } else { -220.0 };
@@ -183,7 +188,9 @@ fn periods_one_after_the_other_are_the_run_bit_for_bit() {
                     }
                     machine.advance(shared, &mut state, &inputs, &begun);
                 }
-                numbers = one.next(&numbers, force, 0.0);
+                let drives = Drives { command_signal: 0.0, force, force_before, test_signal: (0.0, 0) };
+                numbers = one.driven(&numbers, &drives);
+                force_before = force;
             }
             assert!(numbers[BASE] != 0.0 && numbers[DELTA] != 0.0, "it moves");
         }
@@ -225,10 +232,10 @@ fn slopes_are_the_differences_of_periods() {
 }
 
 #[test]
-fn test_signal_is_the_difference_that_it_makes() {
+fn command_signal_is_the_difference_that_it_makes() {
     let mut draws = Draws::new(13);
     for one in Loop::all(&loader(false)) {
-        let (x, slopes) = (random_state(&mut draws), one.slopes(Along::TestSignal));
+        let (x, slopes) = (random_state(&mut draws), one.slopes(Along::CommandSignal));
         let (with, without) = (one.next(&x, 30.0, 1.0), one.next(&x, 30.0, 0.0));
         for k in 0..PERIOD_STATES {
             let size = with[k].abs().max(without[k].abs());
@@ -238,16 +245,50 @@ fn test_signal_is_the_difference_that_it_makes() {
 }
 
 #[test]
-fn test_signal_sets_out_with_the_command_and_arrives_with_it() {
+fn command_signal_sets_out_with_the_command_and_arrives_with_it() {
     for one in Loop::all(&loader(true)) {
         let Timing { period, delay } = one.timing;
-        let mut expected = one.slopes(Along::TestSignal);
+        let mut expected = one.slopes(Along::CommandSignal);
         assert_near(expected[YOUNGEST], 1.0, 0.0);
         assert_near(expected[HELD], if delay < period { 1.0 } else { 0.0 }, 0.0);
         // The controller learns nothing of it, and what is a period away moves nothing yet.
         (expected[YOUNGEST], expected[HELD]) = (0.0, 0.0);
         let moved = expected.iter().any(|&slope| slope != 0.0);
         assert_eq!(moved, delay < period, "{:?}", one.timing);
+    }
+}
+
+#[test]
+fn test_signal_at_the_amplifier_is_the_command_held_and_nobody_s_sample() {
+    // All through a period it moves what a command held that much higher would move; the controller learns nothing of it.
+    for one in Loop::all(&loader(false)) {
+        let Timing { period, delay } = one.timing;
+        let still = [Dual::constant(0.0); PERIOD_STATES];
+        let none = Dual::constant(0.0);
+        let by_step = |step: usize| {
+            let drives = Drives {
+                command_signal: none,
+                force: none,
+                force_before: none,
+                test_signal: (Dual::variable(0.0), step),
+            };
+            one.driven(&still, &drives).map(|number| number.slope)
+        };
+        let mut sum = [0.0; PERIOD_STATES];
+        for step in 0..period {
+            let moved = by_step(step);
+            assert_near(moved[HELD], 0.0, 0.0);
+            sum.iter_mut().zip(moved).for_each(|(sum, by)| *sum += by);
+        }
+        let held = one.slopes(Along::State(HELD));
+        let arriving = match delay / period {
+            0 => one.slopes(Along::CommandSignal),
+            age => one.slopes(Along::State(YOUNGEST + age - 1)),
+        };
+        for k in (0..PERIOD_STATES).filter(|k| !(HELD..YOUNGEST + MOST_UNDER_WAY - 1).contains(k)) {
+            let expected = held[k] + arriving[k];
+            assert_within(sum[k], expected, 1e-9 * expected.abs().max(1e-12 * SIZES[k]));
+        }
     }
 }
 

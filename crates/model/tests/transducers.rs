@@ -35,7 +35,7 @@ fn lag_is_the_exponential_for_what_changes_evenly() {
         for (f_0, x_0, slope) in [(0.0, 0.0, 1e3), (2.0, 1.0, 0.0), (-1.0, 3.0, -800.0)] {
             let before = Seen { measured: [x_0; 3], shown: [f_0; 3] };
             for (found, t) in [
-                (sensors.after_half(&before, [x_0 + slope * 0.5 * H; 3], 0.0), 0.5 * H),
+                (sensors.after_half(&before, [x_0 + slope * 0.5 * H; 3]), 0.5 * H),
                 (sensors.after_whole(&before, [x_0 + slope * H; 3], 0.0), H),
             ] {
                 // (x - x_0) / (w h) cancels for the slow ones.
@@ -53,8 +53,8 @@ fn two_halves_are_a_whole() {
     let sensors = sensors([TAU * 80.0, TAU * 300.0, 5.0]);
     let before = Seen { measured: [1.0, 2.0, 3.0], shown: [0.5, 2.5, 3.0] };
     let (middle, end) = ([1.5, 1.0, 3.5], [2.0, 0.0, 4.0]);
-    let half_way = Seen { measured: middle, shown: sensors.after_half(&before, middle, 0.0) };
-    let (twice, once) = (sensors.after_half(&half_way, end, 0.0), sensors.after_whole(&before, end, 0.0));
+    let half_way = Seen { measured: middle, shown: sensors.after_half(&before, middle) };
+    let (twice, once) = (sensors.after_half(&half_way, end), sensors.after_whole(&before, end, 0.0));
     for (twice, once) in twice.into_iter().zip(once) {
         assert_within(twice, once, 1e-11); // 3 / (w h) of the slow sensor cancels
     }
@@ -65,29 +65,25 @@ fn sensor_without_a_lag_shows_what_it_measures() {
     let sensors = sensors([f64::INFINITY; 3]);
     let before = Seen { measured: [1.0, -2.0, 0.3], shown: [0.7, 9.0, -4.0] };
     let now = [1.1, -5.0, 0.31];
-    for shown in [sensors.after_whole(&before, now, 0.0), sensors.after_half(&before, now, 0.0)] {
+    for shown in [sensors.after_whole(&before, now, 0.0), sensors.after_half(&before, now)] {
         assert_eq!(shown.map(f64::to_bits), now.map(f64::to_bits));
     }
     assert_near(sensors.column_rate(0.4, 7.0, 0.3), 7.0, 0.0);
 }
 
 #[test]
-fn force_that_is_behind_is_shown_as_late_as_that() {
-    // Of a ramp that has long gone on a lag shows what was 1 / w ago, one that is `behind` too what was that much earlier still.
-    let (w, slope, behind) = (TAU * 200.0, 4e3, 0.04);
+fn force_that_came_late_is_shown_as_late_as_that() {
+    // Of a ramp that has long gone on a lag shows what was 1 / w ago, one that is `late` too what was that much earlier still.
+    let (w, slope, late) = (TAU * 200.0, 4e3, 0.04);
     let sensors = sensors([w; 3]);
     let mut seen = Seen { measured: [0.0; 3], shown: [0.0; 3] };
-    let mut half = seen.shown;
     for k in 1..=100 {
-        let at = |k: f64| [slope * k * H; 3];
-        half = sensors.after_half(&seen, at(f64::from(k) - 0.5), behind);
-        let shown = sensors.after_whole(&seen, at(f64::from(k)), behind);
-        seen = Seen { measured: at(f64::from(k)), shown };
+        let measured = [slope * f64::from(k) * H; 3];
+        seen = Seen { measured, shown: sensors.after_whole(&seen, measured, late) };
     }
     let [force, piston, _] = seen.shown;
-    assert_near(force, slope * (100.0 * H - 1.0 / w - behind * H), DECAY);
+    assert_near(force, slope * (100.0 * H - 1.0 / w - late * H), DECAY);
     assert_near(piston, slope * (100.0 * H - 1.0 / w), DECAY);
-    assert_near(half[0], slope * (99.5 * H - 1.0 / w - behind * H), DECAY);
 }
 
 #[test]

@@ -81,7 +81,7 @@ pub struct Simulation {
     changes: Vec<Change>,
     /// Trim, a factor on the spring, or the shaker is among the inputs.
     stirred: bool,
-    /// There is a test signal among the inputs.
+    /// There is a test signal or a command signal among the inputs.
     tested: bool,
 }
 
@@ -89,8 +89,8 @@ pub struct Simulation {
 impl Simulation {
     /// A sample every so many steps, or two a step where `every` is zero.
     ///
-    /// `inputs`: (steps, 6, 2): pilot force, trim, factor on the spring, shaker, fade, test signal, each at the start and the end of
-    /// a step.
+    /// `inputs`: (steps, 7, 2): pilot force, trim, factor on the spring, shaker, fade, test signal, command signal, each at the start and
+    /// the end of a step.
     #[new]
     #[pyo3(signature = (inputs, step_s, *, every = 1, outputs = vec![], start_force = 0.0, held = None, timing = None, curve = None, changes = vec![]))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
@@ -121,7 +121,11 @@ impl Simulation {
         let still = |step: &Inputs| (step.trim, step.stiffness_factor, step.shaker) == ([0.0; 2], [1.0; 2], [0.0; 2]);
         Ok(Self {
             stirred: !inputs.iter().all(still),
-            tested: inputs.iter().flat_map(|step| step.test_signal).any(|volts| volts != 0.0),
+            tested: inputs
+                .iter()
+                .flat_map(|step| [step.test_signal, step.command_signal])
+                .flatten()
+                .any(|volts| volts != 0.0),
             step_s: step(step_s)?,
             sampling: if every == 0 { Sampling::Halves } else { Sampling::Every(every) },
             outputs,
@@ -249,7 +253,7 @@ impl Simulation {
 }
 
 /// Places of the states that are kept, and the matrices (loops, states, states + 2) of a period of each loader under a digital
-/// controller: `x+ = M x + b_e e_T + b_F F_p`.
+/// controller: `x+ = M x + b_e e_C + b_F F_p`.
 #[pyfunction]
 #[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, threads = 1))]
 #[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
@@ -278,9 +282,9 @@ pub fn sampled_loops<'py>(
 fn steps(inputs: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<Inputs>> {
     let inputs = inputs.as_array();
     let (count, signals, ends) = inputs.dim();
-    if count == 0 || (signals, ends) != (6, 2) {
+    if count == 0 || (signals, ends) != (7, 2) {
         return Err(PyValueError::new_err(format!(
-            "inputs: expected shape (steps, 6, 2), one step at least, got {:?}",
+            "inputs: expected shape (steps, 7, 2), one step at least, got {:?}",
             inputs.dim()
         )));
     }
@@ -293,6 +297,7 @@ fn steps(inputs: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<Inputs>> {
             shaker: pair(3),
             fade: pair(4),
             test_signal: pair(5),
+            command_signal: pair(6),
         }
     };
     Ok(inputs.outer_iter().map(step).collect())

@@ -1,8 +1,8 @@
 //! Many loops under a digital controller: the matrices of a period, exactly, from the step that runs it.
 //!
-//! `x+ = M x + b_e e_T + b_F F_p`, `x` what the loader and its controller carry from one period to the next
-//! ([`PERIOD_STATES`]), `e_T` a test signal on the command, `F_p` a pilot force that stays through the period. Each column is one
-//! evaluation on dual numbers at rest at neutral.
+//! `x+ = M x + b_e e_C + b_F F_p + sum b_j e_j`, `x` what the loader and its controller carry from one period to the next
+//! ([`PERIOD_STATES`]), `e_C` a signal on the command, `F_p` a pilot force that stays through the period, `e_j` a test signal at the
+//! amplifier during step `j` of the period. Each column is one evaluation on dual numbers at rest at neutral.
 //!
 //! What holds, touches or rounds, dry friction, play, stops, the feel's breakout and the steps of sensors and converters, is left
 //! out: it has no slope at rest. States that nothing depends on have no column and are left out: their poles are at zero.
@@ -13,22 +13,22 @@ use forcefeel_model::Scalar;
 use forcefeel_model::channels::{self, Bench};
 use forcefeel_model::controller::Timing;
 use forcefeel_model::dual::Dual;
-use forcefeel_model::machine::period::{PERIOD_STATES, Period, YOUNGEST};
+use forcefeel_model::machine::period::{Drives, PERIOD_STATES, Period, YOUNGEST};
 use forcefeel_model::machine::{Machine, Shared};
 use forcefeel_model::parameters::{COUNT, Parameters};
 use rayon::prelude::*;
 
-/// Inputs of a period: test signal on the command, pilot force.
+/// Inputs of a period: signal on the command, pilot force.
 pub const INPUTS: usize = 2;
 
 /// States, then inputs.
 pub(crate) const COLUMNS: usize = PERIOD_STATES + INPUTS;
 
 /// Numbers of `[M, b_e, b_F]`, row by row.
-type Matrix<T = f64> = [[T; COLUMNS]; PERIOD_STATES];
+pub(crate) type Matrix<T = f64> = [[T; COLUMNS]; PERIOD_STATES];
 
 /// The channels at the start of a period as rows on the same columns.
-type Rows<T> = [[T; COLUMNS]; channels::COUNT];
+pub(crate) type Rows<T> = [[T; COLUMNS]; channels::COUNT];
 
 /// Loops that share their effects and their timing.
 #[derive(Debug, Clone)]
@@ -76,49 +76,88 @@ impl SampledLoops<'_> {
     pub(crate) fn matrix_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Matrix<T> {
         let zero = parameters.column.inertia.zero();
         let mut matrix = [[zero; COLUMNS]; PERIOD_STATES];
-        self.each_column(run, parameters, |period, column, state, [test_signal, force]| {
-            for (row, number) in matrix.iter_mut().zip(period.next(state, force, test_signal)) {
+        let period = self.period(run, parameters);
+        for column in 0..COLUMNS {
+            let (state, drives) = columnwise(zero, column);
+            for (row, number) in matrix.iter_mut().zip(period.of().next(&state, &drives)) {
                 row[column] = number.slope;
             }
-        });
+        }
         matrix
+    }
+
+    /// What a test signal at the amplifier during each step of a period makes of the next state, a column each, and of the channels
+    /// while it is there.
+    pub(crate) fn by_test_signal<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> ByTestSignal<T> {
+        let zero = parameters.column.inertia.zero();
+        let (period, none) = (self.period(run, parameters), Dual::constant(zero));
+        let drives = |step: usize| Drives {
+            command_signal: none,
+            force: none,
+            force_before: none,
+            test_signal: (Dual::variable(zero), step),
+        };
+        let state = [none; PERIOD_STATES];
+        let next = |step: usize| period.of().next(&state, &drives(step)).map(|number| number.slope);
+        let shown = Bench::of(&period.of().now(&state, &drives(0))).channels(&parameters.map(Dual::constant));
+        ByTestSignal { next: (0..self.timing.period).map(next).collect(), now: shown.map(|number| number.slope) }
     }
 
     /// The channels at the start of a period.
     pub(crate) fn rows_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Rows<T> {
         let zero = parameters.column.inertia.zero();
         let mut rows = [[zero; COLUMNS]; channels::COUNT];
-        let on_bench = parameters.map(Dual::constant);
-        self.each_column(run, parameters, |period, column, state, [test_signal, force]| {
-            let now = period.now(state, force, test_signal);
+        let (period, on_bench) = (self.period(run, parameters), parameters.map(Dual::constant));
+        for column in 0..COLUMNS {
+            let (state, drives) = columnwise(zero, column);
+            let now = period.of().now(&state, &drives);
             for (row, number) in rows.iter_mut().zip(Bench::of(&now).channels(&on_bench)) {
                 row[column] = number.slope;
             }
-        });
+        }
         rows
     }
 
-    /// Goes through the columns: the state and the inputs `[e_T, F_p]` at neutral, dual along the column.
-    fn each_column<T: Scalar>(
-        &self,
-        run: usize,
-        parameters: &Parameters<T>,
-        mut take: impl FnMut(&Period<'_, Dual<T>>, usize, &[Dual<T>; PERIOD_STATES], [Dual<T>; INPUTS]),
-    ) {
+    fn period<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Ready<'_, Dual<T>> {
         let zero = parameters.column.inertia.zero();
         let parameters = without_steps(parameters.map(Dual::constant));
         let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(zero.constant(of(run)));
-        let mut machine = Machine::new(&parameters, self.law.compensator(&parameters, wide), &self.shared);
-        if let Some(observer) = self.law.observer(wide) {
-            machine = machine.with_observer(observer);
-        }
-        let period = Period { machine: &machine, shared: &self.shared, timing: self.timing };
-        for column in 0..COLUMNS {
-            let along = |k: usize| if k == column { Dual::variable(zero) } else { Dual::constant(zero) };
-            let inputs = [along(PERIOD_STATES), along(PERIOD_STATES + 1)];
-            take(&period, column, &core::array::from_fn(along), inputs);
-        }
+        let machine = Machine::new(&parameters, self.law.compensator(&parameters, wide), &self.shared);
+        let machine = self.law.observer(wide).map_or(machine, |observer| machine.with_observer(observer));
+        Ready { machine, shared: &self.shared, timing: self.timing }
     }
+}
+
+/// A machine whose periods are asked for.
+struct Ready<'a, S> {
+    machine: Machine<S>,
+    shared: &'a Shared,
+    timing: Timing,
+}
+
+impl<S: Scalar> Ready<'_, S> {
+    fn of(&self) -> Period<'_, S> {
+        Period { machine: &self.machine, shared: self.shared, timing: self.timing }
+    }
+}
+
+/// State and drives at neutral, dual along a column.
+fn columnwise<T: Scalar>(zero: T, column: usize) -> ([Dual<T>; PERIOD_STATES], Drives<Dual<T>>) {
+    let along = |k: usize| if k == column { Dual::variable(zero) } else { Dual::constant(zero) };
+    let drives = Drives {
+        command_signal: along(PERIOD_STATES),
+        force: along(PERIOD_STATES + 1),
+        force_before: along(PERIOD_STATES + 1),
+        test_signal: (Dual::constant(zero), 0),
+    };
+    (core::array::from_fn(along), drives)
+}
+
+/// See [`SampledLoops::by_test_signal`].
+#[derive(Debug, Clone)]
+pub(crate) struct ByTestSignal<T> {
+    pub(crate) next: Vec<[T; PERIOD_STATES]>,
+    pub(crate) now: [T; channels::COUNT],
 }
 
 /// Sensors and converters that do not round: a staircase has no slope.

@@ -9,12 +9,15 @@
 
 use crate::batch::Law;
 use crate::linearize::StateSpace;
-use crate::sampled_loops::{COLUMNS, INPUTS, SampledLoops, kept};
+use crate::sampled_loops::{ByTestSignal, COLUMNS, INPUTS, Matrix, Rows, SampledLoops, kept};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::{Compliant, OnBench, Rigid, System};
 use forcefeel_model::machine::period::PERIOD_STATES;
 use forcefeel_model::parameters::{COUNT, Parameters};
 use nalgebra::DMatrix;
+
+/// A period of a digital controller: its matrix, the channels at its start, and both under a test signal at the amplifier.
+type Period = (Matrix<Dual>, Rows<Dual>, ByTestSignal<Dual>);
 
 /// How the link between piston and column is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -92,29 +95,37 @@ fn put([value, slope]: &mut [StateSpace; 2], of: fn(&mut StateSpace) -> &mut DMa
     }
 }
 
-/// The first of `loops` on a bench, from one period to the next: `a` is `M`, over the states that count.
+/// The first of `loops` on a bench, from one period to the next: `a` is `M`, over the states that count. Columns of `b` and `d`:
+/// command signal, pilot force, and the test signal at the amplifier, one for each step of a period in `b` and one in `d`.
 pub fn sampled(loops: &SampledLoops<'_>, keys: &[usize]) -> Slopes {
     let values = &loops.values[0];
     let of = |key: Option<usize>| {
         let parameters = along(values, key);
-        (loops.matrix_of(0, &parameters), loops.rows_of(0, &parameters))
+        (loops.matrix_of(0, &parameters), loops.rows_of(0, &parameters), loops.by_test_signal(0, &parameters))
     };
-    let (model, channels) = of(None);
+    let model = of(None);
     let slopes: Vec<_> = keys.iter().map(|&key| of(Some(key))).collect();
     // A state counts where anything depends on it, or begins to when a parameter moves.
-    let parts = || slopes.iter().map(|(matrix, _)| matrix.map(|row| row.map(|number| number.slope)));
-    let matrices: Vec<_> = core::iter::once(model.map(|row| row.map(|number| number.value))).chain(parts()).collect();
+    let parts = || slopes.iter().map(|(matrix, ..)| matrix.map(|row| row.map(|number| number.slope)));
+    let matrices: Vec<_> = core::iter::once(model.0.map(|row| row.map(|number| number.value))).chain(parts()).collect();
     let in_rows = |rows: &[[Dual; COLUMNS]], state: usize| rows.iter().any(|row| row[state] != Dual::constant(0.0));
-    let seen = |state| in_rows(&channels, state) || slopes.iter().any(|(_, rows)| in_rows(rows, state));
+    let seen = |state| in_rows(&model.1, state) || slopes.iter().any(|(_, rows, _)| in_rows(rows, state));
     let states = kept(&matrices, seen);
-    let space = |matrix: &[[Dual; COLUMNS]], rows: &[[Dual; COLUMNS]], part: fn(&Dual) -> f64| StateSpace {
-        a: DMatrix::from_fn(states.len(), states.len(), |i, j| part(&matrix[states[i]][states[j]])),
-        b: DMatrix::from_fn(states.len(), INPUTS, |i, j| part(&matrix[states[i]][PERIOD_STATES + j])),
-        c: DMatrix::from_fn(rows.len(), states.len(), |i, j| part(&rows[i][states[j]])),
-        d: DMatrix::from_fn(rows.len(), INPUTS, |i, j| part(&rows[i][PERIOD_STATES + j])),
+    let space = |(matrix, rows, by): &Period, part: fn(&Dual) -> f64| {
+        let into = |i: usize, j: usize| match j.checked_sub(INPUTS) {
+            None => matrix[states[i]][PERIOD_STATES + j],
+            Some(step) => by.next[step][states[i]],
+        };
+        let through = |i: usize, j: usize| if j < INPUTS { rows[i][PERIOD_STATES + j] } else { by.now[i] };
+        StateSpace {
+            a: DMatrix::from_fn(states.len(), states.len(), |i, j| part(&matrix[states[i]][states[j]])),
+            b: DMatrix::from_fn(states.len(), INPUTS + by.next.len(), |i, j| part(&into(i, j))),
+            c: DMatrix::from_fn(rows.len(), states.len(), |i, j| part(&rows[i][states[j]])),
+            d: DMatrix::from_fn(rows.len(), INPUTS + 1, |i, j| part(&through(i, j))),
+        }
     };
     Slopes {
-        model: space(&model, &channels, |number| number.value),
-        along: slopes.iter().map(|(matrix, rows)| space(matrix, rows, |number| number.slope)).collect(),
+        model: space(&model, |number| number.value),
+        along: slopes.iter().map(|slope| space(slope, |number| number.slope)).collect(),
     }
 }

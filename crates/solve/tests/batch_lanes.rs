@@ -99,8 +99,11 @@ impl Part for Pressure {
             let side = balance.side(&effects, stuck);
             let touches = balance.touch(balance.stretch(x[1], x[4]));
             let oil = balance.solve(&effects, &side, touches, state);
-            let lag = balance.lagging(&effects, &side, x[2], &oil, x[6]);
-            found.extend([oil.pressure, oil.flow, lag.piston, lag.pressure, lag.time, balance.leakage(&effects, x[6])]);
+            let yielding = balance.yielding(&effects, &side, x[2], &oil);
+            let lag = balance.lagging(&yielding, x[6]);
+            let behind = balance.behind(&effects, &side, &yielding, (x[2], &oil), &[x[5], x[6], x[1], x[3], x[4]]);
+            found.extend([oil.pressure, oil.flow, oil.opening, behind.pressure, behind.flow]);
+            found.extend([lag.piston, lag.pressure, balance.leakage(&effects, x[6])]);
         }
         found.extend([balance.piston(x[1], x[6]), balance.stretch_at_rest(x[6])]);
         found
@@ -115,7 +118,7 @@ impl Part for Sensors {
         let before = Seen { measured: [x[1], x[2], x[3]], shown: [x[2], x[3], x[4]] };
         let now = [x[4], x[1], x[0]];
         let others = [sensors.load_cell_share(x[5].abs()), sensors.column_rate(x[1], x[2], x[3])];
-        let shown = [sensors.after_half(&before, now, x[4]), sensors.after_whole(&before, now, x[4])];
+        let shown = [sensors.after_half(&before, now), sensors.after_whole(&before, now, x[4])];
         [shown.as_flattened(), &sensors.sample(now, [x[2], x[3], x[4]]), &others].concat()
     }
 }

@@ -7,8 +7,9 @@ from forcefeel.errors import InputError
 from forcefeel.tables.header import heading
 from forcefeel.units import show
 
-INPUTS = MappingProxyType({"test_signal": "V", "pilot_force": "N"})
-"""What drives the bench, and its SI unit: the test signal e_T at the amplifier, the pilot's force F_p at the grip."""
+INPUTS = MappingProxyType({"test_signal": "V", "pilot_force": "N", "command_signal": "V"})
+"""What drives the bench, and its SI unit: the test signal e_T at the amplifier, the pilot's force F_p at the grip, and a signal e_C
+that a digital controller adds to its command, so that it is sampled and comes with the controller's delay."""
 
 OUTPUTS = MappingProxyType(dict(_core.channels()))
 """What is measured of it, and its SI unit, in the order of the model's channels."""

@@ -22,7 +22,9 @@ class Drive(StrEnum):
     """What moves it."""
 
     TEST_SIGNAL = "test_signal"
-    """A voltage at the amplifier, added to the law's command."""
+    """A voltage at the amplifier's input, beside the law's command."""
+    COMMAND_SIGNAL = "command_signal"
+    """A voltage that the law adds to its command: a digital controller samples it and sends it on after its delay."""
     PILOT_FORCE = "pilot_force"
     """A force at the grip."""
     RELEASE = "release"

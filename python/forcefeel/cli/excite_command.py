@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from forcefeel.identification.linear import Law as FixedLaw
 
 _EXAMPLES = {"current": "12 mA", "travel": "8 deg", "force": "1500 lb"}
-_DRIVE_EXAMPLES = {Drive.TEST_SIGNAL: "5 V", Drive.PILOT_FORCE: "50 lb"}
+_DRIVE_EXAMPLES = {Drive.TEST_SIGNAL: "5 V", Drive.COMMAND_SIGNAL: "5 V", Drive.PILOT_FORCE: "50 lb"}
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,8 @@ ExciteExperiment = Annotated[
     str,
     typer.Option(
         "--experiment",
-        help="Loop and drive: servo-open, servo-closed (test signal), loader (force at the grip), or 'loader test_signal'.",
+        help="Loop and drive: servo-open, servo-closed (test signal at the amplifier), loader (force at the grip); with another "
+        "drive as in 'loader test_signal', or 'servo-closed command_signal' where the controller adds the signal to its command.",
         rich_help_panel=_WHAT,
     ),
 ]

@@ -43,8 +43,8 @@ BenchExperiment = Annotated[
     _option(
         "--experiment",
         "Under which experiment a file was measured, if it does not say so itself: servo-open, servo-closed or loader, and what "
-        "drives it (test_signal, pilot_force, release), or release or sweep. With STEM=, the file's name without its ending, for "
-        "that file alone, as in the options below. May be given again.",
+        "drives it (test_signal, command_signal, pilot_force, release), or release or sweep. With STEM=, the file's name without "
+        "its ending, for that file alone, as in the options below. May be given again.",
         _DATA,
         "[STEM=]EXPERIMENT",
     ),

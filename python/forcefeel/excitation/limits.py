@@ -95,7 +95,7 @@ def _defaults(loader: Loader, drive: Drive) -> dict[str, tuple[float, str]]:
         (loader["valve.rated_current"], "the valve's rating"),
     )
     stop = min(-loader["column.stop_low"], loader["column.stop_high"])
-    signal = min((TEST_SIGNAL_V, "a usual converter's"), (loader["controller.output_range"], "the controller's range"))
+    signal = min((TEST_SIGNAL_V, "a usual converter's"), _drive_bound(loader, drive))
     return {
         "current": (OF_LIMIT * current, f"{percent(OF_LIMIT)} of {which}"),
         "travel": (OF_LIMIT * stop, f"{percent(OF_LIMIT)} of the nearer end stop")
@@ -115,5 +115,10 @@ def _bounds(loader: Loader, drive: Drive) -> dict[str, tuple[float, str]]:
         "current": (loader["amplifier.current_limit"], "the amplifier's limit"),
         "travel": (min(-loader["column.stop_low"], loader["column.stop_high"]), "the nearer end stop"),
         "force": (loader["valve.supply_pressure"] * loader["actuator.area"], "supply pressure times piston area"),
-        "drive": (loader["controller.output_range"] if drive is Drive.TEST_SIGNAL else inf, "the controller's range"),
+        "drive": _drive_bound(loader, drive),
     }
+
+
+def _drive_bound(loader: Loader, drive: Drive) -> tuple[float, str]:
+    """What the controller sends stays within its range; what comes in at the amplifier or at the grip is not its own."""
+    return loader["controller.output_range"] if drive is Drive.COMMAND_SIGNAL else inf, "the controller's range"

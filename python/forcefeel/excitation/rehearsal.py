@@ -12,7 +12,7 @@ from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
 from forcefeel.excitation.limits import Limit
 from forcefeel.identification.linear import Law
-from forcefeel.identification.record_run import engine_step_s
+from forcefeel.identification.record_run import driven, engine_step_s
 from forcefeel.inputs import Recorded, Schedule
 from forcefeel.loader import Loader
 from forcefeel.simulation import RunStatus, Scenario, simulate
@@ -69,11 +69,11 @@ class Bench:
         """The signal, then its last value for a step: the run may last so much longer."""
         times = np.append(np.arange(len(signal)) / self.rate_hz, len(signal) / self.rate_hz + step_s)
         values = np.append(signal, signal[-1])
-        run = Scenario(duration_s=steps * step_s, step_s=step_s, sample_s=step_s)
         if self.experiment.drive is Drive.PILOT_FORCE:
-            return replace(run, force=Recorded(times, values, "excitation"))
-        drive = Schedule(tuple(times.tolist()), tuple(values.tolist()), "excitation")
-        return replace(run, test_signal_v=drive)
+            run = Scenario(force=Recorded(times, values, "excitation"))
+        else:
+            run = driven(self.experiment.drive, Schedule(tuple(times.tolist()), tuple(values.tolist()), "excitation"))
+        return replace(run, duration_s=steps * step_s, step_s=step_s, sample_s=step_s)
 
     def _law(self) -> Law:
         match self.experiment.loop:

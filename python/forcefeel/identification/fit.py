@@ -244,11 +244,11 @@ def _fitted(problem: Problem, place: Place) -> tuple[Fitted, ...]:
 def _rigid(
     loader: Loader, law: Law, unknowns: Sequence[Unknown], seen: Sequence[tuple[Response | BenchRecord, list[Response]]]
 ) -> tuple[RigidTest | None, tuple[str, ...]]:
-    """The test of the link on what was given and what was seen in records under a test signal; and why there is none."""
+    """The test of the link on what was given and what was seen in records under a signal; and why there is none."""
     responses = [
         response
         for it, found in seen
-        if isinstance(it, Response) or it.experiment.drive is Drive.TEST_SIGNAL
+        if isinstance(it, Response) or it.experiment.drive in (Drive.TEST_SIGNAL, Drive.COMMAND_SIGNAL)
         for response in found
     ]
     if not responses:

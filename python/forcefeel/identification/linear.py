@@ -5,8 +5,11 @@
 ``G' = C' X + W (A' X + B') + D'``,   ``X = (s 1 - A)^-1 B``,   ``W = C (s 1 - A)^-1``,
 
 ``s = j w`` for an analog loader. Under a digital controller A is the matrix of a period and ``s`` becomes ``z = exp(j w T)``: from
-the sampled test signal, or a force that stays through the period, to the channels at the samples. All matrices are exact
-derivatives of the Rust model by dual numbers.
+the sampled command signal, or a force that stays through the period, to the channels at the samples. A test signal at the amplifier
+runs on between the samples. Held through each of the n steps h of a period it leads to the next state by columns ``b_j``, so that
+``B = sum b_j exp(j w (j + 1/2) h) / sinc(w h / 2)``: the quotient makes the staircase's part at w that of the sine; what else is in
+it is beyond 1 / h less w, where valve and column let nothing through. All matrices are exact derivatives of the Rust model by dual
+numbers.
 """
 
 from collections.abc import Sequence
@@ -98,15 +101,16 @@ class LinearModel:
         """
         columns = [INDEX[key] for key in keys]
         given = engine_law(self.loader, self.loop, self.law)
-        at = np.asarray(2j * np.pi * frequency_hz, dtype=np.complex128)
+        omega = 2 * np.pi * frequency_hz
         if period := self.loader["controller.period"]:
             _below_half_rate(frequency_hz, period)
             step_s, timing = controller_steps(self.loader, LONGEST_STEP_S)
             matrices = _core.sampled_slopes(values, columns, step_s, timing, **given)
-            at = np.exp(at * period)
+            found = _responses(_over_a_period(matrices, omega * step_s), np.asarray(np.exp(1j * omega * period)))
         else:
             matrices = _core.linear_slopes(values, columns, linkage=self.linkage.value, **given)
-        return ChannelResponses(frequency_hz, *_responses(matrices, at))
+            found = _responses(_continuous(matrices), np.asarray(1j * omega))
+        return ChannelResponses(frequency_hz, *found)
 
 
 def channel_responses(
@@ -153,15 +157,47 @@ def _below_half_rate(frequency_hz: NDArray[np.float64], period: float) -> None:
         )
 
 
-def _responses(
-    matrices: Sequence[NDArray[np.float64]], at: NDArray[np.complex128]
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+Matrices = Sequence[NDArray[np.float64] | NDArray[np.complex128]]
+"""A, B, C, D and their slopes; the columns of B and D in the order of ``channels.INPUTS``, B (lines or 1, states, inputs)."""
+
+
+def _continuous(matrices: Sequence[NDArray[np.float64]]) -> Matrices:
+    """Of an analog loader, whose law adds a signal to its command where the test signal comes in."""
+    a, b, c, d, a_slopes, b_slopes, c_slopes, d_slopes = matrices
+    order = [{"test_signal": 0, "pilot_force": 1, "command_signal": 0}[name] for name in _INPUTS]
+    return (
+        *(a, b[np.newaxis, :, order], c, d[:, order]),
+        *(a_slopes, b_slopes[:, np.newaxis][..., order], c_slopes, d_slopes[..., order]),
+    )
+
+
+def _over_a_period(matrices: Sequence[NDArray[np.float64]], turned: NDArray[np.float64]) -> Matrices:
+    """Of a sampled loader at lines that turn by w h in a step: the columns of the test signal's steps become one."""
+    a, b, c, d, a_slopes, b_slopes, c_slopes, d_slopes = matrices
+    command, force, steps = 0, 1, 2
+    middle = np.arange(b.shape[-1] - steps) + 0.5
+    sine = np.exp(1j * np.outer(turned, middle)) / np.sinc(turned / (2 * np.pi))[:, np.newaxis]
+
+    def inputs(b: NDArray[np.float64]) -> NDArray[np.complex128]:
+        test = np.moveaxis(b[..., steps:] @ sine.T, -1, -2)
+        rows = {
+            "test_signal": test,
+            "pilot_force": b[..., np.newaxis, :, force],
+            "command_signal": b[..., np.newaxis, :, command],
+        }
+        return np.stack(np.broadcast_arrays(*(rows[name] for name in _INPUTS)), axis=-1)
+
+    order = [{"test_signal": steps, "pilot_force": force, "command_signal": command}[name] for name in _INPUTS]
+    return a, inputs(b), c, d[:, order], a_slopes, inputs(b_slopes), c_slopes, d_slopes[..., order]
+
+
+def _responses(matrices: Matrices, at: NDArray[np.complex128]) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """``G`` (outputs, inputs, lines) and its slopes (keys, outputs, inputs, lines) at each ``s`` or ``z``."""
     a, b, c, d, a_slopes, b_slopes, c_slopes, d_slopes = matrices
     resolvent = at[:, np.newaxis, np.newaxis] * np.eye(len(a)) - a
-    x = np.linalg.solve(resolvent, np.broadcast_to(b, (len(at), *b.shape)).astype(complex))
+    x = np.linalg.solve(resolvent, np.broadcast_to(b, (len(at), *b.shape[1:])).astype(complex))
     w = np.linalg.solve(resolvent.transpose(0, 2, 1), np.broadcast_to(c.T, (len(at), *c.T.shape)).astype(complex))
     value = c @ x + d
-    by = a_slopes[:, np.newaxis] @ x + b_slopes[:, np.newaxis]
+    by = a_slopes[:, np.newaxis] @ x + b_slopes
     slopes = c_slopes[:, np.newaxis] @ x + w.transpose(0, 2, 1) @ by + d_slopes[:, np.newaxis]
     return np.asarray(value.transpose(1, 2, 0)), np.asarray(slopes.transpose(0, 2, 3, 1))

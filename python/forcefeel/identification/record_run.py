@@ -158,7 +158,7 @@ class RecordRun:
             return Scenario(force=Recorded(time_s, signal, record.name))
         if record.hold == "staircase":
             time_s, signal = np.repeat(time_s, 2)[1:], np.repeat(signal, 2)[:-1]
-        return Scenario(test_signal_v=Schedule(tuple(time_s.tolist()), tuple(signal.tolist()), record.name))
+        return driven(drive, Schedule(tuple(time_s.tolist()), tuple(signal.tolist()), record.name))
 
     @cached_property
     def _let_go(self) -> tuple[float, float]:
@@ -167,6 +167,11 @@ class RecordRun:
         seen = Record(self.record.time_s, angle, name=self.record.name)
         found = find_release(seen, _TAIL, load_rules().release)
         return float(np.mean(angle[: found.held])), found.time_s
+
+
+def driven(drive: Drive, signal: Schedule) -> Scenario:
+    """A run under a voltage over time, where the experiment has it."""
+    return Scenario(command_signal_v=signal) if drive is Drive.COMMAND_SIGNAL else Scenario(test_signal_v=signal)
 
 
 def engine_step_s(loader: Loader, between_s: float) -> float:

@@ -28,6 +28,7 @@ def applies(loader: Loader, scenario: Scenario) -> bool:
         scenario.dynamic_pressure_pa,
         scenario.shaker,
         scenario.test_signal_v,
+        scenario.command_signal_v,
         scenario.feel_changes or None,
     )
     return not loader.given and not loader.curves and all(other is None for other in others)

@@ -65,8 +65,9 @@ class Scenario:
         trim_rad: Commanded neutral of the feel over time; it is followed at ``feel.trim_rate``.
         dynamic_pressure_pa: Dynamic pressure over time, for a feel whose stiffness depends on it.
         shaker: How far the stick shaker is on over time, 0 to 1.
-        test_signal_v: Voltage over time that is added to the command at the amplifier; a digital controller adds what it finds of
-            it at a sample.
+        test_signal_v: Voltage over time at the amplifier's input, beside the command.
+        command_signal_v: Voltage over time that the law adds to its command; a digital controller adds what it finds of it at a
+            sample, and sends it on with the command.
         feel_changes: Changes of the feel, in order, none beginning before the last is done.
         seed: Seed of the sensors' noise.
 
@@ -82,6 +83,7 @@ class Scenario:
     dynamic_pressure_pa: Schedule | None = None
     shaker: Schedule | None = None
     test_signal_v: Schedule | None = None
+    command_signal_v: Schedule | None = None
     feel_changes: tuple[FeelChange, ...] = ()
     seed: int = 0
 
@@ -118,7 +120,8 @@ class Steps:
     Attributes:
         step_s: The step.
         every: Steps between two samples of the history; 0 for two samples a step.
-        inputs: (steps, 6, 2): force, trim, factor on the spring, shaker, fade and test signal, at start and end of each step.
+        inputs: (steps, 7, 2): force, trim, factor on the spring, shaker, fade, test signal and command signal, at start and end
+            of each step.
         timing: Steps in the controller's period and in its delay; ``None`` for an analog law.
         start_force_n: Force under which the run begins at rest.
         held: Angle in rad at which the grip is held, and the step at which it is let go; ``None`` but for a release.
@@ -151,13 +154,15 @@ class Steps:
             raise InputError(
                 f"duration_s: expected a multiple of the {scenario.sample_s:g} s between samples, got {scenario.duration_s:g} s"
             )
-        inputs = np.zeros((grid.steps, 6, 2))
+        inputs = np.zeros((grid.steps, 7, 2))
         span = scenario.duration_s, step_s
         _fill(inputs, 0, scenario.force.sample(*span))
         if scenario.trim_rad is not None:
             _fill(inputs, 1, scenario.trim_rad.sample(*span))
         if scenario.test_signal_v is not None:
             _fill(inputs, 5, scenario.test_signal_v.sample(*span))
+        if scenario.command_signal_v is not None:
+            _fill(inputs, 6, scenario.command_signal_v.sample(*span))
         inputs[:, 2] = _stiffness_factor(scenario, loader, span)
         if scenario.shaker is not None:
             on, angle = (

@@ -17,8 +17,8 @@ pub struct Memory<S> {
     pub(super) base: S,
     /// State of the observer.
     pub(super) estimate: Estimate<S>,
-    /// What is added to every command on its way, in V, beside the inputs' test signal.
-    pub(super) test_signal: S,
+    /// What is added to every command on its way, in V, beside the inputs' signal.
+    pub(super) command_signal: S,
 }
 
 impl<S: Scalar> Machine<S> {
@@ -28,7 +28,7 @@ impl<S: Scalar> Machine<S> {
         let base = rest.base + self.transducers.offset[2];
         let y = self.sampled_at_rest(rest.base, rest.piston, rest.pressure);
         let estimate = self.observer.at_rest(&y, rest.delta);
-        Memory { under_way: UnderWay::holding(rest.command), base, estimate, test_signal: base.zero() }
+        Memory { under_way: UnderWay::holding(rest.command), base, estimate, command_signal: base.zero() }
     }
 
     /// The digital controller's share of a step.
@@ -47,7 +47,9 @@ impl<S: Scalar> Machine<S> {
             let normal = if shared.effects.noise { normal() } else { [now.force.zero(); SENSORS] };
             let sample = self.transducers.sample(state.seen.shown, normal);
             let e = self.sample(shared, timing, (state, memory), inputs, now, sample);
-            memory.under_way.send(steps / timing.period, e + memory.test_signal + e.constant(inputs.test_signal[0]));
+            memory
+                .under_way
+                .send(steps / timing.period, e + memory.command_signal + e.constant(inputs.command_signal[0]));
         }
         if steps >= timing.delay && (steps - timing.delay).is_multiple_of(timing.period) {
             state.held = memory.under_way.arriving((steps - timing.delay) / timing.period);

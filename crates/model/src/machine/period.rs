@@ -1,7 +1,7 @@
 //! The loader under a digital controller, from one period to the next: its state as a list of numbers.
 //!
-//! A period is a function of these numbers, of the pilot's force and of a test signal on the command, so dual numbers give the
-//! matrices of the sampled loop, its delay and its sensors' lags included, from the very step that runs it.
+//! A period is a function of these numbers, of the pilot's force and of signals on the command and at the amplifier, so dual numbers
+//! give the matrices of the sampled loop, its delay and its sensors' lags included, from the very step that runs it.
 
 use super::{Begun, Inputs, Machine, Memory, Now, Rest, Shared, State};
 use crate::Scalar;
@@ -25,6 +25,19 @@ pub const SHOWN: usize = YOUNGEST + UNDER_WAY + 2 + SENSORS;
 
 const UNDER_WAY: usize = MOST_UNDER_WAY - 1;
 
+/// What moves a loader in a period.
+#[derive(Debug, Clone, Copy)]
+pub struct Drives<S> {
+    /// A signal in V that the controller adds to the command at its sample.
+    pub command_signal: S,
+    /// A pilot force in N that stays.
+    pub force: S,
+    /// The one of before, which the oil has followed so far.
+    pub force_before: S,
+    /// A test signal in V at the amplifier's input during one step of the period, and which.
+    pub test_signal: (S, usize),
+}
+
 /// A period from a state at rest at neutral, nothing pushing but the pilot's force.
 #[derive(Debug, Clone, Copy)]
 pub struct Period<'a, S> {
@@ -37,11 +50,12 @@ pub struct Period<'a, S> {
 }
 
 impl<S: Scalar> Period<'_, S> {
-    /// The state a period later, under a constant pilot force in N and with a test signal in V on the command.
-    pub fn next(&self, numbers: &[S; PERIOD_STATES], force: S, test_signal: S) -> [S; PERIOD_STATES] {
-        let zero = force.zero();
-        let (mut state, mut memory) = self.put(numbers, force, test_signal);
-        for _ in 0..self.timing.period {
+    /// The state a period later.
+    pub fn next(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> [S; PERIOD_STATES] {
+        let (zero, (test_signal, at)) = (drives.force.zero(), drives.test_signal);
+        let (mut state, mut memory) = self.put(numbers, drives);
+        for step in 0..self.timing.period {
+            state.test_signal = if step == at { test_signal } else { zero };
             let begun = self.begin(&mut state, &mut memory);
             self.machine.advance(self.shared, &mut state, &Inputs::NONE, &begun);
         }
@@ -52,18 +66,19 @@ impl<S: Scalar> Period<'_, S> {
         Self::read(&state, &memory)
     }
 
-    /// What there is at the start of the period, its command on the way.
-    pub fn now(&self, numbers: &[S; PERIOD_STATES], force: S, test_signal: S) -> Now<S> {
-        let (mut state, mut memory) = self.put(numbers, force, test_signal);
+    /// What there is at the start of the period, its command on the way, under a test signal of its first step.
+    pub fn now(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> Now<S> {
+        let (mut state, mut memory) = self.put(numbers, drives);
+        state.test_signal = drives.test_signal.0;
         self.begin(&mut state, &mut memory).now
     }
 
     fn begin(&self, state: &mut State<S>, memory: &mut Memory<S>) -> Begun<S> {
-        let none = [memory.test_signal.zero(); SENSORS];
+        let none = [memory.command_signal.zero(); SENSORS];
         self.machine.begin(self.shared, state, memory, &Inputs::NONE, || none)
     }
 
-    fn put(&self, numbers: &[S; PERIOD_STATES], force: S, test_signal: S) -> (State<S>, Memory<S>) {
+    fn put(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> (State<S>, Memory<S>) {
         let zero = numbers[0].zero();
         let mut next = 0;
         let mut take = || {
@@ -86,8 +101,8 @@ impl<S: Scalar> Period<'_, S> {
             *entry = take();
         }
         state.steps = MOST_UNDER_WAY * self.timing.period;
-        (state.hand, state.pilot_force) = (force, force);
-        memory.test_signal = test_signal;
+        (state.hand, state.pilot_force) = (drives.force, drives.force_before);
+        memory.command_signal = drives.command_signal;
         (state, memory)
     }
 

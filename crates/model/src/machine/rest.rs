@@ -174,7 +174,7 @@ impl<S: Scalar> Machine<S> {
             pilot_force: rest.pilot_force,
             pressure: rest.pressure,
             hand: zero,
-            behind: zero,
+            test_signal: zero,
             late: zero,
             steps: 0,
         }

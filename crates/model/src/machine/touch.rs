@@ -36,7 +36,7 @@ impl<S: Scalar> Machine<S> {
     #[inline(always)]
     fn meet_end_stop(&self, state: &mut State<S>, start: &Slow<S>, begun: &Begun<S>) {
         // The oil's impulse is a thousandth of the velocity.
-        let v = state.slow.plant[4] - self.base_impulse * begun.now.pressure;
+        let v = state.slow.plant[4] - self.base_impulse * begun.now.slaved.pressure;
         let way = (start.plant[3], state.slow.plant[3]);
         let push = self.column.stops.push(way, v, self.step, v.constant(1.0));
         state.slow.plant[3] = state.slow.plant[3] + push.displacement;
@@ -52,7 +52,7 @@ impl<S: Scalar> Machine<S> {
         start: &Slow<S>,
         begun: &Begun<S>,
     ) {
-        let rate = state.slow.feel[1] + self.feel_impulse * begun.now.pressure;
+        let rate = state.slow.feel[1] + self.feel_impulse * begun.now.slaved.pressure;
         let way = (start.feel[0], state.slow.feel[0]);
         let push = self.feel_computer(shared, inputs.fade[0]).soft_stop_push(way, rate, self.step);
         state.slow.feel[0] = state.slow.feel[0] + push.displacement;
@@ -63,7 +63,7 @@ impl<S: Scalar> Machine<S> {
     #[inline(always)]
     fn meet_hard_stop(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, begun: &Begun<S>) {
         let effects = &shared.effects;
-        let impulse = self.feel_impulse * begun.now.pressure;
+        let impulse = self.feel_impulse * begun.now.slaved.pressure;
         let before = (begun.now.delta, begun.now.delta_rate);
         let [delta, u] = state.slow.feel;
         let free = (delta, u + impulse);
@@ -94,10 +94,10 @@ impl<S: Scalar> Machine<S> {
     fn pull_at_rest(&self, shared: &Shared, state: &State<S>, inputs: &Inputs, begun: &Begun<S>, delta: S) -> S {
         let stage = Stage { shared, inputs, state, moment: Moment::End };
         let pilot_force = self.pilot_force(state, inputs, Moment::End);
-        let end = self.look(&shared.effects, &begun.side, &state.slow, state, pilot_force);
+        let end = self.look(&shared.effects, &begun.side, &state.slow, state, (pilot_force, delta.zero()));
         let ([force, ..], _) = self.shown(&stage, &end);
         let around = self.around(&shared.effects, state, inputs, Moment::End);
-        let torque = self.law.feel_torque(force);
+        let torque = self.heard_torque(force, &end);
         self.feel_computer(shared, inputs.fade[1]).acceleration((delta, delta.zero()), torque, &around)
     }
 
@@ -131,7 +131,7 @@ impl<S: Scalar> Machine<S> {
         let stuck = state.column.stuck;
         state.slow.plant[3] = x_b + moving(stuck, effects.column_friction, by * travel.times(1.0 / 6.0));
         state.slow.plant[4] = w + moving(stuck, effects.column_friction, by * impulse);
-        state.late = self.indirect * only(self.transducers.load_cell_late(time, first.pressure / last.pressure));
+        state.late = only(self.transducers.load_cell_late(time, first.pressure / last.pressure));
         if shared.timing.is_some() {
             return;
         }
