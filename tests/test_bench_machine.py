@@ -130,8 +130,8 @@ def test_a_digital_controller_is_the_witness_s(loop, period, delay):
 
 
 @pytest.mark.parametrize("delay", [0, 1])
-def test_a_test_signal_in_the_controller_is_sampled_and_late_like_its_command(delay):
-    """The witness' law has a gain on the pilot's force: with a grip arm of nothing, the force is the test signal."""
+def test_a_command_signal_is_sampled_and_late_like_the_command(delay):
+    """The witness' law has a gain on the pilot's force: with a grip arm of nothing, the force is the signal."""
     arm, period = 1e-9, 1e-3
     friction = {
         name: value * 31.375 / arm for name, value in (("coulomb_friction", FRICTION), ("static_friction", BREAKAWAY))
@@ -140,12 +140,21 @@ def test_a_test_signal_in_the_controller_is_sampled_and_late_like_its_command(de
         WITNESS, gains=(-K3, *[0.0] * 5, 1.0), grip_arm=arm, period=period, delay=delay * period, **friction
     )
     expected = nonlinear_witness.simulate(machine, straight(DRIVES["test_signal"]), RUN_S, BEHIND_S, solver=SOLVER)
-    inside = Controller(period, delay, "controller")
-    check(run(MACHINE, "servo-closed", RATE_HZ, test_signal=DRIVES["test_signal"], controller=inside), expected)
-    outside = run(
-        MACHINE, "servo-closed", RATE_HZ, test_signal=DRIVES["test_signal"], controller=Controller(period, delay)
+    controller = Controller(period, delay)
+    inside, outside = (
+        run(MACHINE, "servo-closed", RATE_HZ, controller=controller, **{place: DRIVES["test_signal"]})
+        for place in ("command_signal", "test_signal")
     )
+    check(inside, expected)
     assert np.abs(outside["column_angle"][0] - expected["theta"]).max() > 1e-2 * np.abs(expected["theta"]).max()
+
+
+def test_an_analog_law_has_one_place_for_both_signals():
+    found = (
+        run(MACHINE, "servo-closed", RATE_HZ, **{it: DRIVES["test_signal"]}) for it in ("command_signal", "test_signal")
+    )
+    inside, outside = (it["load_pressure"] for it in found)
+    assert np.array_equal(inside, outside)
 
 
 def test_a_staircase_keeps_its_values():

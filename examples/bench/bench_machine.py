@@ -90,16 +90,11 @@ class Machine:
 
 @dataclass(frozen=True)
 class Controller:
-    """A digital controller with ideal sensors that keeps its command between two samples.
-
-    ``signal_at``: where the test signal enters. ``amplifier``: behind the controller, as it runs. ``controller``: added to the
-    command, so sampled and late like it.
-    """
+    """A digital controller with ideal sensors that keeps its command between two samples."""
 
     period_s: float
     delay: int = 0
     """Periods from a sample to its command."""
-    signal_at: str = "amplifier"
 
 
 def run(  # noqa: PLR0913  what a bench has
@@ -108,6 +103,7 @@ def run(  # noqa: PLR0913  what a bench has
     rate_hz: float,
     *,
     test_signal=None,
+    command_signal=None,
     force=None,
     staircase: bool = False,
     controller: Controller | None = None,
@@ -120,18 +116,25 @@ def run(  # noqa: PLR0913  what a bench has
         machine: The machines.
         loop: One of `LOOPS`.
         rate_hz: Samples per second. The controller's period is a whole part or a whole multiple of the time between two.
-        test_signal: V at the samples, (samples,) or (machines, samples).
-        force: lb at the grip, likewise.
-        staircase: Whether the test signal keeps each value until the next; otherwise both run straight.
+        test_signal: At the amplifier, V at the samples, (samples,) or (machines, samples).
+        command_signal: What the law adds to its command, likewise: a digital controller samples it and sends it on late.
+        force: At the grip, lb, likewise.
+        staircase: Whether the two signals keep each value until the next; otherwise they, and the force always, run straight.
         controller: The digital controller; None: analog.
         start: States (machines, 8), see `held`; None: all zero.
         smallest_s: Length within which a switch is taken to second order.
     """
     per_sample = 1 if controller is None else max(1, round(1 / (rate_hz * controller.period_s)))
     step = 1 / (rate_hz * per_sample)
-    many, samples = machine.each(), np.shape(force if test_signal is None else test_signal)[-1]
+    many, samples = (
+        machine.each(),
+        next(np.shape(it)[-1] for it in (test_signal, command_signal, force) if it is not None),
+    )
     e, e_rate = _on_steps(test_signal, samples, per_sample, staircase)
+    added, added_rate = _on_steps(command_signal, samples, per_sample, staircase)
     f, f_rate = _on_steps(force, samples, per_sample, staircase=False)
+    if controller is None:  # one place for both
+        e, e_rate = e + added, e_rate + added_rate
     modes = _modes(many, loop, digital=controller is not None)
     march = ExactSteps(modes, step, smallest_s)
     z = np.zeros((len(many.area), SIZE))
@@ -143,7 +146,7 @@ def run(  # noqa: PLR0913  what a bench has
         z[:, E], z[:, E_RATE] = e[:, k], e_rate[:, k] / step
         z[:, FORCE], z[:, FORCE_RATE] = f[:, k], f_rate[:, k] / step
         if sampled is not None:
-            sampled.act(k, z)
+            sampled.act(k, z, added[:, k])
         if k == 0:
             march.begin(z)
         elif staircase or sampled is not None:
@@ -257,15 +260,13 @@ class _Sampled:
             return np.zeros(len(z))
         return z[:, DELTA] - self.m.potentiometer_gain * z[:, X]
 
-    def act(self, step, z):
-        """Puts what amplifier and feel computer are given through a step in the place of the test signal."""
-        inside = self.controller.signal_at == "controller"
+    def act(self, step, z, added):
+        """Adds the command to what is at the amplifier, and gives the feel computer its torque."""
         if step % self.every == 0:
-            self.waiting = [*self.waiting[1:], self.command(z) + (z[:, E] if inside else 0.0)]
+            self.waiting = [*self.waiting[1:], self.command(z) + added]
             self.torque = -self.m.maximum_stiffness * self.m.load_cell_gain * self.m.area * z[:, P]
         z[:, TORQUE] = self.torque
-        z[:, E] = self.waiting[0] + (0.0 if inside else z[:, E])
-        z[:, E_RATE] *= not inside
+        z[:, E] += self.waiting[0]
 
 
 def _channels(m, kept):
