@@ -195,6 +195,8 @@ class Signals:
     trim: object = ()
     dynamic_pressure: object = ()
     shaker: object = ()
+    test_signal: object = ()
+    """V at the amplifier, on what the controller gives, as it runs."""
 
 
 @dataclass(frozen=True)
@@ -318,7 +320,7 @@ class Plant:
 
     def __init__(self, machine):
         m = self.m = machine
-        self.force = lambda _: 0.0
+        self.force = self.test_signal = lambda _: 0.0
         self.current, self.command, self.relief = Band(m.current_limit), Band(m.flow_limit), Band(m.relief_pressure)
         self.flow_sign = 1
         self.stops = Stops(m.stop_low, m.stop_high, m.stop_stiffness, m.stop_damping)
@@ -705,7 +707,7 @@ class Analog:
         e = c[0] * x_p + c[1] * force / m.area + c[2] * y[9] + c[3] * y[10] + m.base_arm * (c[4] * theta + c[5] * rate)
         if c[6]:
             e += c[6] * self.plant.force(t)
-        return e, -self.arm * force + self.feel.shake(t)
+        return e + self.plant.test_signal(t), -self.arm * force + self.feel.shake(t)
 
     def derivative(self, t, y):
         e, given = self.signals(t, y)
@@ -737,17 +739,21 @@ class HeldPlant:
     def __init__(self, plant):
         self.plant, self.e = plant, 0.0
 
+    def given(self, t):
+        """What the amplifier is given: the controller's last command and the test signal."""
+        return self.e + self.plant.test_signal(t)
+
     def derivative(self, t, y):
-        return self.plant.derivative(t, y, self.e)
+        return self.plant.derivative(t, y, self.given(t))
 
     def settle(self, t, y):
-        self.plant.settle(t, y, self.e)
+        self.plant.settle(t, y, self.given(t))
 
     def guards(self, t, y):
-        return self.plant.guards(t, y, self.e)
+        return self.plant.guards(t, y, self.given(t))
 
     def row(self, t, y):
-        return t, y, self.e, self.plant.force(t)
+        return t, y, self.given(t), self.plant.force(t)
 
 
 class HeldFeel:
@@ -895,6 +901,7 @@ def simulate(machine, force, duration, samples_s, initial=None, *, signals=None,
         Trim(signals.trim, machine.feel_trim_rate),
         Signal(signals.dynamic_pressure),
         Signal(signals.shaker),
+        Signal(signals.test_signal),
     ]
     plant, feel = Plant(machine), Feel(machine)
     initial = dict(initial or {})
@@ -909,7 +916,9 @@ def simulate(machine, force, duration, samples_s, initial=None, *, signals=None,
 
 
 def _connect(plant, feel, inputs, start, end):
-    plant.force, feel.neutral, feel.dynamic_pressure, feel.shaker = (signal.over(start, end) for signal in inputs)
+    plant.force, feel.neutral, feel.dynamic_pressure, feel.shaker, plant.test_signal = (
+        signal.over(start, end) for signal in inputs
+    )
 
 
 def _final(march, end, y):

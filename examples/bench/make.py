@@ -2,19 +2,20 @@
 
 No bench data of a control loader are public. This makes some, so that an identification can be tried where the truth is known: the
 nonlinear loader of ``truth.toml`` with friction and a current limit, seen at 500 Hz to 2 kHz by sensors with noise and steps.
+``bench_machine.py`` integrates it: no line of the engine that ``identify`` fits has a part in the records.
 Run it in any folder to make the files anew; they come out the same.
 """
 
 from pathlib import Path
 
+import bench_machine
 import numpy as np
 import pyarrow as pa
 from pyarrow import parquet
 from scipy.io import savemat
 
 import forcefeel as ff
-from forcefeel.inputs import Multisine, Recorded, Release, Schedule
-from forcefeel.units import factor
+from forcefeel.inputs import Multisine
 
 HERE = Path(__file__).parent
 
@@ -22,42 +23,49 @@ FILE = {"amplifier.current_limit": "15 mA", "column.coulomb_friction": "2 lb", "
 """What the file adds to the report's loader; friction as its designers guessed it."""
 
 TRUTH = {
-    "linkage.stiffness": "5230 lb/in",
-    "linkage.damping": "19.4 lb s/in",
-    "column.inertia": "40.6 lb in s^2",
-    "valve.current_gain": "4.87 in^3/(s mA)",
-    "column.coulomb_friction": "1.3 lb",
-    "column.static_friction": "1.5 lb",
+    "linkage.stiffness": (5230.0, "lb/in", "link_stiffness"),
+    "linkage.damping": (19.4, "lb s/in", "link_damping"),
+    "column.inertia": (40.6, "lb in s^2", "inertia"),
+    "valve.current_gain": (4.87, "in^3/(s mA)", "current_gain"),
+    "column.coulomb_friction": (1.3, "lb", "coulomb_friction"),
+    "column.static_friction": (1.5, "lb", "static_friction"),
 }
-"""What the machine is."""
+"""What the machine is: value and unit, and what ``bench_machine`` calls it."""
 
-# unit in which the sensor shows it, noise r.m.s. and step in that unit, name and SI unit of the simulated signal
+MACHINE = bench_machine.Machine(current_limit=15.0, **{name: value for value, _, name in TRUTH.values()})
+
+# unit in which the sensor shows it and that in the unit of `bench_machine`, noise r.m.s. and step in the sensor's unit
 SENSORS = {
-    "column angle": ("deg", 0.002, 0.001, "column_angle_rad", "rad"),
-    "piston position": ("in", 0.0003, 0.0002, "piston_position_m", "m"),
-    "load pressure": ("lb/in^2", 0.3, 0.2, "load_pressure_pa", "Pa"),
-    "pilot force": ("lb", 0.02, 0.01, "pilot_force_n", "N"),
+    "column angle": ("deg", np.pi / 180, 0.002, 0.001),
+    "piston position": ("in", 1.0, 0.0003, 0.0002),
+    "load pressure": ("lb/in^2", 1.0, 0.3, 0.2),
+    "pilot force": ("lb", 1.0, 0.02, 0.01),
 }
 """Sensors of a usual kind, no one product."""
 
 
-def machine(changes):
+def loader(changes):
     """The report's loader with changes, free of its assumed tolerances."""
-    loader = ff.elevator()
-    return loader.with_tolerances(dict.fromkeys(loader.tolerances)).replace(changes)
+    report = ff.elevator()
+    return report.with_tolerances(dict.fromkeys(report.tolerances)).replace(changes)
 
 
-def run(loader, law, names, rate_hz, seed, **scenario):
-    """Runs the machine and gives what its sensors show: time in s, and a column for each name with its unit."""
-    history = ff.simulate(loader, ff.Scenario(step_s=5e-4, sample_s=1 / rate_hz, **scenario), law).history
+def seen(signals, names, rate_hz, seed):
+    """What the sensors show of signals: time in s, and a column for each name with its unit."""
     random = np.random.default_rng(seed)
-    columns = {"time (s)": np.round(history["time_s"].values, 6)}
+    samples = len(signals[names[0].replace(" ", "_")])
+    columns = {"time (s)": np.round(np.arange(samples) / rate_hz, 6)}
     for name in names:
-        unit, noise, step, signal, si_unit = SENSORS[name]
-        shown = history[signal].values / factor(unit, si_unit)
-        shown = shown + noise * random.standard_normal(len(shown))
+        unit, size, noise, step = SENSORS[name]
+        shown = signals[name.replace(" ", "_")] / size
+        shown = shown + noise * random.standard_normal(samples)
         columns[f"{name} ({unit})"] = np.round(np.round(shown / step) * step, 6) + 0.0
     return columns
+
+
+def run(loop, rate_hz, **how):
+    """The machine's channels over time."""
+    return {channel: values[0] for channel, values in bench_machine.run(MACHINE, loop, rate_hz, **how).items()}
 
 
 def multisine(volts, duration_s, rate_hz, period_s, seed):
@@ -68,12 +76,10 @@ def multisine(volts, duration_s, rate_hz, period_s, seed):
     return np.round(np.append(wave.start, wave.end[-1]) * np.clip(time_s, 0, 1), 4)
 
 
-def under_test_signal(loader, law, volts, names, rate_hz, seed, duration_s=60.0):
+def under_test_signal(loop, volts, names, rate_hz, seed, duration_s=60.0):
     """A record under a multisine."""
     signal = multisine(volts, duration_s, rate_hz, 10.0, seed)
-    times = np.arange(len(signal)) / rate_hz
-    schedule = Schedule(tuple(times.tolist()), tuple(signal.tolist()))
-    columns = run(loader, law, names, rate_hz, seed, test_signal_v=schedule, duration_s=duration_s)
+    columns = seen(run(loop, rate_hz, test_signal=signal), names, rate_hz, seed)
     return {"time (s)": columns.pop("time (s)"), "test signal (V)": signal, **columns}
 
 
@@ -84,63 +90,67 @@ def csv(path, about, columns):
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
+def response(loop, channel, volts, out):
+    """What an analyser makes of a fast record."""
+    fast = under_test_signal(loop, volts, (channel,), 2000.0, 2)
+    record = out / f"{loop}-record.csv"
+    csv(record, [f"experiment: {loop}"], fast)
+    found = ff.estimate_response(ff.read_bench_record(record), channel.replace(" ", "_"))
+    record.unlink()  # of the analyser only the response is left
+    unit, size, _, _ = SENSORS[channel]
+    gain = np.abs(found.value) / (size * bench_machine.SI[channel.replace(" ", "_")])
+    about = [f"experiment: {loop}", "from: test_signal (V)", f"to: {channel.replace(' ', '_')} ({unit})"]
+    columns = {
+        "frequency (Hz)": found.frequency_hz,
+        "gain (dB)": np.round(20 * np.log10(gain), 3),
+        "phase (deg)": np.round(np.degrees(np.unwrap(np.angle(found.value))), 2),
+        "coherence": np.round(found.coherence, 6),
+        "deviation": np.round(found.deviation, 6),
+    }
+    csv(out / f"{loop}.csv", about, columns)
+
+
+def release(held_s, angle, duration_s, rate_hz):
+    """The grip held at an angle in rad on the closed servo, and let go."""
+    start = bench_machine.held(MACHINE, "servo-closed", angle)
+    free = run("servo-closed", rate_hz, force=np.zeros(round((duration_s - held_s) * rate_hz) + 1), start=start)
+    before = round(held_s * rate_hz)
+    signals = {channel: np.append(np.full(before, values[0]), values) for channel, values in free.items()}
+    return seen(signals, ("column angle", "piston position"), rate_hz, 3)
+
+
+def sweep(rate_hz):
+    """Force at the grip up and down, slowly, on the whole loader."""
+    time_s = np.arange(round(22.0 * rate_hz) + 1) / rate_hz
+    force = np.interp(time_s, [1.0, 6.0, 16.0, 21.0], [0.0, 20.0, -20.0, 0.0])
+    return seen(
+        {**run("loader", rate_hz, force=force), "pilot_force": force}, ("pilot force", "column angle"), rate_hz, 4
+    )
+
+
 def main(out=HERE):
-    start, truth = machine(FILE), machine({**FILE, **TRUTH})
-    closed, opened = ff.Compensator.position_loop(truth.values), ff.Compensator.none(truth.values)
+    start, truth = loader(FILE), loader({**FILE, **{key: f"{value} {unit}" for key, (value, unit, _) in TRUTH.items()}})
     (out / "loader.toml").write_text(start.to_toml(), encoding="utf-8")
     (out / "truth.toml").write_text(truth.to_toml(), encoding="utf-8")
 
     everything = ("column angle", "piston position", "load pressure")
-    table = under_test_signal(truth, closed, 4.0, everything, 500.0, 1)
+    table = under_test_signal("servo-closed", 4.0, everything, 500.0, 1)
     arrays = {name: values.astype(np.float32) if name != "time (s)" else values for name, values in table.items()}
     parquet.write_table(
         pa.table(arrays).replace_schema_metadata({"experiment": "servo-closed"}),
         out / "multisine.parquet",
         compression="zstd",
     )
-
-    for name, law, volts, channel in (
-        ("servo-closed", closed, 4.0, "column angle"),
-        ("servo-open", opened, 4.0, "load pressure"),
-    ):
-        fast = under_test_signal(truth, law, volts, (channel,), 2000.0, 2)
-        record = out / f"{name}-record.csv"
-        csv(record, [f"experiment: {name}"], fast)
-        found = ff.estimate_response(ff.read_bench_record(record), channel.replace(" ", "_"))
-        record.unlink()  # of the analyser only the response is left
-        unit = SENSORS[channel][0]
-        gain = np.abs(found.value) / factor(unit, SENSORS[channel][4])
-        about = [f"experiment: {name}", "from: test_signal (V)", f"to: {channel.replace(' ', '_')} ({unit})"]
-        columns = {
-            "frequency (Hz)": found.frequency_hz,
-            "gain (dB)": np.round(20 * np.log10(gain), 3),
-            "phase (deg)": np.round(np.degrees(np.unwrap(np.angle(found.value))), 2),
-            "coherence": np.round(found.coherence, 6),
-            "deviation": np.round(found.deviation, 6),
-        }
-        csv(out / f"{name}.csv", about, columns)
-
-    held_s = 0.25
-    release = run(
-        truth, closed, ("column angle", "piston position"), 1000.0, 3, force=Release(0.06, held_s), duration_s=3.0
-    )
+    response("servo-closed", "column angle", 4.0, out)
+    response("servo-open", "load pressure", 4.0, out)
     names = {
         "time (s)": "time_s",
         "column angle (deg)": "column_angle_deg",
         "piston position (in)": "piston_position_in",
     }
-    savemat(
-        out / "release.mat",
-        {"experiment": "servo-closed release", **{names[k]: v for k, v in release.items()}},
-        do_compression=True,
-    )
-
-    times, force = (
-        np.array([0.0, 1.0, 6.0, 16.0, 21.0, 22.0]),
-        np.array([0.0, 0.0, 20.0, -20.0, 0.0, 0.0]) * factor("lb", "N"),
-    )
-    sweep = run(truth, None, ("pilot force", "column angle"), 500.0, 4, force=Recorded(times, force), duration_s=22.0)
-    csv(out / "sweep.csv", ["experiment: sweep"], sweep)
+    columns = {names[name]: values for name, values in release(0.25, 0.06, 3.0, 1000.0).items()}
+    savemat(out / "release.mat", {"experiment": "servo-closed release", **columns}, do_compression=True)
+    csv(out / "sweep.csv", ["experiment: sweep"], sweep(500.0))
 
 
 if __name__ == "__main__":
