@@ -1,6 +1,7 @@
 """Identifications made by hand, for the tests of what is said and shown of them."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 
@@ -114,14 +115,14 @@ def loader():
 
 
 def determined():
-    """Five parameters, all determined; k and c hang together, J is at its bound."""
+    """Five parameters, all determined; k and c hang together."""
     given = loader()
     found = (
         estimate(given, "k", -0.12, 0.004),
         estimate(given, "c", 0.155, 0.02),
         estimate(given, "C_i", 0.11, 0.011, share=0.06),
         estimate(given, "B_c", 0.001, 0.09),
-        estimate(given, "J", 0.2, 0.013, Status.AT_BOUND),
+        estimate(given, "J", 0.2, 0.013),
     )
     values = {one.unknown.key: one.value for one in found}
     after = given.with_tolerances(dict.fromkeys(set(values) & set(given.tolerances))).replace(values)
@@ -137,6 +138,13 @@ def determined():
         notes=(),
         loader=after,
     )
+
+
+def bounded():
+    """The same, but J ended at its bound: there is no loader file."""
+    found = determined()
+    *others, inertia = found.estimates
+    return replace(found, estimates=(*others, replace(inertia, status=Status.AT_BOUND)), loader=None)
 
 
 SECRET = 0.137

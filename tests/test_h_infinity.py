@@ -67,7 +67,8 @@ def test_filter_solves_its_equation(plant, tuning, ratio):
     assert np.linalg.eigvalsh(p).min() > -1e-12 * np.abs(p).max()  # rounding
     kept = np.linalg.inv(np.linalg.inv(p) + c.T @ np.linalg.inv(r) @ c)
     assert 0 < kept[6, 6] < found.level**2
-    assert_close(kept @ c.T @ np.linalg.inv(r), trusted(found), 1e-6)  # inverses of P, whose numbers span ten decades
+    # Inverses of P, whose numbers span ten decades; 0.4e-6 to 1.1e-6 by whose linear algebra it is.
+    assert_close(kept @ c.T @ np.linalg.inv(r), trusted(found), 5e-6)
 
 
 @every_tuning

@@ -28,6 +28,7 @@ from forcefeel.units import UnitSystem
 from tests.identifications import (
     NEEDED,
     SPIKE,
+    bounded,
     correlation,
     determined,
     ends,
@@ -96,9 +97,18 @@ def test_the_verdict_names_the_best_and_the_worst_known():
     assert conclusions.good
     # Standard errors of the file's value are given as 0.4 % and 9 %; of the estimates they are 0.004 / 0.88 and 0.09 / 1.001.
     assert conclusions.verdict == (
-        "All 5 parameters are determined, but column.inertia ended at its bound: their standard errors are from 0.45 % "
-        "(linkage.stiffness) to 9.0 % (column.viscous_friction)."
+        "All 5 parameters are determined: their standard errors are from 0.45 % (linkage.stiffness) to 9.0 % "
+        "(column.viscous_friction)."
     )
+
+
+def test_the_verdict_says_who_ended_at_a_bound():
+    conclusions, _ = said(bounded())
+    assert not conclusions.good
+    assert conclusions.verdict.startswith(
+        "All 5 parameters are determined, but column.inertia ended at its bound: their "
+    )
+    assert conclusions.verdict.endswith(" No loader file is written.")
 
 
 def test_a_single_parameter_is_said_with_its_value():
@@ -130,7 +140,7 @@ def test_without_a_tolerance_it_is_said():
 
 
 def test_a_bound_has_its_remedy():
-    text = said(determined())[1]
+    text = said(bounded())[1]
     assert "column.inertia ended at its upper bound" in text
     assert "(+20 %): the data ask for a larger value. The bound is the file's tolerance: widen it or drop it" in text
 

@@ -161,6 +161,7 @@ def test_tolerances_bound_the_search(loader):
     data = [servo_response(it, noise=0.01, random=np.random.default_rng(3)) for it in ("column_angle", "load_pressure")]
     found = identify(tight, data, FIT)
     assert found["k"].status is Status.AT_BOUND
+    assert found.loader is None
     assert found["k"].value == pytest.approx(0.95 * loader["linkage.stiffness"])
 
 

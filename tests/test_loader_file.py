@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from forcefeel.curves import CURVES
-from forcefeel.errors import InputError
+from forcefeel.errors import MOST_LINES, InputError
 from forcefeel.loader import Loader, elevator, load
 from forcefeel.parameters import (
     ALTERNATIVES,
@@ -590,12 +590,18 @@ TABLES = st.dictionaries(KEYS | st.text(max_size=8), VALUES, max_size=6)
 
 
 def good_or_refused(path: Path, text: str | bytes) -> bool:
-    """Whether a file is read or refused with lines that name it; any other error passes through."""
+    """Whether a file is read or refused with lines that name it, the first of very many; any other error passes through."""
     try:
         read(path, text)
     except InputError as error:
-        return all(line.startswith(f"{path}: ") for line in str(error).splitlines())
+        lines = str(error).splitlines()
+        more = lines[MOST_LINES:] and re.fullmatch(r"\.\.\. and [\d,]+ more", lines[-1])
+        return all(line.startswith(f"{path}: ") for line in (lines[:-1] if more else lines))
     return True
+
+
+def test_of_very_many_faults_the_first_are_named(path: Path) -> None:
+    assert good_or_refused(path, "".join(f"key_{k} = 1\n" for k in range(100)))
 
 
 @given(st.dictionaries(KEYS | st.text(max_size=8), VALUES | TABLES, max_size=6), st.booleans())

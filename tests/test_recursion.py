@@ -201,10 +201,10 @@ def test_bad_settings_are_refused_by_name(name, value):
 
 
 def test_recursion_that_cannot_converge_says_so(loader):
-    # The weight is so small beside R_2 that two million steps are not enough.
+    # The weight is so small beside R_2 that ten million steps are not enough.
     found = compensate(loader, DesignSettings(r2=1e4))
     assert not found.reached
-    assert found.note.startswith("not converged after 2000000 steps of 0.0001 s: the gains still change by")
+    assert found.note.startswith("not converged after 10000000 steps of 0.0001 s: the gains still change by")
     assert "change r2" in found.note
 
 

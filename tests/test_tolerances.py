@@ -206,16 +206,16 @@ def test_with_tolerances_adds_changes_and_drops() -> None:
     assert again.tolerances["linkage.damping"] == loader.tolerances["linkage.damping"]
 
 
-def test_a_row_with_shares_cannot_be_switched_off_under_them() -> None:
+def test_shares_go_where_the_value_becomes_nothing() -> None:
     loader = elevator().replace({"column.coulomb_friction": "3 lb", "column.stop_high": "20 deg"})
     loader = loader.with_tolerances({"column.coulomb_friction": "20 %", "column.stop_high": "5 %"})
     for key in ("column.coulomb_friction", "column.stop_high"):
-        with pytest.raises(
-            InputError,
-            match=rf"^tolerances\.{key}: a share of {key}, which is off, .+ or drop the tolerance first, from the loader file",
-        ):
-            loader.replace({key: None})
-        assert loader.with_tolerances({key: None}).replace({key: None})[key] in {0, math.inf}
+        without = loader.replace({key: None})
+        assert without[key] in {0, math.inf}
+        assert without.tolerances == {it: told for it, told in loader.tolerances.items() if it != key}
+    assert loader.replace({"column.coulomb_friction": "0 lb"}) == loader.replace({"column.coulomb_friction": None})
+    by_themselves = loader.with_tolerances({"column.coulomb_friction": {"uniform": ["1 lb", "5 lb"]}})
+    assert "column.coulomb_friction" in by_themselves.replace({"column.coulomb_friction": "0 lb"}).tolerances
 
 
 def test_a_default_that_stands_has_shares_where_it_has_an_effect() -> None:

@@ -27,7 +27,7 @@ from forcefeel.parameters import (
     value_text,
     without,
 )
-from forcefeel.tolerances import Tolerance, beyond, nothing, share_of_nothing
+from forcefeel.tolerances import Tolerance, beyond, nothing
 from forcefeel.units import UnitSystem, parse, show, to_text
 
 _REPORT = (
@@ -163,7 +163,8 @@ class Loader:
         Raises:
             InputError: If a key is unknown or a value bad.
 
-        Tolerances that are shares of a value follow it, if need be out of its range; curves stay.
+        Tolerances that are shares of a value follow it, if need be out of its range; where it becomes zero or is switched off, they
+        go. Curves stay.
 
         Example:
             ``loader.replace({"linkage.stiffness": "7000 lb/in", "valve.orifice": True, "feel.breakout": None})``
@@ -174,7 +175,8 @@ class Loader:
             position = _position(key)
             values[position] = _value(key, given)
             if key in tolerances:
-                tolerances[key] = _about(key, tolerances[key], float(values[position]))
+                told = _about(key, tolerances.pop(key), float(values[position]))
+                tolerances |= {} if told is None else {key: told}
         return replace(self, values=values, tolerances=tolerances)
 
     def with_tolerances(self, changes: Mapping[str, Tolerance | str | Mapping[str, Any] | None]) -> "Loader":
@@ -338,15 +340,11 @@ def _switch(key: str, given: object) -> float:
     return float(given)
 
 
-def _about(key: str, tolerance: Tolerance, value: float) -> Tolerance:
-    """The tolerance of a value that changes."""
-    try:
-        if tolerance.nominal is not None and nothing(TABLE[key], value):
-            raise InputError(share_of_nothing(TABLE[key]))
-        return tolerance.about(value)
-    except InputError as error:
-        drop = f"drop the tolerance first, from the loader file or with_tolerances({{{key!r}: None}})"
-        raise InputError(f"tolerances.{key}: {error}; or {drop}") from error
+def _about(key: str, tolerance: Tolerance, value: float) -> Tolerance | None:
+    """The tolerance of a value that changes; ``None`` where it was in shares and there is nothing left to share."""
+    if tolerance.nominal is not None and (value == 0 or nothing(TABLE[key], value)):
+        return None
+    return tolerance.about(value)
 
 
 def _position(key: str) -> int:

@@ -135,6 +135,8 @@ pub struct State<S: Scalar> {
     pilot_force: S,
     /// Slaved load pressure at its start.
     pressure: S,
+    /// By how much the load pressure was behind it.
+    lag: S,
     /// Force of a hand that holds the grip until it lets go, in N.
     hand: S,
     /// What is added to the command that it holds, in V.
@@ -276,9 +278,11 @@ impl<S: Scalar> Machine<S> {
         };
         let force = self.pilot_force(state, inputs, Moment::Start);
         let mut now = self.look(effects, &side, &state.slow, state, (force, force.zero()));
-        let yielding = self.balance.yielding(effects, &side, state.slow.plant[1], &now.slaved);
-        self.catch_up(effects, &yielding, state, &mut now);
-        self.follow(effects, &side, &yielding, state, &mut now);
+        if state.steps > 0 {
+            let yielding = self.balance.yielding(effects, &side, state.slow.plant[1], &now.slaved);
+            self.catch_up(effects, &yielding, state, &mut now);
+            self.follow(effects, &side, &yielding, state, &mut now);
+        }
         if effects.lags || shared.timing.is_some() {
             let measured = Self::measured(&now);
             let shown = self.transducers.after_whole(&state.seen, measured, state.late);
@@ -374,9 +378,8 @@ impl<S: Scalar> Machine<S> {
         moment: Moment,
     ) -> Slow<S> {
         // The lag hardly changes in a step.
-        let lag = begun.now.pressure - begun.now.slaved.pressure;
         let force = self.pilot_force(state, inputs, moment);
-        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, lag));
+        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, -state.lag));
         if shared.effects.feel_limits && shared.timing.is_none() {
             let before = (begun.now.delta, begun.now.delta_rate);
             (now.delta, now.delta_rate) = self.feel.held_within(before, (now.delta, now.delta_rate));
@@ -447,19 +450,29 @@ impl<S: Scalar> Machine<S> {
         }
     }
 
-    /// Pressure and flow as far as they have come behind their balance at the start of a step.
+    /// Pressure and flow as far as they have come behind their balance up to the start of a step.
     #[inline(always)]
-    fn follow(&self, effects: &Effects, side: &Side<S>, yielding: &Yielding<S>, state: &State<S>, now: &mut Now<S>) {
+    fn follow(
+        &self,
+        effects: &Effects,
+        side: &Side<S>,
+        yielding: &Yielding<S>,
+        state: &mut State<S>,
+        now: &mut Now<S>,
+    ) {
         let [z, q_i, q_i_rate, x_b, _] = state.slow.plant;
-        // Up to here the oil has followed the force of before: it does not jump with the hand.
+        // Up to here there was the force of before.
         let mut accelerated = self.pull(effects, (x_b, x_b), &Now { pilot_force: state.pilot_force, ..*now });
         if effects.column_friction {
             accelerated = accelerated + state.column.drag;
         }
         let rates = [now.slaved.flow * self.per_area, q_i_rate, q_i.zero(), now.base_rate, accelerated];
-        let oil = self.balance.behind(effects, side, yielding, (q_i, &now.slaved), &rates);
+        let rate = self.balance.slaved_rate(effects, side, yielding, (q_i, &now.slaved), &rates);
+        let change = (state.lag, now.slaved.pressure - state.pressure, rate);
+        let oil = self.balance.behind(yielding, &now.slaved, change, (self.step, self.per_step));
         (now.pressure, now.flow) = (oil.pressure, oil.flow);
         (now.piston, now.force) = (self.balance.piston(z, oil.pressure), self.balance.area * oil.pressure);
+        (state.pressure, state.lag) = (now.slaved.pressure, now.slaved.pressure - oil.pressure);
     }
 
     /// Acceleration of the base, dry friction left out, that begins its step at `start`.
@@ -497,7 +510,6 @@ impl<S: Scalar> Machine<S> {
         };
         now.delta_rate =
             if effects.feel_friction { unless(state.feel.stuck, now.delta_rate, feel) } else { now.delta_rate + feel };
-        state.pressure = now.slaved.pressure;
     }
 
     /// What the sensors show under the analog law.

@@ -12,8 +12,8 @@
 //! `I'` is what makes the pole. Whatever the link's force accelerates gains `A p = (A p + I') - I'`, so a velocity with `I`
 //! given back never sees `I'`; and where `A p` stands alone, leaving `I'` out is an error of the pole's time constant squared.
 //! What is left is one equation for `p` without a time derivative, `a p = d + (c / A) q(p)`, which is solved in closed form. The
-//! pressure is behind this slaved value `p_s` by the pole's time constant: to its square, `p = p_s - T p_s'`, `T = c kappa / a_eff`
-//! with `a_eff = a - (c / A) dq / dp`. A sensor and the law see `p`; the motions see `p_s` and are put right as above.
+//! pressure is behind this slaved value `p_s` by the pole's time constant: `T p' = p_s - p`, `T = c kappa / a_eff` with
+//! `a_eff = a - (c / A) dq / dp`. A sensor and the law see `p`; the motions see `p_s` and are put right as above.
 
 use crate::Scalar;
 use crate::effects::Effects;
@@ -34,8 +34,10 @@ pub struct Balance<S> {
     pub half_play: S,
     /// `1 / k` in m/N.
     pub per_stiffness: S,
-    /// `c kappa / A²` in s/m²: per area, the lag of the pressure behind a valve that lets nothing by.
-    lag: S,
+    /// `1 / A` in 1/m².
+    per_area: S,
+    /// `c kappa / A` in s: `T` of a valve that lets nothing by.
+    time: S,
     stiffness: S,
     damping_per_area: S,
     supply_pressure: S,
@@ -142,7 +144,8 @@ impl<S: Scalar> Balance<S> {
             ratio: linkage.ratio,
             half_play: linkage.backlash.times(0.5),
             per_stiffness: one / linkage.stiffness,
-            lag: impulse / (actuator.area * actuator.area),
+            per_area: one / actuator.area,
+            time: impulse / actuator.area,
             stiffness: linkage.stiffness,
             damping_per_area,
             supply_pressure: valve.supply_pressure,
@@ -282,28 +285,49 @@ impl<S: Scalar> Balance<S> {
         Lagging { piston: self.compressibility * share * change, pressure: (change.constant(1.0) - kept) * change }
     }
 
-    /// Pressure and flow behind the slaved ones, where `z, q_i, q_i', x_b, w` change at the `rates`.
+    /// Rate `p_s'` of the slaved pressure where `z, q_i, q_i', x_b, w` change at the `rates`.
     #[inline(always)]
-    pub fn behind(
+    pub fn slaved_rate(
         &self,
         effects: &Effects,
         side: &Side<S>,
-        &Yielding { kept, share }: &Yielding<S>,
+        yielding: &Yielding<S>,
         (q_i, slaved): (S, &Flow<S>),
         &[z_rate, q_i_rate, _, x_b_rate, w_rate]: &[S; 5],
-    ) -> Flow<S> {
-        // A p_s' = (A / a_eff) (k (z' - alpha x_b') - c alpha w' + (c / A) (q / q_i) q_i')
+    ) -> S {
+        // a_eff p_s' = k (z' - alpha x_b') - c alpha w' + (c / A) (q / q_i) q_i'
         let link = self.stiffness * (z_rate - self.ratio * x_b_rate) - side.base * w_rate;
         // Where nothing flows yet, the side to which the valve will open is not known.
         let one = q_i.constant(1.0);
         let opening = S::select(q_i.zero().less(q_i.abs()), slaved.opening, one);
-        let pushed = (link + self.damping_per_area * opening * q_i_rate) * kept;
+        let rate = (link + self.damping_per_area * opening * q_i_rate) * yielding.kept * self.per_area;
         // Within the link's play there is no pressure, and nothing that changes it.
-        let holds = pushed.zero().less(slaved.pressure.abs()) | self.without_play();
-        let rate = if effects.backlash { S::select(holds, pushed, pushed.zero()) } else { pushed };
+        let holds = one.zero().less(slaved.pressure.abs()) | self.without_play();
+        if effects.backlash { S::select(holds, rate, one.zero()) } else { rate }
+    }
+
+    /// Pressure and flow at the end of a step `h`, behind the slaved ones by a lag `L`, `L' = p_s' - L / T`, that was `before` at its
+    /// start, while the slaved pressure changed by `change`, at its end at the rate `rate`. Exact where that rate ran straight, but
+    /// for a decay `exp(-h / T)` of third order in place of the exponential.
+    #[inline(always)]
+    pub fn behind(
+        &self,
+        &Yielding { kept, share }: &Yielding<S>,
+        slaved: &Flow<S>,
+        (before, change, rate): (S, S, S),
+        (h, per_h): (S, S),
+    ) -> Flow<S> {
+        let t = kept * self.time;
+        let mean = change * per_h;
+        let bend = (rate - mean) * per_h.times(2.0) * t; // T p_s''
+        let (at_start, at_end) = (mean.times(2.0) - rate - bend, rate - bend);
+        // exp(-h / T) = T^3 / (T^3 + h T^2 + h^2 T / 2 + h^3 / 6)
+        let whole = ((t + h) * t + (h * h).times(0.5)) * t + (h * h * h).times(1.0 / 6.0);
+        let per_time = at_end + (before - t * at_start) * (t * t / whole); // L / T
         Flow {
-            pressure: slaved.pressure - kept * self.lag * rate,
-            flow: slaved.flow + self.compressibility * share * rate,
+            pressure: slaved.pressure - t * per_time,
+            // What the valve lets by the more: s_q L
+            flow: slaved.flow + self.area * self.compressibility * share * per_time,
             opening: slaved.opening,
         }
     }

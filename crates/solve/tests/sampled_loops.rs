@@ -25,7 +25,7 @@ const DELTA_RATE: usize = 6;
 const HELD: usize = 7;
 const LAST_BASE: usize = YOUNGEST + 7;
 const PRESSURE: usize = LAST_BASE + 1;
-const MEASURED: usize = PRESSURE + 1;
+const MEASURED: usize = PRESSURE + 2;
 const ESTIMATE: usize = MEASURED + 6;
 
 /// Delays of none, half a period, one and two periods and more, in periods of one step and of several.

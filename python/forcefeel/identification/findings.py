@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from forcefeel.bench.responses import Response
+from forcefeel.consistency import AT_LEAST
 from forcefeel.findings import Conclusions, beyond_linear
 from forcefeel.identification.misfit import UNEXPLAINED, model_error, size_text, unexplained
 from forcefeel.identification.result import Ended, Estimate, Fitted, Identification, RigidTest, Status
@@ -72,16 +73,18 @@ def _verdict(found: Identification, units: UnitSystem) -> str:
         return f"{which} {verb} not determined by these data: {_named(lost)}. No loader file is written."
     bound = _with(found, Status.AT_BOUND)
     but = f", but {_named(bound)} ended at {'its' if len(bound) == 1 else 'their'} bound" if bound else ""
+    unwritten = " No loader file is written." if bound else ""
     if count == 1:
         (one,) = found.estimates
         value, deviation = (_with_unit(one, it, units) for it in (estimated(one, one.value, units), error(one, units)))
-        but = ", but ended at its bound" if bound else ""
-        return f"{one.unknown.key} is determined{but}: {value} with a standard error of {deviation}."
+        if bound:
+            return f"{one.unknown.key} ended at its bound, {value}: that is not what the data say. No loader file is written."
+        return f"{one.unknown.key} is determined: {value} with a standard error of {deviation}."
     ordered = sorted([it for it in found.estimates if it.value] or found.estimates, key=relative_error)
     first, last = ordered[0], ordered[-1]
     return (
         f"{_all(count)} parameters are determined{but}: their standard errors are from {percent(relative_error(first))} "
-        f"({first.unknown.key}) to {percent(relative_error(last))} ({last.unknown.key})."
+        f"({first.unknown.key}) to {percent(relative_error(last))} ({last.unknown.key}).{unwritten}"
     )
 
 
@@ -91,7 +94,7 @@ def _doubt(found: Identification, units: UnitSystem) -> str:
     if bad:
         it = "it" if len(found.estimates) == 1 else "them"
         start = f"But do not rely on {it}: the" if found.determined else "Besides, the"
-        unwritten = " No loader file is written." if found.determined else ""
+        unwritten = " No loader file is written." if found.determined and found.within_bounds else ""
         return (
             f" {start} model misses {title_of(bad[-1])} by {percent(unexplained(bad[-1]))}, so it is not the model of this "
             f"machine under this experiment.{unwritten} Look at its plot; a fit of records has friction and limits in play, one of "
@@ -159,7 +162,10 @@ def _at_bound(found: Identification, units: UnitSystem) -> list[str]:
         bound, end, way = (unknown.low, unknown.high)[k], ("lower", "upper")[k], ("smaller", "larger")[k]
         value = _with_unit(one, estimated(one, bound, units), units)
         remedy = "The bound is the file's tolerance: widen it or drop it, if the machine may be so far off its file."
-        if unknown.tolerance is None or bound == limits[k]:
+        others = [key for pair in AT_LEAST if unknown.key in pair for key in pair if key not in found.keys]
+        if others and found.before[others[0]] == bound:
+            remedy = f"The bound is {others[0]}: fit both, or leave {unknown.key} out."
+        elif unknown.tolerance is None or bound == limits[k]:
             remedy = "The bound is the end of what is accepted: look whether units and experiment of the data are what they say."
         lines.append(
             f"{unknown.key} ended at its {end} bound, {value} ({_signed(change(one))}): the data ask for a {way} value. {remedy}"

@@ -67,7 +67,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         progress: Told how many of the searches are done.
 
     Returns:
-        The identification; its ``loader`` is ``None`` where the data do not determine a parameter.
+        The identification; its ``loader`` is ``None`` where the data do not determine a parameter, or one ends at its bound.
 
     Raises:
         InputError: If a parameter cannot be fitted, there are no data or fewer points than unknowns, data are not what they are
@@ -103,7 +103,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         notes=notes,
     )
     if identified.determined:
-        sound = explained(identified.fitted)
+        sound = explained(identified.fitted) and identified.within_bounds
         return replace(identified, loader=fitted_loader(identified)) if sound else identified
     recorded = any(isinstance(it, BenchRecord) for it in used)
     advice = advice_of(found, law, unknowns, confidence.information, recorded=recorded)

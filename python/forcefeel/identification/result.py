@@ -154,7 +154,7 @@ class Identification:
         rigid: Whether the link is compliant; ``None`` where it cannot be judged, and why stands in ``notes``.
         notes: What is worth knowing, a sentence each.
         loader: The loader with the estimates, their standard errors as tolerances and the data's hash as source; ``None`` where a
-            parameter is not determined, or the model does not explain the data.
+            parameter is not determined or ended at its bound, or the model does not explain the data.
     """
 
     before: Loader
@@ -172,6 +172,11 @@ class Identification:
     def determined(self) -> bool:
         """Whether the data determine every parameter that was asked for."""
         return all(it.status is not Status.UNDETERMINED for it in self.estimates)
+
+    @property
+    def within_bounds(self) -> bool:
+        """Whether no estimate ended at a bound: one that did is the bound's, not the data's."""
+        return all(it.status is not Status.AT_BOUND for it in self.estimates)
 
     @property
     def keys(self) -> tuple[str, ...]:

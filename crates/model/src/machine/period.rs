@@ -11,8 +11,8 @@ use crate::observer::MOST_STATES;
 use crate::transducers::{SENSORS, Seen};
 
 /// Numbers of the state between two periods: `z, q_i, q_i', x_b, w`, `delta, u`, the command held, those under way, the youngest
-/// first, the base as sampled last, the load pressure, what the sensors measured and showed, the observer.
-pub const PERIOD_STATES: usize = 5 + 2 + 1 + UNDER_WAY + 2 + 2 * SENSORS + MOST_STATES;
+/// first, the base as sampled last, the slaved load pressure and by how much the true one is behind it, what the sensors measured and showed, the observer.
+pub const PERIOD_STATES: usize = 5 + 2 + 1 + UNDER_WAY + 3 + 2 * SENSORS + MOST_STATES;
 
 /// Place of the column's base among them.
 pub const BASE: usize = 3;
@@ -21,7 +21,7 @@ pub const BASE: usize = 3;
 pub const YOUNGEST: usize = 8;
 
 /// Place of the first of what the sensors showed: load cell, potentiometer, column.
-pub const SHOWN: usize = YOUNGEST + UNDER_WAY + 2 + SENSORS;
+pub const SHOWN: usize = YOUNGEST + UNDER_WAY + 3 + SENSORS;
 
 const UNDER_WAY: usize = MOST_UNDER_WAY - 1;
 
@@ -95,7 +95,7 @@ impl<S: Scalar> Period<'_, S> {
             memory.under_way.send(MOST_UNDER_WAY - age, take());
         }
         memory.base = take();
-        state.pressure = take();
+        (state.pressure, state.lag) = (take(), take());
         state.seen = Seen { measured: [take(), take(), take()], shown: [take(), take(), take()] };
         for entry in &mut memory.estimate {
             *entry = take();
@@ -120,6 +120,7 @@ impl<S: Scalar> Period<'_, S> {
         }
         write(memory.base);
         write(state.pressure);
+        write(state.lag);
         state.seen.measured.into_iter().chain(state.seen.shown).for_each(&mut write);
         memory.estimate.into_iter().for_each(&mut write);
         numbers

@@ -173,6 +173,7 @@ impl<S: Scalar> Machine<S> {
             held: rest.command,
             pilot_force: rest.pilot_force,
             pressure: rest.pressure,
+            lag: zero,
             hand: zero,
             test_signal: zero,
             late: zero,
