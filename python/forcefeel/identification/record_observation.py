@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from forcefeel.bench.experiments import Loop
 from forcefeel.bench.records import BenchRecord
 from forcefeel.identification.observations import Compared, Curve
-from forcefeel.identification.record_run import Histories, RecordRun
+from forcefeel.identification.record_run import COARSE_STEP_S, Histories, RecordRun
 
 _EXPECTED = 0.01
 """Of the channel's r.m.s.: its noise as a first guess; the fit finds how large it is."""
@@ -90,15 +90,13 @@ class RecordObservation:
         return tuple(Curve(name, at, measured, modelled, float(e)) for name, measured, modelled, e in rows)
 
     def coarse(self) -> "RecordObservation":
-        """The beginning of a long record; a release is looked at whole."""
+        """The beginning of a long record in longer steps; a release is looked at whole."""
         record = self.data
         early = record.time_s - record.time_s[0] <= _COARSE_S
-        if self.run.released or early.all():
-            return self
-        channels = {name: values[early] for name, values in record.channels.items()}
-        return replace(
-            self, run=replace(self.run, record=replace(record, time_s=record.time_s[early], channels=channels))
-        )
+        if not (self.run.released or early.all()):
+            channels = {name: values[early] for name, values in record.channels.items()}
+            record = replace(record, time_s=record.time_s[early], channels=channels)
+        return replace(self, run=replace(self.run, record=record, longest_step_s=COARSE_STEP_S))
 
     @cached_property
     def _measured(self) -> NDArray[np.float64]:
