@@ -75,10 +75,13 @@ def test_a_recorded_release_is_found_within_a_sample(name, law, noisy, rate):
         found = measure_release(
             Record(time, np.interp(time, record.time_s, record.position), name=law), settle_check=False
         )
-        # A held grip that wanders over w hides a control that starts as w_n^2 t^2 / 2 for sqrt(2 w / Ad) / w_n.
+        # A held grip that wanders over w hides a control that starts as w_n^2 t^2 / 2 for sqrt(2 w / Ad) / w_n; where it happens to
+        # wander the control's way when it is let go, it shows a start that is earlier by as much and more.
         wander = float(np.ptp(record.position[record.time_s <= HELD_S]))
         hidden = math.sqrt(2 * wander / ANGLE * loader["feel.inertia"] / loader["feel.stiffness"])
-        assert found.release_s.value == pytest.approx(HELD_S, abs=1 / rate + (hidden if wander > 1e-3 * ANGLE else 0.0))
+        assert found.release_s.value == pytest.approx(
+            HELD_S, abs=1 / rate + (3 * hidden if wander > 1e-3 * ANGLE else 0.0)
+        )
 
 
 @pytest.mark.parametrize("damping", [None, OVERDAMPED["feel.damping"]])

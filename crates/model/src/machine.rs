@@ -467,12 +467,23 @@ impl<S: Scalar> Machine<S> {
             accelerated = accelerated + state.column.drag;
         }
         let rates = [now.slaved.flow * self.per_area, q_i_rate, q_i.zero(), now.base_rate, accelerated];
-        let rate = self.balance.slaved_rate(effects, side, yielding, (q_i, &now.slaved), &rates);
-        let change = (state.lag, now.slaved.pressure - state.pressure, rate);
-        let oil = self.balance.behind(yielding, &now.slaved, change, (self.step, self.per_step));
+        let rate = self.balance.slaved_rate(side, yielding, (q_i, &now.slaved), &rates);
+        let slaved = now.slaved.pressure;
+        let mut change = slaved - state.pressure;
+        if effects.backlash {
+            // Where the link met the end of its play the pressure came with a jump, which is no rate.
+            change = S::select(self.balance.holds(state.pressure), change, rate * self.step);
+        }
+        let change = (state.lag, change, rate);
+        let mut oil = self.balance.behind(yielding, &now.slaved, change, (self.step, self.per_step));
+        if effects.backlash {
+            let holds = self.balance.holds(slaved);
+            oil.pressure = S::select(holds, oil.pressure, slaved);
+            oil.flow = S::select(holds, oil.flow, now.slaved.flow);
+        }
         (now.pressure, now.flow) = (oil.pressure, oil.flow);
         (now.piston, now.force) = (self.balance.piston(z, oil.pressure), self.balance.area * oil.pressure);
-        (state.pressure, state.lag) = (now.slaved.pressure, now.slaved.pressure - oil.pressure);
+        (state.pressure, state.lag) = (slaved, slaved - oil.pressure);
     }
 
     /// Acceleration of the base, dry friction left out, that begins its step at `start`.

@@ -289,7 +289,6 @@ impl<S: Scalar> Balance<S> {
     #[inline(always)]
     pub fn slaved_rate(
         &self,
-        effects: &Effects,
         side: &Side<S>,
         yielding: &Yielding<S>,
         (q_i, slaved): (S, &Flow<S>),
@@ -300,10 +299,13 @@ impl<S: Scalar> Balance<S> {
         // Where nothing flows yet, the side to which the valve will open is not known.
         let one = q_i.constant(1.0);
         let opening = S::select(q_i.zero().less(q_i.abs()), slaved.opening, one);
-        let rate = (link + self.damping_per_area * opening * q_i_rate) * yielding.kept * self.per_area;
-        // Within the link's play there is no pressure, and nothing that changes it.
-        let holds = one.zero().less(slaved.pressure.abs()) | self.without_play();
-        if effects.backlash { S::select(holds, rate, one.zero()) } else { rate }
+        (link + self.damping_per_area * opening * q_i_rate) * yielding.kept * self.per_area
+    }
+
+    /// Whether there is a link for the slaved pressure to push on: within the play there is none, and no pressure.
+    #[inline(always)]
+    pub fn holds(&self, slaved: S) -> S::Mask {
+        slaved.zero().less(slaved.abs()) | self.without_play()
     }
 
     /// Pressure and flow at the end of a step `h`, behind the slaved ones by a lag `L`, `L' = p_s' - L / T`, that was `before` at its

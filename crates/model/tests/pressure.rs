@@ -398,7 +398,7 @@ fn pressure_and_flow_are_behind_their_balance() {
                 let q_rate = peak * omega * (omega * t).cos();
                 let rates = [slaved.flow / area, q_rate, 0.0, moves * v, moves * b * area * slaved.pressure];
                 let yielding = balance.yielding(&effects, &side, q_i(t), &slaved);
-                let rate = balance.slaved_rate(&effects, &side, &yielding, (q_i(t), &slaved), &rates);
+                let rate = balance.slaved_rate(&side, &yielding, (q_i(t), &slaved), &rates);
                 let change = (lag, slaved.pressure - before, rate);
                 let found = balance.behind(&yielding, &slaved, change, (step, 1.0 / step));
                 (before, lag) = (slaved.pressure, slaved.pressure - found.pressure);

@@ -102,7 +102,7 @@ impl Part for Pressure {
             let yielding = balance.yielding(&effects, &side, x[2], &oil);
             let lag = balance.lagging(&yielding, x[6]);
             let rates = [x[5], x[6], x[1], x[3], x[4]];
-            let rate = balance.slaved_rate(&effects, &side, &yielding, (x[2], &oil), &rates);
+            let rate = balance.slaved_rate(&side, &yielding, (x[2], &oil), &rates);
             let step = (x[0].constant(1e-4), x[0].constant(1e4));
             let behind = balance.behind(&yielding, &oil, (x[4], x[3], rate), step);
             found.extend([oil.pressure, oil.flow, oil.opening, behind.pressure, behind.flow]);
