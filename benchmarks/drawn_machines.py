@@ -14,7 +14,7 @@ import bench_machine
 import forcefeel as ff
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.records import BenchRecord
-from forcefeel.inputs import Multisine
+from forcefeel.simulation.inputs import Multisine
 
 FITTED = {
     "linkage.stiffness": ("link_stiffness", "lb/in"),

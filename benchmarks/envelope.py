@@ -16,14 +16,14 @@ import control
 import numpy as np
 
 from forcefeel import _core
-from forcefeel.compensation import NAMED_DESIGNS
-from forcefeel.designs.setting_laws import SettingLaws
-from forcefeel.envelopes.plan import make_plan
-from forcefeel.envelopes.releases import Record, released
-from forcefeel.envelopes.run import compute
-from forcefeel.loader import FEEL_SETTING, elevator
-from forcefeel.models import compliant_model
-from forcefeel.parameters import INDEX
+from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.releases import Record, released
+from forcefeel.envelope.run import compute
+from forcefeel.laws.recursion import NAMED_DESIGNS
+from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.linear.models import compliant_model
+from forcefeel.loader.loader import FEEL_SETTING, elevator
+from forcefeel.loader.parameters import INDEX
 from forcefeel.qualification import judge_releases, measure_releases
 
 GRID = {"stiffness": "1..100 %:50:log", "frequency": "0.5..4 Hz:25:log", "damping": "0.1..1.5:16"}

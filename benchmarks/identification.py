@@ -24,11 +24,11 @@ import numpy as np
 from drawn_machines import CHANNELS, FITTED, RATE_HZ, TIME_S, further_loaders, machines, records
 
 import forcefeel as ff
+from forcefeel.bench.identification.fit import identify
+from forcefeel.bench.identification.record_run import RecordRun
 from forcefeel.bench.records import BenchRecord
-from forcefeel.identification.fit import identify
-from forcefeel.identification.record_run import RecordRun
-from forcefeel.inputs import Schedule
 from forcefeel.simulation import Scenario, simulate_batch
+from forcefeel.simulation.inputs import Schedule
 from forcefeel.threads import cores
 
 KEYS = tuple(FITTED)

@@ -28,11 +28,11 @@ from core_peak import cpu_seconds, peak_flops
 from peers import case, linear_kernel
 from peers.kernel import aligned
 
-from forcefeel.inputs import Step
-from forcefeel.loader import Loader, elevator
-from forcefeel.models import compliant_model
-from forcefeel.parameters import INDEX
+from forcefeel.linear.models import compliant_model
+from forcefeel.loader.loader import Loader, elevator
+from forcefeel.loader.parameters import INDEX
 from forcefeel.simulation import Scenario
+from forcefeel.simulation.inputs import Step
 from forcefeel.simulation.linear import simulate_linear_batch
 
 POUND = 4.4482216152605

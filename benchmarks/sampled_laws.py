@@ -21,17 +21,17 @@ import numpy as np
 from core_peak import peak_flops
 from schedule import random_settings
 
-from forcefeel.designs.methods import METHODS
-from forcefeel.designs.observer import observe
-from forcefeel.designs.plant import BASE, BASE_RATE, SampledPlant
-from forcefeel.designs.regulator import regulate
-from forcefeel.designs.setting_laws import SettingLaws
-from forcefeel.designs.tuning import ROBUST
-from forcefeel.inputs import Release
-from forcefeel.loader import FEEL_SETTING, digital_elevator
-from forcefeel.models import DESIGN_STATES
-from forcefeel.schedule import schedule_gains
+from forcefeel.laws.gain_schedule import schedule_gains
+from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.observer import observe
+from forcefeel.laws.sampled.plant import BASE, BASE_RATE, SampledPlant
+from forcefeel.laws.sampled.regulator import regulate
+from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.sampled.tuning import ROBUST
+from forcefeel.linear.models import DESIGN_STATES
+from forcefeel.loader.loader import FEEL_SETTING, digital_elevator
 from forcefeel.simulation import Scenario, simulate_batch
+from forcefeel.simulation.inputs import Release
 
 SETTINGS, PEER_SETTINGS, RUNS, REPEATS = 1000, 20, 512, 5
 AGREEMENT = 1e-7  # of the largest gain; the two solvers agree to some 1e-10

@@ -21,10 +21,10 @@ import control
 import numpy as np
 from core_peak import peak_flops
 
-from forcefeel.compensation import DesignSettings, SampledProblem
-from forcefeel.loader import elevator
-from forcefeel.models import design_plant
-from forcefeel.schedule import schedule_gains
+from forcefeel.laws.gain_schedule import schedule_gains
+from forcefeel.laws.recursion import DesignSettings, SampledProblem
+from forcefeel.linear.models import design_plant
+from forcefeel.loader.loader import elevator
 
 SETTINGS = 200_000
 PEER_SETTINGS = 200

@@ -31,10 +31,10 @@ from core_peak import peak_flops
 from peers import case, jax_diffrax, kernel, numba_rk4, numbalsoda_lsoda, scipy_lsoda
 
 import nonlinear_witness as witness
-from forcefeel.inputs import Step
-from forcefeel.loader import elevator
-from forcefeel.parameters import TABLE
+from forcefeel.loader.loader import elevator
+from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import Scenario, simulate, simulate_batch
+from forcefeel.simulation.inputs import Step
 
 POUND = 4.4482216152605
 SAMPLES = 40

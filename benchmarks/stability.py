@@ -20,11 +20,11 @@ import numpy as np
 from core_peak import cpu_seconds, peak_flops
 
 from forcefeel import _core
-from forcefeel.compensation import compensate
-from forcefeel.loader import elevator
-from forcefeel.models import state_feedback
-from forcefeel.parameters import INDEX
-from forcefeel.studies import PLANT_PARAMETERS
+from forcefeel.design.studies import PLANT_PARAMETERS
+from forcefeel.laws.recursion import compensate
+from forcefeel.linear.models import state_feedback
+from forcefeel.loader.loader import elevator
+from forcefeel.loader.parameters import INDEX
 from forcefeel.sweep.stability import stability_batch
 
 LOOPS, CHECKED, REPEATS = 1_000_000, 20_000, 5

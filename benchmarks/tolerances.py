@@ -20,13 +20,13 @@ from pathlib import Path
 import numpy as np
 
 import forcefeel as ff
-from forcefeel.designs.methods import METHODS
-from forcefeel.envelopes.deviations import CHANGES
-from forcefeel.envelopes.draws import Draws
-from forcefeel.envelopes.plan import make_plan
-from forcefeel.envelopes.releases import Record
+from forcefeel.envelope.deviations import CHANGES
+from forcefeel.envelope.draws import Draws
+from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.releases import Record
 from forcefeel.frontier.bound import DAMPINGS, inertia_bound
 from forcefeel.frontier.referee import referees
+from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.threads import cores
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))

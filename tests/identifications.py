@@ -7,9 +7,7 @@ import numpy as np
 
 import forcefeel as ff
 from forcefeel.bench.experiments import Drive, Experiment, Loop
-from forcefeel.bench.records import BenchRecord
-from forcefeel.bench.responses import Response
-from forcefeel.identification.result import (
+from forcefeel.bench.identification.result import (
     Advice,
     Confusion,
     Ended,
@@ -19,8 +17,10 @@ from forcefeel.identification.result import (
     RigidTest,
     Status,
 )
-from forcefeel.identification.unknowns import parameter_keys, unknowns_of
-from forcefeel.tolerances import Distribution, Tolerance
+from forcefeel.bench.identification.unknowns import parameter_keys, unknowns_of
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.responses import Response
+from forcefeel.loader.tolerances import Distribution, Tolerance
 
 LINES = 60
 SAMPLES = 12_000

@@ -1,7 +1,7 @@
 """Loaders with optional rows: what goes with what, for tests."""
 
-from forcefeel.consistency import ONLY_WITH, complaints
-from forcefeel.parameters import OFF, TABLE
+from forcefeel.loader.consistency import ONLY_WITH, complaints
+from forcefeel.loader.parameters import OFF, TABLE
 
 
 def companions(key: str) -> dict[str, float]:

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 import forcefeel as ff
-from forcefeel.inputs import HandsOff, Schedule
-from forcefeel.parameters import TABLE
+from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.inputs import HandsOff, Schedule
 from tests import nonlinear_witness as witness
 from tests.nonlinear_witness import Machine, Signals, Solver
 

@@ -1,9 +1,9 @@
 """Sweeps that several test files share: small, and with every nonlinear effect that the engine steps differently."""
 
 import forcefeel as ff
-from forcefeel.inputs import Step
-from forcefeel.loader import Loader
+from forcefeel.loader.loader import Loader
 from forcefeel.simulation import Scenario
+from forcefeel.simulation.inputs import Step
 from forcefeel.sweep import Sweep
 
 PUSH = Scenario(Step(427.0, 0.1), duration_s=0.5)

@@ -7,8 +7,8 @@ import scipy.integrate
 
 import forcefeel as ff
 from forcefeel import _core
-from forcefeel.analysis.modes import feel_mode, spectral_abscissa
-from forcefeel.analysis.time import gramian
+from forcefeel.linear.modes import feel_mode, spectral_abscissa
+from forcefeel.linear.step import gramian
 from tests import witness
 
 LOW = {"feel.inertia": "6 lb in s^2/rad", "feel.damping": "30.4 lb in s/rad", "feel.stiffness": "960 lb in/rad"}

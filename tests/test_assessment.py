@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.parameters import REQUIRED
-from forcefeel.studies import CHANGES, PLANT_PARAMETERS, best_of_each_count, droppable, worst
+from forcefeel.design.studies import CHANGES, PLANT_PARAMETERS, best_of_each_count, droppable, worst
+from forcefeel.loader.parameters import REQUIRED
 
 US_STIFFNESS = 4.4482216152605 * 0.0254  # N m/rad in a lb in/rad
 

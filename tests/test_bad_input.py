@@ -17,7 +17,7 @@ import forcefeel as ff
 from forcefeel.cli import main
 from forcefeel.cli.app import app
 from forcefeel.errors import InputError
-from forcefeel.parameters import TABLE
+from forcefeel.loader.parameters import TABLE
 from forcefeel.printable import visible
 
 LONGEST = 20_000

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.envelopes.deviations import Origin, deviations_of
+from forcefeel.envelope.deviations import Origin, deviations_of
 
 BENCH = Path(__file__).parents[1] / "examples" / "bench-2khz"
 FIT = "k,c,J,alpha,q_r,R_p"

@@ -10,13 +10,13 @@ import scipy.signal
 import forcefeel as ff
 from forcefeel.bench.clipping import clipped
 from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.plausibility import distance, suspicions
 from forcefeel.bench.record_checks import check_record
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.response_checks import check_response
 from forcefeel.bench.responses import Response
-from forcefeel.bench.suspicions import distance, suspicions
 from forcefeel.errors import InputError
-from forcefeel.parameters import OFF, TABLE, limits_si
+from forcefeel.loader.parameters import OFF, TABLE, limits_si
 from forcefeel.units import factor
 
 CLOSED = Experiment.read("servo-closed")

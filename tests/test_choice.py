@@ -9,17 +9,17 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.choice import Score, Scored, choose, score_methods
+from forcefeel.choice.as_json import plain_choice
 from forcefeel.choice.demand import Demand, largest_demand, limits
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.noise import Noise
 from forcefeel.choice.own_setting import own_setting
-from forcefeel.choice.plain import plain_choice
 from forcefeel.choice.score import OverEnvelope, check_names
-from forcefeel.command_margins import LoopMargins
-from forcefeel.designs.setting_laws import SettingLaws, names_for
-from forcefeel.envelopes.plan import make_plan
-from forcefeel.envelopes.result import Shares
-from forcefeel.loader import FEEL_SETTING
+from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.result import Shares
+from forcefeel.laws.sampled.setting_laws import SettingLaws, names_for
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loops.margins import LoopMargins
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.units import UnitSystem
 

@@ -5,10 +5,10 @@ import pytest
 from scipy.linalg import expm
 
 import forcefeel as ff
-from forcefeel.command_loop import CommandLoop, command_loops
-from forcefeel.command_margins import least_margins, loop_margins
-from forcefeel.designs.setting_laws import SettingLaws, named
-from forcefeel.loader import FEEL_SETTING
+from forcefeel.laws.sampled.setting_laws import SettingLaws, named
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loops.command_loop import CommandLoop, command_loops
+from forcefeel.loops.margins import least_margins, loop_margins
 
 DIGITAL = ff.digital_elevator()
 G_MAX = DIGITAL["feel.maximum_stiffness"]

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.arms import ARM_ROWS
 from forcefeel.choice.noise import HOLDING, NoisyLoop, hand_force_rms, noise_at_grip, sample_variance
-from forcefeel.designs.setting_laws import SettingLaws, named
-from forcefeel.loader import FEEL_SETTING
+from forcefeel.laws.sampled.setting_laws import SettingLaws, named
+from forcefeel.loader.arms import ARM_ROWS
+from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation import Scenario, simulate
 
 SENSORS = ("load_cell", "potentiometer", "column_sensor")

@@ -8,8 +8,8 @@ from playwright.sync_api import Page
 
 import forcefeel as ff
 from forcefeel.choice import choose, score_methods
-from forcefeel.designs.setting_laws import names_for
-from forcefeel.report.choice_folder import write_choice
+from forcefeel.choice.page.folder import write_choice
+from forcefeel.laws.sampled.setting_laws import names_for
 from forcefeel.units import UnitSystem
 from tests.pages import opened, words_cut
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
 import forcefeel as ff
-from forcefeel.curves import CURVES, MOST_POINTS, Curve, CurveRow
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader, elevator, load
+from forcefeel.loader.curves import CURVES, MOST_POINTS, Curve, CurveRow
+from forcefeel.loader.loader import Loader, elevator, load
 
 ROUNDING = (
     1e-12  # relative to the largest y; a cubic in pieces a millionth as wide as the curve loses six digits at worst

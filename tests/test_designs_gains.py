@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from forcefeel import _core
-from forcefeel.designs.feedforward import feed_forward, feel_moves
-from forcefeel.designs.observer import REMEMBERED, observe
-from forcefeel.designs.plant import SampledPlant
-from forcefeel.designs.regulator import regulate
-from forcefeel.designs.tuning import OBSERVER, RECOVERED, ROBUST
+from forcefeel.laws.sampled.feedforward import feed_forward, feel_moves
+from forcefeel.laws.sampled.observer import REMEMBERED, observe
+from forcefeel.laws.sampled.plant import SampledPlant
+from forcefeel.laws.sampled.regulator import regulate
+from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, ROBUST
 from tests.test_designs_plant import PERIOD, sampled
 
 TUNINGS = {"observer": OBSERVER, "recovered": RECOVERED, "robust": ROBUST}

@@ -9,14 +9,14 @@ from scipy.optimize import linear_sum_assignment
 
 import forcefeel as ff
 from forcefeel import _core
-from forcefeel.designs import METHODS, OBSERVER, RECOVERED, ROBUST, Power, design, method
-from forcefeel.designs.feedforward import feel_moves
-from forcefeel.designs.observer import observe
-from forcefeel.designs.plant import SampledPlant
-from forcefeel.designs.regulator import regulate
 from forcefeel.errors import InputError
-from forcefeel.loader import FEEL_SETTING
-from forcefeel.parameters import INDEX
+from forcefeel.laws.sampled import METHODS, OBSERVER, RECOVERED, ROBUST, Power, design, method
+from forcefeel.laws.sampled.feedforward import feel_moves
+from forcefeel.laws.sampled.observer import observe
+from forcefeel.laws.sampled.plant import SampledPlant
+from forcefeel.laws.sampled.regulator import regulate
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.parameters import INDEX
 from tests.test_designs_plant import PERIOD, continuous, sampled
 
 NOMINAL = np.array([6.779089741657, 34.347388024395, 1084.65435866512])

@@ -7,8 +7,8 @@ from scipy.linalg import expm
 
 import forcefeel as ff
 from forcefeel._core import Compensator
-from forcefeel.designs.plant import PLANT_STATES, SampledPlant, Scale
 from forcefeel.errors import InputError
+from forcefeel.laws.sampled.plant import PLANT_STATES, SampledPlant, Scale
 
 PERIOD = 5e-4
 EXACT = 1e-12

@@ -5,21 +5,21 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.arms import ARM_ROWS
-from forcefeel.compensation import NAMED_DESIGNS, DesignSettings
-from forcefeel.designs.setting_laws import SettingLaws
-from forcefeel.envelopes import passivity, releases
-from forcefeel.envelopes.cases import Kind, PilotArm
-from forcefeel.envelopes.deviations import CHANGES
-from forcefeel.envelopes.ideal import ideal_releases
-from forcefeel.envelopes.plan import make_plan
-from forcefeel.envelopes.result import PASSES, UNSTABLE, Failure, failure_of
+from forcefeel.envelope import passivity, releases
+from forcefeel.envelope.cases import Kind, PilotArm
+from forcefeel.envelope.deviations import CHANGES
+from forcefeel.envelope.ideal import ideal_releases
+from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.result import PASSES, UNSTABLE, Failure, failure_of
 from forcefeel.errors import InputError
-from forcefeel.inputs import Release
-from forcefeel.loader import FEEL_SETTING
-from forcefeel.parameters import INDEX
+from forcefeel.laws.recursion import NAMED_DESIGNS, DesignSettings
+from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.loader.arms import ARM_ROWS
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.parameters import INDEX
 from forcefeel.qualification.batch_verdicts import NAMES
 from forcefeel.simulation import Scenario
+from forcefeel.simulation.inputs import Release
 from tests.release_witness import features, ideal, least_margin
 
 GRID = {"stiffness": "1..100 %:7:log", "frequency": "0.5..4 Hz:4:log", "damping": "0.1, 0.4, 0.8, 1.5"}

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import forcefeel as ff
-from forcefeel.envelopes import run as envelope_run
-from forcefeel.report.envelope_folder import MAPS, PAGE, RESULTS, SETTINGS
+from forcefeel.envelope import run as envelope_run
+from forcefeel.envelope.page.folder import MAPS, PAGE, RESULTS, SETTINGS
 from tests.command_line import runner
 
 SMALL = (

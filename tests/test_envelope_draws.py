@@ -9,18 +9,18 @@ import pytest
 import xarray as xr
 
 import forcefeel as ff
-from forcefeel.compensation import NAMED_DESIGNS
-from forcefeel.designs.setting_laws import SettingLaws
-from forcefeel.envelopes.cases import Case, Kind
-from forcefeel.envelopes.deviations import Deviation, Origin
-from forcefeel.envelopes.draws import Draws
-from forcefeel.envelopes.machines import machines
-from forcefeel.envelopes.releases import Record
-from forcefeel.envelopes.settings import Settings
+from forcefeel.envelope.cases import Case, Kind
+from forcefeel.envelope.deviations import Deviation, Origin
+from forcefeel.envelope.draws import Draws
+from forcefeel.envelope.machines import machines
+from forcefeel.envelope.page.folder import MAPS, PAGE, RESULTS
+from forcefeel.envelope.releases import Record
+from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
-from forcefeel.report.envelope_folder import MAPS, PAGE, RESULTS
-from forcefeel.schedule import schedule_gains
-from forcefeel.tolerances import Distribution, Tolerance
+from forcefeel.laws.gain_schedule import schedule_gains
+from forcefeel.laws.recursion import NAMED_DESIGNS
+from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.loader.tolerances import Distribution, Tolerance
 from tests import witness
 from tests.command_line import runner
 from tests.release_witness import features, ideal, least_margin

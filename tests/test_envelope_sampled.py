@@ -6,17 +6,17 @@ import scipy.linalg
 
 import forcefeel as ff
 from forcefeel._core import Compensator
-from forcefeel.arms import ARM_ROWS
-from forcefeel.designs.methods import METHODS
-from forcefeel.designs.setting_laws import SettingLaws, names_for, own_law
-from forcefeel.envelopes.deviations import deviations_of
-from forcefeel.envelopes.grip import Grips
-from forcefeel.envelopes.plan import make_plan
-from forcefeel.envelopes.releases import Record, released
+from forcefeel.envelope.deviations import deviations_of
+from forcefeel.envelope.grip import Grips
+from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.releases import Record, released
 from forcefeel.errors import InputError
-from forcefeel.loader import FEEL_SETTING
-from forcefeel.qualify import QualificationSetup, qualify_loader
-from forcefeel.qualify.result import Standing
+from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.setting_laws import SettingLaws, names_for, own_law
+from forcefeel.loader.arms import ARM_ROWS
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.qualification.programme import QualificationSetup, qualify_loader
+from forcefeel.qualification.programme.result import Standing
 
 GRID = {"stiffness": "3, 10, 40 %", "frequency": "0.7, 2, 3.5 Hz", "damping": "0.2, 0.9"}
 NEAR = 4e-3

@@ -9,13 +9,13 @@ import pytest
 from scipy.stats import truncnorm
 
 import forcefeel as ff
-from forcefeel.designs.setting_laws import SettingLaws
-from forcefeel.envelopes.deviations import Deviation, Origin, chosen_deviations, deviations_of, uncounted
-from forcefeel.envelopes.machines import full_rows, plain_feel
-from forcefeel.envelopes.plan import make_plan
+from forcefeel.envelope.deviations import Deviation, Origin, chosen_deviations, deviations_of, uncounted
+from forcefeel.envelope.machines import full_rows, plain_feel
+from forcefeel.envelope.plan import make_plan
 from forcefeel.errors import InputError
-from forcefeel.parameters import INDEX
-from forcefeel.tolerances import Distribution, Tolerance
+from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.loader.parameters import INDEX
+from forcefeel.loader.tolerances import Distribution, Tolerance
 from tests.command_line import runner
 
 ROUNDING = 1e-12  # relative, of a share that is added to a value

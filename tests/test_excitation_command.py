@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.excitation import ExcitationPlan, excite, write_excitation
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.record_file import read_bench_record
-from forcefeel.excitation import ExcitationPlan, excite, write_excitation
-from forcefeel.inputs import read_recorded
+from forcefeel.simulation.inputs import read_recorded
 from forcefeel.units import UnitSystem
 from tests.command_line import runner
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.excitation import ExcitationPlan, excite
+from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.records import BenchRecord
-from forcefeel.excitation import ExcitationPlan, excite
-from forcefeel.identification.fit import identify
 from forcefeel.simulation.scenario import Scenario
 
 OFF = {"linkage.stiffness": 1.04, "linkage.damping": 0.95, "column.inertia": 0.97}

@@ -7,10 +7,10 @@ from scipy.stats import chi2
 
 import forcefeel as ff
 from forcefeel.bench.channels import OUTPUTS
+from forcefeel.bench.excitation import ExcitationPlan, NotSeparableError, excite
+from forcefeel.bench.excitation.information import line_information, relative_errors
 from forcefeel.bench.experiments import Loop
-from forcefeel.excitation import ExcitationPlan, NotSeparableError, excite
-from forcefeel.excitation.information import line_information, relative_errors
-from forcefeel.identification.linear import channel_responses
+from forcefeel.bench.identification.linear import channel_responses
 from forcefeel.simulation.scenario import Scenario
 
 FIT = ("linkage.stiffness", "linkage.damping", "column.inertia", "valve.current_gain")

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from forcefeel import InputError
-from forcefeel.excitation.low_peaks import PeakProblem, low_peak_phases
-from forcefeel.inputs import Multisine
+from forcefeel.bench.excitation.crest_factor import PeakProblem, low_peak_phases
+from forcefeel.simulation.inputs import Multisine
 
 LINES = tuple(k / 8 for k in (1, 2, 3, 5, 8, 13, 21, 34, 55, 60))
 WEIGHTS = (1.0, 0.5, 2.0, 0.1, 0.3, 1.0, 3.0, 0.2, 0.7, 1.5)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from forcefeel.excitation.optimal_power import GAP, PowerProblem, optimal_power
+from forcefeel.bench.excitation.optimal_power import GAP, PowerProblem, optimal_power
 
 ROUNDING = 1e-6
 """Relative, of limits that are reached and floors that are kept, by the solver's own tolerance."""

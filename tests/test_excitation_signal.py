@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.bench.excitation import ExcitationPlan, excite
+from forcefeel.bench.excitation.limits import limits_of
+from forcefeel.bench.excitation.lines import CREST, lines_of
+from forcefeel.bench.excitation.plan import FEWEST_PERIODS, spectral_lines, timing
+from forcefeel.bench.excitation.rehearsal import NEAR
+from forcefeel.bench.excitation.waves import envelope
 from forcefeel.bench.experiments import Drive, Experiment
-from forcefeel.excitation import ExcitationPlan, excite
-from forcefeel.excitation.limits import limits_of
-from forcefeel.excitation.lines import CREST, lines_of
-from forcefeel.excitation.plan import FEWEST_PERIODS, spectral_lines, timing
-from forcefeel.excitation.rehearsal import NEAR
-from forcefeel.excitation.waves import envelope
 from forcefeel.simulation.scenario import Scenario
 
 LB = 4.4482216152605

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.curves import Curve
-from forcefeel.inputs import Recorded, Schedule
-from forcefeel.loader import BUILT_IN, open_loader
+from forcefeel.loader.curves import Curve
+from forcefeel.loader.loader import BUILT_IN, open_loader
 from forcefeel.qualification import Outcome
-from forcefeel.qualify import QualificationSetup, qualify_loader
-from forcefeel.qualify.feel_alone import FeelAlone
+from forcefeel.qualification.programme import QualificationSetup, qualify_loader
+from forcefeel.qualification.programme.feel_alone import FeelAlone
 from forcefeel.simulation import Scenario
+from forcefeel.simulation.inputs import Recorded, Schedule
 from forcefeel.units import factor
 
 LB = factor("lb", "N")

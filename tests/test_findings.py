@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.findings import left_out
+from forcefeel.design.findings import left_out
 
 HEAVY = {
     "feel.inertia": "240 lb in s^2/rad",

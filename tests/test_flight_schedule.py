@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.designs.methods import METHODS
 from forcefeel.errors import InputError
-from forcefeel.flight_schedules import (
+from forcefeel.flight_schedule import (
     FlightSchedule,
     ScheduleAxis,
     check_schedule,
@@ -16,7 +15,8 @@ from forcefeel.flight_schedules import (
     read_knots,
     second_order_feel,
 )
-from forcefeel.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled_compensator import SampledCompensator
 from forcefeel.units import factor
 
 PRESSURE = ScheduleAxis("dynamic pressure", "lb/ft^2", (50, 100, 200, 400))

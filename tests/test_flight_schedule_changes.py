@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import forcefeel as ff
-from forcefeel.flight_schedules import FlightSchedule, ScheduleAxis, design_schedule, second_order_feel
-from forcefeel.inputs import Force
+from forcefeel.flight_schedule import FlightSchedule, ScheduleAxis, design_schedule, second_order_feel
+from forcefeel.simulation.inputs import Force
 
 STEP_S = 5e-4
 """The controller's period: every command is seen."""

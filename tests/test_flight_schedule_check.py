@@ -9,8 +9,7 @@ import scipy.linalg
 
 import forcefeel as ff
 from forcefeel._core import Compensator
-from forcefeel.designs.methods import METHODS
-from forcefeel.flight_schedules import (
+from forcefeel.flight_schedule import (
     FlightSchedule,
     ScheduleAxis,
     ScheduleCheck,
@@ -18,12 +17,13 @@ from forcefeel.flight_schedules import (
     design_schedule,
     second_order_feel,
 )
-from forcefeel.flight_schedules.findings import schedule_conclusions
-from forcefeel.flight_schedules.result import Part
-from forcefeel.flight_schedules.transitions import Transitions, blended_feel
-from forcefeel.loader import FEEL_SETTING
-from forcefeel.sampled_compensator import SampledCompensator
-from forcefeel.sampled_loop import sampled_loops
+from forcefeel.flight_schedule.findings import schedule_conclusions
+from forcefeel.flight_schedule.result import Part
+from forcefeel.flight_schedule.transitions import Transitions, blended_feel
+from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loops.sampled_loop import sampled_loops
 
 AXIS = ScheduleAxis("dynamic pressure", "lb/ft^2", (50, 100, 200))
 REFINE = 4

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.designs.methods import METHODS
-from forcefeel.flight_schedules import check, read_knots
-from forcefeel.report.schedule_folder import GAINS, PAGE, RESULTS
+from forcefeel.flight_schedule import check, read_knots
+from forcefeel.flight_schedule.page.folder import GAINS, PAGE, RESULTS
+from forcefeel.laws.sampled.methods import METHODS
 from tests.command_line import runner
 
 KNOTS = """dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio

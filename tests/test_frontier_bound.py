@@ -5,15 +5,15 @@ import pytest
 from scipy.optimize import brentq
 
 import forcefeel as ff
-from forcefeel.arms import ARM_ROWS
-from forcefeel.designs.methods import METHODS
-from forcefeel.envelopes.cases import REFERENCE_ARMS
-from forcefeel.envelopes.plan import make_plan
+from forcefeel.envelope.cases import REFERENCE_ARMS
+from forcefeel.envelope.plan import make_plan
 from forcefeel.errors import InputError
 from forcefeel.frontier.bound import inertia_bound
-from forcefeel.inputs import Release
-from forcefeel.loader import FEEL_SETTING
+from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.loader.arms import ARM_ROWS
+from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.inputs import Release
 
 ROUNDING_RAD = 1e-9  # of a release from 10 deg, over some thousand steps
 NEAR = 0.03  # of a tolerance: where the kernel, which measures from samples, and the closed form may differ

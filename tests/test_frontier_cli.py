@@ -9,8 +9,8 @@ import pytest
 import forcefeel as ff
 from forcefeel.errors import InputError
 from forcefeel.frontier import run as frontier_run
+from forcefeel.frontier.page.folder import PAGE, RESULTS
 from forcefeel.frontier.result import Limit
-from forcefeel.report.frontier_folder import PAGE, RESULTS
 from tests.command_line import runner
 
 SMALL = (

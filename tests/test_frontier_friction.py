@@ -3,7 +3,7 @@
 import pytest
 
 import forcefeel as ff
-from forcefeel.envelopes.plan import make_plan
+from forcefeel.envelope.plan import make_plan
 from forcefeel.frontier.friction import smallest_friction
 
 GRID = {"stiffness": "50, 100 %", "frequency": "2, 3 Hz", "damping": "0.5, 1"}

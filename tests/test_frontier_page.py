@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import Page
 
 import forcefeel as ff
-from forcefeel.report.frontier_maps import COLORS
+from forcefeel.frontier.page.maps import COLORS
 from forcefeel.units import UnitSystem
 from tests.pages import opened
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page

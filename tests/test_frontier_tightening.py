@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.envelopes.cases import REFERENCE_ARMS, Case, Kind
-from forcefeel.envelopes.plan import make_plan
+from forcefeel.envelope.cases import REFERENCE_ARMS, Case, Kind
+from forcefeel.envelope.plan import make_plan
 from forcefeel.errors import InputError
 from forcefeel.frontier.hardware import CHANGES, hardware
 from forcefeel.frontier.rungs import Rungs, climb, rung_releases

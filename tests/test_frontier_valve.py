@@ -5,12 +5,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import forcefeel as ff
-from forcefeel.designs.methods import METHODS
-from forcefeel.envelopes.plan import make_plan
+from forcefeel.envelope.plan import make_plan
 from forcefeel.frontier.valve_limits import no_load_flow, oil_compliance, spool_flow, valve_limits
-from forcefeel.inputs import Release
-from forcefeel.loader import FEEL_SETTING
+from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.inputs import Release
 
 GRID = {"stiffness": "1, 10, 100 %", "frequency": "1, 4 Hz", "damping": "0.2, 1"}
 SAMPLED = 2e-3  # relative; the largest of the samples beside that of a fine integration

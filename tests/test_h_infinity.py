@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.designs import OBSERVER, RECOVERED, ROBUST, Power
-from forcefeel.designs.feedforward import feel_moves
-from forcefeel.designs.h_infinity import ABOVE_LEAST, FOUND, H_INFINITY, Filtering, design, filter_torque
-from forcefeel.designs.observer import observe, observed, readings
-from forcefeel.designs.plant import SampledPlant
-from forcefeel.designs.regulator import regulate
 from forcefeel.errors import InputError
+from forcefeel.laws.sampled import OBSERVER, RECOVERED, ROBUST, Power
+from forcefeel.laws.sampled.feedforward import feel_moves
+from forcefeel.laws.sampled.h_infinity import ABOVE_LEAST, FOUND, H_INFINITY, Filtering, design, filter_torque
+from forcefeel.laws.sampled.observer import observe, observed, readings
+from forcefeel.laws.sampled.plant import SampledPlant
+from forcefeel.laws.sampled.regulator import regulate
 from tests.test_designs_gains import RATIOS, RICCATI, assert_close, noises
 from tests.test_designs_laws import DOUBLE, FEELS, NOMINAL, POLES, Loop, apart, ideal
 from tests.test_designs_plant import PERIOD, sampled

@@ -10,14 +10,14 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.identification.page.folder import LOADER, PAGE, RESULTS
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.response_file import read_response
 from forcefeel.bench.responses import Response
 from forcefeel.cli import identify_command
 from forcefeel.cli.resonance_command import read_band
 from forcefeel.errors import InputError
-from forcefeel.models import Linkage, servo
-from forcefeel.report.identification_folder import LOADER, PAGE, RESULTS
+from forcefeel.linear.models import Linkage, servo
 from forcefeel.tables.column_names import by_stem, names_by_stem
 from tests.command_line import runner
 from tests.identifications import bounded, determined, secrets_in, undetermined

@@ -9,21 +9,21 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.bench.response_file import read_response
-from forcefeel.identification.findings import (
+from forcefeel.bench.identification.as_json import FitSettings, plain_identification, response_csv
+from forcefeel.bench.identification.digits import digits_of, estimated, interval, percent, rounded
+from forcefeel.bench.identification.findings import (
     correlation_text,
     identification_conclusions,
     probability_text,
     strong_pairs,
 )
-from forcefeel.identification.misfit import UNEXPLAINED, unexplained
-from forcefeel.identification.plain import FitSettings, plain_identification, response_csv
-from forcefeel.identification.result import Status
-from forcefeel.identification.shown import digits_of, estimated, interval, percent, rounded
-from forcefeel.report.canvas import drawn
-from forcefeel.report.identification_plots import MOST_POINTS, phases
-from forcefeel.report.identification_tables import data as data_table
-from forcefeel.report.identification_tables import estimates as estimates_table
+from forcefeel.bench.identification.misfit import UNEXPLAINED, unexplained
+from forcefeel.bench.identification.page.plots import MOST_POINTS, phases
+from forcefeel.bench.identification.page.tables import data as data_table
+from forcefeel.bench.identification.page.tables import estimates as estimates_table
+from forcefeel.bench.identification.result import Status
+from forcefeel.bench.response_file import read_response
+from forcefeel.page.canvas import drawn
 from forcefeel.units import UnitSystem
 from tests.identifications import (
     NEEDED,

@@ -7,13 +7,13 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.bench.experiments import Experiment, Loop
+from forcefeel.bench.identification.fit import identify
+from forcefeel.bench.identification.linear import LinearModel
+from forcefeel.bench.identification.result import Status
 from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
-from forcefeel.identification.fit import identify
-from forcefeel.identification.linear import LinearModel
-from forcefeel.identification.result import Status
-from forcefeel.models import Linkage
-from forcefeel.tolerances import Distribution
+from forcefeel.linear.models import Linkage
+from forcefeel.loader.tolerances import Distribution
 from tests.bench_witness import FREQUENCY_HZ, TRUTH_SI, servo_response
 
 FIT = "k,c,J,C_i"

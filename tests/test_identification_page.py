@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page
 
-from forcefeel.identification.plain import FitSettings
-from forcefeel.identification.result import Identification
-from forcefeel.report.identification_folder import write_identification
+from forcefeel.bench.identification.as_json import FitSettings
+from forcefeel.bench.identification.page.folder import write_identification
+from forcefeel.bench.identification.result import Identification
 from forcefeel.units import UnitSystem
 from tests.identifications import determined, record_fitted, response_fitted, secrets_in, undetermined
 from tests.pages import opened, words_cut

@@ -7,12 +7,12 @@ import pytest
 from scipy.stats import t as student
 
 import forcefeel as ff
+from forcefeel.bench.identification.confidence import Confidence, confidence_of, half_widths, weak_directions
+from forcefeel.bench.identification.inseparable import confusions_of
+from forcefeel.bench.identification.observations import Compared
+from forcefeel.bench.identification.problem import Problem
+from forcefeel.bench.identification.unknowns import parameter_keys, starts, unknowns_of
 from forcefeel.errors import InputError
-from forcefeel.identification.confidence import Confidence, confidence_of, half_widths, weak_directions
-from forcefeel.identification.confusions import confusions_of
-from forcefeel.identification.observations import Compared
-from forcefeel.identification.problem import Problem
-from forcefeel.identification.unknowns import parameter_keys, starts, unknowns_of
 
 ROUNDING = 1e-7
 """Relative; what the search leaves, whose own precision is 1e-10 of the cost."""

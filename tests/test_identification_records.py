@@ -11,16 +11,16 @@ from scipy.interpolate import CubicSpline
 
 import forcefeel as ff
 from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.identification.confidence import confidence_of
+from forcefeel.bench.identification.fit import identify
+from forcefeel.bench.identification.friction_jumps import surroundings
+from forcefeel.bench.identification.problem import Problem
+from forcefeel.bench.identification.record_observation import RecordObservation
+from forcefeel.bench.identification.record_run import RecordRun
+from forcefeel.bench.identification.result import Status
+from forcefeel.bench.identification.unknowns import parameter_keys, unknowns_of
 from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
-from forcefeel.identification.confidence import confidence_of
-from forcefeel.identification.fit import identify
-from forcefeel.identification.jagged import surroundings
-from forcefeel.identification.problem import Problem
-from forcefeel.identification.record_observation import RecordObservation
-from forcefeel.identification.record_run import RecordRun
-from forcefeel.identification.result import Status
-from forcefeel.identification.unknowns import parameter_keys, unknowns_of
 from tests import nonlinear_witness, witness
 from tests.bench_witness import TRUTH_SI
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from forcefeel.errors import InputError
-from forcefeel.inputs import (
+from forcefeel.simulation.inputs import (
     Chirp,
     Doublet,
     HandsOff,

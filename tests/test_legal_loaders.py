@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import forcefeel as ff
-from forcefeel import workflow
-from forcefeel.assessment import assess, peaks
+from forcefeel.design import workflow
+from forcefeel.design.assessment import assess, peaks
 from forcefeel.errors import InputError
-from forcefeel.parameters import REQUIRED, TABLE, is_switch, limits_si
+from forcefeel.loader.parameters import REQUIRED, TABLE, is_switch, limits_si
 
 PLAIN = ff.elevator().with_tolerances(dict.fromkeys(ff.elevator().tolerances))
 SHARE = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0, 1))

@@ -7,10 +7,10 @@ from scipy.linalg import expm, matrix_balance
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.inputs import Chirp, Doublet, Pulse, Recorded, Release, Step
-from forcefeel.loader import Loader
-from forcefeel.parameters import INDEX
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import INDEX
 from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.inputs import Chirp, Doublet, Pulse, Recorded, Release, Step
 from forcefeel.simulation.linear import simulate_linear_batch
 from forcefeel.simulation.outcome import outputs
 from tests import side_by_side

@@ -5,11 +5,11 @@ import pytest
 import scipy.linalg
 
 import forcefeel as ff
-from forcefeel.designs import load_cell_loop
-from forcefeel.designs.load_cell_loop import design
 from forcefeel.errors import InputError
-from forcefeel.loader import FEEL_SETTING
-from forcefeel.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled import load_cell_loop
+from forcefeel.laws.sampled.load_cell_loop import design
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.loader.loader import FEEL_SETTING
 
 PERIOD = 0.5e-3
 SOLVED = 1e-6

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader, elevator
-from forcefeel.parameters import (
+from forcefeel.loader.loader import Loader, elevator
+from forcefeel.loader.parameters import (
     ALTERNATIVES,
     INDEX,
     OFF,

@@ -12,10 +12,10 @@ import tomlkit
 from hypothesis import given
 from hypothesis import strategies as st
 
-from forcefeel.curves import CURVES
 from forcefeel.errors import MOST_LINES, InputError
-from forcefeel.loader import Loader, elevator, load
-from forcefeel.parameters import (
+from forcefeel.loader.curves import CURVES
+from forcefeel.loader.loader import Loader, elevator, load
+from forcefeel.loader.parameters import (
     ALTERNATIVES,
     OFF,
     PARTS,

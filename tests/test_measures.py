@@ -7,11 +7,11 @@ import pytest
 
 import forcefeel as ff
 from forcefeel import _core
-from forcefeel.inputs import Doublet, Pulse, Release, Step
-from forcefeel.run_limits import known_measures, why_no_overshoot
-from forcefeel.run_results import measure_rows
 from forcefeel.simulation import Scenario, simulate, simulate_batch
+from forcefeel.simulation.inputs import Doublet, Pulse, Release, Step
+from forcefeel.simulation.limits import known_measures, why_no_overshoot
 from forcefeel.simulation.outcome import MEASURES, Measures
+from forcefeel.simulation.tables import measure_rows
 from forcefeel.units import UnitSystem
 
 H = 1e-3

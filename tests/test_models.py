@@ -5,8 +5,8 @@ import pytest
 
 import forcefeel as ff
 from forcefeel import _core
-from forcefeel.models import DESIGN_STATES, INPUTS, OUTPUTS
-from forcefeel.parameters import INDEX
+from forcefeel.linear.models import DESIGN_STATES, INPUTS, OUTPUTS
+from forcefeel.loader.parameters import INDEX
 from forcefeel.reproduction import printed_matrices as printed
 from tests import witness
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader, elevator, load
-from forcefeel.parameters import OFF, PARTS, REQUIRED, TABLE, is_switch, range_text
-from forcefeel.report.machine import parameters
-from forcefeel.results import plain_loader
+from forcefeel.json_values import plain_loader
+from forcefeel.loader.loader import Loader, elevator, load
+from forcefeel.loader.parameters import OFF, PARTS, REQUIRED, TABLE, is_switch, range_text
+from forcefeel.page.machine import parameters
 from forcefeel.units import UnitSystem
 from tests.optional_rows import companions
 

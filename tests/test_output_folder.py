@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from forcefeel.errors import InputError
-from forcefeel.report import staging
-from forcefeel.report.staging import OutputFolder
+from forcefeel.page import staging
+from forcefeel.page.staging import OutputFolder
 
 FOLDER = OutputFolder("the test", ("page.html", "results.json", "extra.csv"), ("tables",))
 OLD = {"results.json": "old", "extra.csv": "old", "page.html": "old"}

@@ -14,10 +14,10 @@ from scipy.optimize import brentq
 
 import forcefeel as ff
 from forcefeel.errors import InputError
+from forcefeel.page.chromium import find_chromium
+from forcefeel.page.release_plot import release
 from forcefeel.qualification import Record
-from forcefeel.report import qualification_folder
-from forcefeel.report.chromium import find_chromium
-from forcefeel.report.release_plot import release
+from forcefeel.qualification.page import folder as qualification_folder
 from forcefeel.units import UnitSystem
 from tests.pages import opened, words, words_cut
 from tests.qualification_records import released, second_order

@@ -9,10 +9,10 @@ import pytest
 import forcefeel as ff
 from forcefeel.errors import InputError
 from forcefeel.qualification import Outcome, load_rules
-from forcefeel.qualify import QualificationSetup, Standing, qualify_loader
-from forcefeel.qualify.programme import programme_of
-from forcefeel.qualify.result import Result, Section
-from forcefeel.qualify.words import conclusions
+from forcefeel.qualification.programme import QualificationSetup, Standing, qualify_loader
+from forcefeel.qualification.programme.programme import programme_of
+from forcefeel.qualification.programme.result import Result, Section
+from forcefeel.qualification.programme.sentences import conclusions
 
 STATIC, SURFACE, SMALL = {"static"}, {"surface"}, {"small-inputs"}
 UP, DOWN = ({f"release-{share}-{side}" for share in (25, 50)} for side in ("positive", "negative"))

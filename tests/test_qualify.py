@@ -10,16 +10,16 @@ from scipy.linalg import expm
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.models import compliant_model
+from forcefeel.linear.models import compliant_model
 from forcefeel.qualification import Outcome, Record, load_rules
-from forcefeel.qualify import QualificationSetup, Standing, qualify_loader
-from forcefeel.qualify.feel_alone import FeelAlone
-from forcefeel.qualify.laws import named_laws
-from forcefeel.qualify.motions import Motions, SimulatedLoader
-from forcefeel.qualify.programme import trials
-from forcefeel.qualify.sweep_force import SweepForce
-from forcefeel.qualify.throw import Throw
-from forcefeel.qualify.words import conclusions, result_words
+from forcefeel.qualification.programme import QualificationSetup, Standing, qualify_loader
+from forcefeel.qualification.programme.feel_alone import FeelAlone
+from forcefeel.qualification.programme.laws import named_laws
+from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
+from forcefeel.qualification.programme.programme import trials
+from forcefeel.qualification.programme.sentences import conclusions, result_words
+from forcefeel.qualification.programme.sweep_force import SweepForce
+from forcefeel.qualification.programme.throw import Throw
 from forcefeel.units import factor
 
 LB = factor("lb", "N")

@@ -9,10 +9,10 @@ import pytest
 import scipy.linalg
 
 from forcefeel import _core
-from forcefeel.compensation import DesignSettings, SampledProblem, compensate, gains_in, published_settings
 from forcefeel.errors import InputError
-from forcefeel.loader import elevator
-from forcefeel.models import design_plant
+from forcefeel.laws.recursion import DesignSettings, SampledProblem, compensate, gains_in, published_settings
+from forcefeel.linear.models import design_plant
+from forcefeel.loader.loader import elevator
 from forcefeel.units import UnitSystem
 
 # The appendix's vector in U.S. units, with half a unit of the last printed digit of each.

@@ -9,11 +9,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from forcefeel.designs.setting_laws import names_for
-from forcefeel.loader import BUILT_IN, open_loader
+from forcefeel.laws.sampled.setting_laws import names_for
+from forcefeel.loader.loader import BUILT_IN, open_loader
 from forcefeel.qualification import Outcome, Record, judge_release, load_rules, measure_release, overall
-from forcefeel.qualify.laws import named_laws
-from forcefeel.qualify.motions import Motions, SimulatedLoader
+from forcefeel.qualification.programme.laws import named_laws
+from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
 
 ANGLE = math.radians(5.0)
 HELD_S = 0.1

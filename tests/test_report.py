@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from forcefeel.design.figure_data import figures
+from forcefeel.design.page import folder, write_report
+from forcefeel.design.workflow import Design, design
 from forcefeel.errors import InputError
-from forcefeel.figure_data import figures
-from forcefeel.loader import elevator
-from forcefeel.report import folder, write_report
-from forcefeel.report.typography import number_text, percent_text, prose_html, split_symbol, symbol_html, unit_text
+from forcefeel.loader.loader import elevator
+from forcefeel.page.typography import number_text, percent_text, prose_html, split_symbol, symbol_html, unit_text
 from forcefeel.units import UnitSystem, factor
-from forcefeel.workflow import Design, design
 from tests.pages import words
 
 KEYS = ("figure-02", "figure-08", "figure-09", "figure-10", "figure-11a", "figure-11b", "figure-14")

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from forcefeel.loader import Loader, elevator
-from forcefeel.report import write_report
+from forcefeel.design.page import write_report
+from forcefeel.design.workflow import design
+from forcefeel.loader.loader import Loader, elevator
 from forcefeel.units import UnitSystem
-from forcefeel.workflow import design
 from tests.pages import opened
 
 pytestmark = pytest.mark.browser

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import forcefeel as ff
-from forcefeel.parameters import REQUIRED, TABLE
+from forcefeel.loader.parameters import REQUIRED, TABLE
 from forcefeel.reproduction import markdown
 from forcefeel.reproduction.appendix import printed
 from forcefeel.reproduction.table import Reason, Verdict, agrees_to_digits, number

@@ -6,13 +6,13 @@ import scipy.linalg
 
 import forcefeel as ff
 from forcefeel._core import Compensator
-from forcefeel.command_loop import CommandLoop
-from forcefeel.command_margins import loop_margins
-from forcefeel.designs.setting_laws import own_law
 from forcefeel.errors import InputError
-from forcefeel.loader import FEEL_SETTING
-from forcefeel.sampled_compensator import SampledCompensator
-from forcefeel.sampled_loop import sampled_loops
+from forcefeel.laws.sampled.setting_laws import own_law
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loops.command_loop import CommandLoop
+from forcefeel.loops.margins import loop_margins
+from forcefeel.loops.sampled_loop import sampled_loops
 
 LAWS = ("load-cell", "observer", "recovered", "h-infinity", "robust")
 LIGHT = {"feel.inertia": "0.5 lb in s^2/rad", "feel.damping": "2 lb in s/rad", "feel.stiffness": "300 lb in/rad"}

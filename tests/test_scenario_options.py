@@ -6,14 +6,14 @@ from dataclasses import replace
 import pytest
 
 import forcefeel as ff
-from forcefeel import compensation
-from forcefeel.arms import ARM_ROWS, ARMS, Arm, arm_of
 from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, Spacing
 from forcefeel.cli.scenario_options import MOST_STEPS, Law, ScenarioOptions
 from forcefeel.cli.scenario_text import assignments, over_time, seconds
 from forcefeel.errors import InputError
-from forcefeel.inputs import StopToStop
-from forcefeel.parameters import TABLE, in_range
+from forcefeel.laws import recursion as compensation
+from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm, arm_of
+from forcefeel.loader.parameters import TABLE, in_range
+from forcefeel.simulation.inputs import StopToStop
 from forcefeel.units import factor
 
 LB = factor("lb", "N")

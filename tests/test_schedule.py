@@ -4,11 +4,11 @@ import control
 import numpy as np
 import pytest
 
-from forcefeel.compensation import DesignSettings, SampledProblem, compensate, published_settings
 from forcefeel.errors import InputError
-from forcefeel.loader import elevator
-from forcefeel.models import design_plant
-from forcefeel.schedule import schedule_gains
+from forcefeel.laws.gain_schedule import schedule_gains
+from forcefeel.laws.recursion import DesignSettings, SampledProblem, compensate, published_settings
+from forcefeel.linear.models import design_plant
+from forcefeel.loader.loader import elevator
 
 # An eigenvalue solver on six states whose poles span 2 to 3e4 rad/s. Measured: 9e-11 sampled, 2e-11 continuous.
 SAMPLED = 1e-9

@@ -8,14 +8,8 @@ import pytest
 from playwright.sync_api import Page
 
 import forcefeel as ff
-from forcefeel.flight_schedules import (
-    ScheduleAxis,
-    ScheduleCheck,
-    check_schedule,
-    design_schedule,
-    second_order_feel,
-)
-from forcefeel.report.schedule_folder import write_schedule
+from forcefeel.flight_schedule import ScheduleAxis, ScheduleCheck, check_schedule, design_schedule, second_order_feel
+from forcefeel.flight_schedule.page.folder import write_schedule
 from forcefeel.units import UnitSystem
 from tests.pages import opened
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page

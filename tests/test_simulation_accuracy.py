@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from forcefeel.inputs import Recorded, Release, Step
 from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.inputs import Recorded, Release, Step
 from tests.nonlinear_witness import Machine, Signals, Solver
 from tests.side_by_side import DEG, GAINS, LB, TRAVEL, Case, at_rest, held, law_of, loader_of
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.inputs import Step
-from forcefeel.loader import Loader
-from forcefeel.parameters import INDEX
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import INDEX
 from forcefeel.simulation import Scenario, simulate, simulate_batch
+from forcefeel.simulation.inputs import Step
 from forcefeel.simulation.outcome import MEASURES, outputs
 from tests.side_by_side import LB
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from forcefeel.inputs import Doublet, HandsOff, Release, Step
 from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.inputs import Doublet, HandsOff, Release, Step
 from tests.nonlinear_witness import Machine, Solver
 from tests.side_by_side import DEG, GAINS, LB, TRAVEL, Case, at_rest, held, law_of, loader_of
 from tests.test_simulation_accuracy import CLAIM, FULL, SIGNALS

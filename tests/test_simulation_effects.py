@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from forcefeel.inputs import Doublet
+from forcefeel.simulation.inputs import Doublet
 from tests.nonlinear_witness import Machine, Signals
 from tests.side_by_side import DEG, GAINS, LB, WITNESS, Case, at_rest
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from forcefeel.inputs import Chirp, StopToStop
 from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.inputs import Chirp, StopToStop
 from tests.nonlinear_witness import Machine
 from tests.side_by_side import DEG, LB, law_of, loader_of
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.inputs import Pulse, Release, Step
 from forcefeel.simulation import Scenario, simulate, simulate_batch
+from forcefeel.simulation.inputs import Pulse, Release, Step
 from tests.nonlinear_witness import Machine
 from tests.side_by_side import GAINS, LB, TRAVEL, law_of, loader_of, schedule
 from tests.test_simulation_effects import EFFECTS

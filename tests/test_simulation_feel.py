@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from forcefeel.errors import InputError
-from forcefeel.inputs import Chirp, HandsOff, Release, Schedule
 from forcefeel.simulation import FeelChange, Scenario, simulate
+from forcefeel.simulation.inputs import Chirp, HandsOff, Release, Schedule
 from tests.nonlinear_witness import Machine
 from tests.side_by_side import DEG, GAINS, law_of, loader_of
 

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from forcefeel.inputs import Recorded, Release, Step
 from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.inputs import Recorded, Release, Step
 from tests.nonlinear_witness import Machine
 from tests.side_by_side import DEG, GAINS, LB, PSI, WITNESS, Case, law_of, loader_of
 

@@ -12,13 +12,13 @@ import pytest
 from playwright.sync_api import Page
 
 import forcefeel as ff
-from forcefeel.arms import ARM_ROWS, ARMS, Arm
-from forcefeel.ideal_run import ideal_angle
-from forcefeel.inputs import StopToStop
-from forcefeel.report.canvas import drawn
-from forcefeel.report.simulation_plots import MOST_POINTS
-from forcefeel.run_findings import input_in_words
-from forcefeel.run_limits import known_measures
+from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm
+from forcefeel.page.canvas import drawn
+from forcefeel.simulation.findings import input_in_words
+from forcefeel.simulation.inputs import StopToStop
+from forcefeel.simulation.limits import known_measures
+from forcefeel.simulation.page.plots import MOST_POINTS
+from forcefeel.simulation.programmed_feel import ideal_angle
 from forcefeel.units import UnitSystem, factor
 from tests.pages import opened, words, words_cut
 from tests.test_report_in_browser import (  # noqa: F401  the same demands on another page

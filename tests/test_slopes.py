@@ -10,10 +10,10 @@ from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.bench.channels import INPUTS
 from forcefeel.bench.experiments import Loop
-from forcefeel.identification.linear import channel_responses
-from forcefeel.inputs import Recorded, Release, Schedule, Step
-from forcefeel.parameters import INDEX, TABLE
+from forcefeel.bench.identification.linear import channel_responses
+from forcefeel.loader.parameters import INDEX, TABLE
 from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.inputs import Recorded, Release, Schedule, Step
 from forcefeel.simulation.scenario import Steps
 
 LAWS = {"open": Compensator.none, "position": Compensator.position_loop, "original": Compensator.original}

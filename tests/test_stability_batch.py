@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 import forcefeel as ff
 from forcefeel import _core
+from forcefeel.design.studies import PLANT_PARAMETERS
 from forcefeel.errors import InputError
-from forcefeel.parameters import INDEX
-from forcefeel.studies import PLANT_PARAMETERS
+from forcefeel.loader.parameters import INDEX
 from forcefeel.sweep.stability import damping_map, stability_batch
 from tests import side_by_side
 from tests.nonlinear_witness import Machine

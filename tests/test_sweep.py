@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.inputs import Chirp, Doublet, HandsOff, Step
-from forcefeel.parameters import INDEX, TABLE
+from forcefeel.loader.parameters import INDEX, TABLE
 from forcefeel.seeded_numbers import shares
 from forcefeel.simulation import FeelChange, Scenario, simulate
+from forcefeel.simulation.inputs import Chirp, Doublet, HandsOff, Step
 from forcefeel.simulation.outcome import MEASURES, RunStatus
 from forcefeel.sweep import Sweep, run_sweep, text
 from forcefeel.sweep.chunk import measure

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from distributed import LocalCluster
 
-from forcefeel.compensation import published_settings
 from forcefeel.errors import InputError
+from forcefeel.laws.recursion import published_settings
 from forcefeel.sweep import Sweep, cluster, run_sweep
 from tests.sweeps import PUSH, nonlinear, small
 

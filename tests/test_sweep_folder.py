@@ -10,8 +10,8 @@ import pytest
 import xarray as xr
 
 from forcefeel.errors import InputError
-from forcefeel.inputs import Recorded, Step
 from forcefeel.simulation import Scenario
+from forcefeel.simulation.inputs import Recorded, Step
 from forcefeel.sweep import Sweep, chunk, folder, identity, run_sweep
 from tests.sweeps import PUSH, nonlinear, small
 

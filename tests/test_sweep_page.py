@@ -11,12 +11,13 @@ from playwright.sync_api import Page
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.inputs import StopToStop
-from forcefeel.report import sweep_folder, sweep_maps
-from forcefeel.report.sweep_folder import check_sweep_folder, write_sweep
-from forcefeel.report.sweep_plots import histogram
 from forcefeel.simulation import Scenario
+from forcefeel.simulation.inputs import StopToStop
 from forcefeel.sweep import Sweep, SweepResult, run_sweep
+from forcefeel.sweep.page import folder as sweep_folder
+from forcefeel.sweep.page import maps as sweep_maps
+from forcefeel.sweep.page.folder import check_sweep_folder, write_sweep
+from forcefeel.sweep.page.plots import histogram
 from forcefeel.sweep.summary import summarize
 from forcefeel.units import UnitSystem
 from tests.pages import opened, words_cut

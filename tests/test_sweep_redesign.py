@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.compensation import published_settings
 from forcefeel.errors import InputError
-from forcefeel.loader import FEEL_SETTING
+from forcefeel.laws.recursion import published_settings
+from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.outcome import MEASURES
 from forcefeel.sweep import Sweep, identity, run_sweep

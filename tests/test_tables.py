@@ -18,10 +18,10 @@ from pyarrow import parquet
 from forcefeel.bench.data_file import read_bench_data
 from forcefeel.errors import InputError
 from forcefeel.files import MOST_TEXT_BYTES, read_input
-from forcefeel.flight_schedules import read_knots
-from forcefeel.inputs import read_recorded
-from forcefeel.loader import load
+from forcefeel.flight_schedule import read_knots
+from forcefeel.loader.loader import load
 from forcefeel.qualification import read_record
+from forcefeel.simulation.inputs import read_recorded
 from forcefeel.tables import matlab_file, table
 from forcefeel.tables.matlab_file import DamagedError, read_variables
 from forcefeel.tables.table import MOST_BYTES

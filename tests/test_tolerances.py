@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from scipy import integrate, stats
 
 import forcefeel as ff
-from forcefeel import tolerance_text
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader, elevator, load
-from forcefeel.parameters import TABLE, limits_si
-from forcefeel.results import plain_loader
-from forcefeel.tolerances import Distribution, Tolerance
+from forcefeel.json_values import plain_loader
+from forcefeel.loader import tolerance_text
+from forcefeel.loader.loader import Loader, elevator, load
+from forcefeel.loader.parameters import TABLE, limits_si
+from forcefeel.loader.tolerances import Distribution, Tolerance
 from forcefeel.units import UnitSystem
 
 ROUNDING = 1e-12

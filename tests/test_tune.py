@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.designs.methods import tuned
-from forcefeel.designs.tuning import ROBUST, Power
 from forcefeel.errors import InputError
+from forcefeel.laws.sampled.methods import tuned
+from forcefeel.laws.sampled.tuning import ROBUST, Power
 
 GRID = {"stiffness": "3, 30 %", "frequency": "2, 3.5 Hz", "damping": "0.2, 1"}
 OPTIONS = {"grid": GRID, "changes": {"valve.rated_flow": 0.3}, "arms": ()}

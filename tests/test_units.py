@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from forcefeel._core import Parameter
 from forcefeel.errors import InputError
-from forcefeel.parameters import ALTERNATIVES, TABLE, is_switch
+from forcefeel.loader.parameters import ALTERNATIVES, TABLE, is_switch
 from forcefeel.units import ANGLE, HERTZ, PERCENT, RATIO, Unit, UnitSystem, factor, parse, show, to_text
 
 INCH = 0.0254  # m, exact: international yard and pound agreement, 1959

@@ -15,7 +15,7 @@ from pyarrow import parquet
 from scipy.io import savemat
 
 import forcefeel as ff
-from forcefeel.inputs import Multisine
+from forcefeel.simulation.inputs import Multisine
 
 HERE = Path(__file__).parent
 

@@ -4,22 +4,24 @@ Everything public is listed here, by the module that holds it. A name is fetched
 ``forcefeel --help`` does not wait for the numerical libraries; ``__init__.pyi`` has the same list for type checkers.
 """
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import Any
 
 _PUBLIC = {
     "_core": ("Compensator",),
-    "analysis.boundary": ("StabilityBoundary", "smallest_stable_stiffness"),
-    "analysis.frequency": ("Margins", "Peak", "frequency_response", "margins", "resonance"),
-    "analysis.modes": ("Mode", "modes"),
-    "analysis.time": ("step_response",),
-    "assessment": ("Assessment", "Peaks", "assess", "peaks"),
+    "linear.boundary": ("StabilityBoundary", "smallest_stable_stiffness"),
+    "linear.frequency": ("Margins", "Peak", "frequency_response", "margins", "resonance"),
+    "linear.modes": ("Mode", "modes"),
+    "linear.step": ("step_response",),
+    "design.assessment": ("Assessment", "Peaks", "assess", "peaks"),
     "choice": ("Choice", "Score", "Scored", "choose", "score_methods"),
-    "report.choice_folder": ("write_choice",),
-    "curves": ("Curve",),
-    "compensation": ("Compensation", "DesignSettings", "compensate", "published_settings"),
-    "findings": ("Conclusions", "conclusions"),
-    "flight_schedules": (
+    "choice.page.folder": ("write_choice",),
+    "loader.curves": ("Curve",),
+    "laws.recursion": ("Compensation", "DesignSettings", "compensate", "published_settings"),
+    "design.findings": ("Conclusions", "conclusions"),
+    "flight_schedule": (
         "FlightSchedule",
         "ScheduleAxis",
         "ScheduleCheck",
@@ -28,16 +30,16 @@ _PUBLIC = {
         "read_knots",
         "second_order_feel",
     ),
-    "report.schedule_folder": ("write_schedule",),
-    "run_findings": ("run_conclusions",),
-    "envelopes": ("Draws", "Envelope", "envelope"),
-    "report.envelope_folder": ("write_envelope",),
+    "flight_schedule.page.folder": ("write_schedule",),
+    "simulation.findings": ("run_conclusions",),
+    "envelope": ("Draws", "Envelope", "envelope"),
+    "envelope.page.folder": ("write_envelope",),
     "frontier": ("Frontier", "find_frontier"),
-    "report.frontier_folder": ("write_frontier",),
-    "workflow": ("Analysis", "Design", "analyze", "design"),
+    "frontier.page.folder": ("write_frontier",),
+    "design.workflow": ("Analysis", "Design", "analyze", "design"),
     "errors": ("InputError",),
-    "figure_data": ("Figure", "figures"),
-    "inputs": (
+    "design.figure_data": ("Figure", "figures"),
+    "simulation.inputs": (
         "Chirp",
         "Doublet",
         "HandsOff",
@@ -50,32 +52,32 @@ _PUBLIC = {
         "StopToStop",
         "read_recorded",
     ),
-    "excitation.bench_file": ("write_excitation",),
-    "excitation.excite": ("excite",),
-    "excitation.plan": ("ExcitationPlan",),
-    "excitation.result": ("Excitation",),
+    "bench.excitation.bench_file": ("write_excitation",),
+    "bench.excitation.excite": ("excite",),
+    "bench.excitation.plan": ("ExcitationPlan",),
+    "bench.excitation.result": ("Excitation",),
     "bench.data_file": ("read_bench_data",),
     "bench.records": ("BenchRecord",),
     "bench.estimate": ("estimate_response",),
     "bench.experiments": ("Drive", "Experiment", "Loop"),
-    "identification.fit": ("identify",),
-    "identification.linear": ("model_response",),
+    "bench.identification.fit": ("identify",),
+    "bench.identification.linear": ("model_response",),
     "bench.record_file": ("read_bench_record",),
     "bench.resonance": ("Resonance", "link_from_resonance", "read_resonance"),
     "bench.response_file": ("read_response",),
     "bench.responses": ("Response",),
-    "identification.result": ("Estimate", "Identification"),
-    "report.identification_folder": ("write_identification",),
-    "command_loop": ("CommandLoop", "command_loops"),
-    "designs.methods": ("Method", "method", "tuned"),
-    "designs.setting_laws": ("own_law",),
-    "designs.tuning": ("Power", "Tuning"),
-    "envelopes.tune": ("Tuned", "tune"),
-    "command_margins": ("LoopMargins", "loop_margins"),
-    "sampled_compensator": ("SampledCompensator",),
-    "sampled_loop": ("SampledLoops", "sampled_loops"),
-    "loader": ("Loader", "digital_elevator", "elevator", "load"),
-    "models": (
+    "bench.identification.result": ("Estimate", "Identification"),
+    "bench.identification.page.folder": ("write_identification",),
+    "loops.command_loop": ("CommandLoop", "command_loops"),
+    "laws.sampled.methods": ("Method", "method", "tuned"),
+    "laws.sampled.setting_laws": ("own_law",),
+    "laws.sampled.tuning": ("Power", "Tuning"),
+    "envelope.tune": ("Tuned", "tune"),
+    "loops.margins": ("LoopMargins", "loop_margins"),
+    "laws.sampled_compensator": ("SampledCompensator",),
+    "loops.sampled_loop": ("SampledLoops", "sampled_loops"),
+    "loader.loader": ("Loader", "digital_elevator", "elevator", "load"),
+    "linear.models": (
         "Linkage",
         "compliant_model",
         "design_plant",
@@ -85,21 +87,21 @@ _PUBLIC = {
         "servo",
         "state_feedback",
     ),
-    "report": ("write_report",),
-    "qualify": ("Qualification", "QualificationSetup", "qualify_loader"),
-    "report.qualification_folder": ("write_qualification",),
+    "design.page": ("write_report",),
+    "qualification.programme": ("Qualification", "QualificationSetup", "qualify_loader"),
+    "qualification.page.folder": ("write_qualification",),
     "reproduction": ("reproduce",),
-    "report.simulation_folder": ("write_simulation",),
-    "run_limits": ("Limits", "limits"),
-    "schedule": ("GainSchedule", "schedule_gains"),
+    "simulation.page.folder": ("write_simulation",),
+    "simulation.limits": ("Limits", "limits"),
+    "laws.gain_schedule": ("GainSchedule", "schedule_gains"),
     "simulation": ("FeelChange", "Measures", "Run", "RunStatus", "Scenario", "simulate", "simulate_batch"),
     "simulation.linear": ("simulate_linear_batch",),
     "sweep": ("Sweep", "SweepResult", "run_sweep"),
     "sweep.stability": ("stability_batch",),
     "sweep.summary": ("Summary", "summarize"),
-    "report.sweep_folder": ("write_sweep",),
-    "tolerances": ("Distribution", "Tolerance"),
-    "studies": ("Deviation", "DroppedPaths", "drop_paths", "sensitivity"),
+    "sweep.page.folder": ("write_sweep",),
+    "loader.tolerances": ("Distribution", "Tolerance"),
+    "design.studies": ("Deviation", "DroppedPaths", "drop_paths", "sensitivity"),
     "units": ("UnitSystem",),
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
@@ -115,3 +117,17 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
+
+
+class _Package(ModuleType):
+    """The package, in which a public name stays what it is where a folder has the same one.
+
+    The import of ``forcefeel.envelope.result`` would set ``forcefeel.envelope`` to the folder, and hide the function.
+    """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name in _HOME and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

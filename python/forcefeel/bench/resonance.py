@@ -12,7 +12,7 @@ from forcefeel import _core
 from forcefeel.bench.circle import fit_mode
 from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
+from forcefeel.loader.loader import Loader
 
 Kind = Literal["receptance", "mobility"]
 

@@ -7,10 +7,10 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.designs.setting_laws import SettingLaws
-from forcefeel.inputs import Release
-from forcefeel.loader import FEEL_SETTING, Loader
+from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.simulation import Scenario, simulate_batch
+from forcefeel.simulation.inputs import Release
 from forcefeel.units import PERCENT
 
 _PERIODS = 2

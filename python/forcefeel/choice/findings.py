@@ -2,15 +2,15 @@
 
 from math import degrees, inf, isfinite
 
-from forcefeel.analysis.modes import feel_mode
 from forcefeel.choice.noise import FORCE, HOLDING, Noise
 from forcefeel.choice.rule import Choice, obstacles
 from forcefeel.choice.score import OverEnvelope, Score, Scored
-from forcefeel.command_margins import LoopMargins
-from forcefeel.envelopes.result import PASSES
-from forcefeel.envelopes.tolerance_words import tolerance_sentences
-from forcefeel.findings import Conclusions
-from forcefeel.loader import FEEL_SETTING
+from forcefeel.design.findings import Conclusions
+from forcefeel.envelope.result import PASSES
+from forcefeel.envelope.tolerance_sentences import tolerance_sentences
+from forcefeel.linear.modes import feel_mode
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loops.margins import LoopMargins
 from forcefeel.sweep.findings import share_text
 from forcefeel.units import ANGLE, HERTZ, UnitSystem, to_text
 

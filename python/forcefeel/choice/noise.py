@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel.arms import ARM_ROWS
-from forcefeel.envelopes.cases import REFERENCE_ARMS, PilotArm
-from forcefeel.loader import Loader
-from forcefeel.sampled_loop import sampled_loops
+from forcefeel.envelope.cases import REFERENCE_ARMS, PilotArm
+from forcefeel.loader.arms import ARM_ROWS
+from forcefeel.loader.loader import Loader
+from forcefeel.loops.sampled_loop import sampled_loops
 from forcefeel.simulation.engine import Law, engine_law
 from forcefeel.simulation.scenario import controller_steps
 from forcefeel.units import ANGLE, Unit

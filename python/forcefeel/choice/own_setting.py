@@ -6,19 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
-from forcefeel.analysis.modes import Mode
 from forcefeel.choice.demand import Demand, largest_demand
 from forcefeel.choice.noise import Noise, noise_at_grip
-from forcefeel.command_loop import command_loops
-from forcefeel.command_margins import LoopMargins, loop_margins
-from forcefeel.designs.setting_laws import Law, SettingLaws
-from forcefeel.envelopes.ideal import frequency_and_damping, ideal_releases
-from forcefeel.envelopes.plan import Plan
-from forcefeel.envelopes.releases import Record, measured, released
-from forcefeel.envelopes.result import PASSES, UNSTABLE
-from forcefeel.loader import FEEL_SETTING
+from forcefeel.envelope.ideal import frequency_and_damping, ideal_releases
+from forcefeel.envelope.plan import Plan
+from forcefeel.envelope.releases import Record, measured, released
+from forcefeel.envelope.result import PASSES, UNSTABLE
+from forcefeel.laws.sampled.setting_laws import Law, SettingLaws
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.linear.modes import Mode
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loops.command_loop import command_loops
+from forcefeel.loops.margins import LoopMargins, loop_margins
 from forcefeel.qualification import judge_releases
-from forcefeel.sampled_compensator import SampledCompensator
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from forcefeel.choice.demand import Demand, largest_demand, of_all
 from forcefeel.choice.own_setting import OwnSetting, own_setting
-from forcefeel.command_loop import command_loops
-from forcefeel.command_margins import LoopMargins, least_margins, loop_margins
-from forcefeel.designs.methods import METHODS
-from forcefeel.designs.setting_laws import NAMED_LAWS, SettingLaws, names_for
-from forcefeel.envelopes.plan import Plan, make_plan
-from forcefeel.envelopes.result import CaseShares, Envelope, Shares
-from forcefeel.envelopes.run import Progress, compute
+from forcefeel.envelope.plan import Plan, make_plan
+from forcefeel.envelope.result import CaseShares, Envelope, Shares
+from forcefeel.envelope.run import Progress, compute
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
+from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.setting_laws import NAMED_LAWS, SettingLaws, names_for
+from forcefeel.loader.loader import Loader
+from forcefeel.loops.command_loop import command_loops
+from forcefeel.loops.margins import LoopMargins, least_margins, loop_margins
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
 

@@ -101,11 +101,7 @@ from forcefeel.cli.qualify_options import (
     ThrowOption,
 )
 from forcefeel.cli.scenario_options import ScenarioOptions, with_scenario
-from forcefeel.cli.schedule_options import (
-    ScheduleKnots,
-    ScheduleMethod,
-    ScheduleRefine,
-)
+from forcefeel.cli.schedule_options import ScheduleKnots, ScheduleMethod, ScheduleRefine
 from forcefeel.cli.sweep_options import Grid, Redesign, Runs, Scheduler, Threads, Vary
 from forcefeel.units import UnitSystem
 
@@ -310,7 +306,7 @@ def envelope(
     are assumed, of the valve's gain 30 %; --off) and with each pilot's arm at the grip; then with all tolerances at once.
     """
     from forcefeel.cli import envelope_command  # noqa: PLC0415
-    from forcefeel.envelopes.draws import Draws  # noqa: PLC0415
+    from forcefeel.envelope.draws import Draws  # noqa: PLC0415
 
     drawn = Draws(draws, seed, corners)
     chosen = envelope_command.EnvelopeOptions(

@@ -11,20 +11,20 @@ import typer
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from forcefeel import workflow
-from forcefeel.assessment import assess, peaks
 from forcefeel.cli import show
 from forcefeel.cli.options import Coupling
 from forcefeel.cli.terminal import Terminal
-from forcefeel.compensation import PUBLISHED_HORIZON_S, DesignSettings, published_settings
-from forcefeel.compensation import compensate as run_recursion
+from forcefeel.design import workflow
+from forcefeel.design.assessment import assess, peaks
+from forcefeel.design.findings import conclusions
 from forcefeel.errors import InputError, shortened
 from forcefeel.files import MOST_TEXT_BYTES, read_input, write_whole
-from forcefeel.findings import conclusions
-from forcefeel.loader import BUILT_IN, Loader, open_loader
+from forcefeel.json_values import plain, plain_loader
+from forcefeel.laws.recursion import PUBLISHED_HORIZON_S, DesignSettings, published_settings
+from forcefeel.laws.recursion import compensate as run_recursion
+from forcefeel.loader.loader import BUILT_IN, Loader, open_loader
 from forcefeel.reproduction import Verdict, markdown
 from forcefeel.reproduction import reproduce as run_reproduction
-from forcefeel.results import plain, plain_loader
 from forcefeel.units import UnitSystem
 
 
@@ -82,7 +82,7 @@ def new(path: Path, built_in: str, units: UnitSystem, *, as_json: bool, force: b
 
 def design(path: Path | None, options: Options, out: Path, units: UnitSystem, *, as_json: bool) -> None:
     """Designs and writes the report."""
-    from forcefeel.report import FOLDER, write_report  # noqa: PLC0415  Plotly is only needed here
+    from forcefeel.design.page import FOLDER, write_report  # noqa: PLC0415  Plotly is only needed here
 
     loader = _loader(path)
     FOLDER.check(out)  # before the work, not after it

@@ -10,15 +10,15 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.choice import Choice, Score, Scored, choose, score_methods
+from forcefeel.choice.as_json import plain_choice
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
-from forcefeel.choice.plain import plain_choice
 from forcefeel.choice.score import COARSE, check_names
 from forcefeel.cli import commands
 from forcefeel.cli.given_loader import given_deviations
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
+from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.units import UnitSystem, to_text
@@ -90,7 +90,7 @@ def _refuse_recursion(recursion: commands.Options) -> None:
 
 
 def _run(loader: Loader, options: MethodOptions, units: UnitSystem, *, as_json: bool) -> None:
-    from forcefeel.report.choice_folder import FOLDER, write_choice  # noqa: PLC0415  Plotly
+    from forcefeel.choice.page.folder import FOLDER, write_choice  # noqa: PLC0415  Plotly
 
     out = options.out or _FOLDER
     names = None if options.method == AUTO else (options.method or "",)

@@ -10,15 +10,15 @@ from rich.table import Table
 from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal
-from forcefeel.designs.setting_laws import names_for
-from forcefeel.envelopes import Envelope
-from forcefeel.envelopes.draws import Draws
-from forcefeel.envelopes.findings import envelope_conclusions
-from forcefeel.envelopes.plain import plain_envelope
-from forcefeel.envelopes.plan import Plan, make_plan
-from forcefeel.envelopes.result import MOST
-from forcefeel.envelopes.run import compute
+from forcefeel.envelope import Envelope
+from forcefeel.envelope.as_json import plain_envelope
+from forcefeel.envelope.draws import Draws
+from forcefeel.envelope.findings import envelope_conclusions
+from forcefeel.envelope.plan import Plan, make_plan
+from forcefeel.envelope.result import MOST
+from forcefeel.envelope.run import compute
 from forcefeel.errors import InputError
+from forcefeel.laws.sampled.setting_laws import names_for
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.sweep.findings import share_text
@@ -75,7 +75,7 @@ def release_angle(given: str | None) -> float | None:
 
 def run_envelope(path: Path | None, options: EnvelopeOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Computes an envelope and writes its folder."""
-    from forcefeel.report.envelope_folder import FOLDER, write_envelope  # noqa: PLC0415  Plotly
+    from forcefeel.envelope.page.folder import FOLDER, write_envelope  # noqa: PLC0415  Plotly
 
     plan = options.plan(path)
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it

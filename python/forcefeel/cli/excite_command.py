@@ -11,24 +11,24 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.bench.channels import CHANNELS, channel
+from forcefeel.bench.excitation import Excitation, ExcitationPlan, NotSeparableError, excite, write_excitation
+from forcefeel.bench.excitation.as_json import plain_excitation
+from forcefeel.bench.excitation.bench_file import check_excitation_file
+from forcefeel.bench.excitation.limits import KINDS
+from forcefeel.bench.excitation.plan import Kind
 from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.identification.digits import percent
 from forcefeel.cli.given_loader import designed_law, given_loader
 from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.scenario_text import value
 from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
-from forcefeel.excitation import Excitation, ExcitationPlan, NotSeparableError, excite, write_excitation
-from forcefeel.excitation.bench_file import check_excitation_file
-from forcefeel.excitation.limits import KINDS
-from forcefeel.excitation.plain import plain_excitation
-from forcefeel.excitation.plan import Kind
-from forcefeel.identification.shown import percent
-from forcefeel.loader import Loader
-from forcefeel.parameters import TABLE, with_unit
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import TABLE, with_unit
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
-    from forcefeel.identification.linear import Law as FixedLaw
+    from forcefeel.bench.identification.linear import Law as FixedLaw
 
 _EXAMPLES = {"current": "12 mA", "travel": "8 deg", "force": "1500 lb"}
 _DRIVE_EXAMPLES = {Drive.TEST_SIGNAL: "5 V", Drive.COMMAND_SIGNAL: "5 V", Drive.PILOT_FORCE: "50 lb"}

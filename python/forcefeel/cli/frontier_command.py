@@ -11,10 +11,10 @@ from forcefeel.cli.envelope_command import release_angle
 from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal
-from forcefeel.envelopes.plan import Plan
+from forcefeel.envelope.plan import Plan
 from forcefeel.frontier import Frontier
+from forcefeel.frontier.as_json import plain_frontier
 from forcefeel.frontier.findings import frontier_conclusions, points_text, tolerance_text
-from forcefeel.frontier.plain import plain_frontier
 from forcefeel.frontier.run import compute_frontier, frontier_plan
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
@@ -55,7 +55,7 @@ class FrontierOptions:
 
 def run_frontier(path: Path | None, options: FrontierOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Computes a frontier and writes its folder."""
-    from forcefeel.report.frontier_folder import FOLDER, write_frontier  # noqa: PLC0415  Plotly
+    from forcefeel.frontier.page.folder import FOLDER, write_frontier  # noqa: PLC0415  Plotly
 
     plan = options.plan(path)
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it

@@ -10,9 +10,9 @@ from forcefeel.units import parse
 
 if TYPE_CHECKING:
     from forcefeel._core import Compensator
-    from forcefeel.envelopes.deviations import Deviation
-    from forcefeel.loader import Loader
-    from forcefeel.sampled_compensator import SampledCompensator
+    from forcefeel.envelope.deviations import Deviation
+    from forcefeel.laws.sampled_compensator import SampledCompensator
+    from forcefeel.loader.loader import Loader
 
 
 def given_loader(path: Path | None, changes: Sequence[str] | None) -> "Loader":
@@ -21,7 +21,7 @@ def given_loader(path: Path | None, changes: Sequence[str] | None) -> "Loader":
     Raises:
         InputError: If the file or a change is bad.
     """
-    from forcefeel.loader import open_loader  # noqa: PLC0415  the numerical libraries
+    from forcefeel.loader.loader import open_loader  # noqa: PLC0415  the numerical libraries
 
     given = assignments("--set", tuple(changes or ()))
     loader = open_loader(path)
@@ -34,7 +34,7 @@ def given_deviations(loader: "Loader", off: Sequence[str] | None) -> "Mapping[st
     Raises:
         InputError: If an option is bad, or a tolerance of the loader leads out of its row's range.
     """
-    from forcefeel.envelopes.deviations import chosen_deviations, deviations_of  # noqa: PLC0415
+    from forcefeel.envelope.deviations import chosen_deviations, deviations_of  # noqa: PLC0415
     from forcefeel.sweep import text  # noqa: PLC0415
 
     usual = deviations_of(loader)
@@ -64,7 +64,7 @@ def designed_law(law: str, loader: "Loader") -> "Compensator | SampledCompensato
     Raises:
         InputError: Naming the option, if it cannot be designed.
     """
-    from forcefeel.designs.setting_laws import own_law  # noqa: PLC0415
+    from forcefeel.laws.sampled.setting_laws import own_law  # noqa: PLC0415
 
     try:
         return own_law(law, loader)

@@ -12,6 +12,11 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.bench.experiments import Loop
+from forcefeel.bench.identification.as_json import FitSettings, plain_identification
+from forcefeel.bench.identification.digits import error, estimated, interval, nominal, relative_error, rounded, unit_of
+from forcefeel.bench.identification.findings import identification_conclusions
+from forcefeel.bench.identification.fit import identify
+from forcefeel.bench.identification.result import Estimate, Identification, Status, data_of
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.cli.bench_data import BenchData
@@ -21,16 +26,11 @@ from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
-from forcefeel.identification.findings import identification_conclusions
-from forcefeel.identification.fit import identify
-from forcefeel.identification.plain import FitSettings, plain_identification
-from forcefeel.identification.result import Estimate, Identification, Status, data_of
-from forcefeel.identification.shown import error, estimated, interval, nominal, relative_error, rounded, unit_of
-from forcefeel.loader import BUILT_IN, Loader
+from forcefeel.loader.loader import BUILT_IN, Loader
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
-    from forcefeel.identification.linear import Law as FixedLaw
+    from forcefeel.bench.identification.linear import Law as FixedLaw
 
 _NONE = "-"
 _DATA = Sequence[Response | BenchRecord]
@@ -74,11 +74,7 @@ class IdentifyOptions:
 
 def run_identify(path: Path | None, options: IdentifyOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Identifies a loader and writes the folder."""
-    from forcefeel.report.identification_folder import (  # noqa: PLC0415  Plotly
-        LOADER,
-        check_identification_folder,
-        write_identification,
-    )
+    from forcefeel.bench.identification.page.folder import LOADER, check_identification_folder, write_identification  # noqa: PLC0415
 
     inputs = [*_loader_file(path), *options.data.files]
     check_identification_folder(options.out, inputs, replace=options.replace)  # before the work, not after it

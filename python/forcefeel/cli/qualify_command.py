@@ -13,13 +13,13 @@ from forcefeel.cli.given_loader import given_loader
 from forcefeel.cli.qualify_options import ControlAxis, Overdamped
 from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.terminal import Terminal
-from forcefeel.designs.setting_laws import names_for
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
+from forcefeel.laws.sampled.setting_laws import names_for
+from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, Outcome
-from forcefeel.qualify import Qualification, QualificationSetup, qualify_loader
-from forcefeel.qualify.plain import plain_qualification
-from forcefeel.qualify.words import conclusions
+from forcefeel.qualification.programme import Qualification, QualificationSetup, qualify_loader
+from forcefeel.qualification.programme.as_json import plain_qualification
+from forcefeel.qualification.programme.sentences import conclusions
 from forcefeel.units import UnitSystem, parse
 
 
@@ -78,10 +78,7 @@ class QualifyOptions:
 
 def run_qualify(path: Path | None, options: QualifyOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Makes the tests, writes the folder and shows what came of them."""
-    from forcefeel.report.qualification_folder import (  # noqa: PLC0415  Plotly
-        check_qualification_folder,
-        write_qualification,
-    )
+    from forcefeel.qualification.page.folder import check_qualification_folder, write_qualification  # noqa: PLC0415
 
     check_qualification_folder(options.out, pdf=options.pdf)  # before the work, not after it
     loader = given_loader(path, options.changes)

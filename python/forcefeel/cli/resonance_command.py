@@ -18,9 +18,9 @@ from forcefeel.cli.bench_data import BenchData
 from forcefeel.cli.given_loader import given_loader
 from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
-from forcefeel.parameters import ALTERNATIVES, TABLE, unit, with_unit
-from forcefeel.results import Plain, quantity
+from forcefeel.json_values import Plain, quantity
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ALTERNATIVES, TABLE, unit, with_unit
 from forcefeel.units import HERTZ, UnitSystem, parse, show, to_text
 
 HOLDS_FOR = (

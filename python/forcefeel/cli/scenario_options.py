@@ -21,22 +21,22 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 import typer
 
-from forcefeel.arms import ARM_ROWS, ARMS, Arm
 from forcefeel.cli.bench_data import options_named
 from forcefeel.cli.given_loader import designed_law
 from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, InputOptions, Spacing
 from forcefeel.cli.scenario_text import assignments, over_time, seconds
 from forcefeel.errors import InputError
+from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm
 from forcefeel.tables.column_names import ColumnNames
 from forcefeel.units import show
 
 if TYPE_CHECKING:
     from forcefeel._core import Compensator
-    from forcefeel.compensation import DesignSettings
-    from forcefeel.inputs import Recorded, Schedule
-    from forcefeel.loader import Loader
-    from forcefeel.sampled_compensator import SampledCompensator
+    from forcefeel.laws.recursion import DesignSettings
+    from forcefeel.laws.sampled_compensator import SampledCompensator
+    from forcefeel.loader.loader import Loader
     from forcefeel.simulation import FeelChange, Scenario
+    from forcefeel.simulation.inputs import Recorded, Schedule
 
 
 class Law(StrEnum):
@@ -256,7 +256,7 @@ class ScenarioOptions:
         """How the gains of the law are designed; ``None`` is the original position loop."""
         if self.law is None:
             return None
-        from forcefeel.compensation import NAMED_DESIGNS  # noqa: PLC0415
+        from forcefeel.laws.recursion import NAMED_DESIGNS  # noqa: PLC0415
 
         return NAMED_DESIGNS[self.law](loader)
 
@@ -335,7 +335,7 @@ class ScenarioOptions:
             return None
         for option in (*(["--input"] if self.input else []), *self._given()):
             raise InputError(f"{option}: given with --record, which is the pilot's input; leave one out")
-        from forcefeel.inputs import read_recorded  # noqa: PLC0415
+        from forcefeel.simulation.inputs import read_recorded  # noqa: PLC0415
 
         with options_named():
             return read_recorded(self.record, **names.arguments(self.record.stem)).from_zero()
@@ -410,6 +410,6 @@ def _grid(scenario: "Scenario", loader: "Loader") -> float:
 def _schedule(option: str, text: str | None, unit_si: str, example: str) -> "Schedule | None":
     if text is None:
         return None
-    from forcefeel.inputs import Schedule  # noqa: PLC0415
+    from forcefeel.simulation.inputs import Schedule  # noqa: PLC0415
 
     return Schedule(*over_time(option, text, unit_si, example), name=option)

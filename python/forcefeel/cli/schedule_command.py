@@ -11,9 +11,9 @@ from rich.table import Table
 from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal
-from forcefeel.flight_schedules import ScheduleCheck, check_schedule, design_schedule, read_knots
-from forcefeel.flight_schedules.findings import schedule_conclusions
-from forcefeel.flight_schedules.plain import plain_schedule
+from forcefeel.flight_schedule import ScheduleCheck, check_schedule, design_schedule, read_knots
+from forcefeel.flight_schedule.as_json import plain_schedule
+from forcefeel.flight_schedule.findings import schedule_conclusions
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.units import UnitSystem, to_text
 
@@ -35,7 +35,7 @@ class ScheduleCommandOptions:
 
 def run_schedule(path: Path | None, options: ScheduleCommandOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Designs and checks a schedule and writes its folder."""
-    from forcefeel.report.schedule_folder import FOLDER, write_schedule  # noqa: PLC0415  Plotly
+    from forcefeel.flight_schedule.page.folder import FOLDER, write_schedule  # noqa: PLC0415  Plotly
 
     loader, knots = given_loader(path, options.changes), read_knots(options.knots)
     deviations = given_deviations(loader, options.off)

@@ -6,16 +6,16 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from forcefeel.analysis.frequency import Margins
-from forcefeel.analysis.modes import Mode, least_damped
-from forcefeel.assessment import Assessment, Peaks
-from forcefeel.compensation import GAIN_SYMBOLS, GAIN_UNITS, Compensation
-from forcefeel.findings import Conclusions, left_out
-from forcefeel.loader import Loader
-from forcefeel.models import DESIGN_STATES
+from forcefeel.design.assessment import Assessment, Peaks
+from forcefeel.design.findings import Conclusions, left_out
+from forcefeel.design.workflow import Analysis
+from forcefeel.laws.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation
+from forcefeel.linear.frequency import Margins
+from forcefeel.linear.models import DESIGN_STATES
+from forcefeel.linear.modes import Mode, least_damped
+from forcefeel.loader.loader import Loader
 from forcefeel.reproduction import Section, Verdict, summary
 from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
-from forcefeel.workflow import Analysis
 
 _COLOURS = {Verdict.AGREES: "green", Verdict.EXPLAINED: "yellow", Verdict.REFUTED: "yellow", Verdict.OPEN: "red"}
 

@@ -9,11 +9,11 @@ from rich.table import Table
 
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
 from forcefeel.cli.terminal import Terminal
-from forcefeel.findings import Conclusions
-from forcefeel.loader import open_loader
-from forcefeel.run_findings import input_in_words, run_conclusions
-from forcefeel.run_results import measure_rows, plain_run
+from forcefeel.design.findings import Conclusions
+from forcefeel.loader.loader import open_loader
 from forcefeel.simulation import Run, RunStatus, simulate
+from forcefeel.simulation.findings import input_in_words, run_conclusions
+from forcefeel.simulation.tables import measure_rows, plain_run
 from forcefeel.units import UnitSystem
 
 
@@ -22,7 +22,7 @@ def run_simulate(
 ) -> None:
     """Runs one simulation and shows it, or writes it to a folder."""
     if out is not None:
-        from forcefeel.report.simulation_folder import FOLDER  # noqa: PLC0415  Plotly
+        from forcefeel.simulation.page.folder import FOLDER  # noqa: PLC0415  Plotly
 
         FOLDER.check(out)  # before the work, not after it
     loader = options.changed(open_loader(path))
@@ -30,7 +30,7 @@ def run_simulate(
     law = str(options.law or Law.ORIGINAL)
     page = None
     if out is not None:
-        from forcefeel.report.simulation_folder import write_simulation  # noqa: PLC0415
+        from forcefeel.simulation.page.folder import write_simulation  # noqa: PLC0415
 
         page = write_simulation(run, out, units, law)
     if as_json:

@@ -15,11 +15,11 @@ from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
 from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
-from forcefeel.loader import open_loader
+from forcefeel.loader.loader import open_loader
 from forcefeel.simulation import RunStatus
 from forcefeel.sweep import Sweep, SweepResult, run_sweep, text
+from forcefeel.sweep.as_json import plain_sweep
 from forcefeel.sweep.findings import main_measures, number_of, share_text, sweep_conclusions
-from forcefeel.sweep.plain import plain_sweep
 from forcefeel.sweep.summary import Summary, measure_name, measure_unit, summarize
 from forcefeel.units import UnitSystem
 
@@ -63,7 +63,7 @@ def run_sweep_command(
     path: Path | None, options: SweepOptions, scenario: ScenarioOptions, units: UnitSystem, *, as_json: bool
 ) -> None:
     """Carries out a sweep and writes its folder."""
-    from forcefeel.report.sweep_folder import check_sweep_folder, write_sweep  # noqa: PLC0415  Plotly
+    from forcefeel.sweep.page.folder import check_sweep_folder, write_sweep  # noqa: PLC0415  Plotly
 
     check_sweep_folder(options.out)  # before the work, not after it
     sweep = options.sweep(path, scenario)

@@ -39,7 +39,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.envelopes.plan import Plan
+from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
 from forcefeel.frontier.referee import Referee, referees
 from forcefeel.threads import threads_or_cores

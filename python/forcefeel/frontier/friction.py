@@ -17,14 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
-from forcefeel.designs.setting_laws import Law, SettingLaws
-from forcefeel.envelopes.plan import Plan
-from forcefeel.ideal_run import ideal_response
-from forcefeel.loader import FEEL_SETTING
-from forcefeel.parameters import TABLE, unit
-from forcefeel.qualify.sweep_force import SweepForce
-from forcefeel.sampled_compensator import SampledCompensator
+from forcefeel.envelope.plan import Plan
+from forcefeel.laws.sampled.setting_laws import Law, SettingLaws
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.qualification.programme.sweep_force import SweepForce
 from forcefeel.simulation import RunStatus, Scenario, simulate
+from forcefeel.simulation.programmed_feel import ideal_response
 
 SWEEP_S = 40.0
 """Length of the sweep: slow beside any programmed feel."""

@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
-from forcefeel.envelopes.plan import Plan
-from forcefeel.envelopes.result import Shares
-from forcefeel.envelopes.run import compute
+from forcefeel.envelope.plan import Plan
+from forcefeel.envelope.result import Shares
+from forcefeel.envelope.run import compute
 from forcefeel.frontier.rungs import Progress, Rungs, onward
 from forcefeel.frontier.tightening import INERTIA, KNOWN_BETTER
-from forcefeel.loader import Loader
-from forcefeel.parameters import OFF, TABLE, in_range
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import OFF, TABLE, in_range
 from forcefeel.units import PERCENT
 
 KNOWN_TO = 0.02

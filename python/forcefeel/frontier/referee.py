@@ -6,10 +6,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.envelopes.cases import PilotArm
-from forcefeel.envelopes.ideal import ideal_releases
-from forcefeel.envelopes.plan import Plan
-from forcefeel.envelopes.releases import Record, carrying, measured, pieces
+from forcefeel.envelope.cases import PilotArm
+from forcefeel.envelope.ideal import ideal_releases
+from forcefeel.envelope.plan import Plan
+from forcefeel.envelope.releases import Record, carrying, measured, pieces
 from forcefeel.qualification import ReleaseBatch, judge_releases
 
 

@@ -8,8 +8,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.envelopes.plan import Plan
-from forcefeel.envelopes.result import Envelope, Smallest
+from forcefeel.envelope.plan import Plan
+from forcefeel.envelope.result import Envelope, Smallest
 from forcefeel.frontier.bound import Bound
 from forcefeel.frontier.friction import SmallestFriction
 from forcefeel.frontier.hardware import Gain

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from math import isclose
 
-from forcefeel.envelopes.plan import Plan, make_plan
+from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.errors import InputError
 from forcefeel.frontier.bound import ERRORS, inertia_bound
 from forcefeel.frontier.friction import smallest_friction
@@ -12,7 +12,7 @@ from forcefeel.frontier.result import Frontier
 from forcefeel.frontier.rungs import FACTORS, Rungs, climb, rung_releases
 from forcefeel.frontier.tightening import INERTIA, tightening
 from forcefeel.frontier.valve_limits import valve_limits
-from forcefeel.loader import Loader
+from forcefeel.loader.loader import Loader
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, the releases that are done and all there are."""

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.envelopes.cases import Case, Kind
-from forcefeel.envelopes.plan import Plan
-from forcefeel.envelopes.result import Envelope
-from forcefeel.envelopes.run import compute
+from forcefeel.envelope.cases import Case, Kind
+from forcefeel.envelope.plan import Plan
+from forcefeel.envelope.result import Envelope
+from forcefeel.envelope.run import compute
 from forcefeel.errors import InputError
 
 FACTORS = (1.0, 0.5, 0.25, 0.1, 0.05, 0.025)

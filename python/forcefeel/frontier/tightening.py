@@ -6,8 +6,8 @@ from typing import Annotated
 
 import numpy as np
 
-from forcefeel.envelopes.cases import Kind
-from forcefeel.envelopes.findings import WHOLE_NOMINAL, WHOLE_WORST
+from forcefeel.envelope.cases import Kind
+from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST
 from forcefeel.frontier.rungs import Rungs
 from forcefeel.units import PERCENT
 

@@ -30,9 +30,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from forcefeel.envelopes.plan import Plan
+from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.referee import Referee, referees
-from forcefeel.loader import Loader
+from forcefeel.loader.loader import Loader
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import FLOW, PERCENT, SECONDS
 

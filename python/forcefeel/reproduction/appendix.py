@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from forcefeel import _core
-from forcefeel.loader import Loader
-from forcefeel.parameters import TABLE
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import TABLE
 from forcefeel.reproduction.table import Reason, Row, Section, cut, number
 from forcefeel.units import factor, parse
 

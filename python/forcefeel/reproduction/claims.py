@@ -3,17 +3,17 @@
 import numpy as np
 
 from forcefeel import _core
-from forcefeel.assessment import assess
-from forcefeel.compensation import GAIN_UNITS, DesignSettings, compensate
-from forcefeel.findings import SMALL_ERROR
-from forcefeel.loader import Loader
-from forcefeel.models import Linkage, design_plant, state_feedback
-from forcefeel.parameters import INDEX
+from forcefeel.design.assessment import assess
+from forcefeel.design.findings import SMALL_ERROR
+from forcefeel.design.studies import CHANGES, droppable, worst
+from forcefeel.design.workflow import Design
+from forcefeel.laws.recursion import GAIN_UNITS, DesignSettings, compensate
+from forcefeel.linear.models import Linkage, design_plant, state_feedback
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import INDEX
 from forcefeel.reproduction.appendix import printed
 from forcefeel.reproduction.table import Row, Section, Verdict, claim
-from forcefeel.studies import CHANGES, droppable, worst
 from forcefeel.units import ROTARY_STIFFNESS, UnitSystem, to_text
-from forcefeel.workflow import Design
 
 
 def claims(design: Design) -> Section:

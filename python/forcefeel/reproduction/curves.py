@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from forcefeel.analysis.modes import Mode, least_damped
-from forcefeel.assessment import programmed_angle_rad
-from forcefeel.findings import FREQUENCY_TOLERANCE, SMALL_ERROR
-from forcefeel.models import Linkage, servo
+from forcefeel.design.assessment import programmed_angle_rad
+from forcefeel.design.findings import FREQUENCY_TOLERANCE, SMALL_ERROR
+from forcefeel.design.workflow import Design
+from forcefeel.linear.models import Linkage, servo
+from forcefeel.linear.modes import Mode, least_damped
 from forcefeel.reproduction.table import Reason, Row, Section, about, claim, number
 from forcefeel.units import to_text
-from forcefeel.workflow import Design
 
 _HYDRAULICS = (
     "oil, valve and position loop damp the mode and shift it; 12.00 Hz and 0.100 belong to the column swinging on the link"

@@ -5,10 +5,10 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.compensation import DesignSettings
-from forcefeel.loader import Loader
-from forcefeel.models import DESIGN_STATES
-from forcefeel.parameters import INDEX
+from forcefeel.laws.recursion import DesignSettings
+from forcefeel.linear.models import DESIGN_STATES
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import INDEX
 from forcefeel.reproduction import printed_matrices as printed
 from forcefeel.reproduction.table import Reason, Row, Section, Verdict, number
 from forcefeel.units import factor

@@ -2,18 +2,11 @@
 
 import numpy as np
 
-from forcefeel.compensation import (
-    GAIN_SYMBOLS,
-    GAIN_UNITS,
-    Compensation,
-    DesignSettings,
-    compensate,
-    gains_in,
-)
+from forcefeel.design.workflow import Design
+from forcefeel.laws.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation, DesignSettings, compensate, gains_in
 from forcefeel.reproduction.appendix import printed
 from forcefeel.reproduction.table import Reason, Row, Section, cut, number
 from forcefeel.units import ROTARY_STIFFNESS, UnitSystem, factor, to_text
-from forcefeel.workflow import Design
 
 _C_I_LOW = "5.445 in^3/(s mA)"
 """The smallest C_i that is printed as 5.45."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.loader import Loader
+from forcefeel.loader.loader import Loader
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable
 
-from forcefeel.loader import elevator
+from forcefeel.design.workflow import design
+from forcefeel.loader.loader import elevator
 from forcefeel.reproduction import appendix, claims, curves, equations, gains
 from forcefeel.reproduction.table import Section
-from forcefeel.workflow import design
 
 
 def reproduce(progress: Callable[[str], None] = lambda _: None) -> tuple[Section, ...]:

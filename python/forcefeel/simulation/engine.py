@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
-from forcefeel.parameters import TABLE
-from forcefeel.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import linear
 from forcefeel.simulation.outcome import (
     MEASURES,

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.analysis.time import equilibrium
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
-from forcefeel.models import Linkage, loader_model
-from forcefeel.parameters import INDEX, OFF, TABLE
+from forcefeel.linear.models import Linkage, loader_model
+from forcefeel.linear.step import equilibrium
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import INDEX, OFF, TABLE
 from forcefeel.simulation.outcome import outputs
 from forcefeel.simulation.scenario import Scenario, Steps, on_samples
 from forcefeel.threads import threads_or_cores

@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel.loader import Loader
+from forcefeel.loader.loader import Loader
 from forcefeel.simulation.scenario import Scenario
 from forcefeel.units import ANGLE, CURRENT, FLOW, PRESSURE, RATIO, SECONDS
 

@@ -7,12 +7,12 @@ from math import isfinite, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.consistency import parts_of_period
 from forcefeel.errors import InputError
-from forcefeel.inputs import Force, HandsOff, Recorded, Release, Sampled, Schedule
-from forcefeel.inputs.sampled import Grid
-from forcefeel.loader import Loader
-from forcefeel.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.loader.consistency import parts_of_period
+from forcefeel.loader.loader import Loader
+from forcefeel.simulation.inputs import Force, HandsOff, Recorded, Release, Sampled, Schedule
+from forcefeel.simulation.inputs.sampled import Grid
 
 SHORTEST_STEP_S, LONGEST_STEP_S = 1e-5, 2e-3
 """Steps that the engine takes; beyond, the column on its linkage is no longer followed well."""

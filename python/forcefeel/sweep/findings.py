@@ -4,10 +4,10 @@ from math import isfinite
 
 import numpy as np
 
-from forcefeel.findings import Conclusions
-from forcefeel.parameters import TABLE, unit
-from forcefeel.run_limits import goes_to_a_place, keeps_moving
+from forcefeel.design.findings import Conclusions
+from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.simulation import RunStatus
+from forcefeel.simulation.limits import goes_to_a_place, keeps_moving
 from forcefeel.sweep.result import IMPOSSIBLE, SweepResult
 from forcefeel.sweep.summary import Spread, Summary, measure_name, measure_unit
 from forcefeel.units import UnitSystem, to_text

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from forcefeel._core import Compensator
-from forcefeel.parameters import TABLE
+from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation.outcome import MEASURES
 from forcefeel.sweep.chunk import nominal
 from forcefeel.sweep.plan import Sweep

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.consistency import AT_LEAST, BELOW
-from forcefeel.parameters import INDEX, OFF
+from forcefeel.loader.consistency import AT_LEAST, BELOW
+from forcefeel.loader.parameters import INDEX, OFF
 
 _ROUNDING = 1e-9
 """Relative; as the check of a loader."""

@@ -11,20 +11,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
-from forcefeel.compensation import GAIN_SYMBOLS, DesignSettings
-from forcefeel.consistency import without_effect
 from forcefeel.errors import InputError
-from forcefeel.loader import FEEL_SETTING, Loader
-from forcefeel.models import state_feedback
-from forcefeel.parameters import INDEX, TABLE
-from forcefeel.sampled_compensator import SampledCompensator
-from forcefeel.schedule import schedule_gains
+from forcefeel.laws.gain_schedule import schedule_gains
+from forcefeel.laws.recursion import GAIN_SYMBOLS, DesignSettings
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.linear.models import state_feedback
+from forcefeel.loader.consistency import without_effect
+from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.parameters import INDEX, TABLE
+from forcefeel.loader.tolerances import Tolerance, beyond
 from forcefeel.seeded_numbers import shares
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.engine import Law
 from forcefeel.simulation.scenario import LARGEST_SEED, Steps
 from forcefeel.sweep import text
-from forcefeel.tolerances import Tolerance, beyond
 from forcefeel.units import show
 
 MOST_RUNS = 10_000_000

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from forcefeel.parameters import TABLE
+from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation.outcome import MEASURES, Measures, RunStatus, statuses
 from forcefeel.sweep.chunk import histories, nominal
 from forcefeel.sweep.members import impossible

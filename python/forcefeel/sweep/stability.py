@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
-from forcefeel.loader import Loader
-from forcefeel.parameters import INDEX, REQUIRED, TABLE, did_you_mean
-from forcefeel.sampled_compensator import SampledCompensator
-from forcefeel.sampled_loop import sampled_loops
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import INDEX, REQUIRED, TABLE, did_you_mean
+from forcefeel.loops.sampled_loop import sampled_loops
 from forcefeel.simulation.linear import STABLE, STABLE_BY_POLES
 from forcefeel.sweep.plan import Sweep
 from forcefeel.threads import cores, threads_or_cores

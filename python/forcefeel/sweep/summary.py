@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 from scipy.stats import rankdata
 
-from forcefeel.run_results import NAMES
 from forcefeel.simulation.outcome import MEASURES, Measures
+from forcefeel.simulation.tables import NAMES
 from forcefeel.sweep.result import STATUSES, SweepResult
 from forcefeel.units import PERCENT, RATIO, Unit
 from forcefeel.wilson import CONFIDENCE, wilson_interval

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from forcefeel.errors import InputError
-from forcefeel.parameters import TABLE, did_you_mean, in_range, is_switch, range_text, value_text
+from forcefeel.loader.parameters import TABLE, did_you_mean, in_range, is_switch, range_text, value_text
 from forcefeel.simulation import SHARED
 from forcefeel.units import parse, show
 

@@ -1,0 +1,72 @@
+"""The excitation as a CSV file for the bench; with measured columns added it is what an identification reads."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+
+from forcefeel.bench.excitation.information import named
+from forcefeel.bench.excitation.result import Excitation
+from forcefeel.bench.identification.digits import channel_unit, percent
+from forcefeel.errors import InputError
+from forcefeel.files import write_whole
+from forcefeel.units import UnitSystem
+
+
+def check_excitation_file(path: Path, *, replace: bool) -> None:
+    """Refuses a path that cannot be written, before the work.
+
+    Raises:
+        InputError: If a file is there that is not to be replaced or a folder is, the name does not end in .csv, or the folder that
+            it goes into is missing.
+    """
+    if path.suffix.lower() != ".csv":
+        raise InputError(f"{path}: expected a name that ends in .csv, as an identification reads it")
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; give the name of a file such as excite.csv")
+    if path.exists() and not replace:
+        raise InputError(f"{path}: is there already; add --replace to replace it, or give another name with --out")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: expected a folder {path.parent} to write it into; make it first")
+
+
+def write_excitation(
+    found: Excitation, path: str | Path, units: UnitSystem = UnitSystem.US, *, replace: bool = False
+) -> Path:
+    """Writes the signal as CSV, whole or not at all.
+
+    Comment lines say experiment, loader, limits and predicted errors; then ``time (s)`` and ``test_signal (V)``, or
+    ``pilot_force (lb)`` (N with SI units), a row for each sample.
+
+    Raises:
+        InputError: If a file is there and ``replace`` is not said, or it cannot be written.
+    """
+    path = Path(path)
+    check_excitation_file(path, replace=replace)
+    write_whole(path, text(found, units))
+    return path
+
+
+def text(found: Excitation, units: UnitSystem) -> str:
+    """What the file holds."""
+    drive = str(found.experiment.drive)
+    unit = channel_unit(drive)
+    about = [
+        f"experiment: {found.experiment}",
+        f"loader: {found.loader.name}",
+        f"signal: {found.words}",
+        *(f"period: {found.period_s:.9g} s" for _ in [0] if found.period_s is not None),
+        *(
+            f"{use.limit.name}: {use.limit.shown(use.peak, units)} predicted of {use.limit.shown(use.limit.value, units)}"
+            for use in found.uses
+        ),
+        *(f"predicted standard error: {named(key)} {percent(error)}" for key, error in found.standard_errors.items()),
+        *found.findings(units)[-1:],
+    ]
+    rows = io.StringIO()  # adding 0 makes of -0 a 0
+    np.savetxt(rows, np.column_stack([found.time_s, unit.from_si(1.0, units) * found.signal + 0.0]), "%.9g", ",")
+    return (
+        "".join(f"# {' '.join(line.split())}\n" for line in about)
+        + f"time (s),{drive} ({unit.shown(units)})\n"
+        + rows.getvalue()
+    )

@@ -1,0 +1,117 @@
+"""Designs an excitation: information of each line, the best spectrum within limits, phases, the scale that holds on the loader."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.bench.excitation.limits import limits_of
+from forcefeel.bench.excitation.lines import Lines, lines_of
+from forcefeel.bench.excitation.optimal_power import PowerProblem, optimal_power
+from forcefeel.bench.excitation.plan import ExcitationPlan, Timing, spectral_lines, timing
+from forcefeel.bench.excitation.rehearsal import Bench, fit_to_limits
+from forcefeel.bench.excitation.result import EVEN_SHARE, Excitation, LimitUse
+from forcefeel.bench.excitation.waves import Wave, chirps, multisine
+from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.identification.linear import Law
+from forcefeel.bench.identification.unknowns import parameter_keys, unknowns_of
+from forcefeel.errors import InputError
+from forcefeel.loader.loader import Loader
+
+_IN_BAND = 1e-3
+"""Share of the largest power of a line from which on a chirp passes through it."""
+
+
+def excite(
+    loader: Loader,
+    fit: str | Sequence[str],
+    experiment: str | Experiment = "servo-closed",
+    plan: ExcitationPlan | None = None,
+    law: Law = None,
+) -> Excitation:
+    """The excitation that determines chosen parameters best within the limits of the bench.
+
+    A multisine has the D-optimal spectrum: it maximises ``ln det M``, the information of the relative parameters, over the powers
+    of the lines, with the r.m.s. of current, travel, force and drive within their limits over a crest factor; a fifth of the power
+    is even over all lines. A chirp is the one of a few with the largest ``ln det M``. Either is then scaled by runs of the
+    nonlinear loader until every peak holds its limit and one is near.
+
+    Args:
+        loader: The loader, as far as it is known.
+        fit: Parameters by symbol or key: ``"k,c,J,C_i"``.
+        experiment: Loop and drive, such as ``"servo-closed"``; see ``Experiment.read``.
+        plan: Kind, length, band, noise and limits.
+        law: The law of the whole loader; the original one if not given.
+
+    Returns:
+        The signal, its promise and the peaks.
+
+    Raises:
+        InputError: If the input is bad: unknown parameters, ones that this experiment does not move, a time too short or a rate too
+            low for the band, limits that the loader cannot hold.
+        NotSeparableError: If the experiment cannot tell the parameters apart, whatever the excitation.
+
+    Source: G. C. Goodwin and R. L. Payne, Dynamic System Identification, 1977, ch. 6; M. B. Zarrop, Optimal Experiment Design for
+    Dynamic System Identification, 1979; R. Pintelon and J. Schoukens, System Identification: A Frequency Domain Approach, 2nd ed.
+    2012, ch. 5.
+    """
+    plan = plan or ExcitationPlan()
+    keys = parameter_keys(fit)
+    unknowns_of(loader, keys)
+    asked = experiment if isinstance(experiment, Experiment) else Experiment.read(experiment)
+    if asked.drive is Drive.RELEASE:
+        raise InputError("experiment: a release is its own excitation; take one with a test_signal or a pilot_force")
+    if law is not None and asked.loop is not Loop.LOADER:
+        raise InputError(f"law: is the law of the whole loader, and {asked} is of the servo alone; leave it out")
+    limits = limits_of(loader, asked.drive, plan.limits)
+    found = timing(plan)
+    lines = lines_of(loader, keys, asked, plan, spectral_lines(plan, found, loader), law, limits)
+    best = optimal_power(lines.problem(0.0)).power
+    wave = _best_chirp(lines, found) if plan.kind == "chirp" else _multisine(lines, found)
+    bench = Bench(loader, asked, law, plan.rate_hz)
+    scale, peaks = fit_to_limits(bench, wave.signal, limits)
+    power = scale**2 * wave.power
+    whole = lines.problem(0.0)
+    return Excitation(
+        loader=loader,
+        experiment=asked,
+        fit=keys,
+        plan=plan,
+        words=wave.words,
+        time_s=found.times_s,
+        signal=scale * wave.signal,
+        period_s=found.period_s if plan.kind == "multisine" else None,
+        frequency_hz=lines.frequency_hz,
+        power=power,
+        noise=dict(zip(plan.measured, lines.sigma.tolist(), strict=True)),
+        information=wave.counted * whole.matrix(power),
+        uses=tuple(LimitUse(limit, peak) for limit, peak in zip(limits, peaks, strict=True)),
+        efficiency=_efficiency(whole, whole.filled(wave.power), best),
+        even_efficiency=_efficiency(whole, whole.even(), best),
+    )
+
+
+def _multisine(lines: Lines, found: Timing) -> Wave:
+    problem = lines.problem(EVEN_SHARE)
+    power = optimal_power(problem).power
+    return multisine(found, lines.frequency_hz, power, lines.limited / lines.limit[:, np.newaxis], lines.travel)
+
+
+def _best_chirp(lines: Lines, found: Timing) -> Wave:
+    """The chirp with the largest ln det M, each as large as a slow sweep of its band may be; scaled to that."""
+    problem, height = lines.problem(0.0), np.abs(lines.limited)
+    best, most = None, -np.inf
+    for wave in chirps(found, lines.frequency_hz):
+        scale = float(np.min(lines.limit / np.max(height[:, wave.power > _IN_BAND * wave.power.max()], axis=1)))
+        told = problem.log_det(scale**2 * wave.power)
+        if told > most:
+            best, most = replace(wave, signal=scale * wave.signal, power=scale**2 * wave.power), told
+    if best is None:
+        raise InputError("band: no chirp in it determines the parameters; take a wider band or a multisine")
+    return best
+
+
+def _efficiency(problem: PowerProblem, power: NDArray[np.float64], best: NDArray[np.float64]) -> float:
+    parameters = problem.information.shape[1]
+    return float(np.exp((problem.log_det(power) - problem.log_det(best)) / parameters))

@@ -1,0 +1,95 @@
+"""What each spectral line tells of the parameters, and what it uses up of the limits."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.bench.channels import INPUTS, OUTPUTS
+from forcefeel.bench.excitation.information import check_separable, line_information
+from forcefeel.bench.excitation.limits import Limit
+from forcefeel.bench.excitation.optimal_power import PowerProblem
+from forcefeel.bench.excitation.plan import ExcitationPlan
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.identification.linear import Law, channel_responses
+from forcefeel.errors import InputError
+from forcefeel.loader.loader import Loader
+
+CREST = 2.0
+"""Peak over r.m.s. that a spectrum is designed for; phases come near it, and the peaks themselves set the scale."""
+
+_OUTPUTS = list(OUTPUTS)
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """Every line's responses: measured channels' information, what the limits are on.
+
+    Attributes:
+        frequency_hz: (lines,).
+        information: M_i per sample, (lines, parameters, parameters).
+        limited: Responses of what the limits are on, (limits, lines).
+        limit: The limits, SI units, (limits,).
+        sigma: Noise of each measured channel, SI units, (channels,).
+        travel: Response of the column's angle, (lines,).
+    """
+
+    frequency_hz: NDArray[np.float64]
+    information: NDArray[np.float64]
+    limited: NDArray[np.complex128]
+    limit: NDArray[np.float64]
+    sigma: NDArray[np.float64]
+    travel: NDArray[np.complex128]
+
+    def problem(self, even_share: float) -> PowerProblem:
+        """The choice of powers with a share of them even."""
+        cost, budget = np.abs(self.limited) ** 2, (self.limit / CREST) ** 2
+        free = PowerProblem(self.information, cost, budget, np.zeros(len(self.frequency_hz)))
+        return free.with_floor(even_share * free.even())
+
+
+def lines_of(
+    loader: Loader,
+    keys: tuple[str, ...],
+    experiment: Experiment,
+    plan: ExcitationPlan,
+    frequency_hz: NDArray[np.float64],
+    law: Law,
+    limits: Sequence[Limit],
+) -> Lines:
+    """Every line's responses, checked to determine the parameters.
+
+    Raises:
+        InputError: If a measured channel or a parameter's effect is nothing in this experiment.
+        NotSeparableError: If parameters cannot be told apart.
+    """
+    responses = channel_responses(loader, experiment.loop, keys, frequency_hz, law=law)
+    drive = list(INPUTS).index(experiment.drive)
+    measured = [_OUTPUTS.index(name) for name in plan.measured]
+    value = responses.value[measured, drive]
+    theta = np.array([loader[key] for key in keys])
+    slopes = theta[:, np.newaxis, np.newaxis] * responses.slopes[:, measured, drive]
+    channels = {
+        **dict(zip(OUTPUTS, responses.value[:, drive], strict=True)),
+        str(experiment.drive): np.ones(len(frequency_hz)),
+    }
+    limited = np.array([channels[it.channel] for it in limits])
+    limit = np.array([it.value for it in limits])
+    even = float(np.min((limit / CREST) ** 2 / np.sum(np.abs(limited) ** 2, axis=1)))
+    sigma = _noise(plan, np.sqrt(even * np.sum(np.abs(value) ** 2, axis=1)))
+    check_separable(keys, slopes, value, sigma, loader, str(experiment))
+    return Lines(frequency_hz, line_information(slopes, sigma), limited, limit, sigma, channels["column_angle"])
+
+
+def _noise(plan: ExcitationPlan, rms: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Standard deviation of each measured channel's noise: as known, or a share of its r.m.s. under even lines."""
+    for name, moved in zip(plan.measured, rms.tolist(), strict=True):
+        if not moved:
+            raise InputError(f"measure: {name} does not move in this experiment; measure another channel")
+    return np.array(
+        [
+            plan.noise.get(name, plan.noise_share * moved)
+            for name, moved in zip(plan.measured, rms.tolist(), strict=True)
+        ]
+    )

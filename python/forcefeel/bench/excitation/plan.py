@@ -1,0 +1,188 @@
+"""What an excitation is asked to be: kind, length, band, what is measured with which noise."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import floor, log10
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.bench.channels import OUTPUTS
+from forcefeel.errors import InputError
+from forcefeel.loader.loader import Loader
+from forcefeel.simulation.inputs.sampled import check_number
+from forcefeel.units import show
+
+Kind = Literal["multisine", "chirp"]
+
+SAMPLES_PER_CYCLE = 4
+"""Of the highest line, at least: two are the theorem's, four leave room for the filter in front of a converter."""
+
+FEWEST_PERIODS = 6
+"""Whole periods that fit at least; the first is transient."""
+
+RAMP = 0.25
+"""Share of a period over which a multisine comes up and dies away."""
+
+MOST_SAMPLES = 5_000_000
+"""Longest excitation, as the longest run."""
+
+_MOST_LINES = 160  # 4 % apart over three decades: finer than a resonance with a damping ratio of 0.02
+_FEWEST_LINES = 8
+_ROUND = (8.0, 5.0, 4.0, 2.5, 2.0, 1.0)
+_WHOLE = 1e-9  # a product of two decimal numbers that is whole but for rounding
+
+
+@dataclass(frozen=True)
+class ExcitationPlan:
+    """What is wanted of an excitation.
+
+    Attributes:
+        kind: A multisine, or a chirp.
+        time_s: Length, above 0.
+        rate_hz: Samples per second, above 0.
+        from_hz: Lowest frequency; one cycle a period if not given.
+        to_hz: Highest frequency; the valve's natural frequency if not given, or a quarter of the rate, or of the controller's,
+            where that is lower.
+        measured: Channels of ``bench.channels.OUTPUTS`` that are recorded.
+        noise_share: White noise of each measured channel, as a share of its r.m.s. under even lines that reach the limits.
+        noise: The same in SI units for channels where it is known.
+        limits: Limits in place of the loader's: ``current`` (A), ``travel`` (rad, of the column), ``force`` (N, at the load cell)
+            and ``drive`` (V of the test signal or N at the grip).
+
+    Raises:
+        InputError: When built, if a number is not above 0, or a name is unknown or stands twice.
+    """
+
+    kind: Kind = "multisine"
+    time_s: float = 60.0
+    rate_hz: float = 1000.0
+    from_hz: float | None = None
+    to_hz: float | None = None
+    measured: tuple[str, ...] = ("column_angle", "piston_position", "load_pressure")
+    noise_share: float = 0.01
+    noise: Mapping[str, float] = field(default_factory=dict)
+    limits: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.kind not in get_args(Kind):
+            raise InputError(f"kind: expected {' or '.join(get_args(Kind))}, got {show(self.kind)}")
+        numbers = {name: getattr(self, name) for name in ("time_s", "rate_hz", "noise_share", "from_hz", "to_hz")}
+        optional = ("from_hz", "to_hz")
+        numbers |= {f"noise of {name}": value for name, value in self.noise.items()}
+        for name, value in numbers.items():
+            if not (name in optional and value is None):
+                check_number("excitation", name, value, "number above 0")
+        if not self.measured or len(set(self.measured)) < len(self.measured):
+            raise InputError(
+                f"measure: expected each channel once, one at least, got {', '.join(self.measured) or 'none'}"
+            )
+        for name in (*self.measured, *self.noise):
+            if name not in OUTPUTS:
+                raise InputError(f"measure: expected channels out of {', '.join(OUTPUTS)}, got {show(name)}")
+        for name in self.noise:
+            if name not in self.measured:
+                raise InputError(f"noise: {name} is not measured; measure it too, or leave its noise out")
+        if self.time_s * self.rate_hz > MOST_SAMPLES:
+            raise InputError(
+                f"time: expected at most {MOST_SAMPLES:,} samples, got {self.time_s:g} s at {self.rate_hz:g} Hz; "
+                "take a shorter time or a lower rate"
+            )
+
+
+@dataclass(frozen=True)
+class Timing:
+    """An excitation in samples.
+
+    Attributes:
+        rate_hz: Samples per second.
+        samples: In the whole excitation.
+        period: In a period.
+        periods: Whole periods, the transient first one among them.
+        ramp: Samples over which it comes up, and dies away after the last period.
+    """
+
+    rate_hz: float
+    samples: int
+    period: int
+    periods: int
+    ramp: int
+
+    @property
+    def period_s(self) -> float:
+        """Length of a period."""
+        return self.period / self.rate_hz
+
+    @property
+    def times_s(self) -> NDArray[np.float64]:
+        """Times of the samples."""
+        return np.arange(self.samples) / self.rate_hz
+
+
+def timing(plan: ExcitationPlan) -> Timing:
+    """The longest period of round length that fits in six times at least, with what it takes to die away.
+
+    Raises:
+        InputError: If the time is too short for the lowest frequency.
+    """
+    samples = floor(plan.time_s * plan.rate_hz * (1 + _WHOLE))
+    longest = samples / (FEWEST_PERIODS + RAMP)
+    period = _round_period(longest / plan.rate_hz, plan.rate_hz) or floor(longest)
+    lowest = plan.rate_hz / period if period else np.inf
+    if plan.from_hz is not None and plan.from_hz < lowest * (1 - _WHOLE):
+        whole = floor(longest)
+        if not whole or plan.from_hz < plan.rate_hz / whole * (1 - _WHOLE):
+            needed = (FEWEST_PERIODS + RAMP) / plan.from_hz
+            raise InputError(
+                f"time: expected {FEWEST_PERIODS} whole periods of {1 / plan.from_hz:.6g} s at least, {needed:.6g} s for a lowest "
+                f"frequency of {plan.from_hz:g} Hz, got {plan.time_s:g} s; take a longer time or begin higher"
+            )
+        period = whole
+    if period < 2 * SAMPLES_PER_CYCLE:
+        raise InputError(
+            f"time: expected time for {FEWEST_PERIODS} periods of some samples, got {samples} samples in all"
+        )
+    ramp = floor(RAMP * period)
+    return Timing(plan.rate_hz, samples, period, (samples - ramp) // period, ramp)
+
+
+def _round_period(longest_s: float, rate_hz: float) -> int | None:
+    """Samples of the longest period such as 8 s, 2.5 s or 0.1 s that is no longer and a whole number of samples."""
+    if not longest_s * rate_hz >= 1:
+        return None
+    decade = 10.0 ** floor(log10(longest_s))
+    for seconds in (*(mark * decade for mark in _ROUND), *(mark * decade / 10 for mark in _ROUND)):
+        count = seconds * rate_hz
+        if seconds <= longest_s * (1 + _WHOLE) and abs(count - round(count)) < _WHOLE * count and round(count):
+            return round(count)
+    return None
+
+
+def spectral_lines(plan: ExcitationPlan, found: Timing, loader: Loader) -> NDArray[np.float64]:
+    """The frequencies to choose from, Hz: whole multiples of one over the period, evenly spread over the logarithm.
+
+    Raises:
+        InputError: If the rate is too low for the band, or the band holds too few lines.
+    """
+    top = plan.rate_hz / SAMPLES_PER_CYCLE
+    if plan.to_hz is None:
+        period = loader["controller.period"]
+        samples = 1 / period / SAMPLES_PER_CYCLE if period else np.inf
+        to_hz = min(loader["valve.natural_frequency"] / (2 * np.pi), top, samples)
+    elif plan.to_hz > top * (1 + _WHOLE):
+        raise InputError(
+            f"rate: expected {SAMPLES_PER_CYCLE} samples in a cycle of the highest frequency at least, "
+            f"{SAMPLES_PER_CYCLE * plan.to_hz:g} Hz for {plan.to_hz:g} Hz, got {plan.rate_hz:g} Hz; raise it or end lower"
+        )
+    else:
+        to_hz = plan.to_hz
+    first = max(int(np.ceil((plan.from_hz or 0.0) * found.period_s * (1 - _WHOLE))), 1)
+    last = floor(to_hz * found.period_s * (1 + _WHOLE))
+    if last - first + 1 < _FEWEST_LINES:
+        raise InputError(
+            f"band: expected {_FEWEST_LINES} lines at least, which are {1 / found.period_s:.6g} Hz apart, got "
+            f"{max(last - first + 1, 0)} from {first / found.period_s:.6g} to {to_hz:.6g} Hz; take a longer time or a wider band"
+        )
+    harmonics = np.unique(np.rint(np.geomspace(first, last, _MOST_LINES)).astype(np.int64))
+    return np.asarray(harmonics * plan.rate_hz / found.period)

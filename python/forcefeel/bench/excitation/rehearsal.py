@@ -1,0 +1,124 @@
+"""The excitation on the nonlinear loader, and its scale: as large as the limits let it be."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import ceil, inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel._core import Compensator
+from forcefeel.bench.excitation.limits import Limit
+from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.identification.linear import Law
+from forcefeel.bench.identification.record_run import driven, engine_step_s
+from forcefeel.errors import InputError
+from forcefeel.loader.loader import Loader
+from forcefeel.simulation import RunStatus, Scenario, simulate
+from forcefeel.simulation.inputs import Recorded, Schedule
+from forcefeel.units import UnitSystem
+
+NEAR = 0.97
+"""Share of the limit that binds that is near enough."""
+
+_AIM = 0.985  # between NEAR and 1
+_TRIALS = 16
+_MOST_CHANGE = 4.0  # of the scale in a trial: a loader with friction or stops is not linear
+_WHOLE = 1e-9
+
+_HISTORY = {
+    "valve_current": "valve_current_a",
+    "column_angle": "column_angle_rad",
+    "load_cell_force": "load_cell_force_n",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """A loader in an experiment, to be tried out.
+
+    Attributes:
+        loader: The loader.
+        experiment: Loop and drive.
+        law: The law of the whole loader.
+        rate_hz: Samples per second of the signal.
+    """
+
+    loader: Loader
+    experiment: Experiment
+    law: Law
+    rate_hz: float
+
+    def peaks(self, signal: NDArray[np.float64], limits: Sequence[Limit]) -> tuple[float, ...]:
+        """The largest magnitude of what each limit is on, from a run at rest through the signal; infinite if it diverged.
+
+        Args:
+            signal: Volts or newtons at every sample, straight between, (samples,).
+            limits: The limits.
+        """
+        step_s = engine_step_s(self.loader, 1 / self.rate_hz)
+        steps = ceil((len(signal) - 1) / self.rate_hz / step_s - _WHOLE)
+        run = simulate(self.loader, self._scenario(signal, steps, step_s), self._law())
+        if run.status is RunStatus.DIVERGED:
+            return (inf,) * len(limits)
+        seen = {channel: run.history[name].values for channel, name in _HISTORY.items()}
+        seen[str(self.experiment.drive)] = signal
+        return tuple(float(np.abs(seen[limit.channel]).max()) for limit in limits)
+
+    def _scenario(self, signal: NDArray[np.float64], steps: int, step_s: float) -> Scenario:
+        """The signal, then its last value for a step: the run may last so much longer."""
+        times = np.append(np.arange(len(signal)) / self.rate_hz, len(signal) / self.rate_hz + step_s)
+        values = np.append(signal, signal[-1])
+        if self.experiment.drive is Drive.PILOT_FORCE:
+            run = Scenario(force=Recorded(times, values, "excitation"))
+        else:
+            run = driven(self.experiment.drive, Schedule(tuple(times.tolist()), tuple(values.tolist()), "excitation"))
+        return replace(run, duration_s=steps * step_s, step_s=step_s, sample_s=step_s)
+
+    def _law(self) -> Law:
+        match self.experiment.loop:
+            case Loop.SERVO_OPEN:
+                return Compensator.none(self.loader.values)
+            case Loop.SERVO_CLOSED:
+                return Compensator.position_loop(self.loader.values)
+            case Loop.LOADER:
+                return self.law
+
+
+def fit_to_limits(
+    bench: Bench, signal: NDArray[np.float64], limits: Sequence[Limit]
+) -> tuple[float, tuple[float, ...]]:
+    """The scale at which the peaks of the nonlinear loader come near the limits and none exceeds its own.
+
+    Args:
+        bench: What it is tried on.
+        signal: The signal at scale 1, about as large as it may be, (samples,).
+        limits: The limits.
+
+    Returns:
+        The scale, and the peaks there.
+
+    Raises:
+        InputError: If no scale holds the limits: the loader exceeds one, or runs away, however small the signal is.
+    """
+    scale, best = 1.0, (0.0, (0.0,) * len(limits))
+    for _ in range(_TRIALS):
+        peaks = bench.peaks(scale * signal, limits)
+        used = max(peak / limit.value for peak, limit in zip(peaks, limits, strict=True))
+        if used <= 1 and scale > best[0]:
+            best = scale, peaks
+        if NEAR <= used <= 1:
+            break
+        scale *= float(np.clip(_AIM / max(used, 1 / _MOST_CHANGE**2), 1 / _MOST_CHANGE, _MOST_CHANGE))
+    if not best[0]:
+        if not np.isfinite(peaks).all():
+            raise InputError(
+                f"experiment: {bench.experiment} runs away however small the excitation is; its loop is unstable, so take another "
+                "or give the law that makes it stable"
+            )
+        worst = max(zip(peaks, limits, strict=True), key=lambda it: it[0] / it[1].value)
+        raise InputError(
+            f"limits: {bench.experiment} exceeds the {worst[1].name} of {worst[1].shown(worst[1].value, UnitSystem.US)} however "
+            f"small the excitation is ({worst[1].shown(worst[0], UnitSystem.US)}); raise the limit or take another experiment"
+        )
+    return best

@@ -1,0 +1,136 @@
+"""A signal that determines chosen parameters as well as the limits allow, and what it promises."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.bench.excitation.information import named, relative_errors
+from forcefeel.bench.excitation.limits import Limit
+from forcefeel.bench.excitation.plan import ExcitationPlan
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.identification.digits import channel_unit, percent
+from forcefeel.bench.identification.inseparable import DETERMINED
+from forcefeel.loader.loader import Loader
+from forcefeel.units import UnitSystem, to_text
+
+EVEN_SHARE = 0.2
+"""Share of a multisine's power that is spread evenly over all lines, so that the response can be seen and a wrong model shows."""
+
+VAGUE = DETERMINED / 1.96
+"""Relative standard error from which on an identification would refuse a parameter: half the 95 % interval is half its value."""
+
+
+@dataclass(frozen=True)
+class LimitUse:
+    """A limit and what the excitation uses of it on the nonlinear loader.
+
+    Attributes:
+        limit: The limit.
+        peak: Largest magnitude, SI units.
+    """
+
+    limit: Limit
+    peak: float
+
+    @property
+    def share(self) -> float:
+        """The peak as a share of the limit."""
+        return self.peak / self.limit.value
+
+
+@dataclass(frozen=True, eq=False)
+class Excitation:
+    """A signal for the bench.
+
+    Attributes:
+        loader: The loader that it was designed for.
+        experiment: Loop and drive.
+        fit: Keys of the parameters that it is to determine.
+        plan: What was asked for.
+        words: What it is: kind, lines, periods.
+        time_s: Times of the samples, (samples,).
+        signal: V of a test signal or N of a force, straight between the samples, (samples,).
+        period_s: Period of a multisine; ``None`` for a chirp.
+        frequency_hz: Spectral lines, (lines,).
+        power: Mean square of each line in V^2 or N^2, without the transient first period, (lines,).
+        noise: Standard deviation of the white noise that the prediction stands on, SI units, by measured channel.
+        information: Fisher information of the relative parameters, (parameters, parameters).
+        uses: The limits with the peaks of the nonlinear loader.
+        efficiency: D-efficiency ``(det M / det M*)^(1/p)`` against the best spectrum without evenly spread power, M* its
+            information within the same r.m.s. limits; of a chirp against the best multisine.
+        even_efficiency: The same of a spectrum of even lines.
+    """
+
+    loader: Loader = field(repr=False)
+    experiment: Experiment
+    fit: tuple[str, ...]
+    plan: ExcitationPlan
+    words: str
+    time_s: NDArray[np.float64] = field(repr=False)
+    signal: NDArray[np.float64] = field(repr=False)
+    period_s: float | None
+    frequency_hz: NDArray[np.float64] = field(repr=False)
+    power: NDArray[np.float64] = field(repr=False)
+    noise: Mapping[str, float]
+    information: NDArray[np.float64] = field(repr=False)
+    uses: tuple[LimitUse, ...]
+    efficiency: float
+    even_efficiency: float
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Predicted standard error of each parameter, relative to its value."""
+        return dict(zip(self.fit, relative_errors(self.information).tolist(), strict=True))
+
+    @property
+    def peak(self) -> float:
+        """The signal's largest magnitude, V or N."""
+        return float(np.abs(self.signal).max())
+
+    @property
+    def binding(self) -> LimitUse:
+        """The limit that is used up most."""
+        return max(self.uses, key=lambda use: use.share)
+
+    @property
+    def vague(self) -> tuple[str, ...]:
+        """Parameters that it does not determine."""
+        return tuple(key for key, error in self.standard_errors.items() if not error < VAGUE)
+
+    @property
+    def verdict(self) -> str:
+        """How well it does, in a sentence."""
+        if self.vague:
+            which = ", ".join(named(key) for key in self.vague)
+            return f"{which}: not determined; take a longer time, wider limits or another experiment."
+        worst = max(self.standard_errors, key=self.standard_errors.__getitem__)
+        return (
+            f"All determined; the least well is {named(worst)}, standard error {percent(self.standard_errors[worst])}."
+        )
+
+    def findings(self, units: UnitSystem) -> tuple[str, ...]:
+        """What else there is to know, a sentence each."""
+        use = self.binding
+        binds = f"The {use.limit.name} binds: {use.limit.shown(use.peak, units)} of {use.limit.shown(use.limit.value, units)}"
+        against = "the best one within the same r.m.s. limits"
+        even = f"even lines have {percent(self.even_efficiency)}"
+        if self.period_s is None:
+            cost = f"The chirp's spectrum has {percent(self.efficiency)} of the information of {against}; {even}"
+        else:
+            cost = (
+                f"{percent(EVEN_SHARE)} of the power is spread over all lines, so that a wrong model shows; with it the spectrum "
+                f"has {percent(self.efficiency)} of the information of {against}; {even}"
+            )
+        noise = ", ".join(f"{name} {_shown(name, value, units)}" for name, value in self.noise.items())
+        return (
+            f"{binds}.",
+            f"{cost}.",
+            f"The errors are those of white noise alone ({noise}) on the linear model; what a model leaves out adds to them.",
+        )
+
+
+def _shown(channel: str, value: float, units: UnitSystem) -> str:
+    unit = channel_unit(channel)
+    return f"{to_text(unit.from_si(value, units), 2)} {unit.shown(units)}"

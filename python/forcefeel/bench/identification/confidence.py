@@ -1,0 +1,137 @@
+"""How well the data determine the unknowns.
+
+``H = J^T W J`` with the slopes J in units of the noise and the weights W of the robust loss. The covariance is
+``H^-1 M H^-1`` with ``M = n/(n - 1) sum_c g_c g_c^T`` over pieces of data whose errors are independent, ``g_c = J_c^T W_c r_c``:
+right also where the errors within a piece hang together, because noise is coloured or the model leaves something out; but no
+standard error is smaller than the one of independent errors, ``H^-1``.
+
+Source: H. White, Econometrica 48 (1980) 817; K.-Y. Liang, S. L. Zeger, Biometrika 73 (1986) 13.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from forcefeel.bench.identification.losses import weight_of
+from forcefeel.bench.identification.problem import Place, Problem
+
+_CONFIDENCE = 0.95
+
+_SINGULAR = 1e-13
+"""Eigenvalue of H over its largest below which a direction is not seen at all, only its rounding."""
+
+UNSEEN = 1e-6
+"""Weight of a parameter in a direction below which it has no part in it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Confidence:
+    """Covariance and information, in shares of the estimates, or of the file's values where those are larger.
+
+    Attributes:
+        covariance: Of all unknowns, the data's own included, with priors, (n, n).
+        sizes: What the shares are of, in the file's values, (unknowns,).
+        estimates: Magnitudes of the estimates, in the same, (unknowns,).
+        quantile: Student's t of the 95 % interval.
+        information: Inverse covariance that the data alone would give, (unknowns, unknowns): H with the data's own unknowns taken
+            out, less what ``inflation`` says.
+        inflation: Standard errors over those that independent errors would give, one at least, (unknowns,).
+        clear: Whether the cost has a minimum in sight, (unknowns,).
+    """
+
+    covariance: NDArray[np.float64]
+    sizes: NDArray[np.float64]
+    estimates: NDArray[np.float64]
+    quantile: float
+    information: NDArray[np.float64]
+    inflation: NDArray[np.float64]
+    clear: NDArray[np.bool_]
+
+    def widened(self, growth: NDArray[np.float64]) -> "Confidence":
+        """The same with standard errors of the loader's unknowns that are larger by ``growth``, one at least, (unknowns,)."""
+        sure = np.isfinite(growth)
+        by = np.where(sure, growth, 1.0)
+        every = np.concatenate([by, np.ones(len(self.covariance) - len(by))])
+        covariance = self.covariance * np.outer(every, every)
+        information = self.information / np.outer(by, by) * np.outer(sure, sure)
+        return replace(self, covariance=covariance, information=information, inflation=self.inflation * by, clear=sure)
+
+    @property
+    def deviation(self) -> NDArray[np.float64]:
+        """Standard errors, (n,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlation(self) -> NDArray[np.float64]:
+        """Of the loader's unknowns; not a number where a deviation is infinite or zero."""
+        count = len(self.information)
+        deviation = self.deviation[:count]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self.covariance[:count, :count] / np.outer(deviation, deviation)
+
+
+def confidence_of(problem: Problem, place: Place) -> Confidence:
+    """Confidence in the unknowns at the place where the search ended."""
+    count = len(problem.unknowns)
+    weight = weight_of(place.residual, problem.loss)
+    weighted = place.slopes * weight[:, np.newaxis]
+    information = place.slopes.T @ weighted
+    scores = weighted * place.residual[:, np.newaxis]
+    clusters = problem.clusters
+    pieces = int(clusters.max()) + 1
+    sums = np.array([np.bincount(clusters, column, pieces) for column in scores.T]).T
+    middle = pieces / (pieces - 1) * sums.T @ sums
+    _, prior = problem.prior_rows(place.x)
+    outer = _inverse(information + prior.T @ prior)
+    covariance = outer @ (middle + prior.T @ prior) @ outer
+    # What few pieces speak for is fitted to them, so they seem to agree: independent errors are the least that there is.
+    least, found = np.diag(outer), np.diag(covariance)
+    raised = np.sqrt(np.divide(least, found, out=np.ones_like(found), where=(found > 0) & (found < least)))
+    covariance = covariance * np.outer(raised, raised)
+    inflation = np.sqrt(np.divide(np.diag(covariance), least, out=np.ones_like(least), where=least > 0))[:count]
+    # An estimate near zero is no share of itself: of a friction that is not there the file's guess is the measure.
+    estimates = np.abs(place.x[:count])
+    sizes = np.maximum(estimates, 1.0)
+    every = np.concatenate([sizes, np.ones(len(place.x) - count)])
+    quantile = float(student.ppf(0.5 + 0.5 * _CONFIDENCE, max(pieces - len(place.x), 1)))
+    in_shares = _without_own(information * np.outer(every, every), count) / np.outer(inflation, inflation)
+    clear = np.ones(count, dtype=np.bool_)
+    return Confidence(covariance / np.outer(every, every), sizes, estimates, quantile, in_shares, inflation, clear)
+
+
+def half_widths(information: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Standard errors ``sqrt(diag(H^-1))``; infinite for what a direction without information has a part in."""
+    values, vectors = np.linalg.eigh(information)
+    seen = values > _SINGULAR * max(float(values[-1]), np.finfo(float).tiny)
+    variance = (vectors[:, seen] ** 2 / values[seen]).sum(axis=1)
+    unseen = (np.abs(vectors[:, ~seen]) > UNSEEN).any(axis=1)
+    return np.sqrt(np.where(unseen, np.inf, variance))
+
+
+def weak_directions(information: NDArray[np.float64], limit: float) -> Sequence[NDArray[np.float64]]:
+    """Directions along which an unknown can move by ``limit`` and more within a standard error, largest part 1, weakest first."""
+    values, vectors = np.linalg.eigh(information)
+    parts = np.abs(vectors).max(axis=0)
+    weak = (values < _SINGULAR * values[-1]) | (values * limit**2 < parts**2)
+    return [column / column[np.argmax(np.abs(column))] for column in vectors[:, weak].T]
+
+
+def _inverse(information: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Inverse through scaled eigenvalues; directions without information are left out: half_widths says so."""
+    scale = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+    seen = values > _SINGULAR * values[-1]
+    return np.asarray((vectors[:, seen] / values[seen]) @ vectors[:, seen].T / np.outer(scale, scale))
+
+
+def _without_own(information: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Information on the first unknowns once the others are found too: ``H_11 - H_12 H_22^-1 H_21``."""
+    if count == len(information):
+        return information
+    own = information[count:, count:]
+    return np.asarray(
+        information[:count, :count] - information[:count, count:] @ np.linalg.pinv(own) @ information[count:, :count]
+    )

@@ -1,0 +1,44 @@
+"""The loader file that an identification leads to."""
+
+from dataclasses import replace
+
+from forcefeel.bench.identification.result import Estimate, Identification, data_of
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.responses import Response
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import TABLE, limits_si
+from forcefeel.loader.tolerances import Distribution, Tolerance
+from forcefeel.printable import visible
+
+_CUT_AT = 3.0
+"""Standard errors at which a tolerance is cut off: 99.7 % of normal errors."""
+
+_SUREST = 1e-6
+"""Smallest standard error that a file states, as a share of the value: data without noise are a model's."""
+
+
+def fitted_loader(found: Identification) -> Loader:
+    """The loader with the estimates in place of the file's values.
+
+    Each has a normal tolerance of its standard error, so that envelopes, sweeps and the next identification know how sure it is.
+    The source names the data by their SHA-256.
+    """
+    values = {it.unknown.key: it.value for it in found.estimates}
+    without = found.before.with_tolerances(dict.fromkeys(values)).replace(values)
+    loader = without.with_tolerances({it.unknown.key: _tolerance(it) for it in found.estimates})
+    symbols = ", ".join(it.unknown.symbol for it in found.estimates)
+    data = "; ".join(_named(it) for it in data_of(found.fitted))
+    return replace(loader, source=f"{found.before.source}; {symbols} identified from {data}".lstrip("; "))
+
+
+def _tolerance(estimate: Estimate) -> Tolerance:
+    """Normal about the estimate, cut off within the table's range."""
+    low, high = limits_si(TABLE[estimate.unknown.key])
+    value, deviation = estimate.value, max(estimate.deviation, _SUREST * abs(estimate.value))
+    low, high = max(low, value - _CUT_AT * deviation), min(high, value + _CUT_AT * deviation)
+    return Tolerance(Distribution.NORMAL, low, high, peak=value, deviation=deviation, nominal=value)
+
+
+def _named(data: Response | BenchRecord) -> str:
+    name = visible(data.name)
+    return f"{name} (SHA-256 {data.data_hash})" if data.data_hash else name

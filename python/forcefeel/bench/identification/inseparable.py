@@ -1,0 +1,71 @@
+"""What the data cannot tell apart, in words.
+
+In shares of its values the unknowns move along a direction that the data hardly see: (1, -1) of two leaves their product alone, so
+only the product is determined; (1, 1) only the ratio.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.bench.identification.confidence import Confidence, weak_directions
+from forcefeel.bench.identification.result import Confusion
+from forcefeel.bench.identification.unknowns import Unknown
+
+DETERMINED = 0.5
+"""Half the 95 % interval, as a share of the value, beyond which a parameter is not determined by the data."""
+
+_PART = 0.2
+"""Share in a direction below which a parameter is not named."""
+
+_NEAR_ZERO = 0.1
+"""Of the file's value: an estimate below it is no measure of how far it moves."""
+
+_EVEN = 0.1
+"""Within so much two parameters move alike, so that it is their product or ratio that stays."""
+
+
+def confusions_of(unknowns: Sequence[Unknown], confidence: Confidence) -> tuple[Confusion, ...]:
+    """The directions along which the data alone leave more than ``DETERMINED`` open."""
+    directions = weak_directions(confidence.information, DETERMINED / confidence.quantile)
+    near_zero = confidence.estimates < _NEAR_ZERO * confidence.sizes
+    in_estimates = confidence.sizes / np.where(near_zero, confidence.sizes, confidence.estimates)
+    found = tuple(_confusion(unknowns, direction * in_estimates, confidence.clear) for direction in directions)
+    named = tuple(dict.fromkeys(key for it in found for key in it.keys))
+    if 1 < len(named) == len(found) and any(len(it.keys) > 1 for it in found):
+        # As many directions as parameters: it is not their combination, but none of them.
+        symbols = [it.symbol for it in unknowns if it.key in named]
+        of = f"neither {symbols[0]} nor {symbols[1]}" if len(symbols) == 2 else f"none of {_list(symbols)}"
+        return (Confusion(named, (1.0,) * len(named), f"The data determine {of}."),)
+    return found
+
+
+def _confusion(unknowns: Sequence[Unknown], direction: NDArray[np.float64], clear: NDArray[np.bool_]) -> Confusion:
+    direction = direction / direction[np.argmax(np.abs(direction))]
+    named = np.flatnonzero(np.abs(direction) > _PART).tolist()
+    parts = sorted(named, key=lambda j: -abs(float(direction[j])))
+    keys = tuple(unknowns[j].key for j in parts)
+    weights = tuple(float(direction[j]) for j in parts)
+    symbols = [unknowns[j].symbol for j in parts]
+    if len(parts) == 1 and not clear[parts[0]]:
+        sentence = (
+            f"What is left has no clear minimum in {symbols[0]}: it does not rise to both sides, or only in jumps."
+        )
+        return Confusion(keys, weights, sentence)
+    return Confusion(keys, weights, _sentence(symbols, weights))
+
+
+def _sentence(symbols: Sequence[str], weights: Sequence[float]) -> str:
+    if len(symbols) == 1:
+        return f"The data do not see {symbols[0]}: changing it by half changes nothing beyond the noise."
+    if len(symbols) == 2 and abs(abs(weights[1]) - 1) < _EVEN:
+        a, b = symbols
+        kept = f"product {a} {b}" if weights[1] < 0 else f"ratio {a} / {b}"
+        return f"The data cannot tell {a} from {b}: only their {kept} is determined."
+    moves = ", ".join(f"{symbol} by {10 * weight:+.2g} %" for symbol, weight in zip(symbols, weights, strict=True))
+    return f"The data cannot tell {_list(symbols)} apart: moving {moves} together changes nothing beyond the noise."
+
+
+def _list(symbols: Sequence[str]) -> str:
+    return f"{', '.join(symbols[:-1])} and {symbols[-1]}"

@@ -1,0 +1,79 @@
+"""What a fit leaves of the data: beside the noise that they state, and as a share of what they show."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from forcefeel.bench.identification.digits import channel_unit, percent, rounded, title_of
+from forcefeel.bench.identification.response_observation import line_deviation
+from forcefeel.bench.identification.result import Fitted
+from forcefeel.bench.responses import Response
+from forcefeel.units import UnitSystem
+
+MODEL_ERROR = 2.0
+"""What is left, in deviations that the data state, from which on it is the model's error and not noise."""
+
+UNEXPLAINED = 0.2
+"""Share of a response, or of how far a channel moves, beyond which the model is that of another machine."""
+
+
+def stated_noise(one: Fitted) -> float | None:
+    """Noise that a response states for its lines, relative; root mean square in which they weigh as they are known."""
+    data = one.data
+    if not isinstance(data, Response) or data.deviation is None:
+        return None
+    return float(np.mean(line_deviation(data) ** -2.0) ** -0.5)
+
+
+def unexplained(one: Fitted) -> float:
+    """What the model misses beyond noise: relative error of a response; of a record a share of its channel's standard deviation."""
+    if isinstance(one.data, Response):
+        return math.sqrt(max(one.residual_rms**2 - (stated_noise(one) or 0.0) ** 2, 0.0))
+    moves = float(one.measured.real.std())
+    return missed_and_noise(one)[0] / moves if moves else math.inf
+
+
+def explained(fitted: Sequence[Fitted]) -> bool:
+    """Whether the model is that of the machine, under every experiment."""
+    return all(unexplained(one) <= UNEXPLAINED for one in fitted)
+
+
+def missed_and_noise(one: Fitted) -> tuple[float, float]:
+    """Of a record's residual the part that runs on and the part that jumps from sample to sample, root mean squares, SI units.
+
+    What jumps is noise, half the mean square of the residual's steps. What is left is an error of the model, or coloured noise.
+
+    Source: J. von Neumann et al., The mean square successive difference, Annals of Mathematical Statistics 12 (1941) 153.
+    """
+    left = one.measured.real - one.modelled.real
+    jumps = float(np.mean(np.diff(left) ** 2)) / 2
+    return math.sqrt(max(float(np.mean(left**2)) - jumps, 0.0)), math.sqrt(jumps)
+
+
+def model_error(one: Fitted, units: UnitSystem) -> str:
+    """A sentence where what is left is more than noise: than the deviation of a response, than what jumps in a record."""
+    if isinstance(one.data, Response):
+        stated = stated_noise(one)
+        if not stated or one.residual_rms <= MODEL_ERROR * stated:
+            return ""
+        return (
+            f"{title_of(one)}: the model misses by {percent(one.residual_rms)} (root mean square) where the data state a noise of "
+            f"{percent(stated)}: this is an error of the model; the standard errors take it for noise."
+        )
+    missed, noise = missed_and_noise(one)
+    if missed <= MODEL_ERROR * noise:
+        return ""
+    runs_on, jumps = (size_text(one, size, units) for size in (missed, noise))
+    return (
+        f"{title_of(one)}: of what is left {runs_on} run on from sample to sample and {jumps} jump (root mean "
+        "square): this is an error of the model more than noise; the standard errors allow for it as if it came anew at random."
+    )
+
+
+def size_text(one: Fitted, size: float, units: UnitSystem) -> str:
+    """A residual or a noise of this set: in percent for a response, in the channel's unit for a record."""
+    if isinstance(one.data, Response):
+        return percent(size)
+    unit = channel_unit(one.channel)
+    return f"{rounded(unit.from_si(size, units), 2)} {unit.shown(units)}"

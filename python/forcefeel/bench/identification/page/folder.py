@@ -1,0 +1,97 @@
+"""The folder of an identification: page, results, the new loader file, responses estimated from records; whole or not at all."""
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from forcefeel.bench.identification.as_json import FitSettings, plain_identification, response_csv
+from forcefeel.bench.identification.page.page import identification_page
+from forcefeel.bench.identification.result import Identification
+from forcefeel.bench.responses import Response
+from forcefeel.errors import InputError
+from forcefeel.page.staging import OutputFolder
+from forcefeel.units import UnitSystem
+
+PAGE, RESULTS, LOADER, RESPONSES = "identification.html", "results.json", "loader.toml", "responses"
+"""Names in the folder."""
+
+FOLDER = OutputFolder("the identification", (PAGE, RESULTS, LOADER), (RESPONSES,))
+"""Checked before the work, written after it."""
+
+_NAME = re.compile(r"[^\w.-]+")
+
+
+def write_identification(
+    found: Identification,
+    out: Path,
+    units: UnitSystem,
+    settings: FitSettings | None = None,
+    *,
+    estimated: Sequence[Response] = (),
+    inputs: Sequence[Path] = (),
+    replace: bool = False,
+) -> Path:
+    """Writes ``loader.toml``, ``results.json`` and ``identification.html``, the page last.
+
+    ``loader.toml`` is written only where every parameter is determined and the model explains the data; one that an earlier
+    identification left there goes. Other
+    files in the folder are left alone.
+
+    Args:
+        found: The identification.
+        out: The folder; made if it is not there.
+        units: The units of every number.
+        settings: How it was made, to be said on the page; nothing is said of it if not given.
+        estimated: Responses that were estimated from records; a file each in ``responses``.
+        inputs: Files that the identification was made from; none of them is overwritten.
+        replace: Whether the new files may take the place of others.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or one of ``inputs`` under such a
+            name, or cannot be written.
+    """
+    tables = {f"{RESPONSES}/{name}": one for name, one in zip(_names(estimated), estimated, strict=True)}
+    check_identification_folder(out, inputs, replace=replace, names=(*FOLDER.files, *tables))
+    contents = {name: response_csv(one, units) for name, one in tables.items()}
+    if found.loader is not None:
+        contents[LOADER] = found.loader.to_toml(units)
+    results = plain_identification(found, units, settings)
+    contents[RESULTS] = json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    contents[PAGE] = identification_page(found, units, settings, tuple(tables))
+    FOLDER.write(out, contents)
+    return out / PAGE
+
+
+def check_identification_folder(
+    out: Path, inputs: Sequence[Path], *, replace: bool, names: Sequence[str] = FOLDER.files
+) -> None:
+    """Refuses what would fail halfway or overwrite what the identification is made from.
+
+    Args:
+        out: The folder.
+        inputs: The loader file and the data.
+        replace: Whether files may be replaced; never one of ``inputs``.
+        names: Files that are to be written.
+
+    Raises:
+        InputError: If ``out`` is a file, holds a folder of such a name, one of ``inputs``, or a file that may not be replaced.
+    """
+    for target in (out / name for name in names):
+        if target.exists() and any(given.exists() and given.samefile(target) for given in inputs):
+            raise InputError(
+                f"{target}: is what the identification is made from, and stays as it is; name another folder with --out"
+            )
+    OutputFolder(FOLDER.what, tuple(names), FOLDER.folders).check(out, replace=replace)
+
+
+def _names(estimated: Sequence[Response]) -> list[str]:
+    """A file name for each response, the channel in it where a record has several."""
+    names = [_NAME.sub("-", one.name) for one in estimated]
+    full = [
+        f"{name}-{one.output}" if names.count(name) > 1 else name for name, one in zip(names, estimated, strict=True)
+    ]
+    return [f"{name}.csv" for name in full]

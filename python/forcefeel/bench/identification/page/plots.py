@@ -1,0 +1,280 @@
+"""The plots of an identification: where the estimates lie, responses and records beside the model."""
+
+import math
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from plotly.subplots import make_subplots
+
+from forcefeel.bench.identification.digits import NOT_DETERMINED, channel_unit, gain_unit
+from forcefeel.bench.identification.result import Estimate, Fitted, Identification, Status
+from forcefeel.bench.responses import Response
+from forcefeel.loader.parameters import TABLE
+from forcefeel.page.canvas import ZERO, drawn, frame, line
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+from forcefeel.page.typography import split_symbol, unit_text
+from forcefeel.units import UnitSystem
+
+MOST_POINTS = 2000
+"""Most points of a drawn curve; of a longer one the lowest and the highest of each stretch are drawn."""
+
+MOST_SWINGS, SHOWN_SWINGS = 100, 40
+"""Crossings of its mean up to which a channel is drawn whole, and how many are drawn of one that has more."""
+
+_NORMAL_95 = 1.96
+_MEASURED, _FITTED, _BEFORE = Look("#8DBBDD", "solid", 1.4), Look(COMPENSATED, "solid", 2.2), Look(IDEAL, "dash", 1.6)
+_MISSED, _BAND = "#A8568A", "rgba(138,147,158,0.22)"
+_DB = 20 / math.log(10)
+"""Decibels of a relative error."""
+
+_TICKS = [mantissa * 10.0**power for power in range(-3, 4) for mantissa in (1, 2, 5)]
+_SPARSE = [10.0**power for power in range(-3, 4)]
+_WIDE_DECADES = 3.0
+"""From so many decades on only powers of ten are labelled, so that a phone has room."""
+
+_ROOM, _LEAST_LEFT = 1.15, 1e-6
+"""View over the largest error, and the least error in percent: data without noise leave nothing."""
+
+_ROW_PX = 46
+_LOST, _VEIL = "#B3261E", "rgba(255,255,255,0.8)"
+
+
+def estimates(found: Identification) -> go.Figure:
+    """Estimates with their 95 % intervals as percent of the file's value, and what the file's tolerances allow."""
+    picture = go.Figure()
+    bounded = [one for one in found.estimates if one.unknown.tolerance]
+    known = [one for one in found.estimates if one.status is not Status.UNDETERMINED]
+    lost = [one for one in found.estimates if one.status is Status.UNDETERMINED]
+    if bounded:
+        low = np.array([_off(one, one.unknown.low) for one in bounded])
+        high = np.array([_off(one, one.unknown.high) for one in bounded])
+        picture.add_bar(
+            y=[_symbol(one) for one in bounded],
+            x=high - low,
+            base=low,
+            customdata=high,
+            orientation="h",
+            width=0.5,
+            marker={"color": _BAND},
+            name="the file's tolerance",
+            hovertemplate="%{base:.3~g} to %{customdata:.3~g} %",
+        )
+    if known:
+        middle = np.array([_off(one, one.value) for one in known])
+        bars = {
+            "array": [_off(one, one.high) for one in known] - middle,
+            "arrayminus": middle - [_off(one, one.low) for one in known],
+        }
+        picture.add_scatter(
+            y=[_symbol(one) for one in known],
+            x=middle,
+            error_x={"symmetric": False, "color": COMPENSATED, "thickness": 2.2, "width": 6, **bars},
+            mode="markers",
+            marker={"color": COMPENSATED, "size": 9},
+            name="estimate, 95 %",
+            hovertemplate="%{x:.3~g} %",
+        )
+    names = [_symbol(one) for one in found.estimates]
+    for one in lost:
+        picture.add_annotation(
+            y=_symbol(one), x=0, text=NOT_DETERMINED, font={"color": _LOST}, bgcolor=_VEIL, showarrow=False
+        )
+    frame(picture, _ROW_PX * len(names) + 120, top=60, hover="closest")
+    picture.update_layout(showlegend=True)
+    picture.update_xaxes(title_text="Off the file's value, %", **ZERO)
+    picture.update_yaxes(
+        categoryorder="array", categoryarray=names[::-1], range=[-0.6, len(names) - 0.4], tickfont={"size": 15}
+    )
+    return picture
+
+
+def response(one: Fitted, data: Response, units: UnitSystem) -> go.Figure:
+    """Gain, phase and what is left over frequency: measured, the file's model, the fitted one; coherence where it is known."""
+    coherent = data.coherence is not None
+    heights = [0.36, 0.28, 0.22, 0.14] if coherent else [0.42, 0.32, 0.26]
+    rows = len(heights)
+    picture = make_subplots(rows=rows, cols=1, shared_xaxes=True, vertical_spacing=0.04, row_heights=heights)
+    written, scale = gain_unit(data, units)
+    gains = {name: 20 * np.log10(scale * np.abs(value)) for name, value in _values(one).items()}
+    _overlay(picture, 1, one.at, gains, _error(data, _DB), " dB")
+    _overlay(picture, 2, one.at, phases(one), _error(data, 180 / np.pi), "°")
+    _left_of_response(picture, one, data)
+    if data.coherence is not None:
+        _line(picture, 4, one.at, data.coherence, "coherence", Look("#8A939E", "solid", 1.8))
+        picture.update_yaxes(title_text="Coherence", range=[0, 1.05], dtick=0.5, row=4, col=1)
+    frame(picture, 760 if coherent else 660, top=60)
+    picture.update_yaxes(automargin=True)
+    picture.update_yaxes(title_text=f"Gain, dB re 1 {unit_text(written)}", row=1, col=1)
+    picture.update_yaxes(title_text="Phase, deg", row=2, col=1)
+    low, high = math.log10(float(one.at.min())), math.log10(float(one.at.max()))
+    room = 0.03 * max(high - low, 0.1)
+    ticks = _SPARSE if high - low > _WIDE_DECADES else _TICKS
+    picture.update_xaxes(type="log", tickvals=ticks, ticktext=[f"{tick:g}" for tick in ticks], tickangle=0)
+    picture.update_xaxes(range=[low - room, high + room], unifiedhovertitle={"text": "%{x:.4~g} Hz"})
+    picture.update_xaxes(title_text="Frequency, Hz", row=rows, col=1)
+    return picture
+
+
+def record(one: Fitted, units: UnitSystem) -> go.Figure:
+    """A channel over time, measured and modelled, and what is left of it."""
+    picture = make_subplots(rows=2, cols=1, vertical_spacing=0.14, row_heights=[0.66, 0.34])
+    shown = channel_unit(one.channel)
+    scale, unit = shown.from_si(1.0, units), unit_text(shown.shown(units))
+    measured, modelled, before = (scale * np.real(values) for values in (one.measured, one.modelled, one.before))
+    hover = f"%{{y:.4~g}} {unit}"
+    left = measured - modelled
+    near = stretch(measured, left)
+    for name, values, look in (
+        ("measured", measured, _MEASURED),
+        ("the file's model", before, _BEFORE),
+        ("fitted", modelled, _FITTED),
+    ):
+        kept = near[drawn(values[near], MOST_POINTS)]
+        _line(picture, 1, one.at[kept], values[kept], name, look, hover)
+    kept = drawn(left, MOST_POINTS)
+    _line(picture, 2, one.at[kept], left[kept], "measured less fitted", Look(_MISSED, "solid", 1.2), hover)
+    frame(picture, 520, top=60)
+    picture.update_yaxes(automargin=True)  # small errors have long numbers
+    picture.update_yaxes(title_text=f"{one.channel.replace('_', ' ').capitalize()}, {unit}", row=1, col=1)
+    picture.update_yaxes(title_text=f"Left, {unit}", row=2, col=1, **ZERO)
+    for row, at in ((1, one.at[near]), (2, one.at)):
+        picture.update_xaxes(range=[float(at[0]), float(at[-1])], title_text="Time, s", row=row, col=1)
+    picture.update_xaxes(unifiedhovertitle={"text": "%{x:.4~f} s"})
+    return picture
+
+
+def phases(one: Fitted) -> dict[str, NDArray[np.float64]]:
+    """Phases in deg without jumps: the fitted model's unwound along the lines, the measured ones within half a turn of it."""
+    values = _values(one)
+    fitted = np.unwrap(np.angle(values["fitted"]))
+    before = np.unwrap(np.angle(values["the file's model"]))
+    before += 2 * np.pi * np.round((fitted[0] - before[0]) / (2 * np.pi))
+    measured = fitted + np.angle(values["measured"] / values["fitted"])
+    return {
+        "measured": np.degrees(measured),
+        "the file's model": np.degrees(before),
+        "fitted": np.degrees(fitted),
+    }
+
+
+def stretch(measured: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Which samples the overlay shows: all, or where a channel swings too often to be seen, some swings about what is left most."""
+    count, swings = len(measured), int(np.count_nonzero(np.diff(np.signbit(measured - np.mean(measured)))))
+    if swings <= MOST_SWINGS:
+        return np.arange(count)
+    shown = max(count * SHOWN_SWINGS // swings, 2)
+    first = min(max(int(np.argmax(np.abs(left))) - shown // 2, 0), count - shown)
+    return np.arange(first, first + shown)
+
+
+def _values(one: Fitted) -> dict[str, NDArray[np.complex128]]:
+    return {
+        "measured": np.asarray(one.measured, dtype=np.complex128),
+        "the file's model": np.asarray(one.before, dtype=np.complex128),
+        "fitted": np.asarray(one.modelled, dtype=np.complex128),
+    }
+
+
+def _overlay(
+    picture: go.Figure,
+    row: int,
+    at: NDArray[np.float64],
+    curves: dict[str, NDArray[np.float64]],
+    error: NDArray[np.float64] | None,
+    unit: str,
+) -> None:
+    """Measured points with their bars under the two models' lines."""
+    hover = f"%{{y:.4~g}}{unit}"
+    bars = {} if error is None else {"error_y": {"array": error, "color": RIGID, "thickness": 1.2, "width": 2}}
+    picture.add_scatter(
+        x=at,
+        y=curves["measured"],
+        mode="markers",
+        marker={"color": RIGID, "size": 5},
+        name="measured" if error is None else "measured, 95 %",
+        showlegend=row == 1,
+        hovertemplate=hover,
+        row=row,
+        col=1,
+        **bars,
+    )
+    for name, look in (("the file's model", _BEFORE), ("fitted", _FITTED)):
+        _line(picture, row, at, curves[name], name, look, hover)
+
+
+def _left_of_response(picture: go.Figure, one: Fitted, data: Response) -> None:
+    """Real and imaginary part of ``ln(G_measured / G_model)`` in percent, and where 95 % of the noise lies."""
+    error = 100 * np.log(np.asarray(one.measured, dtype=np.complex128) / one.modelled)
+    reach = 100 * _NORMAL_95 * _noise(one, data)
+    picture.add_scatter(
+        x=np.concatenate([one.at, one.at[::-1]]),
+        y=np.concatenate([reach, -reach[::-1]]),
+        fill="toself",
+        mode="lines",
+        line={"width": 0},
+        fillcolor=_BAND,
+        name="95 % of the noise",
+        hoverinfo="skip",
+        row=3,
+        col=1,
+    )
+    for name, values, symbol in (("gain", error.real, "circle"), ("phase", error.imag, "circle-open")):
+        picture.add_scatter(
+            x=one.at,
+            y=values,
+            mode="markers",
+            marker={"color": _MISSED if name == "gain" else COMPLIANT, "size": 5, "symbol": symbol},
+            name=f"{name}'s error",
+            hovertemplate="%{y:.3~g} %" if name == "gain" else "%{y:.3~g} % of a rad",
+            row=3,
+            col=1,
+        )
+    # The points are what is to be seen; lines of a wide band may leave the panel.
+    view = _ROOM * max(float(np.abs(error.real).max()), float(np.abs(error.imag).max()), _LEAST_LEFT)
+    picture.update_yaxes(title_text="Left, %", range=[-view, view], row=3, col=1, **ZERO)
+
+
+def _noise(one: Fitted, data: Response) -> NDArray[np.float64]:
+    """Standard deviation of each line as the fit found it: the same share of what the data state for each, or of all."""
+    if data.deviation is None or len(data.deviation) != len(one.at):
+        return np.full(len(one.at), one.noise)
+    return one.noise / float(np.sqrt(np.mean(data.deviation**2))) * data.deviation
+
+
+def _line(
+    picture: go.Figure,
+    row: int,
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    name: str,
+    look: Look,
+    hover: str = "%{y:.3~g}",
+) -> None:
+    picture.add_scatter(
+        x=x,
+        y=y,
+        mode="lines",
+        name=name,
+        legendgroup=name,
+        showlegend=row != 4 and all(trace.name != name for trace in picture.data),
+        line=line(look),
+        hovertemplate=hover,
+        row=row,
+        col=1,
+    )
+
+
+def _error(data: Response, scale: float) -> NDArray[np.float64] | None:
+    """95 % bars of the points, where their deviation is known."""
+    return None if data.deviation is None else _NORMAL_95 * scale * data.deviation
+
+
+def _off(one: Estimate, value: float) -> float:
+    return 100 * (value - one.unknown.nominal) / abs(one.unknown.nominal)
+
+
+def _symbol(one: Estimate) -> str:
+    """The parameter's letter as Plotly sets it."""
+    base, index, dashes = split_symbol(TABLE[one.unknown.key].symbol)
+    return f"<i>{base}</i>{f'<sub>{index}</sub>' if index else ''}{dashes}"

@@ -1,0 +1,236 @@
+"""The least-squares problem of an identification: all data at once, in units of their noise.
+
+``cost = 1/2 sum rho((r_i / s_g)^2) + 1/2 sum ((theta_j - mean_j) / deviation_j)^2``
+
+with ``r`` the residuals, ``s_g`` the noise of their group as the fit itself finds it, ``rho`` the robust loss, and the second sum
+over parameters with a normal tolerance. The unknowns are in shares of the file's values, so that all are of the order of one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import OptimizeResult, least_squares
+
+from forcefeel.bench.identification.losses import ROBUST_FROM, Loss, cost_of
+from forcefeel.bench.identification.observations import Observation
+from forcefeel.bench.identification.unknowns import Unknown
+from forcefeel.errors import InputError
+from forcefeel.loader.consistency import AT_LEAST
+from forcefeel.units import show
+
+_ROUNDS = 5
+"""Most rounds of finding the unknowns, then the noise; two or three are enough where the model fits."""
+
+_SAME_NOISE = 0.01
+"""Relative change of the noise at which the rounds end."""
+
+_TO_DEVIATION = 1.4826
+"""Standard deviation of normal noise per median of its magnitude."""
+
+_PRECISION, _COARSE_PRECISION = 1e-9, 1e-4
+"""Relative change of cost or unknowns at which a search ends: far below the standard errors, or enough to tell places apart."""
+
+_MOST_STEPS = 60
+"""Steps of one search: a smooth cost takes ten, one with jags may wander for ever."""
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A place in the space of the unknowns, where a search ended.
+
+    Attributes:
+        x: Unknowns in shares of the file's values, then the data's own, (n,).
+        noise: Noise of each group, in units of what was expected, (groups,).
+        residual: Residuals in units of the noise, (points,).
+        slopes: Their derivatives by ``x``, (points, n).
+        at_bound: Which unknowns stand at a bound, (unknowns,).
+    """
+
+    x: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    residual: NDArray[np.float64]
+    slopes: NDArray[np.float64]
+    at_bound: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Data, unknowns and how they are weighed.
+
+    Attributes:
+        unknowns: The unknowns of the loader.
+        observations: The data.
+        loss: The robust loss.
+        priors: Whether normal tolerances count as knowledge.
+    """
+
+    unknowns: Sequence[Unknown]
+    observations: Sequence[Observation]
+    loss: Loss = "huber"
+    priors: bool = True
+    _last: dict[bytes, tuple[NDArray[np.float64], NDArray[np.float64]]] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        if self.loss not in get_args(Loss):
+            raise InputError(f"loss: expected {', '.join(get_args(Loss))}, got {show(self.loss)}")
+
+    @property
+    def scale(self) -> NDArray[np.float64]:
+        """SI value of one unit of each of the loader's unknowns."""
+        return np.array([abs(it.nominal) for it in self.unknowns])
+
+    @property
+    def groups(self) -> list[slice]:
+        """Where in all residuals those of one kind stand."""
+        found, first = [], 0
+        for it in self.observations:
+            found += [slice(first + group.start, first + group.stop) for group in it.groups]
+            first = found[-1].stop
+        return found
+
+    @property
+    def clusters(self) -> NDArray[np.int64]:
+        """A number for points whose errors hang together, (points,)."""
+        found: list[NDArray[np.int64]] = []
+        for it in self.observations:
+            found.append(it.clusters + (1 + int(found[-1].max()) if found else 0))
+        return np.concatenate(found)
+
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """SI values of the loader's unknowns at ``x``."""
+        return x[: len(self.unknowns)] * self.scale
+
+    def start(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """``x`` of these values, the data's own unknowns where they start."""
+        return np.concatenate([values / self.scale, *(it.own for it in self.observations)])
+
+    def bounds(self, size: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Lowest and highest ``x`` of so many unknowns; the data's own have no bounds."""
+        own = np.full(size - len(self.unknowns), np.inf)
+        low = np.array([it.low for it in self.unknowns]) / self.scale
+        high = np.array([it.high for it in self.unknowns]) / self.scale
+        return np.concatenate([low, -own]), np.concatenate([high, own])
+
+    def consistent(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """``x`` with breakaway forces no smaller than the dry friction, below which they have no effect."""
+        place = {it.key: j for j, it in enumerate(self.unknowns)}
+        x = x.copy()
+        for larger, smaller in AT_LEAST:
+            if larger in place and smaller in place:
+                j, k = place[larger], place[smaller]
+                x[j] = max(x[j], x[k] * self.scale[k] / self.scale[j])
+        return x
+
+    def own(self, x: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        """The data's own unknowns at ``x``, an array for each set."""
+        ends = np.cumsum([len(self.unknowns), *(len(it.own) for it in self.observations)])
+        return [x[a:b] for a, b in pairwise(ends)]
+
+    def compare(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Residuals over what was expected, (points,), and their derivatives by ``x``, (points, n)."""
+        known = x.tobytes()
+        if known not in self._last:
+            self._last.clear()  # a search asks for residuals and slopes of one place in turn
+            self._last[known] = self._compare(x)
+        return self._last[known]
+
+    def _compare(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        residuals, rows, loader = [], [], len(self.unknowns)
+        column = loader
+        for it, own in zip(self.observations, self.own(x), strict=True):
+            found = it.compare(self.values(x), own)
+            slopes = np.zeros((len(found.residual), len(x)))
+            slopes[:, :loader] = found.slopes[:, :loader] * self.scale
+            slopes[:, column : column + len(own)] = found.slopes[:, loader:]
+            column += len(own)
+            residuals.append(found.residual)
+            rows.append(slopes)
+        return np.concatenate(residuals), np.concatenate(rows)
+
+    def search(self, x: NDArray[np.float64], *, coarse: bool = False) -> Place:
+        """The nearest best place, the noise found along with it; at ``x`` the model must not diverge."""
+        noise = self._noise(self.compare(x)[0])
+        precision, rounds = (_COARSE_PRECISION, 2) if coarse else (_PRECISION, _ROUNDS)
+        for _ in range(rounds):
+            found = self._minimum(x, noise, precision)
+            x, before = found.x, noise
+            noise = self._noise(self.compare(x)[0])
+            if np.allclose(noise, before, rtol=_SAME_NOISE):
+                break
+        x = self.consistent(x)
+        residual, slopes = self.compare(x)
+        weight = self._weight(before)
+        at_bound = np.asarray(found.active_mask[: len(self.unknowns)] != 0)
+        return Place(x, before, residual * weight, slopes * weight[:, np.newaxis], at_bound)
+
+    def minimum(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The nearest best ``x`` at this noise."""
+        return np.asarray(self._minimum(x, noise, _PRECISION).x) if len(x) else x
+
+    def weighted(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Residuals in units of this noise, (points,)."""
+        return self.compare(x)[0] * self._weight(noise)
+
+    def cost(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> float:
+        """What is left at ``x`` of the data, in units of this noise; infinite where the model diverges."""
+        residuals = [it.residual(self.values(x), own) for it, own in zip(self.observations, self.own(x), strict=True)]
+        residual = np.concatenate(residuals) * self._weight(noise)
+        return cost_of(residual, self.loss) if np.isfinite(residual).all() else float("inf")
+
+    def prior_rows(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The priors as residuals and their slopes."""
+        told = [(j, it.prior) for j, it in enumerate(self.unknowns) if self.priors and it.prior is not None]
+        residual, slopes = np.empty(len(told)), np.zeros((len(told), len(x)))
+        for row, (j, prior) in enumerate(told):
+            mean, deviation = prior or (0.0, 1.0)
+            residual[row] = (x[j] * self.scale[j] - mean) / deviation
+            slopes[row, j] = self.scale[j] / deviation
+        return residual, slopes
+
+    def _minimum(self, x: NDArray[np.float64], noise: NDArray[np.float64], precision: float) -> OptimizeResult:
+        weight = self._weight(noise)
+
+        def residual(at: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.concatenate([self.compare(at)[0] * weight, self.prior_rows(at)[0]])
+
+        def slopes(at: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.concatenate([self.compare(at)[1] * weight[:, np.newaxis], self.prior_rows(at)[1]])
+
+        low, high = self.bounds(len(x))
+        return least_squares(
+            residual,
+            np.clip(x, low, high),
+            slopes,
+            bounds=(low, high),
+            loss=self.loss,
+            f_scale=ROBUST_FROM,
+            ftol=precision,
+            xtol=precision,
+            gtol=precision,
+            max_nfev=_MOST_STEPS,
+        )
+
+    def _weight(self, noise: NDArray[np.float64]) -> NDArray[np.float64]:
+        weight = np.empty(self.groups[-1].stop)
+        for group, deviation in zip(self.groups, noise, strict=True):
+            weight[group] = 1 / deviation
+        return weight
+
+    def _noise(self, residual: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.array([self._deviation(residual[group]) for group in self.groups])
+
+    def _deviation(self, residual: NDArray[np.float64]) -> float:
+        """Root mean square; under a robust loss outliers count no more than its limit."""
+        if self.loss != "linear":
+            limit = ROBUST_FROM * _TO_DEVIATION * float(np.median(np.abs(residual)))
+            residual = np.clip(residual, -limit, limit) if limit > 0 else residual
+        deviation = float(np.sqrt(np.mean(residual**2)))
+        return max(deviation, _LEAST_NOISE)
+
+
+_LEAST_NOISE = 1e-9
+"""Noise below which data are the model's own, in units of what was expected."""

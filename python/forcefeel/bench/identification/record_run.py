@@ -1,0 +1,184 @@
+"""A record's experiment as runs of the nonlinear loader, with slopes, at the record's times."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from forcefeel import _core
+from forcefeel.bench.channels import OUTPUTS
+from forcefeel.bench.experiments import Drive
+from forcefeel.bench.identification.linear import Law, engine_law
+from forcefeel.bench.records import BenchRecord
+from forcefeel.errors import InputError
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import INDEX
+from forcefeel.qualification import load_rules
+from forcefeel.qualification.let_go import find_release
+from forcefeel.qualification.records import Record
+from forcefeel.simulation.engine import prepared
+from forcefeel.simulation.inputs import Recorded, Release, Schedule
+from forcefeel.simulation.scenario import Scenario, controller_steps
+from forcefeel.threads import cores
+
+FINE_STEP_S, COARSE_STEP_S = 5e-4, 1e-3
+"""Longest steps of the engine for a close look and from afar. A record of a minute with 1 % of noise tells parameters to 1e-4 and
+better, and steps of 1 ms are off by as much where friction turns often."""
+
+_EVEN = 1e-6
+"""Of a step; times that went through a file are still even."""
+
+_TAIL = 0.1
+"""Share of a release's record over which the column is at rest again."""
+
+
+@dataclass(frozen=True, eq=False)
+class Histories:
+    """Channels at a record's times, SI units.
+
+    Attributes:
+        value: (channels, samples).
+        slopes: Derivatives by each parameter, (keys, channels, samples).
+        rate: Derivatives by time, (channels, samples).
+    """
+
+    value: NDArray[np.float64]
+    slopes: NDArray[np.float64]
+    rate: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordRun:
+    """What is simulated for a record.
+
+    Attributes:
+        record: The record.
+        loader: The loader whose effects, curves and controller hold.
+        law: The law of the whole loader.
+        longest_step_s: The engine's steps are no longer.
+
+    Raises:
+        InputError: When asked to run, if the record holds no release where it is said to, or a force is said to be a staircase.
+    """
+
+    record: BenchRecord
+    loader: Loader
+    law: Law
+    longest_step_s: float = FINE_STEP_S
+
+    @cached_property
+    def channels(self) -> tuple[str, ...]:
+        """The measured channels."""
+        return tuple(name for name in OUTPUTS if name in self.record.channels)
+
+    @cached_property
+    def used(self) -> NDArray[np.bool_]:
+        """Which samples are compared: all, or of a release those after the grip was let go, (record's samples,)."""
+        return np.asarray(self.record.time_s > self._let_go[1]) if self.released else self.record.time_s >= -math.inf
+
+    @cached_property
+    def time_s(self) -> NDArray[np.float64]:
+        """Their times from the start of the run."""
+        start = self._let_go[1] if self.released else float(self.record.time_s[0])
+        return self.record.time_s[self.used] - start
+
+    @property
+    def released(self) -> bool:
+        """Whether the grip is let go; the run then begins there."""
+        return self.record.experiment.drive is Drive.RELEASE
+
+    def at(self, values: NDArray[np.float64], keys: Sequence[str], later_s: float = 0.0) -> Histories:
+        """The channels of a loader with these SI values, in the order of the table.
+
+        Args:
+            values: (parameters,).
+            keys: Rows whose slopes are wanted.
+            later_s: By how much later than found in the record the grip was let go.
+        """
+        order, given = [list(OUTPUTS).index(name) for name in self.channels], self._law
+        columns = [INDEX[key] for key in keys]
+        # The engine runs once for each parameter, and asks for one at least.
+        value, slopes = self._engine.slopes(
+            values[np.newaxis], columns or [0], channels=order, **given, threads=cores()
+        )
+        value, slopes = value[0], slopes[0, : len(columns)]
+        if not self.released and self._on_samples:
+            return Histories(value, slopes, np.zeros_like(value))
+        if not (np.isfinite(value).all() and np.isfinite(slopes).all()):
+            lost = np.full((len(value), len(self.time_s)), np.nan)
+            return Histories(lost, np.full((len(keys), *lost.shape), np.nan), lost)
+        at = np.maximum(self.time_s - later_s, 0.0)
+        course = CubicSpline(np.arange(value.shape[1]) * self._sample_s, value, axis=1)
+        bent = CubicSpline(np.arange(value.shape[1]) * self._sample_s, slopes, axis=2)
+        return Histories(course(at), bent(at), course(at, 1))
+
+    @cached_property
+    def _law(self) -> dict[str, Any]:
+        return engine_law(self.loader, self.record.experiment.loop, self.law)
+
+    @cached_property
+    def _step_s(self) -> float:
+        return engine_step_s(self.loader, float(np.median(np.diff(self.record.time_s))), self.longest_step_s)
+
+    @cached_property
+    def _on_samples(self) -> bool:
+        """Whether the record's samples are at whole steps, evenly."""
+        every = (self.time_s[-1] - self.time_s[0]) / (len(self.time_s) - 1) / self._step_s
+        even = np.arange(len(self.time_s)) * round(every) * self._step_s
+        return round(every) >= 1 and bool(np.max(np.abs(self.time_s - even)) < _EVEN * self._step_s * len(even))
+
+    @cached_property
+    def _sample_s(self) -> float:
+        """Time between two samples of the engine."""
+        if self.released or not self._on_samples:
+            return self._step_s
+        return round(float(self.time_s[1]) / self._step_s) * self._step_s
+
+    @cached_property
+    def _engine(self) -> _core.Simulation:
+        samples = math.ceil(float(self.time_s[-1]) / self._sample_s - _EVEN)
+        scenario = replace(
+            self._scenario, duration_s=samples * self._sample_s, step_s=self._step_s, sample_s=self._sample_s
+        )
+        return prepared(self.loader, scenario)
+
+    @property
+    def _scenario(self) -> Scenario:
+        if self.released:
+            return Scenario(force=Release(self._let_go[0]))
+        record, drive = self.record, self.record.experiment.drive
+        time_s, signal = self.time_s, record.channels[drive]
+        # The run may last a sample longer than the record: the drive stays.
+        time_s, signal = np.append(time_s, time_s[-1] + 2 * self._sample_s), np.append(signal, signal[-1])
+        if drive is Drive.PILOT_FORCE:
+            if record.hold == "staircase":
+                raise InputError(f"{record.name}: hold: a force at the grip is no staircase; leave it straight")
+            return Scenario(force=Recorded(time_s, signal, record.name))
+        if record.hold == "staircase":
+            time_s, signal = np.repeat(time_s, 2)[1:], np.repeat(signal, 2)[:-1]
+        return driven(drive, Schedule(tuple(time_s.tolist()), tuple(signal.tolist()), record.name))
+
+    @cached_property
+    def _let_go(self) -> tuple[float, float]:
+        """Angle in rad at which the grip was held, and when it was let go, s."""
+        angle = self.record.channels["column_angle"]
+        seen = Record(self.record.time_s, angle, name=self.record.name)
+        found = find_release(seen, _TAIL, load_rules().release)
+        return float(np.mean(angle[: found.held])), found.time_s
+
+
+def driven(drive: Drive, signal: Schedule) -> Scenario:
+    """A run under a voltage over time, where the experiment has it."""
+    return Scenario(command_signal_v=signal) if drive is Drive.COMMAND_SIGNAL else Scenario(test_signal_v=signal)
+
+
+def engine_step_s(loader: Loader, between_s: float, longest_s: float = COARSE_STEP_S) -> float:
+    """The engine's step for samples so far apart: a share of the controller's period, or of the time between two samples."""
+    if loader["controller.period"]:
+        return controller_steps(loader, longest_s)[0]
+    return between_s / math.ceil(between_s / longest_s - _EVEN)

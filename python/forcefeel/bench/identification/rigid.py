@@ -1,0 +1,83 @@
+"""Rigid against compliant: do the frequency responses need the link's compliance?
+
+Both models are fitted to the same responses with the same unknowns, the rigid one without k and c; the file's own k and c where
+they are not among the unknowns. The report argued so by eye, with figures 8 and 9.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import f as fisher
+
+from forcefeel.bench.identification.linear import Law, LinearModel
+from forcefeel.bench.identification.problem import Problem
+from forcefeel.bench.identification.response_observation import ResponseObservation, line_deviation
+from forcefeel.bench.identification.result import RigidTest
+from forcefeel.bench.identification.unknowns import Unknown
+from forcefeel.bench.responses import Response
+from forcefeel.linear.models import Linkage
+from forcefeel.loader.loader import Loader
+
+_LINK = ("linkage.stiffness", "linkage.damping")
+
+_LEVEL = 0.001
+"""Probability of F below which the rigid link is refused."""
+
+
+def rigid_test(loader: Loader, law: Law, unknowns: Sequence[Unknown], responses: Sequence[Response]) -> RigidTest:
+    """Fits both models and compares what is left.
+
+    Args:
+        loader: The loader, its values at the compliant fit's estimates: there the searches start.
+        law: The law of the whole loader.
+        unknowns: The unknowns.
+        responses: The data.
+    """
+    others = [it for it in unknowns if it.key not in _LINK]
+    bent = _problem(loader, law, unknowns, responses, Linkage.COMPLIANT)
+    best = bent.search(bent.start(_values(loader, unknowns)))
+    stiff = _problem(loader, law, others, responses, Linkage.RIGID)
+    # Both in units of the noise that the compliant fit found, or their sums of squares would not compare.
+    left_over = stiff.weighted(stiff.minimum(stiff.start(_values(loader, others)), best.noise), best.noise)
+    compliant, rigid, points = float(best.residual @ best.residual), float(left_over @ left_over), len(left_over)
+    # k and c count as two parameters more even where the file gives them: somebody found them before. Then the file's may be
+    # worse than none, and F is none.
+    fewer, left = len(_LINK), points - len(others) - len(_LINK)
+    statistic = max((rigid - compliant) / fewer / (compliant / left), 0.0)
+    probability = float(fisher.sf(statistic, fewer, left))
+    size = _relative(bent, best.noise)
+    return RigidTest(
+        needed=probability < _LEVEL,
+        rigid_rms=size * float(np.sqrt(rigid / points)),
+        compliant_rms=size * float(np.sqrt(compliant / points)),
+        f_statistic=float(statistic),
+        probability=probability,
+        degrees=(fewer, left),
+        bic_difference=float(points * np.log(rigid / compliant) - fewer * np.log(points)),
+        level=_LEVEL,
+    )
+
+
+def _problem(
+    loader: Loader, law: Law, unknowns: Sequence[Unknown], responses: Sequence[Response], linkage: Linkage
+) -> Problem:
+    """Plain least squares without priors."""
+    keys = [it.key for it in unknowns]
+    models = [LinearModel(loader, it.experiment.loop, law, linkage) for it in responses]
+    observations = [ResponseObservation(it, model, keys) for it, model in zip(responses, models, strict=True)]
+    return Problem(unknowns, observations, "linear", priors=False)
+
+
+def _values(loader: Loader, unknowns: Sequence[Unknown]) -> NDArray[np.float64]:
+    return np.array([loader[it.key] for it in unknowns])
+
+
+def _relative(problem: Problem, noise: NDArray[np.float64]) -> float:
+    """Relative error that one unit of noise stands for, as a mean over the points in which each weighs as it is known."""
+    lines = [
+        line_deviation(it.data) * size
+        for it, size in zip(problem.observations, noise, strict=True)
+        if isinstance(it.data, Response)
+    ]
+    return float(np.mean(np.concatenate(lines) ** -2.0) ** -0.5)

@@ -1,0 +1,140 @@
+"""What is to be identified: parameters with their bounds, their prior and where the search starts."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from forcefeel.errors import InputError
+from forcefeel.loader.consistency import AT_LEAST
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import OFF, TABLE, did_you_mean, is_switch, limits_si, value_text
+from forcefeel.loader.tolerances import Distribution, Tolerance
+from forcefeel.simulation import SHARED
+from forcefeel.units import show
+
+_FARTHEST = 2.0
+"""Starts lie within this factor of the file's value where no tolerance says how far it may be off."""
+
+_SEED = 1974
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A parameter to be identified, SI units.
+
+    Attributes:
+        key: Its row ``part.name``.
+        nominal: The loader file's value, where the search starts first.
+        low, high: Bounds: those of its tolerance, or the table's range where it has none.
+        tolerance: What the file says of it; a normal one is a prior, the others only bounds.
+    """
+
+    key: str
+    nominal: float
+    low: float
+    high: float
+    tolerance: Tolerance | None
+
+    @property
+    def symbol(self) -> str:
+        """Its letter in the report."""
+        return TABLE[self.key].symbol
+
+    @property
+    def prior(self) -> tuple[float, float] | None:
+        """Mean and standard deviation of its prior."""
+        told = self.tolerance
+        if told is None or told.distribution is not Distribution.NORMAL or told.peak is None or told.deviation is None:
+            return None
+        return told.peak, told.deviation
+
+    def at(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values spread as its tolerance says, or within a factor of the nominal; ``share`` from 0 to 1."""
+        if self.tolerance is not None:
+            return self.tolerance.quantile(share)
+        return np.clip(self.nominal * _FARTHEST ** (2 * share - 1), self.low, self.high)
+
+
+def parameter_keys(given: str | Sequence[str]) -> tuple[str, ...]:
+    """Rows of the parameter table from their symbols or names: ``k,c,J,C_i`` or ``linkage.stiffness``.
+
+    Args:
+        given: Names, or text in which commas part them.
+
+    Raises:
+        InputError: If there is none, one is unknown or stands twice.
+    """
+    names = [name.strip() for name in (given.split(",") if isinstance(given, str) else given)]
+    names = [name for name in names if name]
+    if not names:
+        raise InputError("fit: expected symbols or names of parameters, such as k,c,J,C_i, got none")
+    by_symbol = {row.symbol: key for key, row in TABLE.items()}
+    keys = []
+    for name in names:
+        key = name if name in TABLE else by_symbol.get(name)
+        if key is None:
+            raise InputError(f"fit: unknown parameter {show(name)}; {_meant(name, by_symbol)}")
+        if key in keys:
+            raise InputError(f"fit: {show(name)} stands twice ({key}); name each parameter once")
+        keys.append(key)
+    return tuple(keys)
+
+
+def unknowns_of(loader: Loader, keys: Sequence[str]) -> tuple[Unknown, ...]:
+    """The parameters to be identified, as the loader file knows them.
+
+    Raises:
+        InputError: If one is a switch, is off in the loader, or is shared by the whole engine.
+    """
+    return tuple(_within(_unknown(loader, key), loader, keys) for key in keys)
+
+
+def _within(unknown: Unknown, loader: Loader, keys: Sequence[str]) -> Unknown:
+    """Bounds that a value which is not fitted sets: a breakaway force is no smaller than the dry friction."""
+    for larger, smaller in AT_LEAST:
+        if unknown.key == larger and smaller not in keys:
+            unknown = replace(unknown, low=max(unknown.low, loader[smaller]))
+        if unknown.key == smaller and larger not in keys and loader[larger] != OFF[larger]:
+            unknown = replace(unknown, high=min(unknown.high, loader[larger]))
+    return unknown
+
+
+def starts(unknowns: Sequence[Unknown], count: int) -> NDArray[np.float64]:
+    """Where the search starts, (count, unknowns): at the file's values first, then spread by Sobol's sequence."""
+    found = np.empty((count, len(unknowns)))
+    found[0] = [unknown.nominal for unknown in unknowns]
+    if count > 1:
+        # Rows of a power of two, as the sequence is balanced; a fixed seed, so that a fit repeats to the bit.
+        sequence = qmc.Sobol(len(unknowns), seed=_SEED).random_base2(math.ceil(math.log2(count - 1)))
+        found[1:] = np.column_stack([it.at(sequence[: count - 1, j]) for j, it in enumerate(unknowns)])
+    return found
+
+
+def _unknown(loader: Loader, key: str) -> Unknown:
+    row, value = TABLE[key], loader[key]
+    if is_switch(row):
+        raise InputError(f"fit: {key} is a switch; it is on or off, not fitted")
+    if key in SHARED:
+        raise InputError(f"fit: {key} is what the controller is told, not what the machine is; leave it out")
+    if not math.isfinite(value) or value == 0:
+        example = value_text(row, row.default_si)
+        raise InputError(
+            f"fit: {key} is {value_text(row, value)} in the loader; expected a value to begin from; give it one in the loader file "
+            f'or with --set {key}="{example}"'
+        )
+    tolerance = loader.tolerances.get(key)
+    low, high = limits_si(row)
+    if tolerance is not None:
+        low, high = max(low, tolerance.low), min(high, tolerance.high)
+    return Unknown(key, value, low, high, tolerance)
+
+
+def _meant(name: str, by_symbol: dict[str, str]) -> str:
+    close = [symbol for symbol in by_symbol if symbol.lower() == name.lower()]
+    if close:
+        return "did you mean " + " or ".join(f"{symbol} ({by_symbol[symbol]})" for symbol in close) + "?"
+    return did_you_mean(name)

@@ -1,0 +1,40 @@
+"""The folder of methods that were tried: the page and the results, whole or not at all."""
+
+import json
+from pathlib import Path
+
+from forcefeel.choice import Choice, Scored
+from forcefeel.choice.as_json import plain_choice
+from forcefeel.choice.page.page import choice_page
+from forcefeel.page.staging import OutputFolder
+from forcefeel.units import UnitSystem
+
+PAGE, RESULTS = "compensate.html", "results.json"
+"""Names in the folder."""
+
+FOLDER = OutputFolder("the methods", (PAGE, RESULTS))
+"""Checked before the work, written after it."""
+
+
+def write_choice(scored: Scored, choice: Choice | None, out: Path, units: UnitSystem, *, replace: bool = False) -> Path:
+    """Writes ``results.json`` and ``compensate.html``, the page last.
+
+    What is there stays until the new files are complete; other files in the folder are left alone.
+
+    Args:
+        scored: The methods.
+        choice: The choice among them; ``None`` for one method that was asked for by name.
+        out: The folder; made if it is not there.
+        units: The units of every number but those of the law in ``results.json``, which are SI.
+        replace: Whether the new files may take the place of others.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+    """
+    FOLDER.check(out, replace=replace)
+    results = json.dumps(plain_choice(scored, choice, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    FOLDER.write(out, {RESULTS: results, PAGE: choice_page(scored, choice, units)})
+    return out / PAGE

@@ -1,0 +1,187 @@
+"""The pictures of methods that were tried: the trade-off of their shares, margins and noise as bars, the release."""
+
+from dataclasses import dataclass
+from math import degrees, isfinite
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from forcefeel.choice import Choice, Score, Scored
+from forcefeel.choice.noise import FORCE
+from forcefeel.choice.rule import LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_RAD
+from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.page.canvas import ZERO, frame, line
+from forcefeel.page.palette import COMPENSATED, IDEAL, RIGID, Look
+from forcefeel.units import UnitSystem
+
+_MARK = "#6B7580"
+_SHOWN_PERIODS = 6
+
+
+def trade_off(scored: Scored, choice: Choice | None) -> go.Figure:
+    """Share within tolerance in every case over the nominal one, a point for each method."""
+    picture = go.Figure()
+    points = [(score, *_percent(score)) for score in scored.scores if score.over]
+    for (score, x, y), rise in zip(points, _rises(points), strict=True):
+        right = x < 50
+        picture.add_annotation(
+            x=x,
+            y=y,
+            text=score.name,
+            arrowhead=0,
+            arrowwidth=1,
+            arrowcolor=_MARK,
+            standoff=8,
+            ax=12 if right else -12,
+            ay=-rise,
+            xanchor="left" if right else "right",
+        )
+    for chosen, name, color, size in ((False, "not chosen", RIGID, 11), (True, "chosen", COMPENSATED, 16)):
+        some = [point for point in points if (choice is not None and point[0].name == choice.chosen) is chosen]
+        if some:
+            picture.add_scatter(
+                x=[point[1] for point in some],
+                y=[point[2] for point in some],
+                mode="markers",
+                name=name,
+                marker={"size": size, "color": color, "symbol": "diamond" if chosen else "circle"},
+                customdata=[point[0].name for point in some],
+                hovertemplate="%{customdata}: %{x:.3~g} % nominally, %{y:.3~g} % in every case<extra></extra>",
+            )
+    frame(picture, 430, top=40, hover="closest")
+    picture.add_vline(100 * WHOLE_NOMINAL, line={"color": _MARK, "dash": "dash", "width": 1})
+    picture.add_hline(100 * WHOLE_WORST, line={"color": _MARK, "dash": "dash", "width": 1})
+    picture.update_xaxes(title_text="Passes with the nominal plant, % of the settings", range=[-4, 104])
+    picture.update_yaxes(title_text="Passes in every case, %", range=[-4, 112], tickvals=[0, 20, 40, 60, 80, 100])
+    picture.update_layout(showlegend=choice is not None)
+    return picture
+
+
+def _percent(score: Score) -> tuple[float, float]:
+    shares = score.over.shares if score.over else None
+    return (100 * shares.passes, 100 * shares.passes_worst) if shares else (np.nan, np.nan)
+
+
+_Point = tuple[Score, float, float]
+
+
+def _rises(points: list[_Point]) -> list[float]:
+    """How many pixels each label stands above its point, so that none lies over another even on a narrow page."""
+    placed: list[tuple[float, float]] = []
+    found = [0.0] * len(points)
+    for place in sorted(range(len(points)), key=lambda one: points[one][1:], reverse=True):
+        _, x, y = points[place]
+        left = x if x < 50 else x - _WIDE
+        rise = _LEAST_RISE
+        while any(abs(left - other) < _WIDE and abs(y * _PIXELS + rise - top) < _LINE for other, top in placed):
+            rise += _LINE
+        placed.append((left, y * _PIXELS + rise))
+        found[place] = rise
+    return found
+
+
+_LEAST_RISE, _LINE = 16.0, 16.0
+"""Pixels from a point to its label, and from one label to the next above it."""
+
+_WIDE = 40.0
+"""Percent of the axis that a label may take on a phone."""
+
+_PIXELS = 3.0
+"""Pixels of height for a percent."""
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One row of bars: a title, a value for each method, and what is asked for, if anything is."""
+
+    title: str
+    values: list[float]
+    asked: float | None = None
+
+
+def bars(scored: Scored, units: UnitSystem) -> go.Figure:
+    """Margins, noise and current of each method at the loader's own setting, a row each."""
+    rows = _rows(scored, units)
+    names = [score.name for score in scored.scores]
+    picture = make_subplots(rows=len(rows), cols=1, shared_xaxes=True, vertical_spacing=0.055)
+    for place, row in enumerate(rows, start=1):
+        known = [value if isfinite(value) else None for value in row.values]
+        picture.add_bar(
+            x=names, y=known, marker_color=RIGID, row=place, col=1, hovertemplate="%{y:.3~g}<extra></extra>"
+        )
+        if row.asked is not None:
+            picture.add_hline(row.asked, line={"color": _MARK, "dash": "dash", "width": 1}, row=place, col=1)
+    frame(picture, 118 * len(rows) + 70, top=14, hover="closest")
+    for place, row in enumerate(rows, start=1):
+        picture.update_yaxes(title_text=row.title, rangemode="tozero", nticks=4, row=place, col=1)
+        picture.update_yaxes(title_font_size=11.5, row=place, col=1)
+    picture.update_xaxes(ticks="", type="category")
+    picture.update_layout(showlegend=False, bargap=0.45)
+    return picture
+
+
+def _rows(scored: Scored, units: UnitSystem) -> list[_Row]:
+    stable = [score.own if score.own.stable else None for score in scored.scores]
+    period_ms = 1e3 * scored.plan.loader["controller.period"]
+    rows = [
+        _Row("Gain may grow,<br>times", [own.margins.gain_up if own else np.nan for own in stable], LEAST_GAIN),
+        _Row(
+            "Phase,<br>deg",
+            [degrees(own.margins.phase_rad) if own else np.nan for own in stable],
+            degrees(LEAST_PHASE_RAD),
+        ),
+        _Row(
+            "Delay,<br>ms",
+            [1e3 * own.margins.delay_s if own else np.nan for own in stable],
+            LEAST_PERIODS * period_ms if period_ms else None,
+        ),
+        _Row("Peak current,<br>%", [100 * own.demand.current if own else np.nan for own in stable], 100.0),
+    ]
+    noise = [own.noise if own else None for own in stable]
+    if scored.sampled:
+        rows += [
+            _Row("Noise, angle,<br>0.001 deg", [1e3 * degrees(one.angle_rad) if one else np.nan for one in noise]),
+            _Row(
+                f"Noise, hand,<br>{FORCE.shown(units)}",
+                [FORCE.from_si(one.force_n, units) if one else np.nan for one in noise],
+            ),
+        ]
+    return rows
+
+
+def release(scored: Scored, shown: tuple[Score, ...]) -> go.Figure:
+    """The release at the loader's own setting of each law that is stable, beside I, B and G alone."""
+    picture = go.Figure()
+    inertia, _, stiffness = (scored.plan.loader[key] for key in FEEL_SETTING)
+    end = _SHOWN_PERIODS * 2 * np.pi * (inertia / stiffness) ** 0.5
+    looks = (
+        Look(COMPENSATED, "solid", 2.8),
+        *(Look(color, "dashdot") for color in ("#0072B2", "#D55E00", "#A8568A", "#B57A00")),
+    )
+    for place, score in enumerate(one for one in shown if one.own.stable):
+        found = score.own.release
+        seen = found.time_s <= end
+        picture.add_scatter(
+            x=found.time_s[seen],
+            y=np.degrees(found.angle_rad[seen]),
+            mode="lines",
+            name=score.name,
+            line=line(looks[place % len(looks)]),
+            hovertemplate="%{y:.3f}°",
+        )
+    ideal = shown[0].own.release
+    seen = ideal.time_s <= end
+    picture.add_scatter(
+        x=ideal.time_s[seen],
+        y=np.degrees(ideal.ideal_rad[seen]),
+        mode="lines",
+        name="I, B, G alone",
+        line=line(Look(IDEAL, "dot")),
+        hovertemplate="%{y:.3f}°",
+    )
+    frame(picture, 360, top=40)
+    picture.update_xaxes(title_text="Time, s", range=[0, end])
+    picture.update_yaxes(title_text="Column angle, deg", **ZERO)
+    return picture

@@ -1,0 +1,146 @@
+"""The tables of methods that were tried: shares, margins, noise and demand, poles, the settings."""
+
+from math import degrees, inf, isfinite
+
+from forcefeel.choice import Choice, Score, Scored
+from forcefeel.choice.demand import Demand
+from forcefeel.choice.noise import FORCE
+from forcefeel.envelope.settings import AXES
+from forcefeel.linear.modes import Mode
+from forcefeel.loops.margins import LoopMargins
+from forcefeel.page.table import Cell, Table, heads, number, words
+from forcefeel.page.typography import NONE, heading_text, number_text, prose_html
+from forcefeel.sweep.findings import share_text
+from forcefeel.units import HERTZ, UnitSystem
+
+_MOST_HZ = 1000.0
+"""Poles above are those of sampling and delay."""
+
+
+def shares(scored: Scored, choice: Choice | None) -> Table:
+    """The shares of the settings that each method renders, and what costs most."""
+    rows = []
+    for score in scored.scores:
+        if score.over is None:
+            continue
+        taken = choice is not None and score.name == choice.chosen
+        one, lost = score.over.shares, score.over.lost_most
+        numbers = (one.passes_worst, one.passes, one.stable_worst, one.stable)
+        most = f"{lost.case}, {share_text(lost.lost)}" if lost else NONE
+        name = words(f"{capital(score.name)}{', chosen' if taken else ''}")
+        rows.append((name, *(number(share_text(share)) for share in numbers), words(prose_html(most))))
+    head = heads("Method", "Passes in every case", "Passes", "Stable in every case", "Stable")
+    return Table((*head, Cell("Most of what passes is lost with")), tuple(rows))
+
+
+def methods(scored: Scored) -> Table:
+    """What each method is."""
+    rows = tuple((words(capital(score.name)), words(prose_html(score.summary))) for score in scored.scores)
+    return Table((Cell("Method"), Cell("What it is")), rows)
+
+
+def margins(scored: Scored) -> Table:
+    """Margins at the loader's own setting, and the least of each over the corners of the grid."""
+    rows = []
+    for score in scored.scores:
+        rows.append((words(capital(score.name)), *_margins(score.own.margins)))
+        if score.over is not None:
+            rows.append((words(""), *_margins(score.over.margins, "least")))
+    head = (
+        "Method",
+        "At",
+        "Gain may fall to",
+        "Gain may grow",
+        "Phase, deg",
+        "More delay, ms",
+        "Disk",
+        "Crossover, Hz",
+    )
+    return Table((Cell(head[0]), Cell(head[1]), *(Cell(one, "number") for one in head[2:])), tuple(rows))
+
+
+def _margins(one: LoopMargins, where: str = "own setting") -> tuple[Cell, ...]:
+    if one.disk == 0:
+        return (Cell(where), number("unstable", bad=True), *(number(NONE) for _ in range(5)))
+    return (
+        Cell(where),
+        number("nothing" if one.gain_down == 0 else number_text(one.gain_down, 3)),
+        number("without end" if one.gain_up == inf else f"{number_text(one.gain_up, 3)} times"),
+        number(NONE if one.phase_rad == inf else number_text(degrees(one.phase_rad), 3)),
+        number(NONE if one.delay_s == inf else number_text(1e3 * one.delay_s, 3)),
+        number(number_text(one.disk, 2)),
+        number(
+            number_text(HERTZ.from_si(one.crossover_rad_per_s, UnitSystem.SI), 3)
+            if isfinite(one.crossover_rad_per_s)
+            else NONE
+        ),
+    )
+
+
+def demands(scored: Scored, system: UnitSystem) -> Table:
+    """What releases take of the valve, and what noise does."""
+    rows = []
+    for score in scored.scores:
+        rows.append(
+            (
+                words(capital(score.name)),
+                Cell("own setting"),
+                *_demand(score.own.demand),
+                *_noise(scored, score, system),
+            )
+        )
+        if score.over is not None:
+            empty = [number(NONE)] * (2 * scored.sampled)
+            rows.append((words(""), Cell("largest"), *_demand(score.over.demand), *empty))
+    noise = ("Noise, angle, 0.001 deg", heading_text("Noise, on a hand", FORCE, system)) if scored.sampled else ()
+    head = ("Peak current", "Peak flow", "Peak pressure", *noise)
+    return Table((Cell("Method"), Cell("At"), *(Cell(one, "number") for one in head)), tuple(rows))
+
+
+def _demand(one: Demand) -> tuple[Cell, ...]:
+    found = (one.current, one.flow, one.pressure)
+    return tuple(number(share_text(share) if isfinite(share) else NONE, bad=share >= 1) for share in found)
+
+
+def _noise(scored: Scored, score: Score, system: UnitSystem) -> tuple[Cell, ...]:
+    noise = score.own.noise
+    if noise is None or not scored.sampled:
+        return ()
+    return (
+        number(number_text(1e3 * degrees(noise.angle_rad), 3) if isfinite(noise.angle_rad) else "unstable"),
+        number(number_text(FORCE.from_si(noise.force_n, system), 3) if isfinite(noise.force_n) else "unstable"),
+    )
+
+
+def poles(score: Score) -> Table:
+    """The modes of the closed loop up to some frequency."""
+    rows = tuple(
+        _mode(mode) for mode in score.own.modes if HERTZ.from_si(mode.frequency_rad_per_s, UnitSystem.SI) <= _MOST_HZ
+    )
+    return Table(heads("Pole", "Frequency, Hz", "Damping ratio", "Real part, 1/s", "Imaginary part, 1/s"), rows)
+
+
+def _mode(mode: Mode) -> tuple[Cell, ...]:
+    swings = mode.imaginary_per_s > 0
+    return (
+        words("swings" if swings else "decays" if mode.real_per_s < 0 else "grows", bad=mode.real_per_s >= 0),
+        number(number_text(HERTZ.from_si(mode.frequency_rad_per_s, UnitSystem.SI), 3)),
+        number(number_text(mode.damping_ratio, 3) if swings else NONE),
+        number(number_text(mode.real_per_s, 3)),
+        number(f"±{number_text(mode.imaginary_per_s, 3)}" if swings else NONE),
+    )
+
+
+def grid(scored: Scored, system: UnitSystem) -> Table:
+    """The settings."""
+    rows = []
+    for name, axis in AXES.items():
+        values = getattr(scored.plan.settings, name)
+        shown = ", ".join(number_text(axis.unit.from_si(value, system), 3) for value in values)
+        rows.append((words(prose_html(capital(axis.title))), words(shown), Cell(axis.unit.shown(system))))
+    return Table((Cell("Axis"), Cell("Values"), Cell("Unit")), tuple(rows))
+
+
+def capital(text: str) -> str:
+    """The text with a capital at its beginning."""
+    return text[:1].upper() + text[1:]

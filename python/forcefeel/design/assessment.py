@@ -1,0 +1,160 @@
+"""How well a loader renders the programmed feel: the whole model with valve dynamics, against the ideal."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import control
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel._core import Compensator
+from forcefeel.laws.recursion import DesignSettings
+from forcefeel.linear.models import DESIGN_STATES, OUTPUTS, Linkage, ideal_feel, loader_model
+from forcefeel.linear.modes import feel_mode, is_stable, modes, spectral_abscissa
+from forcefeel.linear.step import DURATION_S, equilibrium, gramian, step_response
+from forcefeel.loader.loader import Loader
+from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, PERCENT, RATE, RATIO
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """What a step of pilot force shows of a closed loop. Where the loop is unstable, only the first two are numbers.
+
+    Attributes:
+        stable: Whether every pole lies clearly in the left half plane.
+        abscissa_per_s: Largest real part of the poles.
+        frequency_rad_per_s: Frequency of the mode that renders the feel.
+        damping_ratio: Its damping ratio.
+        least_damping_ratio: Damping ratio of the least damped mode.
+        static_angle_rad: Deflection at rest under the force.
+        static_error: Its deviation from the programmed deflection, as a share of that.
+        tracking_error: Root mean square of the deviation from the ideal response over 2 s, as a share of the programmed
+            deflection at rest.
+        cost: Index V of eq. (20) over 2 s; not a number for the original system, whose computer works in volts,
+            and for a rigid link, which has not the states that [Q] weighs.
+    """
+
+    stable: bool
+    abscissa_per_s: Annotated[float, RATE]
+    frequency_rad_per_s: Annotated[float, HERTZ]
+    damping_ratio: Annotated[float, RATIO]
+    least_damping_ratio: Annotated[float, RATIO]
+    static_angle_rad: Annotated[float, ANGLE]
+    static_error: Annotated[float, PERCENT]
+    tracking_error: Annotated[float, PERCENT]
+    cost: Annotated[float, RATIO]
+
+
+@dataclass(frozen=True)
+class Peaks:
+    """Largest demand of a step of pilot force on the valve, against its ratings.
+
+    Attributes:
+        current_a: Largest valve current.
+        current_share: The same as a share of the rated current.
+        flow_m3_per_s: Largest flow into the actuator.
+        flow_share: The same as a share of the rated flow.
+    """
+
+    current_a: Annotated[float, CURRENT]
+    current_share: Annotated[float, PERCENT]
+    flow_m3_per_s: Annotated[float, FLOW]
+    flow_share: Annotated[float, PERCENT]
+
+
+def assess(
+    loader: Loader,
+    compensator: Compensator | None,
+    settings: DesignSettings | None = None,
+    *,
+    linkage: Linkage = Linkage.COMPLIANT,
+    programmed: Loader | None = None,
+) -> Assessment:
+    """Judges the response of ``loader`` under ``compensator`` to its step of pilot force.
+
+    Args:
+        loader: The loader that is there.
+        compensator: State feedback; the original system if ``None``.
+        settings: Weights of the cost index; the report's if not given.
+        linkage: Rigid or compliant link.
+        programmed: The loader whose feel is asked for, where ``loader`` deviates from it; its ideal is the measure.
+    """
+    programmed = programmed or loader
+    model, ideal = loader_model(loader, compensator, linkage), ideal_feel(programmed)
+    abscissa = spectral_abscissa(model.A)
+    if not is_stable(abscissa):
+        return Assessment(False, abscissa, *[np.nan] * 7)
+    found = modes(model)
+    feel = feel_mode(found, *_core.feel_frequency(programmed.values))
+    force = programmed["pilot.force"]
+    wanted = programmed_angle_rad(programmed)
+    reached = _static_angle(model) * force
+    system = _with_ideal(model, ideal)
+    start = np.zeros(len(system))
+    start[-1] = force
+    deviation = _deviation(model, ideal)
+    squares = gramian(system, start, DURATION_S)
+    tracking = deviation @ squares @ deviation
+    cost = np.nan
+    if compensator is not None and compensator.displacement_unit == "rad" and linkage is Linkage.COMPLIANT:
+        weight = _cost_weight(model, len(system), compensator, settings or DesignSettings(), programmed)
+        cost = float(np.sum(weight * squares))
+    return Assessment(
+        stable=True,
+        abscissa_per_s=abscissa,
+        frequency_rad_per_s=feel.frequency_rad_per_s,
+        damping_ratio=feel.damping_ratio,
+        least_damping_ratio=min(mode.damping_ratio for mode in found),
+        static_angle_rad=reached,
+        static_error=reached / wanted - 1,
+        tracking_error=float(np.sqrt(tracking / DURATION_S)) / wanted,
+        cost=cost,
+    )
+
+
+def _static_angle(model: control.StateSpace) -> float:
+    """The column's angle in rad at rest under a pilot force of one newton; not a number where rounding leaves none."""
+    try:
+        return float(model.C[OUTPUTS.index("column_angle_rad")] @ equilibrium(model))
+    except np.linalg.LinAlgError:
+        return np.nan
+
+
+def programmed_angle_rad(loader: Loader) -> float:
+    """Deflection at rest that is programmed for the pilot's force, R_p F_p / G of eq. (11)."""
+    return float(ideal_feel(loader).dcgain()) * loader["pilot.force"]
+
+
+def peaks(loader: Loader, compensator: Compensator | None, linkage: Linkage = Linkage.COMPLIANT) -> Peaks:
+    """Largest valve current and flow in the two seconds after the step of pilot force."""
+    response = step_response(loader_model(loader, compensator, linkage), loader["pilot.force"])
+    current = float(np.max(np.abs(response["valve_current_a"])))
+    flow = float(np.max(np.abs(response["actuator_flow_m3_per_s"])))
+    return Peaks(current, current / loader["valve.rated_current"], flow, flow / loader["valve.rated_flow"])
+
+
+def _with_ideal(model: control.StateSpace, ideal: control.StateSpace) -> NDArray[np.float64]:
+    """Matrix of the autonomous system of loader, ideal feel and constant pilot force, ``z = [x, x_ideal, F_p]``."""
+    n, size = model.nstates, model.nstates + ideal.nstates + 1
+    a = np.zeros((size, size))
+    a[:n, :n], a[:n, -1] = model.A, model.B[:, 0]
+    a[n:-1, n:-1], a[n:-1, -1] = ideal.A, ideal.B[:, 0]
+    return a
+
+
+def _deviation(model: control.StateSpace, ideal: control.StateSpace) -> NDArray[np.float64]:
+    """Row that gives the deviation of the column from the ideal feel from ``z``."""
+    return np.concatenate([model.C[OUTPUTS.index("column_angle_rad")], -ideal.C[0], [0.0]])
+
+
+def _cost_weight(
+    model: control.StateSpace, size: int, compensator: Compensator, settings: DesignSettings, programmed: Loader
+) -> NDArray[np.float64]:
+    """Matrix of eq. (20)'s integrand ``x' [Q] x + R_2 e^2`` on ``z``."""
+    pick = np.zeros((len(DESIGN_STATES), size))
+    for row, state in enumerate(DESIGN_STATES[:-1]):
+        pick[row, model.state_labels.index(state)] = 1.0
+    pick[-1, -1] = 1.0
+    command = np.array(compensator.gains) @ pick
+    return np.asarray(pick.T @ settings.weight(programmed) @ pick + settings.r2 * np.outer(command, command))

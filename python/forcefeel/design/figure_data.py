@@ -1,0 +1,127 @@
+"""The data behind the report's figures 2, 8 to 11 and 14: labelled curves, without a picture."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import control
+import numpy as np
+import xarray as xr
+
+from forcefeel import _core
+from forcefeel.design.workflow import Configuration, Design
+from forcefeel.linear.frequency import frequency_response
+from forcefeel.linear.models import Linkage, ideal_feel, loader_model, overall_open_loop, servo
+from forcefeel.linear.step import step_response
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ALTERNATIVES
+
+FREQUENCIES_HZ = np.geomspace(0.1, 100.0, 1201)
+"""Frequencies of the responses; 400 a decade show a mode of damping ratio 0.1 without corners."""
+
+
+class Kind(StrEnum):
+    """What a figure shows."""
+
+    VALVE = "valve"
+    FREQUENCY = "frequency"
+    TIME = "time"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One figure as data.
+
+    Attributes:
+        key: ``figure-02`` and so on, the report's number.
+        title: What it shows.
+        kind: How to draw it.
+        curves: A data set per curve, by its label; units stand in the variables' ``units`` attribute.
+    """
+
+    key: str
+    title: str
+    kind: Kind
+    curves: dict[str, xr.Dataset]
+
+
+def figures(design: Design) -> tuple[Figure, ...]:
+    """Every figure of the report that has a curve, computed for ``design``."""
+    return (
+        _valve(design.loader),
+        _servo("figure-08", "Servo, position loop open", design.loader, closed=False),
+        _servo("figure-09", "Servo, position loop closed", design.loader, closed=True),
+        _overall(design),
+        _original("figure-11a", "Step of pilot force, rigid model", design, Linkage.RIGID),
+        _original("figure-11b", "Step of pilot force, compliant model", design, Linkage.COMPLIANT),
+        _compensated(design),
+    )
+
+
+def _valve(loader: Loader) -> Figure:
+    """Eq. (1) for five currents, and its tangent at the report's operating point, which is what eq. (2) means."""
+    rated, supply = loader["valve.rated_current"], loader["valve.supply_pressure"]
+    pressure = np.linspace(0.0, supply, 201)
+    curves = {}
+    for share in (0.2, 0.4, 0.6, 0.8, 1.0):
+        flow = _core.orifice_flow(loader.values, np.full_like(pressure, share * rated), pressure)
+        curves[f"{share:.0%} of rated current"] = _valve_curve(pressure, flow)
+    i_share, p_share = (ALTERNATIVES[f"valve.operating_{name}"].default_us for name in ("current", "pressure"))
+    current, at = np.array([i_share * rated]), np.array([p_share * supply])
+    _, slope = _core.valve_gains(loader.values, i_share, p_share)
+    tangent = _core.orifice_flow(loader.values, current, at) - slope * (pressure - at)
+    curves[f"tangent at {i_share:.0%}, eq. (2)"] = _valve_curve(pressure, tangent)
+    return Figure("figure-02", "Control valve: flow against load pressure", Kind.VALVE, curves)
+
+
+def _valve_curve(pressure: np.ndarray, flow: np.ndarray) -> xr.Dataset:
+    return xr.Dataset(
+        {"flow_m3_per_s": ("load_pressure_pa", flow, {"units": "m^3/s"})},
+        {"load_pressure_pa": ("load_pressure_pa", pressure, {"units": "Pa"})},
+    )
+
+
+def _servo(key: str, title: str, loader: Loader, *, closed: bool) -> Figure:
+    rigid = servo(loader, Linkage.RIGID, closed=closed)
+    compliant = servo(loader, Linkage.COMPLIANT, closed=closed)
+    # The column's angle as the voltage that the potentiometer would give if the link did not stretch.
+    volts_per_rad = rigid.C[0, 0] / rigid.C[1, 0]
+    return Figure(
+        key,
+        title,
+        Kind.FREQUENCY,
+        {
+            "rigid link": frequency_response(rigid[0, 0], FREQUENCIES_HZ),
+            "compliant link, piston": frequency_response(compliant[0, 0], FREQUENCIES_HZ),
+            "compliant link, column": frequency_response(volts_per_rad * compliant[1, 0], FREQUENCIES_HZ),
+        },
+    )
+
+
+def _overall(design: Design) -> Figure:
+    curves = {
+        one.name: frequency_response(overall_open_loop(design.low_loader, one.linkage, one.compensator), FREQUENCIES_HZ)
+        for one in design.configurations
+    }
+    return Figure("figure-10", "Overall open loop at the low setting", Kind.FREQUENCY, curves)
+
+
+def _original(key: str, title: str, design: Design, linkage: Linkage) -> Figure:
+    settings = {"programmed setting": design.loader, "low setting": design.low_loader}
+    curves = {name: _response(loader_model(loader, None, linkage), loader) for name, loader in settings.items()}
+    # Both settings have the same ideal: frequency, damping ratio and programmed deflection are kept.
+    curves["ideal feel"] = _response(ideal_feel(design.loader), design.loader)
+    return Figure(key, title, Kind.TIME, curves)
+
+
+def _compensated(design: Design) -> Figure:
+    curves = {one.name: _configuration(one, design.loader) for one in design.configurations}
+    curves["ideal feel"] = _response(ideal_feel(design.loader), design.loader)
+    return Figure("figure-14", "Step of pilot force, compensated beside the original", Kind.TIME, curves)
+
+
+def _configuration(one: Configuration, loader: Loader) -> xr.Dataset:
+    return _response(loader_model(loader, one.compensator, one.linkage), loader)
+
+
+def _response(model: control.StateSpace, loader: Loader) -> xr.Dataset:
+    return step_response(model, loader["pilot.force"])

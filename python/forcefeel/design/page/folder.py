@@ -1,0 +1,49 @@
+"""The report's folder: everything is computed and written aside first, then put in place, the page last."""
+
+from pathlib import Path
+
+from forcefeel.design.figure_data import figures
+from forcefeel.design.page.numbers import results_json
+from forcefeel.design.page.page import page
+from forcefeel.design.page.responses import csv, table
+from forcefeel.design.workflow import Design
+from forcefeel.page.staging import OutputFolder
+from forcefeel.units import UnitSystem
+
+PAGE, RESULTS, RESPONSES = "report.html", "results.json", "responses"
+"""Names in the folder."""
+
+FOLDER = OutputFolder("the report", (PAGE, RESULTS), (RESPONSES,))
+"""Checked before the work, written after it."""
+
+
+def write_report(design: Design, out: Path, units: UnitSystem) -> Path:
+    """Writes ``report.html``, ``results.json`` and ``responses/figure-*.csv``.
+
+    An existing report stays as it is until the new one is complete; other files in the folder are left alone.
+
+    Args:
+        design: What to report.
+        out: The folder; made if it is not there.
+        units: The units of every number.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, or cannot be made or written.
+    """
+    FOLDER.check(out)
+    FOLDER.write(out, _contents(design, units))
+    return out / PAGE
+
+
+def _contents(design: Design, units: UnitSystem) -> dict[str, str]:
+    """Each file's text by its name within the folder, the page last."""
+    drawn = figures(design)
+    tables = {f"{RESPONSES}/{figure.key}.csv": table(figure, units) for figure in drawn}
+    return {
+        **{name: csv(data) for name, data in tables.items()},
+        RESULTS: results_json(design, drawn, tables, units),
+        PAGE: page(design, drawn, tuple(tables), units),
+    }

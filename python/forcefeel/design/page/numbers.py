@@ -1,0 +1,43 @@
+"""``results.json``: every number of the design with its unit, and what stands in which table of values."""
+
+import json
+from collections.abc import Mapping
+from importlib.metadata import version
+
+import xarray as xr
+
+from forcefeel.design.figure_data import Figure
+from forcefeel.design.findings import conclusions
+from forcefeel.design.page.captions import MEANINGS
+from forcefeel.design.workflow import Design
+from forcefeel.json_values import plain
+from forcefeel.units import UnitSystem
+
+
+def results_json(design: Design, drawn: tuple[Figure, ...], tables: Mapping[str, xr.Dataset], units: UnitSystem) -> str:
+    """The results as JSON text.
+
+    Args:
+        design: The design.
+        drawn: The figures.
+        tables: Their tables of values by file name, in the order of ``drawn``.
+        units: The units of every number.
+    """
+    curves = [
+        {
+            "figure": figure.key,
+            "title": figure.title,
+            "meaning": MEANINGS[figure.key],
+            "file": name,
+            "columns": [*map(str, data.coords), *map(str, data.data_vars)],
+        }
+        for figure, (name, data) in zip(drawn, tables.items(), strict=True)
+    ]
+    document = {
+        "forcefeel": version("forcefeel"),
+        "units": str(units),
+        "conclusions": plain(conclusions(design, units), units),
+        "design": plain(design, units),
+        "figures": curves,
+    }
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"

@@ -1,0 +1,176 @@
+"""The figures drawn, one function per kind."""
+
+from collections.abc import Callable
+
+import numpy as np
+import plotly.graph_objects as go
+import xarray as xr
+from plotly.subplots import make_subplots
+
+from forcefeel.design.figure_data import Figure, Kind
+from forcefeel.design.page.stability import departs, is_unstable
+from forcefeel.design.workflow import Design
+from forcefeel.page.canvas import frame, line, mark_level
+from forcefeel.page.palette import Look, look
+from forcefeel.page.signals import signal
+from forcefeel.page.typography import parameter_text, unit_text
+from forcefeel.units import UnitSystem
+
+CUT = 2.5
+"""An unstable curve is drawn until it leaves this many times the ideal's peak, or the valve's rating."""
+
+_FREQUENCY_TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
+_PAIRED = 76
+"""Room for two lines of legend, so that plots side by side have their axes at the same height."""
+
+_VIEW_BELOW, _VIEW_ABOVE = -0.6, 1.6
+"""What is in view where a curve is unstable, in peaks of the ideal."""
+
+
+def draw(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
+    """``figure`` as a Plotly figure with the units of ``system``."""
+    drawings: dict[Kind, Callable[[Figure, Design, UnitSystem], go.Figure]] = {
+        Kind.VALVE: _valve,
+        Kind.FREQUENCY: _frequency,
+        Kind.TIME: _demand if figure.key == "figure-14" else _time,
+    }
+    return drawings[figure.kind](figure, design, system)
+
+
+def _valve(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
+    picture = go.Figure()
+    units = ["", ""]
+    for position, (label, data) in enumerate(figure.curves.items()):
+        pressure, flow = _shown(data["load_pressure_pa"], system), _shown(data["flow_m3_per_s"], system)
+        units = [unit_text(pressure[1]), unit_text(flow[1])]
+        style = look(figure.key, label, position)
+        picture.add_scatter(x=pressure[0], y=flow[0], name=label.replace("%", " %"), line=line(style), mode="lines")
+    supply = parameter_text(design.loader, "valve.supply_pressure", system)
+    frame(picture, 440)
+    picture.update_xaxes(title_text=f"Load pressure p, {units[0]} (supply {supply})")
+    picture.update_yaxes(title_text=f"Flow q, {units[1]}", rangemode="tozero")
+    return picture
+
+
+def _frequency(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
+    picture = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.05)
+    for position, (label, data) in enumerate(figure.curves.items()):
+        style = line(look(figure.key, label, position))
+        frequency = data["frequency_hz"].values
+        for row, name, unit in ((1, "gain_db", "dB"), (2, "phase_deg", "°")):
+            picture.add_scatter(
+                x=frequency,
+                y=data[name].values,
+                name=label,
+                legendgroup=label,
+                showlegend=row == 1,
+                line=style,
+                mode="lines",
+                hovertemplate=f"%{{y:.1f}} {unit}" if unit == "dB" else f"%{{y:.1f}}{unit}",
+                row=row,
+                col=1,
+            )
+    frame(picture, 560, top=32 if figure.key == "figure-10" else _PAIRED)
+    mark_level(picture, 0.0, row=1)
+    if figure.key in {"figure-08", "figure-10"}:
+        mark_level(picture, -180.0, row=2)
+    picture.update_xaxes(type="log", tickvals=_FREQUENCY_TICKS, ticktext=[f"{f:g}" for f in _FREQUENCY_TICKS])
+    picture.update_xaxes(tickangle=0, range=[-1, 2], unifiedhovertitle={"text": "%{x:.3~g} Hz"})
+    picture.update_xaxes(title_text="Frequency, Hz", row=2, col=1)
+    picture.update_yaxes(title_text="Gain, dB", row=1, col=1)
+    picture.update_yaxes(title_text="Phase, deg", dtick=90, row=2, col=1)
+    return picture
+
+
+def _time(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
+    picture = make_subplots(rows=1, cols=1)
+    _angle_panel(picture, figure, design, row=1)
+    frame(picture, 420, top=_PAIRED)
+    picture.update_xaxes(title_text="Time, s", range=[0, _end(figure)], unifiedhovertitle={"text": "%{x:.3f} s"})
+    return picture
+
+
+def _demand(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
+    """Column angle, and below it what the valve gives, as percent of its ratings."""
+    picture = make_subplots(rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05, row_heights=[0.5, 0.25, 0.25])
+    _angle_panel(picture, figure, design, row=1)
+    panels = (
+        (2, "valve_current_a", "Current", "valve.rated_current"),
+        (3, "actuator_flow_m3_per_s", "Flow", "valve.rated_flow"),
+    )
+    for row, name, title, rating in panels:
+        _share_panel(picture, figure, design, name, design.loader[rating], row)
+        text = f"{title}, % of<br>{parameter_text(design.loader, rating, system)}"
+        picture.update_yaxes(title_text=text, row=row, col=1)
+    frame(picture, 720)
+    picture.update_xaxes(range=[0, _end(figure)], unifiedhovertitle={"text": "%{x:.3f} s"})
+    picture.update_xaxes(title_text="Time, s", row=3, col=1)
+    return picture
+
+
+def _angle_panel(picture: go.Figure, figure: Figure, design: Design, *, row: int) -> None:
+    """Column angle in degrees; unstable curves are cut where they leave the picture."""
+    peak = float(np.degrees(np.max(np.abs(figure.curves["ideal feel"]["column_angle_rad"].values))))
+    for position, (label, data) in enumerate(figure.curves.items()):
+        bad = is_unstable(design, figure.key, label)
+        angle = np.degrees(data["column_angle_rad"].values)
+        time, angle = _cut(data["time_s"].values, angle, CUT * peak) if bad else (data["time_s"].values, angle)
+        picture.add_scatter(
+            x=time,
+            y=angle,
+            name=f"{label} (unstable)" if bad else label,
+            legendgroup=label,
+            line=line(look(figure.key, label, position)),
+            mode="lines",
+            hovertemplate="%{y:.2f}°",
+            row=row,
+            col=1,
+        )
+    picture.update_yaxes(title_text="Column angle, deg", row=row, col=1)
+    if departs(design, figure):
+        picture.update_yaxes(range=[_VIEW_BELOW * peak, _VIEW_ABOVE * peak], row=row, col=1)
+
+
+def _share_panel(picture: go.Figure, figure: Figure, design: Design, name: str, rated: float, row: int) -> None:
+    """A demand on the valve as percent of its rating; the ideal feel makes none."""
+    largest = 0.0
+    for position, (label, data) in enumerate(figure.curves.items()):
+        if name not in data:
+            continue
+        time, share = data["time_s"].values, 100 * data[name].values / rated
+        if is_unstable(design, figure.key, label):
+            time, share = _cut(time, share, CUT * 100)
+        largest = max(largest, float(np.max(np.abs(share))))
+        style: Look = look(figure.key, label, position)
+        picture.add_scatter(
+            x=time,
+            y=share,
+            name=label,
+            legendgroup=label,
+            showlegend=False,
+            line=line(style),
+            mode="lines",
+            hovertemplate="%{y:.1f} %",
+            row=row,
+            col=1,
+        )
+    if largest > 60:  # the rating is worth showing once the demand comes near it
+        for level in (-100.0, 100.0):
+            mark_level(picture, level, row=row)
+        picture.update_yaxes(range=[-150, 150], row=row, col=1)
+
+
+def _cut(time: np.ndarray, values: np.ndarray, limit: float) -> tuple[np.ndarray, np.ndarray]:
+    """A curve up to the first sample beyond ``limit``; the whole of it is in the table of values."""
+    beyond = np.flatnonzero(np.abs(values) > limit)
+    last = int(beyond[0]) + 1 if len(beyond) else len(values)
+    return time[:last], np.clip(values[:last], -limit, limit)
+
+
+def _shown(data: xr.DataArray, system: UnitSystem) -> tuple[np.ndarray, str]:
+    found = signal(data, system)
+    return (data.values * found.scale, found.unit) if found else (data.values, "")
+
+
+def _end(figure: Figure) -> float:
+    return float(next(iter(figure.curves.values()))["time_s"].values[-1])

@@ -1,0 +1,175 @@
+"""What the report claims of its compensation but does not show: paths that can be dropped, and insensitivity."""
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.design.assessment import Assessment, assess
+from forcefeel.errors import InputError
+from forcefeel.laws.recursion import GAIN_SYMBOLS, DesignSettings
+from forcefeel.linear.boundary import StabilityBoundary, smallest_stable_stiffness
+from forcefeel.linear.models import state_feedback
+from forcefeel.loader.loader import Loader
+from forcefeel.units import PERCENT
+
+CHANGES = (-0.20, -0.10, -0.05, 0.05, 0.10, 0.20)
+"""Deviations at which the sensitivity is taken."""
+
+PLANT_PARAMETERS = (
+    "amplifier.admittance",
+    "valve.current_gain",
+    "valve.pressure_gain",
+    "valve.natural_frequency",
+    "valve.damping_ratio",
+    "actuator.area",
+    "actuator.oil_volume",
+    "actuator.bulk_modulus",
+    "linkage.ratio",
+    "linkage.stiffness",
+    "linkage.damping",
+    "column.inertia",
+    "column.base_arm",
+    "column.grip_arm",
+)
+"""Every parameter that the compensated loop depends on, besides its gains and the programmed feel."""
+
+
+@dataclass(frozen=True)
+class DroppedPaths:
+    """The compensated loop without some of its feedback paths.
+
+    Attributes:
+        paths: The gains set to zero, such as ``("c_2", "c_6")``.
+        assessment: How the rest renders the feel.
+        cost_increase: Growth of the cost index over the full set, as a share; not a number where unstable.
+        boundary: Smallest stable G without them.
+    """
+
+    paths: tuple[str, ...]
+    assessment: Assessment
+    cost_increase: Annotated[float, PERCENT]
+    boundary: StabilityBoundary
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """The compensated loop with one gain or one plant parameter off its value.
+
+    Attributes:
+        quantity: ``c_1`` .. ``c_6``, or a key of the parameter table.
+        change: Deviation as a share of the value.
+        assessment: How the loop renders the feel; ``None`` if the changed value is out of the parameter's range.
+    """
+
+    quantity: str
+    change: Annotated[float, PERCENT]
+    assessment: Assessment | None
+
+
+def drop_paths(
+    loader: Loader, gains: NDArray[np.float64], settings: DesignSettings | None = None
+) -> tuple[DroppedPaths, ...]:
+    """Every set of one to five of the six paths, dropped; singles first, then pairs, and so on.
+
+    Args:
+        loader: The loader.
+        gains: SI gains c_1 .. c_6 of the full set; the others keep their values when some are dropped.
+        settings: Weights of the cost index.
+    """
+    full = assess(loader, state_feedback(loader, gains[:6]), settings)
+    rows = []
+    for count in range(1, 6):
+        for dropped in combinations(range(6), count):
+            left = gains[:6].copy()
+            left[list(dropped)] = 0.0
+            law = state_feedback(loader, left)
+            found = assess(loader, law, settings)
+            paths = tuple(GAIN_SYMBOLS[k] for k in dropped)
+            edge = smallest_stable_stiffness(loader, compensator=law)
+            rows.append(DroppedPaths(paths, found, found.cost / full.cost - 1, edge))
+    return tuple(rows)
+
+
+def best_of_each_count(rows: tuple[DroppedPaths, ...]) -> tuple[DroppedPaths, ...]:
+    """For each number of dropped paths the stable set that tracks best; counts without a stable set are left out."""
+    best: dict[int, DroppedPaths] = {}
+    for row in rows:
+        count = len(row.paths)
+        if row.assessment.stable and (
+            count not in best or row.assessment.tracking_error < best[count].assessment.tracking_error
+        ):
+            best[count] = row
+    return tuple(best.values())
+
+
+VISIBLE_LOSS = 0.01
+"""Growth of the tracking error, as a share of the deflection, that a pilot would not see: a tenth of the 10 % of force that
+the static check of 14 CFR Part 60 (Table A2A, test 2.a.1.a) allows."""
+
+STABILITY_LOSS = 0.10
+"""Growth of the smallest stable G that one gives away for a simpler compensator; parameters are known no better."""
+
+
+def droppable(rows: tuple[DroppedPaths, ...], full: Assessment, boundary: StabilityBoundary) -> DroppedPaths | None:
+    """The largest set that can be dropped without a visible loss of fidelity or stability; ``None`` if there is none.
+
+    Args:
+        rows: Every set, from ``drop_paths``.
+        full: How the loop renders the feel with all paths.
+        boundary: Its smallest stable G with all paths.
+    """
+    error = full.tracking_error + VISIBLE_LOSS
+    edge = boundary.stiffness_n_m_per_rad * (1 + STABILITY_LOSS)
+    free = [
+        row for row in rows if row.assessment.tracking_error <= error and row.boundary.stiffness_n_m_per_rad <= edge
+    ]
+    most = max((len(row.paths) for row in free), default=0)
+    return min(
+        (row for row in free if len(row.paths) == most), key=lambda row: row.assessment.tracking_error, default=None
+    )
+
+
+def sensitivity(
+    loader: Loader, gains: NDArray[np.float64], settings: DesignSettings | None = None
+) -> tuple[Deviation, ...]:
+    """The compensated loop with each gain and each plant parameter at ``CHANGES``, one at a time.
+
+    Gains and the constants of the feel computer stay those of ``loader`` while the plant deviates, and the feel that is
+    asked for stays the programmed one.
+
+    Args:
+        loader: The loader that the gains were designed for.
+        gains: SI gains c_1 .. c_6.
+        settings: Weights of the cost index.
+    """
+    nominal = state_feedback(loader, gains[:6])
+    rows = []
+    for k, symbol in enumerate(GAIN_SYMBOLS[:6]):
+        for change in CHANGES:
+            changed = gains[:6].copy()
+            changed[k] *= 1 + change
+            rows.append(Deviation(symbol, change, assess(loader, state_feedback(loader, changed), settings)))
+    for key in PLANT_PARAMETERS:
+        for change in CHANGES:
+            try:
+                plant = loader.replace({key: loader[key] * (1 + change)})
+            except InputError:
+                rows.append(Deviation(key, change, None))
+                continue
+            rows.append(Deviation(key, change, assess(plant, nominal, settings, programmed=loader)))
+    return tuple(rows)
+
+
+def worst(rows: tuple[Deviation, ...]) -> Deviation:
+    """The deviation that harms most: an unstable loop before any stable one, then the largest tracking error."""
+
+    def harm(row: Deviation) -> tuple[bool, float]:
+        if row.assessment is None:
+            return (False, -np.inf)
+        found = row.assessment
+        return (not found.stable, found.tracking_error if found.stable else found.abscissa_per_s)
+
+    return max(rows, key=harm)

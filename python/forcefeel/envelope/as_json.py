@@ -1,0 +1,130 @@
+"""An envelope for machines: its figures as plain data, every number with its unit, and its settings as a table."""
+
+import csv
+import io
+from collections.abc import Mapping
+from importlib.metadata import version
+
+import numpy as np
+
+from forcefeel.envelope.cases import Case
+from forcefeel.envelope.deviations import Deviation
+from forcefeel.envelope.findings import envelope_conclusions
+from forcefeel.envelope.plan import Plan
+from forcefeel.envelope.result import INERTIA, Envelope
+from forcefeel.envelope.settings import AXES, Settings
+from forcefeel.json_values import Plain, plain, quantity
+from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.units import ANGLE, PERCENT, UnitSystem
+
+
+def plain_envelope(found: Envelope, units: UnitSystem) -> dict[str, Plain]:
+    """What an envelope says, and of what."""
+    plan = found.plan
+    return {
+        "forcefeel": version("forcefeel"),
+        "units": str(units),
+        "loader": plan.loader.name,
+        "rule": plain_rule(plan),
+        "release_angle": quantity(plan.release_rad, ANGLE, units),
+        "method": "exact" if plan.linear else "stepped",
+        "settings": plan.settings.count,
+        "grid": plain_grid(plan.settings, units),
+        "tolerances": plain_deviations(plan.deviations),
+        "cases": [_case(case, units) for case in plan.cases],
+        "draws": plain(plan.draws, units),
+        "releases": releases(found),
+        "left_out": list(plan.left_out),
+        "conclusions": plain(envelope_conclusions(found, units), units),
+        "compensators": {name: _compensator(found, name, units) for name in found.compensators},
+    }
+
+
+def plain_rule(plan: Plan) -> dict[str, Plain]:
+    """The release test that is asked for."""
+    return {
+        "edition": plan.rule,
+        "title": plan.rules.title,
+        "test": plan.test.number,
+        "verified": plan.rule_verified,
+    }
+
+
+def plain_grid(settings: Settings, units: UnitSystem) -> dict[str, Plain]:
+    """The values along each axis."""
+    return {
+        name: {
+            "unit": axis.unit.shown(units),
+            "values": [axis.unit.from_si(value, units) for value in getattr(settings, name)],
+        }
+        for name, axis in AXES.items()
+    }
+
+
+def plain_deviations(deviations: Mapping[str, Deviation]) -> list[Plain]:
+    """How far each parameter may be off, in per cent of its value, and who says so; cases are made of its ends."""
+    return [
+        {
+            "parameter": key,
+            "origin": str(one.origin),
+            "distribution": str(one.spread.distribution),
+            "ends": [quantity(end, PERCENT, UnitSystem.SI) for end in one.ends],
+        }
+        for key, one in deviations.items()
+    ]
+
+
+def releases(found: Envelope) -> int:
+    """Releases in all: of the cases, and of the machines that were drawn."""
+    names = ("outcome", "drawn_outcome")
+    return sum(int(found.data[name].size) for name in names if name in found.data)
+
+
+def _case(case: Case, units: UnitSystem) -> dict[str, Plain]:
+    return {
+        "name": case.name,
+        "kind": str(case.kind),
+        "parameter": case.parameter,
+        "change": quantity(case.change, PERCENT, units),
+        "arm": plain(case.arm, units),
+    }
+
+
+def _compensator(found: Envelope, name: str, units: UnitSystem) -> dict[str, Plain]:
+    return {
+        "shares": plain(found.shares(name), units),
+        "shares_even_in_proportion": plain(found.even_shares(name), units),
+        "all_at_once": plain(found.drawn_shares(name), units) if found.plan.machines else None,
+        "fails_first_nominally": {str(kind): share for kind, share in found.failure_shares(name).items()},
+        "smallest_nominally": plain(found.smallest(name), units),
+        "smallest_in_every_case": plain(found.smallest(name, worst=True), units),
+        "cases": [plain(row, units) for row in found.case_shares(name)],
+        "passivity": plain(found.passivity[name], units),
+    }
+
+
+def settings_csv(found: Envelope, units: UnitSystem) -> str:
+    """Every setting in a line: what is programmed, and how each compensator ends nominally and in its first failing case."""
+    plan = found.plan
+    rows = plan.settings.rows * [axis.unit.from_si(1.0, units) for axis in AXES.values()]
+    feel = plan.settings.feel(plan.loader)
+    shown = [INERTIA, unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"])]
+    feel = feel * [one.from_si(1.0, units) for one in shown]
+    names = [f"{axis.title} ({axis.unit.shown(units)})".removesuffix(" ()") for axis in AXES.values()]
+    names += [f"{symbol} ({one.shown(units)})" for symbol, one in zip("IBG", shown, strict=True)]
+    columns = []
+    for name in found.compensators:
+        codes = found.codes(name)
+        first = np.argmax(codes != 0, axis=0)
+        case = np.array([one.name for one in plan.cases])[first]
+        worst = np.take_along_axis(codes, first[np.newaxis], axis=0)[0]
+        columns.append([found.outcomes[code] for code in codes[0]])
+        columns.append([found.outcomes[code] for code in worst])
+        columns.append(np.where(worst == 0, "", case).tolist())
+        names += [f"{name}: nominal", f"{name}: outcome in the first case that fails", f"{name}: first case that fails"]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(names)
+    for numbers, words in zip(np.hstack([rows, feel]).tolist(), zip(*columns, strict=True), strict=True):
+        writer.writerow([*(f"{number:.6g}" for number in numbers), *words])
+    return text.getvalue()

@@ -1,0 +1,187 @@
+"""How far each parameter of the machine that was built may lie from the value that its loader states, and who says so.
+
+A tolerance of the loader file sizes the cases and the draws of its parameter. Where the file gives none, one is assumed and called
+so: 20 %, of the valve's gain 30 %, uniform. The built-in loaders' own tolerances are assumed too, as their source says.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from math import isfinite
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.design.studies import PLANT_PARAMETERS
+from forcefeel.errors import InputError
+from forcefeel.loader.loader import BUILT_IN, Loader
+from forcefeel.loader.parameters import OFF, TABLE, did_you_mean, is_switch
+from forcefeel.loader.tolerances import Distribution, Tolerance, beyond
+from forcefeel.units import show
+
+USUAL_CHANGE, VALVE_GAIN_CHANGE = 0.2, 0.3
+
+CHANGES: Mapping[str, float] = MappingProxyType(
+    {key: VALVE_GAIN_CHANGE if key == "valve.current_gain" else USUAL_CHANGE for key in PLANT_PARAMETERS}
+)
+"""How far each parameter of the plant is assumed to be off, to either side. Not the sensors' gains, which are calibrated, nor those
+of the feel computer, which are numbers in a program."""
+
+_ORIFICE = {"valve.current_gain": "valve.rated_flow", "valve.pressure_gain": "valve.supply_pressure"}
+"""What stands for the gains C_i, C_p where the flow follows the orifice, eq. (1)."""
+
+_IDLE = {False: {*_ORIFICE.values(), "valve.rated_current"}, True: set(_ORIFICE)}
+"""Rows of the valve that do nothing, without the orifice and with it."""
+
+_MACHINE = ("amplifier", "valve", "actuator", "linkage", "column")
+"""Parts whose tolerances count. Sensors are calibrated; controller, feel and pilot are not the machine."""
+
+
+class Origin(StrEnum):
+    """Who says how far a parameter may be off."""
+
+    FILE = "loader file"
+    GIVEN = "as asked"
+    ASSUMED = "assumed"
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """How far one parameter may be off.
+
+    Attributes:
+        spread: Its distribution, in shares of the loader's value: 0 is the value itself.
+        origin: Who says so.
+    """
+
+    spread: Tolerance
+    origin: Origin
+
+    @classmethod
+    def within(cls, share: float, origin: Origin = Origin.GIVEN) -> "Deviation":
+        """Uniform, by a share to either side."""
+        return cls(Tolerance(Distribution.UNIFORM, -share, share), origin)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The shares by which the cases of the parameter are off: see ``Tolerance.ends``."""
+        return self.spread.ends
+
+    @property
+    def size(self) -> float:
+        """Half the distance of its ends; of one that goes as far to either side, the share itself."""
+        low, high = self.ends
+        return (high - low) / 2
+
+    @property
+    def lean(self) -> float:
+        """How far its middle lies from the loader's value, as a share of ``size``: 0 for one that goes as far to either side."""
+        low, high = self.ends
+        return (high + low) / (high - low)
+
+    def drawn(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The shares by which machines are off, from uniform numbers between 0 and 1."""
+        return self.spread.quantile(u)
+
+    def scaled(self, factor: float) -> "Deviation":
+        """The same, tightened about the loader's value."""
+        spread = self.spread
+        numbers = {name: getattr(spread, name) for name in ("low", "high", "peak", "deviation")}
+        moved = {name: factor * value for name, value in numbers.items() if value is not None}
+        return replace(self, spread=replace(spread, **moved))
+
+
+def deviations_of(loader: Loader) -> Mapping[str, Deviation]:
+    """How far the parameters of a loader may be off: by its own tolerances, and where it has none as assumed.
+
+    Args:
+        loader: The loader. Where its flow follows the orifice, the orifice's rows stand for the valve's gains.
+
+    Raises:
+        InputError: If a tolerance leads out of its row's range.
+    """
+    orifice = bool(loader["valve.orifice"])
+    assumed = {_ORIFICE.get(key, key) if orifice else key: share for key, share in CHANGES.items()}
+    found = {key: Deviation.within(share, Origin.ASSUMED) for key, share in assumed.items()}
+    stated = {key: it for key, it in loader.tolerances.items() if _counts(loader, key)}
+    if wrong := beyond(stated):
+        raise InputError("\n".join(wrong))
+    found |= {key: Deviation(_in_shares(it, loader[key]), _origin(loader, key)) for key, it in stated.items()}
+    return MappingProxyType(found)
+
+
+def uncounted(loader: Loader) -> tuple[str, ...]:
+    """The tolerances of a loader that no case is made of, though they may do something."""
+    idle = _IDLE[bool(loader["valve.orifice"])]
+    return tuple(key for key in loader.tolerances if key not in idle and not _counts(loader, key))
+
+
+def chosen_deviations(loader: Loader, changes: Mapping[str, float | Deviation] | None) -> Mapping[str, Deviation]:
+    """The deviations that are asked for; ``deviations_of`` the loader where nothing is.
+
+    Args:
+        loader: The loader.
+        changes: Shares to either side, or deviations, by parameter.
+
+    Raises:
+        InputError: If a parameter is none that can be off, or a share is not above 0 and below 1.
+    """
+    if changes is None:
+        return deviations_of(loader)
+    for key in changes:
+        _check_key(loader, key)
+    return MappingProxyType({key: _deviation(key, given) for key, given in changes.items()})
+
+
+def _deviation(key: str, given: float | Deviation) -> Deviation:
+    if isinstance(given, Deviation):
+        return given
+    if isinstance(given, bool) or not (isinstance(given, int | float) and 0 < given < 1):
+        raise InputError(f"changes: {key}: expected a share above 0 and below 1, got {show(given)}")
+    return Deviation.within(given)
+
+
+def _check_key(loader: Loader, key: str) -> None:
+    if key not in TABLE or is_switch(TABLE[key]):
+        raise InputError(f"changes: expected parameters of the plant, got {show(key)}; {did_you_mean(key)}")
+    if TABLE[key].part in {"controller", "feel", "pilot"}:
+        what = "the controller, the feel and the pilot are not the plant's"
+        raise InputError(f"changes: expected parameters of the plant, got {show(key)}; {what}")
+    if not _has_shares(loader, key):
+        raise InputError(f"changes: {key}: has no shares, because it is off or zero; give it a value, or leave it out")
+
+
+def _has_shares(loader: Loader, key: str) -> bool:
+    return loader[key] not in {0.0, OFF.get(key)} and isfinite(loader[key])
+
+
+def _counts(loader: Loader, key: str) -> bool:
+    """Whether a tolerance of ``key`` makes cases."""
+    idle = _IDLE[bool(loader["valve.orifice"])]
+    return TABLE[key].part in _MACHINE and key not in idle and _has_shares(loader, key)
+
+
+def _in_shares(tolerance: Tolerance, value: float) -> Tolerance:
+    """A tolerance in SI units as one in shares of the value's size."""
+    size = abs(value)
+    places = {name: getattr(tolerance, name) for name in ("low", "high", "peak")}
+    moved = {name: (place - value) / size for name, place in places.items() if place is not None}
+    deviation = None if tolerance.deviation is None else tolerance.deviation / size
+    return replace(tolerance, **moved, deviation=deviation, nominal=None)
+
+
+def _origin(loader: Loader, key: str) -> Origin:
+    """The loader file, unless the tolerance is one of a built-in loader's, which its source calls assumed."""
+    if loader.name not in BUILT_IN:
+        return Origin.FILE
+    own = BUILT_IN[loader.name]()
+    if key not in own.tolerances or not loader.source.startswith(own.source):
+        return Origin.FILE
+    mine, theirs = (_in_shares(one.tolerances[key], one[key]) for one in (loader, own))
+    same = mine.distribution is theirs.distribution and np.allclose(mine.ends, theirs.ends, rtol=_SAME, atol=0)
+    return Origin.ASSUMED if same else Origin.FILE
+
+
+_SAME = 1e-9
+"""Relative; tolerances that are the same but for rounding."""

@@ -1,0 +1,176 @@
+"""What an engineer should conclude from an envelope, in words."""
+
+from collections.abc import Sequence
+from math import inf, isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.design.findings import Conclusions
+from forcefeel.envelope.cases import Kind
+from forcefeel.envelope.result import INERTIA, MOST, Envelope
+from forcefeel.envelope.settings import AXES, Axis
+from forcefeel.envelope.tolerance_sentences import tolerance_sentences
+from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.sweep.findings import interval_text, share_text
+from forcefeel.units import ANGLE, UnitSystem, to_text
+
+WHOLE_NOMINAL, WHOLE_WORST = 0.95, 0.90
+"""Shares from which on a compensator is said to render the envelope: nominally, and in every case."""
+
+
+def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
+    """The conclusions, with numbers in ``units``; ``good`` where a compensator renders the envelope."""
+    shares = [found.shares(name) for name in found.compensators]
+    best = max(shares, key=lambda one: (one.passes_worst, one.passes))
+    whole = best.passes >= WHOLE_NOMINAL and best.passes_worst >= WHOLE_WORST
+    verdict = (
+        f"Of {found.plan.settings.count:,} programmed feels the loader renders within tolerance "
+        + ", ".join(
+            f"{share_text(one.passes)} with {name_text(one.compensator)} ({share_text(one.passes_worst)} in every case)"
+            for one in shares
+        )
+        + "."
+    )
+    lines = [_fails(found, name) for name in found.compensators]
+    lines += [line for name in found.compensators if (line := _worst(found, name))]
+    lines += [_drawn(found, best.compensator)] if found.plan.machines else []
+    lines += [line for line in (_smallest(found, best.compensator, units), _passive(found)) if line]
+    return Conclusions(whole, verdict, (*lines, _counted(found, units), *caveats(found, units)))
+
+
+def name_text(name: str) -> str:
+    """What a compensator is called in a sentence."""
+    return {
+        "original": "the original loop",
+        "published": "the published gains",
+        "converged": "the converged gains",
+    }.get(name, name)
+
+
+def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
+    """What the figures do not cover."""
+    plan = found.plan
+    lines = [*tolerance_sentences(plan.given, plan.deviations)]
+    what = [] if plan.rule_verified else [f"{plan.rules.title} ({plan.rules.edition})"]
+    what += [case.name for case in plan.cases if not case.verified]
+    if what:
+        lines.append(f"Not verified against a source: {', '.join(what)}.")
+    if plan.left_out:
+        rows = ", ".join(plan.left_out)
+        lines.append(f"Left out, because an envelope programs I, B and G alone: {rows}.")
+    if not plan.linear:
+        angle = f"{to_text(ANGLE.from_si(plan.release_rad, units), 3)} {ANGLE.shown(units)}"
+        loop = "sampled loop, its delay included" if plan.loader["controller.period"] else "linear model"
+        lines.append(
+            f"The loader has optional rows: its releases, from {angle}, are stepped. Stability is that of the {loop}; a setting "
+            "that is unstable there counts as unstable."
+        )
+    return tuple(lines)
+
+
+def _fails(found: Envelope, name: str) -> str:
+    shares = found.shares(name)
+    failing = {kind: share for kind, share in found.failure_shares(name).items() if share > 0}
+    if not failing:
+        return f"{_sentence(name)}: stable and within tolerance at every setting with the nominal plant."
+    order = sorted(failing, key=lambda kind: -failing[kind])
+    parts = [f"{kind} at {share_text(failing[kind])}" for kind in order]
+    return f"{_sentence(name)}: stable at {share_text(shares.stable)} of the settings. What fails first: {', '.join(parts)}."
+
+
+def _worst(found: Envelope, name: str) -> str:
+    rows = [row for kind in (Kind.PLANT, Kind.ARM) if (row := found.worst_case(name, kind)) is not None]
+    if not rows:
+        return ""
+    parts = [f"{row.case} ({share_text(row.lost)})" for row in rows]
+    return f"Of what {name_text(name)} render{_s(name)} nominally, most is lost with {' and with the '.join(parts)}."
+
+
+def _drawn(found: Envelope, name: str) -> str:
+    one, most = found.drawn_shares(name), share_text(MOST)
+    where = "at the corners of" if found.plan.draws.corners else "at random within"
+    sure = interval_text(one.good_low, one.good_high)
+    return (
+        f"All tolerances at once, {one.machines:,} machines drawn {where} them, hands off, with {name_text(name)}: "
+        f"{share_text(one.settings)} of the settings pass in at least {most} of the machines, and {share_text(one.good)} of the "
+        f"machines ({sure} of all such, 95 % sure) pass at {most} of the settings or more. A machine passes at "
+        f"{share_text(one.passes)} of the settings on average, the worst of them at {share_text(one.least)}."
+    )
+
+
+def _counted(found: Envelope, units: UnitSystem) -> str:
+    """By which grid the shares count, and what another weight of its points would give."""
+    settings = found.plan.settings
+    grid = "; ".join(
+        f"{axis.title} {spacing_text(axis, getattr(settings, name), units)}" for name, axis in AXES.items()
+    )
+    others = ", ".join(
+        f"{share_text(one.passes)} with {name_text(one.compensator)} ({share_text(one.passes_worst)} in every case)"
+        for one in map(found.even_shares, found.compensators)
+    )
+    return (
+        f"Every point of the grid counts the same: {grid}. Weighed so that equal steps in proportion count the same along all "
+        f"three axes, the same points pass at {others}."
+    )
+
+
+def spacing_text(axis: Axis, values: Sequence[float], units: UnitSystem) -> str:
+    """The values of an axis, or how many there are from where to where."""
+    shown = [to_text(axis.unit.from_si(value, units), 3) for value in values]
+    name = f" {axis.unit.shown(units)}".rstrip()
+    even = [
+        kind for kind, step in (("in proportion", np.diff(np.log(values))), ("evenly", np.diff(values))) if _equal(step)
+    ]
+    if even and len(values) > _FEW:
+        return f"{shown[0]} to {shown[-1]}{name}, {len(values)} values {even[0]}"
+    return f"{', '.join(shown)}{name}"
+
+
+_FEW = 3
+"""Values that are listed however they are spaced."""
+
+
+def _equal(steps: NDArray[np.float64]) -> bool:
+    return bool(np.ptp(steps) < _SAME * steps.max())
+
+
+_SAME = 1e-6
+"""Relative; steps that are the same but for rounding."""
+
+
+def _smallest(found: Envelope, name: str, units: UnitSystem) -> str:
+    edge = found.smallest(name)
+    if not isfinite(edge.inertia_n_m_s2_per_rad):
+        return ""
+    stiffness = unit(TABLE["feel.stiffness"])
+    inertia_text = f"{to_text(INERTIA.from_si(edge.inertia_n_m_s2_per_rad, units), 3)} {INERTIA.shown(units)}"
+    stiffness_text = f"{to_text(stiffness.from_si(edge.stiffness_n_m_per_rad, units), 3)} {stiffness.shown(units)}"
+    return (
+        f"The smallest inertia that passes with {name_text(name)} is I = {inertia_text}, {to_text(edge.inertia_share, 2)} "
+        f"times the column's own; the smallest stiffness is {share_text(edge.stiffness_share)} of G_max, G = {stiffness_text}."
+    )
+
+
+def _passive(found: Envelope) -> str:
+    states = []
+    for name in found.compensators:
+        grip = found.passivity[name]
+        if not grip.stable:
+            state = "unstable"
+        elif grip.first_hz == inf:
+            state = "passive"
+        else:
+            low, high = grip.bands_hz[0]
+            state = f"not passive from {to_text(low, 3)} to {to_text(high, 3)} Hz"
+        states.append(f"{state} with {name_text(name)}")
+    return f"The grip at the loader's own setting, hands off: {', '.join(states)}."
+
+
+def _sentence(name: str) -> str:
+    text = name_text(name)
+    return text[0].upper() + text[1:]
+
+
+def _s(name: str) -> str:
+    return "" if name in {"published", "converged"} else "s"

@@ -1,0 +1,108 @@
+"""The admittance at the grip, hands off: ``Y(jw) = v / F_p``, ``v`` the grip's velocity, from the linear model of many loops.
+
+| loop | ``Y(jw)`` |
+|---|---|
+| analog, eq. (17) | ``c (jw - A)^-1 b`` |
+| sampled, ``x+ = M x + b_F F_p`` | ``jw c (e^(jwT) - M)^-1 b_F / H(jw)`` |
+
+``H(jw) = (1 - e^(-jwT)) / (jwT)`` takes off that the pilot's force is held over the period in ``b_F``; it holds well below half the
+sampling rate.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import matrix_balance
+
+from forcefeel import _core
+from forcefeel._core import Compensator
+from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.parameters import INDEX
+from forcefeel.loops.sampled_loop import sampled_loops
+
+
+@dataclass(frozen=True, eq=False)
+class Grips:
+    """The grips of loops.
+
+    Attributes:
+        matrix: A or M, (loops, states, states), balanced.
+        by_force: b or b_F, (loops, states), per N.
+        row: c, (loops, states): the grip's velocity in m/s of an analog loop, its place in m of a sampled one.
+        period_s: Sample period; ``None`` for analog loops.
+    """
+
+    matrix: NDArray[np.float64] = field(repr=False)
+    by_force: NDArray[np.float64] = field(repr=False)
+    row: NDArray[np.float64] = field(repr=False)
+    period_s: float | None
+
+    @classmethod
+    def of(cls, loader: Loader, laws: SettingLaws, feel: NDArray[np.float64]) -> "Grips":
+        """The grips of a loader at settings I, B, G, a row each."""
+        rows = loader.rows(FEEL_SETTING, feel)
+        if not loader["controller.period"]:
+            return cls(*_balanced([_analog(values, laws.single(loader, k)) for k, values in enumerate(rows)]), None)
+        loops = sampled_loops(loader, laws.found, rows)
+        place = np.zeros(loops.matrix.shape[1])
+        place[loops.base] = loader["column.grip_arm"] / loader["column.base_arm"]
+        models = [(m, b, place) for m, b in zip(loops.matrix, loops.by_force, strict=True)]
+        return cls(*_balanced(models), loops.period_s)
+
+    def poles_and_residues(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+        """``Y / factor`` as a sum of ``residue / (point - pole)``, both (loops, states)."""
+        poles, vectors = np.linalg.eig(self.matrix)
+        weights = np.linalg.solve(vectors, self.by_force[..., None].astype(complex))[..., 0]
+        return poles, (self.row[:, None] @ vectors)[:, 0] * weights
+
+    def stable(self, poles: NDArray[np.complex128]) -> NDArray[np.bool_]:
+        """Whether the loops of these poles are stable."""
+        inside = poles.real < 0 if self.period_s is None else np.abs(poles) < 1
+        return np.asarray(inside.all(axis=-1))
+
+    def points(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """``jw`` or ``e^(jwT)``."""
+        s = 2j * np.pi * frequency_hz
+        return np.asarray(s if self.period_s is None else np.exp(s * self.period_s))
+
+    def factor(self, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """What the sum is multiplied by."""
+        s = 2j * np.pi * frequency_hz
+        if self.period_s is None:
+            return np.ones_like(s)
+        return np.asarray(s * (s * self.period_s) / (1 - np.exp(-s * self.period_s)))
+
+    def admittance(self, loop: int, frequency_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """``Y(jw)`` of one loop, without its poles."""
+        matrix, n = self.matrix[loop], self.matrix.shape[1]
+        resolvent = self.points(frequency_hz)[:, None, None] * np.eye(n) - matrix
+        states = np.linalg.solve(resolvent, np.broadcast_to(self.by_force[loop][:, None], (len(frequency_hz), n, 1)))
+        return np.asarray((self.row[loop] @ states)[:, 0] * self.factor(frequency_hz))
+
+
+_Model = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+
+
+def _analog(values: NDArray[np.float64], law: object) -> _Model:
+    """``A`` of eq. (17), the column for the pilot's force and the row for the velocity at the grip."""
+    a, b, c, _ = _core.compliant(values, law if isinstance(law, Compensator) else Compensator.original(values))
+    row = np.zeros(len(a))
+    # v = R_p theta', theta' the same row on the velocity as theta on the position
+    row[_BASE_RATE] = values[INDEX["column.grip_arm"]] * c[0, _BASE]
+    return a, b[:, 0], row
+
+
+_BASE, _BASE_RATE = 6, 7
+"""States x_b and x_b' of eq. (17)."""
+
+
+def _balanced(models: Sequence[_Model]) -> _Model:
+    found = []
+    for a, b, row in models:
+        balanced, (scale, _) = matrix_balance(a, permute=False, separate=True)
+        found.append((balanced, b / scale, row * scale))
+    matrix, by_force, row = (np.array(part) for part in zip(*found, strict=True))
+    return matrix, by_force, row

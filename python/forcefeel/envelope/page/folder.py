@@ -1,0 +1,44 @@
+"""The folder of an envelope: its page, its results, its settings as a table and its maps, whole or not at all."""
+
+import json
+from pathlib import Path
+
+from forcefeel.envelope import Envelope
+from forcefeel.envelope.as_json import plain_envelope, settings_csv
+from forcefeel.envelope.page.page import envelope_page
+from forcefeel.page.staging import OutputFolder
+from forcefeel.units import UnitSystem
+
+PAGE, RESULTS, SETTINGS, MAPS = "envelope.html", "results.json", "settings.csv", "envelope.nc"
+"""Names in the folder."""
+
+FOLDER = OutputFolder("the envelope", (PAGE, RESULTS, SETTINGS, MAPS))
+"""Checked before the work, written after it."""
+
+
+def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bool = False) -> Path:
+    """Writes ``envelope.nc``, ``settings.csv``, ``results.json`` and ``envelope.html``, the page last.
+
+    What is there stays until the new files are complete; other files in the folder are left alone.
+
+    Args:
+        found: The envelope.
+        out: The folder; made if it is not there.
+        units: The units of every number but those of ``envelope.nc``, which are SI.
+        replace: Whether the new files may take the place of others.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+    """
+    FOLDER.check(out, replace=replace)
+    contents: dict[str, str | bytes] = {
+        MAPS: bytes(found.data.to_netcdf(engine="scipy")),
+        SETTINGS: settings_csv(found, units),
+        RESULTS: json.dumps(plain_envelope(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        PAGE: envelope_page(found, units),
+    }
+    FOLDER.write(out, contents)
+    return out / PAGE

@@ -1,0 +1,65 @@
+"""The curves of an envelope: the impedance at the grip over frequency."""
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+
+from forcefeel.envelope.passivity import ARM_HZ
+from forcefeel.envelope.result import Envelope
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.page.canvas import frame, line
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+
+_OTHERS = ("#A8568A", "#B57A00", "#56B4E9", "#6B7580")
+_LOOKS = {
+    "original": Look(COMPLIANT),
+    "published": Look(COMPENSATED, "solid", 2.6),
+    "converged": Look(RIGID, "dash", 2.4),
+}
+
+
+def impedance(found: Envelope) -> go.Figure:
+    """Phase of the impedance at the grip at the loader's own setting; beyond 90 deg the grip gives energy to the hand."""
+    picture = go.Figure()
+    others = iter(_OTHERS * len(found.compensators))
+    for name in found.compensators:
+        grip = found.passivity[name]
+        look = _LOOKS.get(name) or Look(next(others), "dashdot")
+        picture.add_scatter(
+            x=grip.frequency_hz,
+            y=grip.phase_deg,
+            mode="lines",
+            name=name if grip.stable else f"{name} (unstable)",
+            line=line(look),
+            hovertemplate="%{y:.1f}°",
+        )
+    picture.add_scatter(
+        x=grip.frequency_hz,
+        y=_ideal_phase(found, grip.frequency_hz),
+        mode="lines",
+        name="I, B, G alone",
+        line=line(Look(IDEAL, "dot")),
+        hovertemplate="%{y:.1f}°",
+    )
+    frame(picture, 380, top=40)
+    for low, high in ((-180, -90), (90, 180)):
+        picture.add_hrect(low, high, fillcolor="#F3D6D2", opacity=0.55, line_width=0, layer="below")
+    picture.add_vline(ARM_HZ, line={"color": "#6B7580", "dash": "dash", "width": 1})
+    ticks = [0.05, 0.1, 0.5, 1, 5, 10, 50, 100, 500]
+    picture.update_xaxes(
+        type="log",
+        title_text="Frequency, Hz",
+        range=np.log10(grip.frequency_hz[[0, -1]]).tolist(),
+        tickvals=ticks,
+        ticktext=[f"{tick:g}" if tick not in {0.05, 0.5, 5, 50, 500} else "" for tick in ticks],
+        hoverformat=".3~g",
+    )
+    picture.update_yaxes(title_text="Phase of Z, deg", range=[-180, 180], tickvals=[-180, -90, 0, 90, 180])
+    return picture
+
+
+def _ideal_phase(found: Envelope, frequency_hz: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of ``Z = I s + B + G / s``, but for the lever arm, which turns nothing."""
+    inertia, damping, stiffness = (found.plan.given[key] for key in FEEL_SETTING)
+    s = 2j * np.pi * frequency_hz
+    return np.asarray(np.degrees(np.angle(inertia * s + damping + stiffness / s)))

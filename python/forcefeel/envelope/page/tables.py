@@ -1,0 +1,178 @@
+"""The tables of an envelope: one number each, what fails, what each case costs, what can be rendered, passivity."""
+
+from math import isfinite
+
+from forcefeel.envelope.cases import Kind
+from forcefeel.envelope.passivity import ARM_HZ, HIGHEST_HZ
+from forcefeel.envelope.result import INERTIA, MOST, Envelope, Failure
+from forcefeel.envelope.settings import AXES
+from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.page.table import Cell, Table, heads, number, words
+from forcefeel.page.typography import NONE, heading_text, number_text, parameter_name, value_text
+from forcefeel.sweep.findings import interval_text, share_text
+from forcefeel.units import HERTZ, UnitSystem
+
+_BAD = (240, 140, 60)
+
+
+def shares(found: Envelope) -> Table:
+    """One number each."""
+    rows = []
+    for name in found.compensators:
+        one = found.shares(name)
+        numbers = (one.stable, one.passes, one.stable_worst, one.passes_worst)
+        rows.append((words(capital(name)), *(number(share_text(share)) for share in numbers)))
+    head = ("Law", "Stable", "Passes", "Stable in every case", "Passes in every case")
+    return Table(heads(*head), tuple(rows))
+
+
+def drawn(found: Envelope) -> Table:
+    """One number each, on machines with all tolerances at once."""
+    rows = []
+    for name in found.compensators:
+        one = found.drawn_shares(name)
+        sure = interval_text(one.good_low, one.good_high)
+        good = f"{share_text(one.good)} ({sure})"
+        numbers = (share_text(one.settings), good, share_text(one.passes), share_text(one.least))
+        rows.append((words(capital(name)), *map(number, numbers)))
+    most = share_text(MOST)
+    head = (
+        "Law",
+        f"Settings that pass in {most} of the machines",
+        f"Machines that pass at {most} of the settings",
+        "A machine passes at, on average",
+        "The worst machine passes at",
+    )
+    return Table(heads(*head), tuple(rows))
+
+
+def counted(found: Envelope) -> Table:
+    """The shares by two weights of the grid's points."""
+    rows = []
+    for name in found.compensators:
+        one, even = found.shares(name), found.even_shares(name)
+        numbers = (one.passes, even.passes, one.passes_worst, even.passes_worst)
+        rows.append((words(capital(name)), *(number(share_text(share)) for share in numbers)))
+    head = ("Law", "Passes: by points", "in proportion", "In every case: by points", "in proportion")
+    return Table(heads(*head), tuple(rows))
+
+
+def failures(found: Envelope) -> Table:
+    """What fails first with the nominal plant, as shares of all settings."""
+    shown = {name: found.failure_shares(name) for name in found.compensators}
+    kinds = [kind for kind in Failure if any(row[kind] for row in shown.values())]
+    rows = [
+        (words(capital(kind)), *(number(share_text(row[kind]) if row[kind] else NONE) for row in shown.values()))
+        for kind in kinds
+    ]
+    return Table(heads("What fails first", *(capital(name) for name in shown)), tuple(rows))
+
+
+def cases(found: Envelope) -> Table:
+    """What each case leaves: settings within tolerance, and of those that are nominally, the share that is lost."""
+    shown = [found.case_shares(name) for name in found.compensators]
+    rows = []
+    for place, case in enumerate(found.plan.cases):
+        cells = []
+        for column in shown:
+            one = column[place]
+            share = 0.0 if not isfinite(one.lost) else one.lost
+            cells += [number(share_text(one.stable)), number(share_text(one.passes))]
+            known = isfinite(one.lost) and case.kind is not Kind.NOMINAL
+            cells.append(Cell(share_text(one.lost) if known else NONE, "number", _heat(share)))
+        if case.kind is Kind.PLANT:
+            change = f"{'+' if case.change > 0 else '−'}{number_text(100 * abs(case.change), 3)}\N{NO-BREAK SPACE}%"
+            named = words(parameter_name(case.parameter) + f" {change}")
+        else:
+            named = words(capital(case.name) + ("" if case.verified else " (not verified)"))
+        rows.append((named, *cells))
+    head = [Cell("Case")]
+    for name in found.compensators:
+        head += [Cell(f"{capital(name)}: {what}", "number") for what in ("stable", "passes", "lost")]
+    return Table(tuple(head), tuple(rows))
+
+
+def smallest(found: Envelope, system: UnitSystem) -> Table:
+    """Smallest inertia and stiffness."""
+    stiffness = unit(TABLE["feel.stiffness"])
+    rows = []
+    for name in found.compensators:
+        for worst in (False, True):
+            one = found.smallest(name, worst=worst)
+            known = isfinite(one.inertia_n_m_s2_per_rad)
+            rows.append(
+                (
+                    words(f"{capital(name)}, {'in every case' if worst else 'nominally'}"),
+                    number(value_text(one.inertia_n_m_s2_per_rad, INERTIA, system)),
+                    number(number_text(one.inertia_share, 3) if known else NONE),
+                    number(value_text(one.stiffness_n_m_per_rad, stiffness, system)),
+                    number(share_text(one.stiffness_share) if known else NONE),
+                    number(value_text(one.frequency_rad_per_s, HERTZ, system)),
+                )
+            )
+    head = (
+        "Passes",
+        heading_text("Smallest I", INERTIA, system),
+        "times the column's",
+        heading_text("Smallest G", stiffness, system),
+        "share of G max",
+        "Highest frequency, Hz",
+    )
+    return Table(heads(*head), tuple(rows))
+
+
+def passive(found: Envelope) -> Table:
+    """Where the grip is not passive."""
+    rows = []
+    for name in found.compensators:
+        grip = found.passivity[name]
+        bands = ", ".join(f"{number_text(low, 3)} to {number_text(high, 3)}" for low, high in grip.bands_hz)
+        state = (bands or f"none up to {number_text(HIGHEST_HZ)}") if grip.stable else "unstable"
+        rows.append(
+            (
+                words(capital(name)),
+                number(state, bad=bool(bands) or not grip.stable),
+                number(share_text(grip.settings)),
+                number(share_text(grip.settings_below_arm)),
+            )
+        )
+    below = f"Settings passive up to {number_text(ARM_HZ)} Hz"
+    return Table(heads("Law", "Not passive, Hz, at the loader's setting", "Settings passive", below), tuple(rows))
+
+
+def grid(found: Envelope, system: UnitSystem) -> Table:
+    """The settings."""
+    rows = []
+    for name, axis in AXES.items():
+        values = getattr(found.plan.settings, name)
+        ends = (number(number_text(axis.unit.from_si(value, system), 3)) for value in (values[0], values[-1]))
+        rows.append((words(capital(axis.title)), *ends, Cell(axis.unit.shown(system)), number(str(len(values)))))
+    head = (Cell("Axis"), Cell("From", "number"), Cell("To", "number"), Cell("Unit"), Cell("Values", "number"))
+    return Table(head, tuple(rows))
+
+
+def arms(found: Envelope) -> Table:
+    """The arms at the grip."""
+    rows = [
+        (
+            words(capital(case.name)),
+            *(number(number_text(value)) for value in case.arm.values),
+            Cell("yes" if case.verified else "no", "" if case.verified else "bad"),
+        )
+        for case in found.plan.cases
+        if case.arm
+    ]
+    return Table((*heads("Arm", "Mass, kg", "Damper, N s/m", "Spring, N/m"), Cell("Verified")), tuple(rows))
+
+
+def capital(text: str) -> str:
+    """The text with a capital at its beginning."""
+    return text[:1].upper() + text[1:]
+
+
+def _heat(share: float) -> str:
+    """The more is lost, the darker."""
+    if share <= 0:
+        return ""
+    mixed = (round(255 + share**0.5 * (channel - 255)) for channel in _BAD)
+    return "#" + "".join(f"{channel:02X}" for channel in mixed)

@@ -1,0 +1,141 @@
+"""What an envelope is made of: a loader, the settings, the compensators, the rule, what is off its value, the arms."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite, radians
+from types import MappingProxyType
+from typing import Annotated
+
+from forcefeel._core import Compensator
+from forcefeel.envelope.cases import REFERENCE_ARMS, Case, PilotArm, make_cases
+from forcefeel.envelope.deviations import Deviation, chosen_deviations
+from forcefeel.envelope.draws import NO_DRAWS, Draws
+from forcefeel.envelope.machines import plain_feel
+from forcefeel.envelope.settings import Settings
+from forcefeel.errors import InputError
+from forcefeel.laws.recursion import DesignSettings
+from forcefeel.laws.sampled.methods import Method
+from forcefeel.laws.sampled.setting_laws import NAMED_LAWS, Law, named
+from forcefeel.loader.loader import Loader
+from forcefeel.qualification import DEFAULT_EDITION, Rules, Test, load_rules
+from forcefeel.qualification.programme.throw import Throw
+from forcefeel.units import ANGLE, show
+
+_LARGEST_ANGLE = radians(90.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """An envelope to be computed.
+
+    Attributes:
+        given: The loader as it was given. Its own feel and arm are not used.
+        compensators: The laws by name: names of ``setting_laws.NAMED_LAWS``, or laws of one's own.
+        settings: The grid of settings.
+        rule: Edition of the rule whose release test it must pass.
+        changes: How far each parameter of the plant is off: shares to either side, or deviations; ``deviations_of`` the loader if
+            not given.
+        arms: The arms at the grip, beside none.
+        angle_rad: Angle of the release; if not given, the rule's largest share of the throw, of its shorter side.
+        draws: How many machines are drawn from all tolerances at once; none if not given.
+        loader: The loader with a feel of I, B and G alone.
+        left_out: Rows of the feel and the arm that the loader has and the envelope leaves out.
+        deviations: How far each parameter may be off, and who says so.
+        cases: The nominal case, then what is off, then the arms.
+        machines: The machines that are drawn.
+        rules: The rule.
+        test: Its release test.
+        throw: How far the column goes, for the release and for tolerances that are shares of the travel.
+
+    Raises:
+        InputError: If a part of it is bad.
+    """
+
+    given: Loader
+    compensators: Mapping[str, Law]
+    settings: Settings
+    rule: str = DEFAULT_EDITION
+    changes: Mapping[str, float | Deviation] | None = None
+    arms: Sequence[PilotArm] = REFERENCE_ARMS
+    angle_rad: Annotated[float, ANGLE] | None = None
+    draws: Draws = NO_DRAWS
+    loader: Loader = field(init=False)
+    left_out: tuple[str, ...] = field(init=False)
+    deviations: Mapping[str, Deviation] = field(init=False)
+    cases: tuple[Case, ...] = field(init=False)
+    machines: tuple[Case, ...] = field(init=False, repr=False)
+    rules: Rules = field(init=False)
+    test: Test = field(init=False)
+    throw: Throw = field(init=False)
+
+    def __post_init__(self) -> None:
+        loader, left_out = plain_feel(self.given)
+        rules = load_rules(self.rule)
+        given = self.angle_rad
+        if given is not None and not (isfinite(given) and 0 < given <= _LARGEST_ANGLE):
+            raise InputError(f"angle_rad: expected an angle above 0 and up to 90 deg, got {show(given)} rad")
+        if not self.compensators:
+            raise InputError(f"compensators: expected at least one, such as {', '.join(NAMED_LAWS)}")
+        deviations = chosen_deviations(loader, self.changes)
+        found = {
+            "loader": loader,
+            "left_out": left_out,
+            "deviations": deviations,
+            "cases": make_cases(deviations, self.arms),
+            "machines": self.draws.machines(deviations),
+            "rules": rules,
+            "test": rules.of("release", "pitch"),
+            "throw": Throw.of(self.given),
+            "compensators": MappingProxyType(dict(self.compensators)),
+        }
+        for name, value in found.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def release_rad(self) -> float:
+        """Angle of the release."""
+        if self.angle_rad is not None:
+            return self.angle_rad
+        return self.throw.release_rad(self.rules)
+
+    @property
+    def linear(self) -> bool:
+        """Whether the loader has no optional rows: its releases are exact."""
+        return not self.loader.given
+
+    @property
+    def rule_verified(self) -> bool:
+        """Whether every tolerance of the release test, and how it is read, has been held against the document."""
+        rows = [self.test.is_verified(tolerance) for tolerance in self.test.tolerances]
+        return all(rows) and self.rules.release.verified
+
+
+def make_plan(
+    loader: Loader,
+    compensators: Sequence[str] | Mapping[str, Law] = ("original", "published", "converged"),
+    grid: Mapping[str, str | Sequence[float]] | None = None,
+    **options: object,
+) -> Plan:
+    """A plan from names and text.
+
+    Args:
+        loader: The loader.
+        compensators: Names of ``setting_laws.NAMED_LAWS``, or laws by name.
+        grid: Axes as ``Settings.of`` takes them.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws`` of ``Plan``.
+
+    Raises:
+        InputError: If one of them is bad.
+    """
+    if isinstance(compensators, str):
+        raise InputError(f"compensators: expected a list of names or laws by name, got {show(compensators)}")
+    if isinstance(compensators, Mapping):
+        for name, law in compensators.items():
+            if law is not None and not isinstance(law, DesignSettings | Method | Compensator):
+                raise InputError(
+                    f"compensators: {name}: expected DesignSettings, a Method, a Compensator or None, got {show(law)}"
+                )
+        chosen = dict(compensators)
+    else:
+        chosen = named(tuple(compensators), loader)
+    return Plan(loader, chosen, Settings.of(grid or {}), **options)  # type: ignore[arg-type]

@@ -1,0 +1,152 @@
+"""Releases of many settings: exact where the loader is linear and analog, stepped by the engine where it is not.
+
+Stable is what the linear model says: the analog loop's poles, or those of the sampled loop with its delay.
+
+What comes of either are the column's angles over time, at a rate that follows the programmed frequency.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import ceil, log, pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel.envelope.cases import Case, PilotArm
+from forcefeel.envelope.machines import columns, full_rows, machines
+from forcefeel.envelope.plan import Plan
+from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import INDEX
+from forcefeel.loops.sampled_loop import sampled_loops
+from forcefeel.qualification import ReleaseBatch, measure_releases
+from forcefeel.simulation import RunStatus, Scenario, simulate_batch
+from forcefeel.simulation.inputs import Release
+from forcefeel.simulation.programmed_feel import with_arm
+from forcefeel.simulation.scenario import LONGEST_STEP_S
+
+_FEWEST_PERIODS = 10
+_LEFT = 1e-3
+"""Of the deflection: the ideal has come this near to its rest at the end of the record."""
+
+_SHORTEST_STEP_S, _MOST_DOUBLINGS = 1e-3, 2
+_SAMPLES_IN_PERIOD = 250
+"""At least; and none longer than 4 ms, so that the column on its link, at some 20 Hz, is seen."""
+
+_CHUNK_BYTES = 2**24
+"""Histories in memory at once: they stay near the processor on their way from the release to its measure."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """How long a release is recorded, and how finely.
+
+    Attributes:
+        step_s: Time between samples.
+        samples: Samples, the first at the moment of the release.
+    """
+
+    step_s: float
+    samples: int
+
+    @classmethod
+    def of(cls, frequency: float, least_damping: float) -> "Record":
+        """For a programmed frequency in rad/s and the least damping ratio of the grid."""
+        period = 2 * pi / frequency
+        doublings = int(
+            np.clip(np.floor(np.log2(period / _SAMPLES_IN_PERIOD / _SHORTEST_STEP_S) + 1e-9), 0, _MOST_DOUBLINGS)
+        )
+        step = _SHORTEST_STEP_S * 2**doublings
+        periods = max(_FEWEST_PERIODS, ceil(log(1 / _LEFT) / (2 * pi * least_damping)))
+        return cls(step, ceil(periods * period / step) + 1)
+
+    @property
+    def time_s(self) -> NDArray[np.float64]:
+        """Time of each sample."""
+        return np.asarray(np.arange(self.samples) * self.step_s, dtype=np.float64)
+
+    @property
+    def duration_s(self) -> float:
+        """From the release to the last sample."""
+        return (self.samples - 1) * self.step_s
+
+    def chunks(self, count: int) -> Iterator[slice]:
+        """So many records in pieces that fit into ``_CHUNK_BYTES``."""
+        size = max(8, _CHUNK_BYTES // (8 * self.samples) // 8 * 8)
+        return (slice(first, min(first + size, count)) for first in range(0, count, size))
+
+
+def pieces(plan: Plan) -> Iterator[tuple[NDArray[np.intp], Record]]:
+    """The settings of one frequency after the other, as many as are in memory together, with how they are recorded."""
+    for frequency in plan.settings.frequency:
+        record = Record.of(frequency, plan.settings.damping[0])
+        which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
+        for chunk in record.chunks(len(which)):
+            yield which[chunk], record
+
+
+def measured(plan: Plan, record: Record, angles: NDArray[np.float64], threads: int) -> ReleaseBatch:
+    """Releases measured as the plan's rule says."""
+    return measure_releases(record.time_s, angles, held=1, rules=plan.rules.release, threads=threads)
+
+
+def carrying(loader: Loader, feel: NDArray[np.float64], arm: PilotArm | None) -> NDArray[np.float64]:
+    """I, B, G, a row each, with the arm that both the column and the ideal carry."""
+    return feel if arm is None else with_arm(loader, feel, arm.values)
+
+
+def released(
+    plan: Plan, case: Case, feel: NDArray[np.float64], laws: SettingLaws, record: Record, threads: int
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """Whether each setting's loop is stable, and its column's angle (settings, samples) after the release.
+
+    Args:
+        plan: The envelope.
+        case: Machine and arm.
+        feel: I, B, G of the settings, a row each.
+        laws: The law of each.
+        record: How long, how finely.
+        threads: How many.
+    """
+    if plan.loader["controller.period"]:
+        rows = full_rows(plan.loader, case, feel, laws)
+        stable = sampled_loops(plan.loader, laws.found, rows, threads=threads).stable
+        return _stepped(plan, rows, laws, record, threads, stable)
+    columns_ = [INDEX[key] for key in columns(case)]
+    values = machines(plan.loader, case, feel, laws)
+    loops = _core.Loops(plan.loader.values, columns_, values, law=laws.fixed, gains=laws.gains)
+    angles = np.empty((len(feel), record.samples if plan.linear else 0))
+    code = _core.released(loops, angles, plan.release_rad, record.step_s, threads)
+    stable = (code == _STABLE) | (code == _STABLE_BY_POLES)
+    if plan.linear:
+        return stable, angles
+    return _stepped(plan, full_rows(plan.loader, case, feel, laws), laws, record, threads, stable)
+
+
+_STABLE, _STABLE_BY_POLES = 1, 3
+"""Verdicts of the kernel."""
+
+
+def _stepped(
+    plan: Plan,
+    rows: NDArray[np.float64],
+    laws: SettingLaws,
+    record: Record,
+    threads: int,
+    stable: NDArray[np.bool_],
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """The same on a loader with optional rows. A run that diverged is unstable, whatever the linear model says."""
+    angles = np.full((len(rows), record.samples), np.nan)
+    which = np.flatnonzero(stable)
+    if not len(which):
+        return stable, angles
+    step = min(record.step_s, LONGEST_STEP_S)
+    scenario = Scenario(Release(plan.release_rad), record.duration_s, step, record.step_s)
+    law = laws.some(which).found
+    runs = simulate_batch(plan.loader, scenario, rows[which], law, keep=["column_angle_rad"], threads=threads)
+    angles[which] = runs["column_angle_rad"].values
+    stable = stable.copy()
+    stable[which[runs["status"].values == RunStatus.DIVERGED]] = False
+    angles[~stable] = np.nan
+    return stable, angles

@@ -1,0 +1,302 @@
+"""What an envelope says: the outcome at each setting, for each compensator, in each case; shares; what can be rendered."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from forcefeel.envelope.cases import Case, Kind
+from forcefeel.envelope.passivity import Passivity
+from forcefeel.envelope.plan import Plan
+from forcefeel.errors import InputError
+from forcefeel.units import HERTZ, PERCENT, ROTARY_STIFFNESS, Unit
+from forcefeel.wilson import wilson_interval
+
+INERTIA = Unit("N m s^2/rad", "N m s^2/rad", "lb in s^2/rad", "n_m_s2_per_rad")
+
+PASSES, UNSTABLE = "passes", "unstable"
+"""Outcomes beside the figure that fails first."""
+
+
+class Failure(StrEnum):
+    """Why a setting does not pass, in the order of the rule; what a map is coloured by."""
+
+    UNSTABLE = "unstable"
+    FALL = "fall time"
+    FIRST_CROSSING = "first crossing, P0"
+    CYCLES = "later cycles, P1 and on"
+    OVERSHOOTS = "size of overshoots"
+    COUNT = "number of overshoots"
+    REST = "rest, or none reached"
+
+
+def failure_of(outcome: str) -> Failure | None:
+    """The kind of failure of an outcome; ``None`` for one that passes."""
+    if outcome == PASSES:
+        return None
+    if outcome == UNSTABLE:
+        return Failure.UNSTABLE
+    if outcome == "P0":
+        return Failure.FIRST_CROSSING
+    if outcome in {"overshoots", "first overshoot"}:
+        return Failure.COUNT
+    if outcome in {"fall time", "rise time"}:
+        return Failure.FALL
+    if outcome[:1] in {"P", "A"} and outcome[1:].isdecimal():
+        return Failure.CYCLES if outcome[0] == "P" else Failure.OVERSHOOTS
+    return Failure.REST
+
+
+@dataclass(frozen=True)
+class Shares:
+    """One compensator in one number each, as shares of all settings.
+
+    Attributes:
+        compensator: Its name.
+        stable: Stable with the nominal plant, hands off.
+        passes: Passes the release test there.
+        stable_worst: Stable in every case.
+        passes_worst: Passes in every case.
+    """
+
+    compensator: str
+    stable: Annotated[float, PERCENT]
+    passes: Annotated[float, PERCENT]
+    stable_worst: Annotated[float, PERCENT]
+    passes_worst: Annotated[float, PERCENT]
+
+
+@dataclass(frozen=True)
+class DrawnShares:
+    """One compensator on machines that were drawn from all tolerances at once.
+
+    Attributes:
+        compensator: Its name.
+        machines: How many were drawn.
+        settings: Share of the settings that pass in at least ``MOST`` of the machines.
+        good: Share of the machines that pass at ``MOST`` of the settings or more.
+        good_low, good_high: Between these lies the share of all such machines, with a confidence of 95 %: Wilson's interval.
+        passes: Share of the settings that a machine passes at, the mean of all machines.
+        least: That of the worst of the machines.
+    """
+
+    compensator: str
+    machines: int
+    settings: Annotated[float, PERCENT]
+    good: Annotated[float, PERCENT]
+    good_low: Annotated[float, PERCENT]
+    good_high: Annotated[float, PERCENT]
+    passes: Annotated[float, PERCENT]
+    least: Annotated[float, PERCENT]
+
+
+MOST = 0.95
+"""Share of the machines, or of the settings, that counts as most of them."""
+
+
+@dataclass(frozen=True)
+class EvenShares:
+    """One compensator's shares where equal steps in proportion count the same along stiffness, frequency and damping ratio.
+
+    Attributes:
+        compensator: Its name.
+        passes: Passes with the nominal plant, hands off.
+        passes_worst: Passes in every case.
+    """
+
+    compensator: str
+    passes: Annotated[float, PERCENT]
+    passes_worst: Annotated[float, PERCENT]
+
+
+@dataclass(frozen=True)
+class CaseShares:
+    """What one case does.
+
+    Attributes:
+        case: Its name.
+        stable, passes: Shares of all settings.
+        lost: Share of those settings that pass nominally and no longer do; not a number where none passes nominally.
+        verified: Whether the case's numbers have been held against a source.
+    """
+
+    case: str
+    stable: Annotated[float, PERCENT]
+    passes: Annotated[float, PERCENT]
+    lost: Annotated[float, PERCENT]
+    verified: bool
+
+
+@dataclass(frozen=True)
+class Smallest:
+    """The smallest inertia and the smallest stiffness that a compensator renders: the edges of what passes on the grid.
+
+    Attributes:
+        compensator: Its name.
+        worst: Of what passes in every case, or nominally.
+        inertia_n_m_s2_per_rad: Smallest I; not a number where nothing passes.
+        stiffness_n_m_per_rad: Smallest G.
+        inertia_share: The smallest I as a share of the column's own inertia J.
+        stiffness_share: The smallest G as a share of G_max.
+        frequency_rad_per_s: Highest natural frequency that passes.
+    """
+
+    compensator: str
+    worst: bool
+    inertia_n_m_s2_per_rad: Annotated[float, INERTIA]
+    stiffness_n_m_per_rad: Annotated[float, ROTARY_STIFFNESS]
+    inertia_share: Annotated[float, PERCENT]
+    stiffness_share: Annotated[float, PERCENT]
+    frequency_rad_per_s: Annotated[float, HERTZ]
+
+
+@dataclass(frozen=True, eq=False)
+class Envelope:
+    """A computed envelope.
+
+    Attributes:
+        plan: Of what.
+        data: ``outcome`` (compensator, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the least
+            margin as a share of its tolerance: 1 exact, 0 at the limit, not a number where it could not be measured. Where
+            machines were drawn, ``drawn_outcome`` and ``drawn_margin`` (.., machine, ..) too, and ``off`` (machine, parameter): by
+            which share of its value each parameter is off.
+        outcomes: ``passes``, ``unstable``, then what can fail first, by the rule's names.
+        passivity: How passive the grip is, by compensator.
+    """
+
+    plan: Plan
+    data: xr.Dataset
+    outcomes: tuple[str, ...]
+    passivity: Mapping[str, Passivity]
+
+    @cached_property
+    def _codes(self) -> NDArray[np.int8]:
+        """Outcomes (compensator, case, settings)."""
+        values = self.data["outcome"].values
+        return np.asarray(values.reshape(*values.shape[:2], -1))
+
+    @property
+    def compensators(self) -> tuple[str, ...]:
+        """Their names."""
+        return tuple(self.plan.compensators)
+
+    def codes(self, compensator: str) -> NDArray[np.int8]:
+        """Outcomes (case, settings) of a compensator."""
+        return np.asarray(self._codes[self.compensators.index(compensator)])
+
+    def passes(self, compensator: str) -> NDArray[np.bool_]:
+        """Which settings pass (case, settings)."""
+        return np.asarray(self.codes(compensator) == 0)
+
+    def stable(self, compensator: str) -> NDArray[np.bool_]:
+        """Which settings are stable (case, settings)."""
+        return np.asarray(self.codes(compensator) != self.outcomes.index(UNSTABLE))
+
+    def shares(self, compensator: str) -> Shares:
+        """A compensator in one number each."""
+        stable, passes = self.stable(compensator), self.passes(compensator)
+        found = (stable[0], passes[0], stable.all(axis=0), passes.all(axis=0))
+        return Shares(compensator, *(float(which.mean()) for which in found))
+
+    def even_shares(self, compensator: str) -> EvenShares:
+        """The shares with each setting weighed by the room that it stands for in proportion."""
+        passes, weights = self.passes(compensator), self.plan.settings.weights
+        return EvenShares(compensator, float(weights[passes[0]].sum()), float(weights[passes.all(axis=0)].sum()))
+
+    def drawn_shares(self, compensator: str) -> DrawnShares:
+        """A compensator on the machines that were drawn.
+
+        Raises:
+            InputError: If none were.
+        """
+        if not self.plan.machines:
+            raise InputError("draws: expected machines that were drawn, got none; compute the envelope with some")
+        place, machines = self.compensators.index(compensator), len(self.plan.machines)
+        passes = self.data["drawn_outcome"].values[place].reshape(machines, -1) == 0
+        share = passes.mean(axis=1)
+        good = int((share >= MOST).sum())
+        return DrawnShares(
+            compensator,
+            machines,
+            float((passes.mean(axis=0) >= MOST).mean()),
+            good / machines,
+            *wilson_interval(good, machines),
+            float(share.mean()),
+            float(share.min()),
+        )
+
+    def case_shares(self, compensator: str) -> tuple[CaseShares, ...]:
+        """What each case does to a compensator."""
+        stable, passes = self.stable(compensator), self.passes(compensator)
+        lost = passes[0] & ~passes
+        nominal = int(passes[0].sum())
+        return tuple(
+            CaseShares(
+                case.name,
+                float(stable[k].mean()),
+                float(passes[k].mean()),
+                float(lost[k].sum()) / nominal if nominal else np.nan,
+                case.verified,
+            )
+            for k, case in enumerate(self.plan.cases)
+        )
+
+    def failures(self, compensator: str, *, worst: bool = False) -> NDArray[np.int8]:
+        """Why each setting fails (damping, frequency, stiffness): places in ``Failure``, -1 where it passes.
+
+        Args:
+            compensator: Its name.
+            worst: The first case in which it fails, instability before all else, in place of the nominal one.
+        """
+        order = list(Failure)
+        kinds = [failure_of(outcome) for outcome in self.outcomes]
+        table = np.array([-1 if kind is None else order.index(kind) for kind in kinds], dtype=np.int8)
+        found = table[self.codes(compensator)]
+        if worst:
+            first = np.argmax(found >= 0, axis=0)
+            failing = np.take_along_axis(found, first[np.newaxis], axis=0)[0]
+            one = np.where((found == order.index(Failure.UNSTABLE)).any(axis=0), order.index(Failure.UNSTABLE), failing)
+        else:
+            one = found[0]
+        return np.asarray(one.astype(np.int8).reshape(self.plan.settings.shape))
+
+    def failure_shares(self, compensator: str, *, worst: bool = False) -> dict[Failure, float]:
+        """Share of all settings that fail for each reason."""
+        found = self.failures(compensator, worst=worst)
+        return {kind: float((found == place).mean()) for place, kind in enumerate(Failure)}
+
+    def smallest(self, compensator: str, *, worst: bool = False) -> Smallest:
+        """The smallest inertia and stiffness that a compensator renders."""
+        passes = self.passes(compensator)
+        which = passes.all(axis=0) if worst else passes[0]
+        loader = self.plan.loader
+        if not which.any():
+            return Smallest(compensator, worst, *[np.nan] * 5)
+        inertia, _, stiffness = self.plan.settings.feel(loader)[which].T
+        return Smallest(
+            compensator,
+            worst,
+            float(inertia.min()),
+            float(stiffness.min()),
+            float(inertia.min() / loader["column.inertia"]),
+            float(stiffness.min() / loader["feel.maximum_stiffness"]),
+            float(self.plan.settings.rows[which, 1].max()),
+        )
+
+    def case(self, name: str) -> Case:
+        """The case of that name."""
+        return next(case for case in self.plan.cases if case.name == name)
+
+    def worst_case(self, compensator: str, kind: Kind) -> CaseShares | None:
+        """The case of a kind that loses most; ``None`` if there is none that loses any."""
+        rows = [
+            row
+            for row, case in zip(self.case_shares(compensator), self.plan.cases, strict=True)
+            if case.kind is kind and row.lost > 0
+        ]
+        return max(rows, key=lambda row: row.lost, default=None)

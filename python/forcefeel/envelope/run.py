@@ -1,0 +1,123 @@
+"""Computes an envelope: for each frequency, piece by piece, the ideal once and then every compensator in every case."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from forcefeel.envelope.cases import PilotArm
+from forcefeel.envelope.ideal import ideal_releases
+from forcefeel.envelope.passivity import passivity
+from forcefeel.envelope.plan import Plan, make_plan
+from forcefeel.envelope.releases import carrying, measured, pieces, released
+from forcefeel.envelope.result import PASSES, UNSTABLE, Envelope
+from forcefeel.envelope.settings import AXES
+from forcefeel.laws.sampled.setting_laws import Law, SettingLaws
+from forcefeel.loader.loader import Loader
+from forcefeel.qualification import ReleaseBatch, judge_releases
+from forcefeel.threads import threads_or_cores
+
+Progress = Callable[[int, int], None]
+"""Called with the releases that are done and all there are."""
+
+
+def envelope(
+    loader: Loader,
+    compensators: Sequence[str] | Mapping[str, Law] = ("original", "published", "converged"),
+    grid: Mapping[str, str | Sequence[float]] | None = None,
+    *,
+    threads: int | None = None,
+    progress: Progress = lambda done, total: None,
+    **options: object,
+) -> Envelope:
+    """Which programmed feels a loader renders: where its loop is stable, and where a release passes the rule's tolerances.
+
+    Each setting is programmed by its stiffness ``G``, natural frequency and damping ratio, ``I = G / w^2``, ``B = 2 zeta w I`` of
+    eq. (11). The column is held at an angle and let go. Its free response is measured as the rule says and held against that of
+    I, B and G alone, with the nominal plant, with each plant parameter off its value, and with each pilot's arm at the grip. With
+    an arm both the column and the ideal carry it: the question is whether the hand feels the column that is programmed.
+
+    Args:
+        loader: The loader. Its programmed feel is replaced by the settings; optional rows of the feel and an arm are left out.
+        compensators: Names of ``setting_laws.NAMED_LAWS``, or laws by name: ``DesignSettings`` and ``Method`` design a law for
+            each setting and the nominal plant, a ``Compensator`` is one law for all, ``None`` the original loop.
+        grid: Values by axis, ``stiffness`` (shares of G_max), ``frequency`` (rad/s), ``damping``, as numbers or as text such as
+            ``"1..100 %:40:log"``, ``"0.5..4 Hz:25"``, ``"0.1..1.5:20"``.
+        threads: How many; all cores if not given. The numbers do not depend on it.
+        progress: Called with the releases that are done and all there are.
+        options: ``rule``, an edition of ``qualification.editions()``; ``changes``, shares by plant parameter, or deviations, in
+            place of the loader's tolerances; ``arms``; ``angle_rad``; ``draws``, machines with all tolerances at once.
+
+    Returns:
+        The envelope.
+
+    Raises:
+        InputError: If an argument is bad.
+    """
+    return compute(make_plan(loader, compensators, grid, **options), threads=threads, progress=progress)
+
+
+def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lambda done, total: None) -> Envelope:
+    """Computes a planned envelope; arguments as ``envelope``."""
+    threads = threads_or_cores(threads)
+    feel = plan.settings.feel(plan.loader)
+    laws = {name: SettingLaws.of(law, plan.loader, feel) for name, law in plan.compensators.items()}
+    cases = (*plan.cases, *plan.machines)
+    shape = len(laws), len(cases), len(feel)
+    outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
+    done, total = 0, int(np.prod(shape))
+    progress(0, total)
+    names: tuple[str, ...] = ()
+    for which, record in pieces(plan):
+        references: dict[PilotArm | None, ReleaseBatch] = {}
+        some = [law.some(which) for law in laws.values()]
+        for place, case in enumerate(cases):
+            if case.arm not in references:
+                ideal = carrying(plan.loader, feel[which], case.arm)
+                responses = ideal_releases(ideal, plan.release_rad, record.step_s, record.samples)
+                references[case.arm] = measured(plan, record, responses, threads)
+            for k, law in enumerate(some):
+                stable, angles = released(plan, case, feel[which], law, record, threads)
+                found = measured(plan, record, angles, threads)
+                verdicts = judge_releases(found, references[case.arm], plan.test, travel=plan.throw.travel_rad)
+                names = verdicts.names
+                failing = np.where(verdicts.passed, _PASSES, verdicts.first_failing + _FIRST)
+                outcome[k, place, which] = np.where(stable, failing, _UNSTABLE)
+                margin[k, place, which] = np.where(stable, verdicts.margin, np.nan)
+                done += len(which)
+                progress(done, total)
+    grips = {name: passivity(plan.loader, plan.compensators[name], law, feel) for name, law in laws.items()}
+    outcomes = (PASSES, UNSTABLE, *names)
+    return Envelope(plan, _dataset(plan, outcomes, outcome, margin), outcomes, grips)
+
+
+_PASSES, _UNSTABLE, _FIRST = 0, 1, 2
+"""Places among the outcomes; what can fail follows from the third on."""
+
+
+def _dataset(
+    plan: Plan, outcomes: tuple[str, ...], outcome: NDArray[np.int8], margin: NDArray[np.float32]
+) -> xr.Dataset:
+    axes = {name: (name, list(getattr(plan.settings, name)), {"units": axis.unit.si}) for name, axis in AXES.items()}
+    coordinates: dict[str, Any] = {
+        "compensator": list(plan.compensators),
+        "case": [case.name for case in plan.cases],
+        **axes,
+    }
+    over = tuple(axes)
+    shape = (len(plan.compensators), -1, *plan.settings.shape)
+    single = slice(len(plan.cases))
+    data: dict[str, Any] = {
+        "outcome": (("compensator", "case", *over), outcome[:, single].reshape(shape)),
+        "margin": (("compensator", "case", *over), margin[:, single].reshape(shape)),
+    }
+    if plan.machines:
+        drawn = slice(len(plan.cases), None)
+        coordinates["parameter"] = list(plan.deviations)
+        data["drawn_outcome"] = ("compensator", "machine", *over), outcome[:, drawn].reshape(shape)
+        data["drawn_margin"] = ("compensator", "machine", *over), margin[:, drawn].reshape(shape)
+        data["off"] = ("machine", "parameter"), [list(machine.off.values()) for machine in plan.machines]
+    about = {"loader": plan.loader.name, "rule": plan.rule, "outcomes": ", ".join(outcomes)}
+    return xr.Dataset(data, coordinates, about)

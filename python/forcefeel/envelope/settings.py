@@ -1,0 +1,180 @@
+"""The settings of an envelope: stiffness, natural frequency and damping ratio on a grid, and I, B, G from them.
+
+``I = G / w^2``, ``B = 2 zeta w I`` of eq. (11), ``G`` a share of ``G_max``.
+"""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.loader.loader import Loader
+from forcefeel.units import HERTZ, PERCENT, RATIO, Unit, UnitSystem, parse, show, to_text
+
+MOST_SETTINGS = 200_000
+"""Most settings of an envelope: some minutes for each compensator."""
+
+
+_BARE = re.compile(r"[-+0-9.eE]+")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of the grid.
+
+    Attributes:
+        name: What ``--grid`` calls it.
+        title: What it means.
+        unit: In what people read it; the text of a grid may use any unit of the same kind.
+        low, high: Between these (SI) its values lie.
+        default: Its grid if not given.
+    """
+
+    name: str
+    title: str
+    unit: Unit
+    low: float
+    high: float
+    default: str
+
+
+_HZ = 2 * np.pi
+
+AXES: Mapping[str, Axis] = MappingProxyType(
+    {
+        axis.name: axis
+        for axis in (
+            Axis("damping", "damping ratio", RATIO, 0.05, 3.0, "0.1, 0.2, 0.4, 0.7, 1, 1.5"),
+            Axis("frequency", "natural frequency", HERTZ, 0.1 * _HZ, 20 * _HZ, "0.5..4 Hz:16:log"),
+            Axis("stiffness", "stiffness as a share of G_max", PERCENT, 1e-3, 10.0, "1..100 %:25:log"),
+        )
+    }
+)
+"""The axes, in the order of the result's dimensions: stiffness runs fastest."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """A grid of settings.
+
+    Attributes:
+        damping: Damping ratios.
+        frequency: Natural frequencies, rad/s.
+        stiffness: G as shares of G_max.
+
+    Raises:
+        InputError: If an axis has fewer than two values, they do not rise or leave its range, or there are too many settings.
+    """
+
+    damping: tuple[float, ...]
+    frequency: tuple[float, ...]
+    stiffness: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for axis in AXES.values():
+            _check(axis, getattr(self, axis.name))
+        if self.count > MOST_SETTINGS:
+            raise InputError(
+                f"grid: expected at most {MOST_SETTINGS:,} settings, got {self.count:,}; take fewer values"
+            )
+
+    @classmethod
+    def of(cls, given: Mapping[str, str | Sequence[float]]) -> "Settings":
+        """Settings from text such as ``{"stiffness": "1..100 %:40:log"}`` or SI values; defaults where not given.
+
+        Raises:
+            InputError: As the class, and if an axis is unknown or its text cannot be read.
+        """
+        for name in given:
+            if name not in AXES:
+                raise InputError(f"grid: unknown axis {show(name)}; expected {', '.join(AXES)}")
+        return cls(**{name: _values(axis, given.get(name, axis.default)) for name, axis in AXES.items()})
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Values along each of ``AXES``."""
+        return len(self.damping), len(self.frequency), len(self.stiffness)
+
+    @property
+    def count(self) -> int:
+        """Settings in all."""
+        return int(np.prod(self.shape))
+
+    @cached_property
+    def rows(self) -> NDArray[np.float64]:
+        """Damping ratio, frequency in rad/s and share of G_max of each setting, a row each."""
+        axes = np.meshgrid(self.damping, self.frequency, self.stiffness, indexing="ij")
+        return np.column_stack([axis.ravel() for axis in axes])
+
+    @cached_property
+    def weights(self) -> NDArray[np.float64]:
+        """The room that each setting stands for, in proportion along all three axes, as a share of all.
+
+        Along an axis a value stands for what is nearer to it than to its neighbours, from the first value to the last.
+        """
+        axes = []
+        for name in AXES:
+            along = np.log(getattr(self, name))
+            edges = np.concatenate([along[:1], (along[1:] + along[:-1]) / 2, along[-1:]])
+            axes.append(np.diff(edges) / (along[-1] - along[0]))
+        return np.asarray(np.einsum("i,j,k->ijk", *axes).ravel())
+
+    def feel(self, loader: Loader) -> NDArray[np.float64]:
+        """I, B, G in SI units of each setting, a row each."""
+        damping, frequency, share = self.rows.T
+        stiffness = share * loader["feel.maximum_stiffness"]
+        inertia = stiffness / frequency**2
+        return np.column_stack([inertia, 2 * damping * frequency * inertia, stiffness])
+
+
+def _check(axis: Axis, values: Iterable[float]) -> None:
+    found = np.array(tuple(values), dtype=np.float64)
+    if found.ndim != 1 or len(found) < 2 or not np.all(np.isfinite(found)) or np.any(np.diff(found) <= 0):
+        raise InputError(f"grid: {axis.name}: expected two or more rising values, got {show(found.tolist())}")
+    rounding = 1e-9  # relative; a limit in other units is still the limit
+    if found[0] < axis.low * (1 - rounding) or found[-1] > axis.high * (1 + rounding):
+        low, high, first, last = (_shown(axis, value) for value in (axis.low, axis.high, found[0], found[-1]))
+        raise InputError(f"grid: {axis.name}: expected values from {low} to {high}, got {first} to {last}; narrow it")
+
+
+def _shown(axis: Axis, value: float) -> str:
+    return f"{to_text(axis.unit.from_si(value, UnitSystem.US))} {axis.unit.shown(UnitSystem.US)}".strip()
+
+
+def _values(axis: Axis, given: str | Sequence[float]) -> tuple[float, ...]:
+    try:
+        if not isinstance(given, str):
+            return tuple(map(float, given))
+        return _span(axis, given) if ".." in given else _list(axis, given.split(","))
+    except InputError as error:
+        raise InputError(f"grid: {axis.name}: {error}") from error
+    except (TypeError, ValueError) as error:
+        raise InputError(f"grid: {axis.name}: expected text or numbers, got {show(given)}") from error
+
+
+def _list(axis: Axis, texts: Sequence[str]) -> tuple[float, ...]:
+    """Values one by one; those without a unit have that of the last."""
+    *others, last = (text.strip() for text in texts)
+    unit = _BARE.sub("", last, count=1).strip()
+    example = f"{_shown(axis, axis.low)}..{_shown(axis, axis.high)}:20"
+    filled = [f"{one} {unit}".strip() if _BARE.fullmatch(one) else one for one in others]
+    return tuple(parse(one, axis.unit.si, example) for one in (*filled, last))
+
+
+def _span(axis: Axis, given: str) -> tuple[float, ...]:
+    """Values from one to another, evenly spaced or even in proportion."""
+    span, *rest = (part.strip() for part in given.split(":"))
+    whole = bool(rest) and rest[0].isdecimal() and rest[0].isascii() and 2 <= int(rest[0][:9]) <= MOST_SETTINGS
+    if not whole or rest[1:] not in ([], ["log"]):
+        forms = "from..to:how many, from..to:how many:log, or values with commas between"
+        raise InputError(f"expected {forms}, such as {axis.default!r}, got {show(given)}")
+    first, last = _list(axis, span.split("..", 1))
+    if not (last > first and (first > 0 or not rest[1:])):
+        raise InputError(f"expected a first value below the last, above 0 with log, got {show(given)}")
+    make = np.geomspace if rest[1:] else np.linspace
+    return tuple(make(first, last, int(rest[0])).tolist())

@@ -1,0 +1,42 @@
+"""How far the parameters of a plant may be off, and who says so, in sentences."""
+
+from collections.abc import Mapping
+
+from forcefeel.envelope.deviations import Deviation, Origin, uncounted
+from forcefeel.loader.loader import Loader
+from forcefeel.units import to_text
+
+_SAID = {
+    Origin.FILE: "Tolerances by the loader file",
+    Origin.GIVEN: "Tolerances as asked for",
+    Origin.ASSUMED: "Tolerances assumed, not measured",
+}
+
+
+def ends_text(deviation: Deviation) -> str:
+    """From where to where a parameter may be off, such as ``±20 %``."""
+    low, high = (100 * end for end in deviation.ends)
+    if abs(low + high) < _SAME * (high - low):
+        return f"±{to_text(high, 3)} %"
+    return f"{to_text(low, 3)} to {to_text(high, 3)} %"
+
+
+_SAME = 1e-9
+"""Relative; ends that go as far to either side but for rounding."""
+
+
+def tolerance_sentences(loader: Loader, deviations: Mapping[str, Deviation]) -> tuple[str, ...]:
+    """A sentence for each who says how far parameters may be off, and one for the tolerances that no case is made of."""
+    found = []
+    for origin, said in _SAID.items():
+        groups: dict[str, list[str]] = {}
+        for key, one in deviations.items():
+            if one.origin is origin:
+                groups.setdefault(ends_text(one), []).append(key)
+        if groups:
+            parts = (f"{ends} of {', '.join(keys)}" for ends, keys in groups.items())
+            found.append(f"{said}: {'; '.join(parts)}.")
+    if left := [key for key in uncounted(loader) if key not in deviations]:
+        why = "only parts of the machine that have a value can be off it; sensors count as calibrated"
+        found.append(f"Tolerances left out: {', '.join(left)} ({why}).")
+    return tuple(found)

@@ -1,0 +1,74 @@
+"""A checked flight schedule for machines: its figures as plain data, and every number of its laws as a table."""
+
+import csv
+import io
+from importlib.metadata import version
+
+from forcefeel.envelope.as_json import plain_deviations
+from forcefeel.envelope.result import INERTIA
+from forcefeel.flight_schedule.findings import schedule_conclusions
+from forcefeel.flight_schedule.result import ScheduleCheck
+from forcefeel.flight_schedule.schedule import FlightSchedule
+from forcefeel.json_values import Plain, plain, quantity
+from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.units import ANGLE, SECONDS, UnitSystem
+
+FEEL_UNITS = (INERTIA, unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"]))
+"""Units of I, B, G."""
+
+
+def plain_schedule(found: ScheduleCheck, units: UnitSystem) -> dict[str, Plain]:
+    """What the check says, and of what."""
+    schedule = found.schedule
+    return {
+        "forcefeel": version("forcefeel"),
+        "units": str(units),
+        "loader": schedule.loader.name,
+        "method": schedule.method,
+        "period": quantity(schedule.laws.period_s, SECONDS, units),
+        "delay": quantity(schedule.laws.delay_s, SECONDS, units),
+        "axes": [{"name": axis.name, "unit": axis.unit, "values": list(axis.values)} for axis in schedule.axes],
+        "knots": [
+            {
+                "where": where,
+                **{
+                    symbol: quantity(value, measured_in, units)
+                    for symbol, value, measured_in in zip("IBG", feel, FEEL_UNITS, strict=True)
+                },
+            }
+            for where, feel in zip(schedule.where.tolist(), schedule.rows.tolist(), strict=True)
+        ],
+        "refine": found.refine,
+        "tolerances": plain_deviations(found.deviations),
+        "cases": [case.name for case in found.cases],
+        "conclusions": plain(schedule_conclusions(found), units),
+        "stable": found.stable,
+        "dense": found.dense,
+        "parts": [plain(part, units) for part in found.parts],
+        "margins": [plain(one, units) for one in found.margins],
+        "release_test": {
+            "edition": found.test.rules.edition,
+            "title": found.test.rules.title,
+            "angle": quantity(found.test.angle_rad, ANGLE, units),
+        },
+        "releases": [plain(one, units) for one in found.releases],
+    }
+
+
+def gains_csv(schedule: FlightSchedule) -> str:
+    """A line for each knot: where, I, B, G, then every number of its law, row by row; SI units, nothing rounded."""
+    laws, n = schedule.laws, schedule.laws.states
+    known = [*(f"xi{k + 1}" for k in range(n)), "F_c", "x_p", "theta", "delta", "delta'"]
+    heads = [axis.title for axis in schedule.axes]
+    heads += [f"{symbol} ({one.si})" for symbol, one in zip("IBG", FEEL_UNITS, strict=True)]
+    heads += [f"transition[{row + 1},{column + 1}]" for row in range(n) for column in range(n)]
+    heads += [f"input[{row + 1},{name}]" for row in range(n) for name in ("F_c", "x_p", "theta", "e")]
+    heads += [f"{what}[{name}]" for what in ("command", "torque") for name in known]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(heads)
+    for k in range(schedule.knots):
+        parts = (laws.transition[k], laws.input[k], laws.command[k], laws.torque[k])
+        law = [number for part in parts for number in part.ravel().tolist()]
+        writer.writerow([*schedule.where[k].tolist(), *schedule.rows[k].tolist(), *law])
+    return text.getvalue()

@@ -1,0 +1,122 @@
+"""What the check of a flight schedule says, in sentences."""
+
+from forcefeel.design.findings import Conclusions
+from forcefeel.envelope.tolerance_sentences import tolerance_sentences
+from forcefeel.flight_schedule.result import CheckedRelease, Part, PartFound, ScheduleCheck
+from forcefeel.units import to_text
+
+_MOST_NAMED = 3
+"""Places that a sentence names; the table has all."""
+
+LEAK = (
+    "A pole of a stable loop that is real and just below 1 is mostly the observer's leak, by which it forgets a disturbance; "
+    "places are therefore ranked by the poles that swing."
+)
+
+
+def schedule_conclusions(found: ScheduleCheck) -> Conclusions:
+    """The conclusions; ``good`` where every loop that was checked is stable."""
+    verdict = _stable(found) if found.stable else _unstable(found)
+    lines = [_nearest(found), _margins(found), _knots(found), _between(found)]
+    return Conclusions(found.stable, verdict, (*(line for line in lines if line), *_caveats(found)))
+
+
+def _stable(found: ScheduleCheck) -> str:
+    loops = sum(part.loops for part in found.parts)
+    between = _count(int((~found.knot).sum()), "place")
+    changes = _count(len(found.transitions.ends), "change")
+    return (
+        f"Stable wherever it was checked: at {found.schedule.knots:,} knots, at {between} between them and during {changes}, "
+        f"with the nominal plant and in {_count(len(found.cases) - 1, 'other case')}, {loops:,} loops in all."
+    )
+
+
+def _unstable(found: ScheduleCheck) -> str:
+    bad = [part for part in found.parts if part.unstable]
+    counts = ", ".join(f"{part.unstable:,} of {part.loops:,} loops {part.part}" for part in bad)
+    worst = max(bad, key=lambda part: part.critical)
+    size = to_text(worst.critical, 5)
+    where = f"Worst is {worst.place} in the case {worst.case}, with a pole of magnitude {size}."
+    return f"Not stable: {counts}. {where} {_remedy(found, worst)}"
+
+
+def _remedy(found: ScheduleCheck, worst: PartFound) -> str:
+    between = found.part(Part.BETWEEN)
+    if found.part(Part.KNOTS).unstable or found.remedy_helps is False:
+        return (
+            "A law that is designed for an unstable place is unstable there too, so more knots do not help: take another method, "
+            "or a feel that asks for less."
+        )
+    if between.unstable:
+        return f"A law that is designed for {between.place} is stable there: add a knot."
+    return f"Go in steps: let changes to the knots in between follow each other, and none go from end to end as at {worst.place}."
+
+
+def _nearest(found: ScheduleCheck) -> str:
+    if not found.stable:
+        return ""
+    worst = found.worst
+    return (
+        f"Nearest to the edge is {worst.place} in the case {worst.case}: its largest pole that swings has the magnitude "
+        f"{to_text(worst.critical, 5)}."
+    )
+
+
+def _margins(found: ScheduleCheck) -> str:
+    stable = [one for one in found.margins if one.margins.disk > 0]
+    if not stable:
+        return ""
+    gain = min(stable, key=lambda one: one.margins.gain_up)
+    delay = min(stable, key=lambda one: one.margins.delay_s)
+    factor, more = to_text(gain.margins.gain_up, 3), to_text(1e3 * delay.margins.delay_s, 2)
+    return (
+        f"Of {_count(len(stable), 'place')} the nominal loop has its least gain margin, a factor of {factor}, at {gain.place}, "
+        f"and its least delay margin, {more} ms beyond the controller's own, at {delay.place}."
+    )
+
+
+def _knots(found: ScheduleCheck) -> str:
+    knots = [one for one in found.releases if one.knot]
+    failing = [one for one in knots if not one.passes]
+    text = f"At {len(knots) - len(failing):,} of {len(knots):,} knots the release is within tolerance"
+    return f"{text}; it is not at {_named(failing)}." if failing else f"{text}."
+
+
+def _between(found: ScheduleCheck) -> str:
+    middle = [one for one in found.releases if not one.knot]
+    failing = [one for one in middle if not one.passes]
+    lost = [one for one in failing if one.lost]
+    text = f"In the middle between knots it is at {len(middle) - len(failing):,} of {_count(len(middle), 'place')}"
+    if not failing:
+        return f"{text}: the knots are dense enough for it."
+    if lost:
+        return f"{text}. A law of its own passes where the interpolated one fails: add a knot at {_named(lost)}."
+    return f"{text}; where it is not, {_named(failing)}, a law of its own fails too, so more knots do not help."
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number:,} {what}" if number == 1 else f"{number:,} {what}s"
+
+
+def _named(places: list[CheckedRelease]) -> str:
+    named = "; ".join(f"{one.place} ({one.outcome})" for one in places[:_MOST_NAMED])
+    more = len(places) - _MOST_NAMED
+    return f"{named}; and {more:,} more" if more > 0 else named
+
+
+def _caveats(found: ScheduleCheck) -> tuple[str, ...]:
+    test = found.test.rules.of("release", "pitch")
+    rows = [test.is_verified(tolerance) for tolerance in test.tolerances]
+    ranked = [LEAK] if any(part.largest > part.critical for part in found.parts) else []
+    lines = [
+        *ranked,
+        *tolerance_sentences(found.schedule.loader, found.deviations),
+        "Each place is checked as if the setting stood still there: one that moves as fast as the loop itself is not covered, "
+        "nor is what lies between the places.",
+    ]
+    if not (all(rows) and found.test.rules.release.verified):
+        lines.append(f"Not verified against a source: {found.test.rules.title} ({found.test.rules.edition}).")
+    unverified = [case.name for case in found.cases if not case.verified]
+    if unverified:
+        lines.append(f"Not verified against a source: {', '.join(unverified)}.")
+    return tuple(lines)

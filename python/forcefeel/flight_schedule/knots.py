@@ -1,0 +1,179 @@
+"""The knots of a flight schedule from a CSV file: a column for each axis, and the setting in three others."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.envelope.result import INERTIA
+from forcefeel.errors import InputError
+from forcefeel.files import MOST_TEXT_BYTES, read_input
+from forcefeel.flight_schedule.axes import MOST_AXES, ScheduleAxis, place_text
+from forcefeel.flight_schedule.schedule import second_order_feel
+from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.tables.csv_table import csv_rows, text_lines
+from forcefeel.units import RATIO, Unit, factor, show
+
+EXAMPLE = "dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio"
+"""A good header."""
+
+_B, _G = unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"])
+_SECOND_ORDER: Mapping[str, Unit] = MappingProxyType(
+    {"stiffness": _G, "frequency": Unit("Hz", "Hz", "Hz"), "damping ratio": RATIO}
+)
+_COEFFICIENTS: Mapping[str, Unit] = MappingProxyType({"i": INERTIA, "b": _B, "g": _G})
+_HEADER = re.compile(r"(?P<name>[^()]*?)\s*(?:\((?P<unit>[^()]*)\))?")
+
+
+@dataclass(frozen=True)
+class _Heading:
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class Knots:
+    """What a file of knots says.
+
+    Attributes:
+        axes: The axes, in the order of their columns, values rising.
+        feel: I, B, G in SI units, (values of each axis ..., 3), as ``design_schedule`` takes it.
+    """
+
+    axes: tuple[ScheduleAxis, ...]
+    feel: NDArray[np.float64]
+
+
+def read_knots(path: str | Path) -> Knots:
+    """Reads a file of knots.
+
+    Args:
+        path: CSV in UTF-8. The setting is in the columns ``stiffness``, ``frequency`` and ``damping ratio``, or ``I``, ``B`` and
+            ``G``, each with its unit in brackets; every other column is an axis. The rows, in any order, are a full grid of
+            the axes' values, each knot once.
+
+    Raises:
+        InputError: With the file, the line, what is wrong, what was expected and the remedy.
+    """
+    file = Path(path)
+    lines = _lines(file)
+    head = [_heading(cell, file, lines[0][0]) for cell in lines[0][1]]
+    setting = _setting(head, file)
+    places = [k for k, one in enumerate(head) if one.name.lower() not in setting]
+    if not 1 <= len(places) <= MOST_AXES:
+        raise InputError(
+            f"{file}: expected 1 to {MOST_AXES} axes beside {', '.join(setting)}, got {len(places)}; a header such as {EXAMPLE!r}"
+        )
+    table = np.array([_numbers(file, line, cells, head) for line, cells in lines[1:]])
+    if not len(table):
+        raise InputError(f"{file}: expected rows of numbers under the header, got none; give each knot a row")
+    axes = tuple(_axis(file, head[k], table[:, k]) for k in places)
+    order = _grid(file, axes, table[:, places], [line for line, _ in lines[1:]])
+    names = [one.name.lower() for one in head]
+    columns = [table[order, names.index(name)] * _scale(file, head[names.index(name)], setting) for name in setting]
+    shape = tuple(len(axis.values) for axis in axes)
+    return Knots(axes, _feel(file, setting, columns).reshape(*shape, 3))
+
+
+def _lines(file: Path) -> list[tuple[int, list[str]]]:
+    """Header and rows that are not empty, each with its line."""
+    data = read_input(file, MOST_TEXT_BYTES, f"a CSV file such as {EXAMPLE!r}")
+    rows = csv_rows(file, text_lines(file, data), EXAMPLE)
+    found = [(line, [" ".join(cell.split()) for cell in row]) for row, line in rows if any(row)]
+    if not found:
+        raise InputError(f"{file}: is empty; expected a header such as {EXAMPLE!r} and a row for each knot")
+    return found
+
+
+def _heading(cell: str, file: Path, line: int) -> _Heading:
+    match = _HEADER.fullmatch(cell)
+    if not match or not match["name"]:
+        raise InputError(f"{file}: line {line}: expected a column such as 'flaps (deg)', got {show(cell)}")
+    return _Heading(match["name"], (match["unit"] or "").strip())
+
+
+def _setting(head: Sequence[_Heading], file: Path) -> Mapping[str, Unit]:
+    """Which three columns the setting is in."""
+    names = [one.name.lower() for one in head]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"{file}: has {names.count(name)} columns {name!r}; name each column once")
+    given = [each for each in (_SECOND_ORDER, _COEFFICIENTS) if set(each) & set(names)]
+    if len(given) != 1 or not set(given[0]) <= set(names):
+        raise InputError(
+            f"{file}: expected the setting as stiffness, frequency and damping ratio, or as I, B and G, got the columns "
+            f"{', '.join(one.name for one in head)}; a header such as {EXAMPLE!r}"
+        )
+    return given[0]
+
+
+def _scale(file: Path, heading: _Heading, setting: Mapping[str, Unit]) -> float:
+    """SI value of one unit of a column of the setting."""
+    wanted = setting[heading.name.lower()]
+    if not heading.unit and wanted.us:
+        raise InputError(f"{file}: {heading.name}: has no unit; write '{heading.name} ({wanted.us})'")
+    try:
+        return factor(heading.unit, wanted.si)
+    except InputError as error:
+        raise InputError(f"{file}: {heading.name}: {error}; write '{heading.name} ({wanted.us})'") from error
+
+
+def _numbers(file: Path, line: int, cells: Sequence[str], head: Sequence[_Heading]) -> list[float]:
+    if len(cells) != len(head):
+        raise InputError(f"{file}: line {line}: expected {len(head)} values as in the header, got {len(cells)}")
+    found = []
+    for cell, heading in zip(cells, head, strict=True):
+        try:
+            value = float(cell)
+        except ValueError:
+            value = np.nan
+        if not np.isfinite(value):
+            raise InputError(f"{file}: line {line}: {heading.name}: expected a finite number, got {show(cell)}")
+        found.append(value)
+    return found
+
+
+def _axis(file: Path, heading: _Heading, values: NDArray[np.float64]) -> ScheduleAxis:
+    try:
+        return ScheduleAxis(heading.name, heading.unit, tuple(np.unique(values).tolist()))
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from error
+
+
+def _grid(
+    file: Path, axes: Sequence[ScheduleAxis], where: NDArray[np.float64], lines: Sequence[int]
+) -> NDArray[np.intp]:
+    """The rows in the order of the grid, the last axis fastest."""
+    shape = tuple(len(axis.values) for axis in axes)
+    steps = [np.searchsorted(axis.values, where[:, k]) for k, axis in enumerate(axes)]
+    place = np.ravel_multi_index(steps, shape)
+    seen: dict[int, int] = {}
+    for knot, line, point in zip(place.tolist(), lines, where, strict=True):
+        if knot in seen:
+            raise InputError(
+                f"{file}: line {line}: {place_text(axes, point)} stands in line {seen[knot]} already; give each knot one row"
+            )
+        seen[knot] = line
+    missing = np.setdiff1d(np.arange(np.prod(shape)), place)
+    if len(missing):
+        steps_there = np.unravel_index(missing[0], shape)
+        point = [axis.values[int(step)] for axis, step in zip(axes, steps_there, strict=True)]
+        sides = " by ".join(map(str, shape))
+        raise InputError(
+            f"{file}: expected a full grid of {sides} knots, got {len(place)}: there is none at "
+            f"{place_text(axes, point)}; add its row"
+        )
+    return np.argsort(place)
+
+
+def _feel(file: Path, setting: Mapping[str, Unit], columns: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    if setting is _COEFFICIENTS:
+        return np.column_stack(columns)
+    try:
+        return second_order_feel(*columns)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from error

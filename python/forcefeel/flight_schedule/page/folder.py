@@ -1,0 +1,39 @@
+"""The folder of a flight schedule: its page, its results and every number of its laws, whole or not at all."""
+
+import json
+from pathlib import Path
+
+from forcefeel.flight_schedule.as_json import gains_csv, plain_schedule
+from forcefeel.flight_schedule.page.page import schedule_page
+from forcefeel.flight_schedule.result import ScheduleCheck
+from forcefeel.page.staging import OutputFolder
+from forcefeel.units import UnitSystem
+
+PAGE, RESULTS, GAINS = "schedule.html", "results.json", "gains.csv"
+"""Names in the folder."""
+
+FOLDER = OutputFolder("the schedule", (PAGE, RESULTS, GAINS))
+"""Checked before the work, written after it."""
+
+
+def write_schedule(found: ScheduleCheck, out: Path, units: UnitSystem, *, replace: bool = False) -> Path:
+    """Writes ``gains.csv``, ``results.json`` and ``schedule.html``, the page last.
+
+    What is there stays until the new files are complete; other files in the folder are left alone.
+
+    Args:
+        found: The checked schedule.
+        out: The folder; made if it is not there.
+        units: The units of every number but those of ``gains.csv``, which are SI.
+        replace: Whether the new files may take the place of others.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+    """
+    FOLDER.check(out, replace=replace)
+    results = json.dumps(plain_schedule(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    FOLDER.write(out, {GAINS: gains_csv(found.schedule), RESULTS: results, PAGE: schedule_page(found, units)})
+    return out / PAGE

@@ -1,0 +1,141 @@
+"""The curves of a flight schedule: how fast its slowest swing dies, and its gains, over each axis."""
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from plotly.subplots import make_subplots
+
+from forcefeel.envelope.ideal import frequency_and_damping
+from forcefeel.flight_schedule.axes import ScheduleAxis, mesh
+from forcefeel.flight_schedule.result import ScheduleCheck
+from forcefeel.flight_schedule.schedule import FlightSchedule
+from forcefeel.page.canvas import ZERO, frame, line
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+from forcefeel.page.typography import number_text, unit_text
+from forcefeel.units import Unit, UnitSystem
+
+_PANEL_PX = 300
+_SIGNALS = (
+    ("load cell force", Unit("V/N", "V/N", "V/lb"), Look(COMPLIANT)),
+    ("piston", Unit("V/m", "V/cm", "V/in"), Look("#B57A00", "dashdot")),
+    ("column angle", Unit("V/rad", "V/rad", "V/rad"), Look(RIGID, "dash")),
+    ("feel's angle", Unit("V/rad", "V/rad", "V/rad"), Look(COMPENSATED)),
+    ("feel's rate", Unit("V s/rad", "V s/rad", "V s/rad"), Look("#A8568A", "dot")),
+)
+"""What the command is made of, in the law's order, beside the observer's state."""
+
+
+def poles(found: ScheduleCheck) -> go.Figure:
+    """Decay rate of the critical pole over each axis: the nominal plant, the worst case, and the programmed feel alone."""
+    schedule = found.schedule
+    picture = _panels(schedule)
+    decay = found.poles.decay
+    feel, _ = schedule.between(found.where)
+    curves = (
+        ("nominal plant", decay[0], Look(COMPENSATED, "solid", 2.6)),
+        ("worst case", _least(decay), Look(COMPLIANT)),
+        ("I, B, G alone", _ideal_decay(feel), Look(IDEAL, "dot")),
+    )
+    for row, axis in enumerate(schedule.axes):
+        x = axis.refined(found.refine)
+        for name, values, look in curves:
+            y = _least_over_others(found, values, row)
+            _curve(picture, row, name, (x, y), look, "%{y:.3~g} 1/s")
+            if name != "I, B, G alone":
+                at = np.arange(len(x)) % found.refine == 0
+                _marks(picture, row, x[at], y[at], look)
+        _axis(picture, row, axis)
+        picture.update_yaxes(title_text="Decay rate, 1/s", rangemode="tozero", row=row + 1, col=1, **ZERO)
+    return picture
+
+
+def gains(schedule: FlightSchedule, refine: int, units: UnitSystem) -> go.Figure:
+    """What the command hears of each signal over each axis, the other axes at their middle knot; shares of the largest."""
+    picture = _panels(schedule)
+    middle = [[axis.values[len(axis.values) // 2]] for axis in schedule.axes]
+    for row, axis in enumerate(schedule.axes):
+        along = axis.refined(refine)
+        points = mesh([*middle[:row], along, *middle[row + 1 :]])
+        command = schedule.between(points)[1].command[:, schedule.laws.states :]
+        for (name, measured_in, look), values in zip(_SIGNALS, command.T, strict=True):
+            largest = float(np.abs(values).max())
+            if largest == 0:
+                continue
+            shown = f"{number_text(measured_in.from_si(largest, units), 4)} {unit_text(measured_in.shown(units))}"
+            label = name if len(schedule.axes) > 1 else f"{name}, of {shown}"
+            _curve(picture, row, label, (along, values / largest), look, f"%{{y:.3f}} of {shown}")
+            at = np.arange(len(along)) % refine == 0
+            _marks(picture, row, along[at], values[at] / largest, look)
+        _axis(picture, row, axis)
+        picture.update_yaxes(title_text="Share of the largest", row=row + 1, col=1, **ZERO)
+    return picture
+
+
+def _panels(schedule: FlightSchedule) -> go.Figure:
+    """A panel for each axis, one under the other."""
+    count = len(schedule.axes)
+    picture = make_subplots(rows=count, cols=1, vertical_spacing=0.22 / count)
+    return frame(picture, _PANEL_PX * count + 90, top=60)
+
+
+def _curve(
+    picture: go.Figure,
+    row: int,
+    name: str,
+    points: tuple[NDArray[np.float64], NDArray[np.float64]],
+    look: Look,
+    hover: str,
+) -> None:
+    x, y = points
+    if np.isfinite(y).any():
+        picture.add_scatter(
+            x=x,
+            y=y,
+            mode="lines",
+            name=name,
+            legendgroup=name,
+            showlegend=row == 0,
+            line=line(look),
+            hovertemplate=hover,
+            row=row + 1,
+            col=1,
+        )
+
+
+def _marks(picture: go.Figure, row: int, x: NDArray[np.float64], y: NDArray[np.float64], look: Look) -> None:
+    """Dots at the knots."""
+    picture.add_scatter(
+        x=x,
+        y=y,
+        mode="markers",
+        marker={"color": look.color, "size": 6},
+        showlegend=False,
+        hoverinfo="skip",
+        row=row + 1,
+        col=1,
+    )
+
+
+def _axis(picture: go.Figure, row: int, axis: ScheduleAxis) -> None:
+    title = f"{axis.name[:1].upper()}{axis.name[1:]}"
+    unit = unit_text(axis.unit)
+    picture.update_xaxes(title_text=f"{title}, {unit}" if unit else title, row=row + 1, col=1)
+
+
+def _ideal_decay(feel: NDArray[np.float64]) -> NDArray[np.float64]:
+    """``zeta w`` of each feel; not a number where it does not swing."""
+    frequency, damping = frequency_and_damping(feel)
+    return np.where(damping < 1, damping * frequency, np.nan)
+
+
+def _least(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Least of all cases; not a number where none has one."""
+    least = np.where(np.isnan(values), np.inf, values).min(axis=0)
+    return np.where(np.isinf(least) & (least > 0), np.nan, least)
+
+
+def _least_over_others(found: ScheduleCheck, values: NDArray[np.float64], kept: int) -> NDArray[np.float64]:
+    """Along one axis, the least at any place of the others."""
+    shape = [(len(axis.values) - 1) * found.refine + 1 for axis in found.schedule.axes]
+    along = np.moveaxis(values.reshape(shape), kept, -1).reshape(-1, shape[kept])
+    return _least(along)

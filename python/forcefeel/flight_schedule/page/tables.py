@@ -1,0 +1,130 @@
+"""The tables of a flight schedule: what was checked, the knots, the places in the middle between them, margins."""
+
+from math import isfinite
+
+import numpy as np
+
+from forcefeel.envelope.ideal import frequency_and_damping
+from forcefeel.flight_schedule.as_json import FEEL_UNITS
+from forcefeel.flight_schedule.result import ScheduleCheck
+from forcefeel.flight_schedule.schedule import FlightSchedule
+from forcefeel.page.table import Cell, Table, heads, number, words
+from forcefeel.page.typography import NONE, heading_text, number_text, prose_html, unit_text, value_text
+from forcefeel.units import UnitSystem
+
+MOST_ROWS = 100
+"""Knots, and places between them, in a table; the files have all."""
+
+
+def parts(found: ScheduleCheck) -> Table:
+    """What was checked, and where it is nearest to the edge."""
+    rows = []
+    for part in found.parts:
+        rows.append(
+            (
+                words(f"{part.part[:1].upper()}{part.part[1:]}"),
+                number(f"{part.loops:,}"),
+                number(f"{part.unstable:,}" if part.unstable else "0", bad=bool(part.unstable)),
+                words(prose_html(part.place)),
+                words(prose_html(part.case)),
+                number(_magnitude(part.critical)),
+                number(_magnitude(part.largest), bad=part.largest >= 1),
+            )
+        )
+    head = (
+        *heads("Where", "Loops", "Unstable"),
+        Cell("Nearest to the edge"),
+        Cell("Case"),
+        *(Cell(text, "number") for text in ("Pole there", "Largest pole of all")),
+    )
+    return Table(head, tuple(rows))
+
+
+def knots(found: ScheduleCheck, units: UnitSystem) -> Table:
+    """Every knot: its feel, its poles, its release."""
+    schedule = found.schedule
+    frequency, damping = frequency_and_damping(schedule.rows)
+    critical, outcomes = found.poles.critical[:, found.knot], [one.outcome for one in found.releases if one.knot]
+    rows = []
+    for k in range(min(schedule.knots, MOST_ROWS)):
+        place = [number(number_text(value)) for value in schedule.where[k]]
+        feel = zip(schedule.rows[k], FEEL_UNITS, strict=True)
+        rows.append(
+            (
+                Cell(place[0].text),
+                *place[1:],
+                *(number(value_text(float(value), one, units)) for value, one in feel),
+                number(number_text(float(frequency[k]) / (2 * np.pi), 3)),
+                number(number_text(float(damping[k]), 3)),
+                number(_magnitude(float(critical[0, k])), bad=critical[0, k] >= 1),
+                number(_magnitude(float(critical[:, k].max())), bad=critical[:, k].max() >= 1),
+                words(outcomes[k], bad=outcomes[k] != "passes"),
+            )
+        )
+    names = [_axis_head(schedule, k) for k in range(len(schedule.axes))]
+    names += [heading_text(symbol, one, units) for symbol, one in zip("IBG", FEEL_UNITS, strict=True)]
+    names += ["Frequency, Hz", "Damping ratio", "Pole, nominal", "Pole, worst case"]
+    return Table((*heads(*names), Cell("Release")), tuple(rows))
+
+
+def middle(found: ScheduleCheck) -> Table:
+    """The release in the middle between knots, by the interpolated law and by one of its own: what fails, then the others."""
+    places = sorted((one for one in found.releases if not one.knot), key=lambda one: (one.passes, not one.lost))
+    rows = [
+        (words(prose_html(one.place)), words(one.outcome, bad=not one.passes), words(one.designed, bad=one.lost))
+        for one in places[:MOST_ROWS]
+    ]
+    return Table((Cell("Place"), Cell("Interpolated law"), Cell("Law of its own")), tuple(rows))
+
+
+def margins(found: ScheduleCheck) -> Table:
+    """Margins on the nominal plant."""
+    rows = []
+    for one in found.margins:
+        found_here = one.margins
+        crossover = found_here.crossover_rad_per_s / (2 * np.pi)
+        rows.append(
+            (
+                words(prose_html(one.place)),
+                number(number_text(found_here.gain_up, 3)),
+                number(number_text(found_here.gain_down, 3)),
+                number(number_text(float(np.degrees(found_here.phase_rad)), 3)),
+                number(number_text(1e3 * found_here.delay_s, 3)),
+                number(number_text(found_here.disk, 3)),
+                number(number_text(crossover, 3) if isfinite(crossover) else NONE),
+            )
+        )
+    head = ("Place", "Gain up to", "Gain down to", "Phase, deg", "Delay, ms", "Disk", "Crossover, Hz")
+    return Table(heads(*head), tuple(rows))
+
+
+def axes(schedule: FlightSchedule) -> Table:
+    """The axes."""
+    rows = [
+        (
+            words(axis.name),
+            number(number_text(axis.values[0])),
+            number(number_text(axis.values[-1])),
+            Cell(unit_text(axis.unit) or NONE),
+            number(f"{len(axis.values):,}"),
+        )
+        for axis in schedule.axes
+    ]
+    head = (Cell("Axis"), Cell("From", "number"), Cell("To", "number"), Cell("Unit"), Cell("Knots", "number"))
+    return Table(head, tuple(rows))
+
+
+def _axis_head(schedule: FlightSchedule, k: int) -> str:
+    axis = schedule.axes[k]
+    unit = unit_text(axis.unit)
+    title = f"{axis.name[:1].upper()}{axis.name[1:]}"
+    return f"{title}, {unit}" if unit else title
+
+
+def _magnitude(value: float) -> str:
+    """A pole's magnitude; near 1 by what is missing, since 0.99999997 is not 1."""
+    missing = 1 - value
+    return f"1 − {number_text(missing, 2)}" if 0 < missing < _NEAR else number_text(value, 5)
+
+
+_NEAR = 1e-4

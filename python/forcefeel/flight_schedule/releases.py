@@ -1,0 +1,88 @@
+"""Releases on the nominal plant, hands off, by the release test of a rule: do the laws between knots render their feel?"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.envelope.cases import NOMINAL
+from forcefeel.envelope.ideal import frequency_and_damping, ideal_releases
+from forcefeel.envelope.machines import full_rows
+from forcefeel.envelope.releases import Record
+from forcefeel.envelope.settings import AXES
+from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.loader.loader import Loader
+from forcefeel.qualification import Rules, judge_releases, measure_releases
+from forcefeel.qualification.programme.throw import Throw
+from forcefeel.simulation import RunStatus, Scenario, simulate_batch
+from forcefeel.simulation.inputs import Release
+from forcefeel.simulation.scenario import LONGEST_STEP_S
+
+PASSES, DIVERGES, NOT_JUDGED = "passes", "diverges", "not judged"
+"""Outcomes beside the figure that fails first. Not judged is a feel with less damping than an envelope asks for."""
+
+_BAND = np.log(2) / 2
+"""Feels whose frequencies are within half an octave are recorded alike."""
+
+
+@dataclass(frozen=True)
+class ReleaseTest:
+    """The test.
+
+    Attributes:
+        rules: The rule.
+        angle_rad: Where the column is held: the rule's largest share of the throw's shorter side.
+        travel_rad: The throw from end to end.
+    """
+
+    rules: Rules
+    angle_rad: float
+    travel_rad: float
+
+    @classmethod
+    def of(cls, rules: Rules, loader: Loader) -> "ReleaseTest":
+        """For a loader with its stops."""
+        throw = Throw.of(loader)
+        return cls(rules, throw.release_rad(rules), throw.travel_rad)
+
+    def outcomes(self, loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator, threads: int) -> list[str]:
+        """How each feel (settings, 3) with its law ends: passes, or the figure that fails first."""
+        frequency, damping = frequency_and_damping(feel)
+        outcome = np.full(len(feel), NOT_JUDGED, dtype=object)
+        asked = np.flatnonzero(damping >= AXES["damping"].low)
+        bands = np.floor(np.log(frequency[asked]) / _BAND)
+        for band in np.unique(bands):
+            which = asked[bands == band]
+            record = _record(frequency[which].min(), damping[which].min(), loader["controller.period"])
+            for chunk in record.chunks(len(which)):
+                some = which[chunk]
+                outcome[some] = self._judged(loader, feel[some], laws.some(some), record, threads)
+        return outcome.tolist()
+
+    def _judged(
+        self, loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator, record: Record, threads: int
+    ) -> list[str]:
+        rows = full_rows(loader, NOMINAL, feel, SettingLaws(laws))
+        step = min(record.step_s, LONGEST_STEP_S)
+        scenario = Scenario(Release(self.angle_rad), record.duration_s, step, record.step_s)
+        runs = simulate_batch(loader, scenario, rows, laws, keep=["column_angle_rad"], threads=threads)
+        ideal = ideal_releases(feel, self.angle_rad, record.step_s, record.samples)
+        measured, reference = (
+            measure_releases(record.time_s, angles, held=1, rules=self.rules.release, threads=threads)
+            for angles in (runs["column_angle_rad"].values, ideal)
+        )
+        test = self.rules.of("release", "pitch")
+        verdicts = judge_releases(measured, reference, test, travel=self.travel_rad)
+        diverged = runs["status"].values == RunStatus.DIVERGED
+        return [
+            DIVERGES if gone else PASSES if good else verdicts.names[first]
+            for gone, good, first in zip(diverged, verdicts.passed, verdicts.first_failing, strict=True)
+        ]
+
+
+def _record(frequency: float, damping: float, period_s: float) -> Record:
+    """An envelope's record, its samples on whole periods of the controller."""
+    usual = Record.of(frequency, damping)
+    step = max(1, round(usual.step_s / period_s)) * period_s
+    return Record(step, int(np.ceil(usual.duration_s / step)) + 1)

@@ -1,0 +1,213 @@
+"""A flight schedule: a feel and its sampled law at every knot, and by interpolation between them.
+
+``I``, ``B``, ``G`` and every number of the law are linear along each axis between two knots. The laws of a loader by one method
+share the coordinates of their observers, so a law between two says what lies between what the two say.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import RegularGridInterpolator
+
+from forcefeel.errors import InputError
+from forcefeel.flight_schedule.axes import ScheduleAxis, check_axes, mesh, place_text, point_of
+from forcefeel.laws.sampled.methods import method as method_of
+from forcefeel.laws.sampled_compensator import SAMPLED, SampledCompensator
+from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.parameters import TABLE, in_range, range_text, value_text
+from forcefeel.simulation import FeelChange
+
+_FEEL = len(FEEL_SETTING)
+
+
+@dataclass(frozen=True, eq=False)
+class ScheduledSetting:
+    """One place of a schedule.
+
+    Attributes:
+        feel: I, B, G in SI units.
+        loader: The loader with this feel.
+        compensator: The law.
+    """
+
+    feel: tuple[float, float, float]
+    loader: Loader
+    compensator: SampledCompensator
+
+
+@dataclass(frozen=True, eq=False)
+class FlightSchedule:
+    """Feels and laws over the settings of an aircraft.
+
+    Attributes:
+        loader: What the laws were designed for.
+        method: By which method.
+        axes: One to three axes.
+        feel: I, B, G in SI units at the knots, (values of each axis ..., 3).
+        laws: The law of each knot, the last axis running fastest.
+
+    Raises:
+        InputError: If axes, feels and laws do not go together.
+    """
+
+    loader: Loader
+    method: str
+    axes: tuple[ScheduleAxis, ...]
+    feel: NDArray[np.float64] = field(repr=False)
+    laws: SampledCompensator = field(repr=False)
+
+    def __post_init__(self) -> None:
+        axes = check_axes(self.axes)
+        feel = np.array(self.feel, dtype=np.float64)
+        shape = tuple(len(axis.values) for axis in axes)
+        if feel.shape != (*shape, _FEEL):
+            raise InputError(f"feel: expected I, B, G at every knot, the shape {(*shape, _FEEL)}, got {feel.shape}")
+        if self.laws.settings != np.prod(shape):
+            raise InputError(f"laws: expected one for each of {np.prod(shape)} knots, got {self.laws.settings}")
+        feel.setflags(write=False)
+        object.__setattr__(self, "axes", axes)
+        object.__setattr__(self, "feel", feel)
+
+    @property
+    def knots(self) -> int:
+        """How many knots there are."""
+        return self.laws.settings
+
+    @cached_property
+    def where(self) -> NDArray[np.float64]:
+        """The axes' values at each knot, (knots, axes)."""
+        return mesh([axis.values for axis in self.axes])
+
+    @cached_property
+    def rows(self) -> NDArray[np.float64]:
+        """I, B, G of each knot, (knots, 3)."""
+        return self.feel.reshape(-1, _FEEL)
+
+    @cached_property
+    def _numbers(self) -> RegularGridInterpolator:
+        laws = (self.laws.transition, self.laws.input, self.laws.command, self.laws.torque)
+        flat = np.hstack([self.rows, *(part.reshape(self.knots, -1) for part in laws)])
+        values = flat.reshape(*self.feel.shape[:-1], -1)
+        return RegularGridInterpolator([axis.values for axis in self.axes], values, method="linear", bounds_error=True)
+
+    def between(self, where: NDArray[np.float64]) -> tuple[NDArray[np.float64], SampledCompensator]:
+        """Feels (points, 3) and laws at many points (points, axes) within the knots."""
+        found = self._numbers(where)
+        n, points = self.laws.states, len(where)
+        said = n + SAMPLED + 2
+        cuts = np.cumsum([_FEEL, n * n, n * (SAMPLED + 1), said])
+        feel, transition, taken, command, torque = np.split(found, cuts, axis=1)
+        laws = SampledCompensator(
+            self.laws.period_s,
+            self.laws.delay_s,
+            transition.reshape(points, n, n),
+            taken.reshape(points, n, SAMPLED + 1),
+            command,
+            torque,
+        )
+        return feel, laws
+
+    def at(self, **where: float) -> ScheduledSetting:
+        """Feel and law at a place: ``schedule.at(dynamic_pressure=120, flaps=10)``.
+
+        Args:
+            where: A value for each axis, in its unit, by its name with ``_`` for spaces.
+
+        Raises:
+            InputError: If an axis is missing or unknown, or a value is beyond the knots: a schedule is not extrapolated.
+        """
+        feel, law = self.between(point_of(self.axes, where)[np.newaxis])
+        inertia, damping, stiffness = feel[0].tolist()
+        changed = dict(zip(FEEL_SETTING, (inertia, damping, stiffness), strict=True))
+        return ScheduledSetting((inertia, damping, stiffness), self.loader.replace(changed), law)
+
+    def change(self, at_s: float, over_s: float = 0.5, **where: float) -> FeelChange:
+        """The change of a run, from whatever holds, to a place of the schedule: of I, B, G and of the law.
+
+        The change goes straight from the feel and law of before to those of ``where``. On a long way, let several follow each
+        other along the schedule.
+
+        Args:
+            at_s: When it begins.
+            over_s: How long it takes.
+            where: As ``at``.
+
+        Raises:
+            InputError: As ``at``.
+        """
+        there = self.at(**where)
+        return FeelChange(at_s, dict(zip(FEEL_SETTING, there.feel, strict=True)), over_s, there.compensator)
+
+
+def design_schedule(
+    loader: Loader, axes: Sequence[ScheduleAxis], feel: ArrayLike, method: str = "robust"
+) -> FlightSchedule:
+    """Designs the law of every knot.
+
+    Args:
+        loader: The loader, with ``controller.period``; its own I, B, G are not used.
+        axes: One to three axes with the values of the knots.
+        feel: I, B, G in SI units (N m s^2/rad, N m s/rad, N m/rad) at every knot, (values of each axis ..., 3); for example by
+            ``second_order_feel``.
+        method: A name of ``designs.METHODS``.
+
+    Returns:
+        The schedule. Nothing is checked yet: ``check_schedule`` does.
+
+    Raises:
+        InputError: If the loader has no period, the feel has another shape or leaves the range of a loader's I, B, G, or the
+            method is unknown.
+    """
+    found = check_axes(axes)
+    way = method_of(method)
+    try:
+        values = np.array(feel, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"feel: expected I, B, G at every knot ({error})") from error
+    shape = (*(len(axis.values) for axis in found), _FEEL)
+    if values.shape != shape:
+        raise InputError(f"feel: expected I, B, G at every knot, the shape {shape}, got {values.shape}")
+    rows = values.reshape(-1, _FEEL)
+    _check_range(found, rows)
+    return FlightSchedule(loader, method, found, values, way.design(loader, rows))
+
+
+def second_order_feel(
+    stiffness_n_m_per_rad: ArrayLike, frequency_hz: ArrayLike, damping_ratio: ArrayLike
+) -> NDArray[np.float64]:
+    """I, B, G of stiffness, natural frequency and damping ratio, eq. (11): ``I = G / w^2``, ``B = 2 zeta w I``.
+
+    Args:
+        stiffness_n_m_per_rad: G, N m/rad; an array of any shape, as the others, which are broadcast against it.
+        frequency_hz: Natural frequency in Hz.
+        damping_ratio: zeta.
+
+    Returns:
+        SI values, (..., 3).
+
+    Raises:
+        InputError: If a frequency is not above 0.
+    """
+    stiffness, frequency, damping = np.broadcast_arrays(
+        *(np.asarray(given, dtype=np.float64) for given in (stiffness_n_m_per_rad, frequency_hz, damping_ratio))
+    )
+    if not (frequency > 0).all():
+        raise InputError("frequency_hz: expected numbers above 0")
+    w = 2 * np.pi * frequency
+    inertia = stiffness / w**2
+    return np.stack([inertia, 2 * damping * w * inertia, stiffness], axis=-1)
+
+
+def _check_range(axes: Sequence[ScheduleAxis], rows: NDArray[np.float64]) -> None:
+    """Refuses a feel that no loader may have; ranges are intervals, so what is between knots is in them too."""
+    where = mesh([axis.values for axis in axes])
+    for k, key in enumerate(FEEL_SETTING):
+        row = TABLE[key]
+        for point, value in zip(where, rows[:, k].tolist(), strict=True):
+            if not in_range(row, value):
+                raise InputError(
+                    f"{key}: expected {range_text(row)}, got {value_text(row, value)} at {place_text(axes, point)}"
+                )

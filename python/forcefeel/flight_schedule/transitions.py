@@ -1,0 +1,73 @@
+"""The loop while the setting changes: what it is at each share of the way, held there.
+
+A change blends what the two feels ask for and what the two laws say. At the share s of the way
+
+    delta'' = (1 - s) (T - B_0 delta' - G_0 delta) / I_0 + s (T - B_1 delta' - G_1 delta) / I_1
+
+which is a feel of its own, ``1 / I = (1 - s) / I_0 + s / I_1``, ``B = I ((1 - s) B_0 / I_0 + s B_1 / I_1)`` and ``G`` likewise,
+and the law has the numbers ``(1 - s) a_0 + s a_1``. It differs from the schedule's place in between, whose I, B, G are linear.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from forcefeel.flight_schedule.schedule import FlightSchedule
+from forcefeel.laws.sampled_compensator import SampledCompensator
+
+
+@dataclass(frozen=True, eq=False)
+class Transitions:
+    """Changes between knots, each at the same shares of its way.
+
+    Attributes:
+        ends: Places of the two knots of each change among the schedule's, (changes, 2).
+        shares: Shares of the way, between 0 and 1.
+    """
+
+    ends: NDArray[np.intp]
+    shares: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, schedule: FlightSchedule, refine: int) -> "Transitions":
+        """Between neighbours along each axis and straight between any two corners; ``refine - 1`` shares each."""
+        shape = tuple(len(axis.values) for axis in schedule.axes)
+        knots = np.arange(schedule.knots).reshape(shape)
+        pairs = []
+        for axis in range(len(shape)):
+            along = np.moveaxis(knots, axis, 0)
+            pairs.append(np.column_stack([along[:-1].ravel(), along[1:].ravel()]))
+        corners = knots[np.ix_(*([0, -1] for _ in shape))].ravel()
+        pairs.append(np.array(list(combinations(corners.tolist(), 2))))
+        ends = np.unique(np.vstack(pairs), axis=0)
+        return cls(ends, np.arange(1, refine) / refine)
+
+    def loops(self, schedule: FlightSchedule) -> tuple[NDArray[np.float64], SampledCompensator]:
+        """Feels and laws of all changes at all shares; the share runs fastest."""
+        start, end = (np.repeat(self.ends[:, k], len(self.shares)) for k in (0, 1))
+        share = np.tile(self.shares, len(self.ends))
+        one, two = schedule.laws.some(start), schedule.laws.some(end)
+        laws = SampledCompensator(
+            one.period_s,
+            one.delay_s,
+            _blend(one.transition, two.transition, share),
+            _blend(one.input, two.input, share),
+            _blend(one.command, two.command, share),
+            _blend(one.torque, two.torque, share),
+        )
+        return blended_feel(schedule.rows[start], schedule.rows[end], share), laws
+
+
+def blended_feel(start: ArrayLike, end: ArrayLike, share: ArrayLike) -> NDArray[np.float64]:
+    """I, B, G of a change from ``start`` to ``end`` (..., 3) held at a share of its way."""
+    one, two, s = np.asarray(start, dtype=float), np.asarray(end, dtype=float), np.asarray(share, dtype=float)
+    mobility = _blend(1 / one[..., 0], 1 / two[..., 0], s)
+    damping, stiffness = (_blend(one[..., k] / one[..., 0], two[..., k] / two[..., 0], s) / mobility for k in (1, 2))
+    return np.stack([1 / mobility, damping, stiffness], axis=-1)
+
+
+def _blend(one: NDArray[np.float64], two: NDArray[np.float64], share: NDArray[np.float64]) -> NDArray[np.float64]:
+    s = share.reshape(share.shape + (1,) * (one.ndim - share.ndim))
+    return np.asarray((1 - s) * one + s * two)

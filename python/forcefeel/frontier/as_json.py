@@ -1,0 +1,80 @@
+"""A frontier for machines: its figures as plain data, every number with its unit."""
+
+from importlib.metadata import version
+
+from forcefeel.envelope.as_json import plain_deviations, plain_grid, plain_rule
+from forcefeel.frontier.findings import frontier_conclusions
+from forcefeel.frontier.result import Frontier
+from forcefeel.frontier.tightening import Path
+from forcefeel.json_values import Plain, plain, quantity
+from forcefeel.units import ANGLE, FLOW, PERCENT, SECONDS, UnitSystem
+
+
+def plain_frontier(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
+    """What a frontier says, and of what."""
+    plan = found.plan
+    return {
+        "forcefeel": version("forcefeel"),
+        "units": str(units),
+        "loader": plan.loader.name,
+        "compensator": found.compensator,
+        "rule": plain_rule(plan),
+        "release_angle": quantity(plan.release_rad, ANGLE, units),
+        "settings": plan.settings.count,
+        "grid": plain_grid(plan.settings, units),
+        "tolerances": plain_deviations(plan.deviations),
+        "conclusions": plain(frontier_conclusions(found, units), units),
+        "shares": plain(found.envelope.shares(found.compensator), units),
+        "limits": {str(limit): quantity(share, PERCENT, units) for limit, share in found.limit_shares.items()},
+        "limit_of_each_setting": found.limits.tolist(),
+        "bound": _bound(found, units),
+        "tightening": _tightening(found, units),
+        "valve": _valve(found, units),
+        "smallest_in_every_case": plain(found.smallest, units),
+        "largest_stiffness_in_every_case": quantity(found.largest_stiffness, PERCENT, units),
+        "friction": plain(found.friction, units),
+        "hardware": plain(found.hardware, units),
+    }
+
+
+def _tightening(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
+    tight = found.tightening
+    paths = {"inertia_and_geometry": tight.inertia_and_geometry, "all_in_proportion": tight.all_in_proportion}
+    return {
+        "passes_nominally": quantity(tight.nominal, PERCENT, units),
+        "passes_in_every_case": quantity(tight.worst, PERCENT, units),
+        **{name: _path(path, units) for name, path in paths.items()},
+        "pair": plain(tight.pair, units),
+        "costs": plain(tight.costs, units),
+    }
+
+
+def _path(path: Path, units: UnitSystem) -> dict[str, Plain]:
+    return {
+        "inertia_known_to": [quantity(one, PERCENT, units) for one in path.tolerances],
+        "passes_in_every_case": [quantity(one, PERCENT, units) for one in path.shares],
+        "if_known_exactly": quantity(path.limit, PERCENT, units),
+        "needed_for_goal": quantity(path.needed, PERCENT, units),
+    }
+
+
+def _bound(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
+    bound = found.bound
+    return {
+        "inertia_known_to": [quantity(error, PERCENT, units) for error in bound.errors],
+        "possible": [quantity(share, PERCENT, units) for share in bound.shares],
+        "possible_if_exact_nominally": [quantity(share, PERCENT, units) for share in bound.centred_shares],
+        "rendered_beyond_it": quantity(found.beyond_bound, PERCENT, units),
+    }
+
+
+def _valve(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
+    valve = found.valve
+    return {
+        "flow": quantity(valve.flow_m3_per_s, FLOW, units),
+        "largest_demand_of_an_ideal": quantity(float(valve.demand.max()), PERCENT, units),
+        "ideals_beyond_it": quantity(valve.beyond_ideal_share, PERCENT, units),
+        "forbidden": quantity(valve.forbidden_share, PERCENT, units),
+        "longest_unload": quantity(valve.longest_unload_s, SECONDS, units),
+        "longest_unload_of_period": quantity(valve.longest_unload_of_period, PERCENT, units),
+    }

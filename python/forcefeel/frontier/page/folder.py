@@ -1,0 +1,37 @@
+"""The folder of a frontier: its page and its results, whole or not at all."""
+
+import json
+from pathlib import Path
+
+from forcefeel.frontier import Frontier
+from forcefeel.frontier.as_json import plain_frontier
+from forcefeel.frontier.page.page import frontier_page
+from forcefeel.page.staging import OutputFolder
+from forcefeel.units import UnitSystem
+
+PAGE, RESULTS = "frontier.html", "results.json"
+"""Names in the folder."""
+
+FOLDER = OutputFolder("the frontier", (PAGE, RESULTS))
+"""Checked before the work, written after it."""
+
+
+def write_frontier(found: Frontier, out: Path, units: UnitSystem, *, replace: bool = False) -> Path:
+    """Writes ``results.json`` and ``frontier.html``, the page last; other files in the folder are left alone.
+
+    Args:
+        found: The frontier.
+        out: The folder; made if it is not there.
+        units: The units of every number.
+        replace: Whether the new files may take the place of others.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+    """
+    FOLDER.check(out, replace=replace)
+    results = json.dumps(plain_frontier(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    FOLDER.write(out, {RESULTS: results, PAGE: frontier_page(found, units)})
+    return out / PAGE

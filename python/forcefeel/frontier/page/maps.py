@@ -1,0 +1,83 @@
+"""The maps of a frontier: a panel for each damping ratio, a cell for each setting, coloured by what limits it.
+
+Stiffness runs to the right, natural frequency up; cells are of one size, whatever lies between the values of the grid.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from markupsafe import Markup
+from numpy.typing import NDArray
+
+from forcefeel.frontier.result import Frontier, Limit
+from forcefeel.page.typography import number_text
+from forcefeel.sweep.findings import share_text
+from forcefeel.units import HERTZ, UnitSystem
+
+CELL = 24, 16
+"""Width and height of a cell, in the drawing's own units."""
+
+COLORS = {
+    Limit.NONE: "#009E73",
+    Limit.VALVE: "#D55E00",
+    Limit.INERTIA: "#0072B2",
+    Limit.NOMINAL: "#2B2B2B",
+    Limit.LAW: "#E6B800",
+}
+"""Okabe and Ito's hues, which the colour-blind can tell apart; light and dark differ too."""
+
+_MOST_PANELS = 8
+
+
+@dataclass(frozen=True)
+class Panel:
+    """The map of one damping ratio.
+
+    Attributes:
+        title: The damping ratio.
+        drawing: The SVG.
+    """
+
+    title: str
+    drawing: Markup
+
+
+def panels(found: Frontier) -> tuple[Panel, ...]:
+    """The maps by damping ratio; of more than eight, eight evenly spread."""
+    damping = found.plan.settings.damping
+    shown = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_PANELS, len(damping))).round().astype(int))
+    return tuple(Panel(f"ζ = {number_text(damping[k], 3)}", _drawing(found.limits[k])) for k in map(int, shown))
+
+
+def legend(found: Frontier) -> tuple[tuple[str, str, str], ...]:
+    """Name, colour and share of what is in the maps."""
+    return tuple(
+        (str(limit), COLORS[limit], share_text(share)) for limit, share in found.limit_shares.items() if share > 0
+    )
+
+
+def spans(found: Frontier, units: UnitSystem) -> dict[str, str]:
+    """From where to where the axes run."""
+    settings = found.plan.settings
+    share = [number_text(100 * value, 3) for value in (settings.stiffness[0], settings.stiffness[-1])]
+    hertz = [number_text(HERTZ.from_si(value, units), 3) for value in (settings.frequency[0], settings.frequency[-1])]
+    return {"stiffness": f"{share[0]} to {share[1]} %", "frequency": f"{hertz[0]} to {hertz[1]} Hz"}
+
+
+def _drawing(limits: NDArray[np.int8]) -> Markup:
+    """One map from what limits its settings (frequency, stiffness)."""
+    order, (wide, high) = list(Limit), CELL
+    rows, columns = limits.shape
+    boxes = [
+        f'<rect x="{wide * column}" y="{high * (rows - 1 - row)}" width="{wide}" height="{high}" '
+        f'fill="{COLORS[order[limits[row, column]]]}"/>'
+        for row in range(rows)
+        for column in range(columns)
+    ]
+    counts = np.bincount(limits.ravel(), minlength=len(order))
+    says = ", ".join(
+        f"{limit} {100 * count / limits.size:.0f} %" for limit, count in zip(order, counts, strict=True) if count
+    )
+    return Markup(
+        '<svg viewBox="0 0 {} {}" preserveAspectRatio="none" role="img" aria-label="{}"><title>{}</title>{}</svg>'
+    ).format(wide * columns, high * rows, says, says, Markup("".join(boxes)))

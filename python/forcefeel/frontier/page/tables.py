@@ -1,0 +1,160 @@
+"""The tables of a frontier: the shares over the tolerances, what each tolerance costs, what each part buys, the edges."""
+
+from math import isfinite
+
+from forcefeel.envelope.result import INERTIA
+from forcefeel.envelope.settings import AXES
+from forcefeel.envelope.tolerance_sentences import ends_text
+from forcefeel.frontier.findings import MILLISECONDS, points_text, tolerance_text
+from forcefeel.frontier.friction import FORCE
+from forcefeel.frontier.result import Frontier
+from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.page.table import Cell, Table, heads, number, words
+from forcefeel.page.typography import NONE, number_text, parameter_name, quantity_text
+from forcefeel.sweep.findings import share_text
+from forcefeel.units import FLOW, UnitSystem
+
+_MINUS = "\N{MINUS SIGN}"
+_GAIN = "#CDE9DD"
+_FELT = 5e-3
+"""Gain of a share, and share lost, from which on a cell stands out."""
+
+
+def tolerances(found: Frontier) -> Table:
+    """Worst-case shares on every rung, beside the bound where it was computed for that tolerance."""
+    one, every = found.tightening.inertia_and_geometry, found.tightening.all_in_proportion
+    rows = []
+    for tolerance, alone, together in zip(one.tolerances, one.shares, every.shares, strict=True):
+        bound = [
+            share
+            for error, share in zip(found.bound.errors, found.bound.shares, strict=True)
+            if abs(error - tolerance) < _SAME * tolerance
+        ]
+        cells = (share_text(alone), share_text(together), share_text(bound[0]) if bound else NONE)
+        rows.append((words(f"±{tolerance_text(tolerance)}"), *map(number, cells)))
+    exactly = (share_text(one.limit), share_text(every.limit), share_text(1.0))
+    rows.append((words("exactly"), *map(number, exactly)))
+    head = ("Inertia known to", "Inertia and geometry tightened", "All in proportion", "Bound on any linear law")
+    return Table(heads(*head), tuple(rows))
+
+
+_SAME = 1e-6
+"""Relative; tolerances that are the same but for rounding."""
+
+
+def costs(found: Frontier) -> Table:
+    """What each tolerance and each arm costs by itself."""
+    rows = []
+    for cost in found.tightening.costs:
+        known = isfinite(cost.tolerance)
+        name = parameter_name(cost.name) if known else cost.name
+        rows.append(
+            (
+                words(name),
+                number(ends_text(found.plan.deviations[cost.name]).replace("-", _MINUS) if known else NONE),
+                number(share_text(cost.passes)),
+                number(share_text(cost.lost) if cost.lost else NONE),
+                number(share_text(cost.only) if cost.only else NONE),
+            )
+        )
+    return Table(heads("Off, all else nominal", "By", "Passes", "Lost", "Lost to nothing else"), tuple(rows))
+
+
+def hardware(found: Frontier) -> Table:
+    """What each change of the hardware buys, the largest gain in the worst case first."""
+    before = found.envelope.shares(found.compensator)
+    rows = [
+        (
+            words("as it is"),
+            number(share_text(before.passes_worst)),
+            number(NONE),
+            number(share_text(before.passes)),
+            number(NONE),
+            number(share_text(before.stable_worst)),
+            number(NONE),
+        )
+    ]
+    for gain in found.hardware:
+        rows.append(
+            (
+                words(f"{gain.name}; {gain.remark}" if gain.remark else gain.name),
+                number(share_text(gain.worst)),
+                _points(gain.worst_gain),
+                number(share_text(gain.nominal)),
+                _points(gain.nominal_gain),
+                number(share_text(gain.stable_worst)),
+                _points(gain.stable_worst_gain),
+            )
+        )
+    head = ("Change", "Passes in every case", "Points", "Passes nominally", "Points", "Stable in every case", "Points")
+    return Table(heads(*head), tuple(rows))
+
+
+def edges(found: Frontier, system: UnitSystem) -> Table:
+    """The edges of what is rendered, and what the valve asks."""
+    edge, valve, friction = found.smallest, found.valve, found.friction
+    stiffness = unit(TABLE["feel.stiffness"])
+    known = isfinite(edge.inertia_n_m_s2_per_rad)
+    largest = found.largest_stiffness * found.plan.loader["feel.maximum_stiffness"]
+    rows = (
+        (
+            "Smallest inertia rendered in every case",
+            quantity_text(edge.inertia_n_m_s2_per_rad, INERTIA, system, 3) if known else NONE,
+            f"{number_text(edge.inertia_share, 2)} times the column's own" if known else "",
+        ),
+        (
+            "Smallest stiffness rendered in every case",
+            quantity_text(edge.stiffness_n_m_per_rad, stiffness, system, 3) if known else NONE,
+            f"{share_text(edge.stiffness_share)} of the largest" if known else "",
+        ),
+        (
+            "Largest stiffness rendered in every case",
+            quantity_text(largest, stiffness, system, 3) if known else NONE,
+            f"{share_text(found.largest_stiffness)} of the largest" if known else "",
+        ),
+        (
+            "Friction, play and lag felt with no friction programmed",
+            quantity_text(friction.felt_n, FORCE, system, 2) if isfinite(friction.felt_n) else NONE,
+            "half the width of the loop of a slow push, less that of the ideal",
+        ),
+        (
+            "Noise at the grip, r.m.s.",
+            quantity_text(friction.noise_n, FORCE, system, 2) if isfinite(friction.noise_n) else NONE,
+            "as force; a smaller programmed friction is lost in it",
+        ),
+        (
+            "Column's own dry friction",
+            quantity_text(friction.column_n, FORCE, system, 2),
+            "at the grip, beyond every sensor: a law that does not know of it leaves all of it",
+        ),
+        (
+            "Flow that the valve lets through at no load",
+            quantity_text(valve.flow_m3_per_s, FLOW, system, 3),
+            f"the ideal releases ask for at most {share_text(float(valve.demand.max()))} of it"
+            if isfinite(float(valve.demand.max()))
+            else "some ideal releases ask for more than the supply's pressure",
+        ),
+        (
+            "Time to take the hand's torque off the link, at most",
+            quantity_text(valve.longest_unload_s, MILLISECONDS, system, 2),
+            f"{share_text(valve.longest_unload_of_period)} of a period at most",
+        ),
+    )
+    return Table(
+        (Cell("Edge"), Cell("Value", "number"), Cell("")),
+        tuple((words(what), number(value), words(remark)) for what, value, remark in rows),
+    )
+
+
+def grid(found: Frontier, system: UnitSystem) -> Table:
+    """The settings."""
+    rows = []
+    for name, axis in AXES.items():
+        values = [number_text(axis.unit.from_si(one, system), 3) for one in getattr(found.plan.settings, name)]
+        title = axis.title[:1].upper() + axis.title[1:]
+        rows.append((words(title), words(", ".join(values)), Cell(axis.unit.shown(system))))
+    return Table((Cell("Axis"), Cell("Values"), Cell("Unit")), tuple(rows))
+
+
+def _points(gain: float) -> Cell:
+    return Cell(points_text(gain).replace("-", _MINUS), "number", _GAIN if gain >= _FELT else "")

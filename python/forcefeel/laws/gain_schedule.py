@@ -1,0 +1,182 @@
+"""Gains for many computer settings of one loader, from the structure of the problem.
+
+The plant's four states do not see the feel model, so its Riccati equation is solved once; each setting then costs one
+linear equation, solved in Rust (``crates/solve/src/schedule.rs`` derives it), or over a horizon a polynomial of its 2 by 2
+transition matrix.
+"""
+
+from dataclasses import dataclass
+
+import control
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from forcefeel import _core
+from forcefeel.errors import InputError
+from forcefeel.laws.recursion import DesignSettings, SampledProblem, state_scale
+from forcefeel.linear.models import design_plant
+from forcefeel.loader.loader import Loader
+
+_PLANT = [0, 1, 4, 5]  # x_p, p, x_b, x_b' among DESIGN_STATES
+_FEEL = [2, 3]  # delta, delta'
+
+
+@dataclass(frozen=True, eq=False)
+class GainSchedule:
+    """Gains over settings.
+
+    Attributes:
+        settings: I, B, G in SI units, a row per setting.
+        gains: SI gains c_1 .. c_6 on the first six of ``DESIGN_STATES``, a row per setting.
+    """
+
+    settings: NDArray[np.float64]
+    gains: NDArray[np.float64]
+
+
+def schedule_gains(
+    loader: Loader, settings: ArrayLike, design: DesignSettings | None = None, *, continuous: bool = False
+) -> GainSchedule:
+    """Gains for every setting, those that ``compensate`` gives for it.
+
+    Args:
+        loader: The loader; its own feel setting is not used.
+        settings: I, B, G in SI units (N m s^2/rad, N m s/rad, N m/rad), a row per setting.
+        design: Weights of eq. (21), step and horizon; over an endless horizon the gains are the fixed point itself.
+        continuous: Design in continuous time, the limit of a small step, instead of at ``design.step_s``; without a horizon.
+
+    Raises:
+        InputError: If a setting is not a row of three finite numbers with I > 0, B >= 0, G > 0, or has no gains in double
+            precision; if ``design`` has [Q] whole, or a horizon in continuous time.
+    """
+    design = design or DesignSettings()
+    if design.q is not None:
+        raise InputError("design: expected the weights of eq. (21); leave out q")
+    if continuous and design.horizon_s is not None:
+        raise InputError("design: expected an endless horizon in continuous time; leave out horizon_s")
+    rows = setting_rows(settings)
+    if design.horizon_s is not None:
+        plant_gains, feel_gains = _over_horizon(loader, design, rows)
+    else:
+        try:
+            plant = (_continuous_plant if continuous else _sampled_plant)(loader, design)
+        except np.linalg.LinAlgError as error:
+            raise InputError(f"design: the loader has no gains over an endless horizon ({error})") from error
+        period = None if continuous else design.step_s
+        plant_gains = plant.gains / plant.scale
+        feel_gains = _core.schedule(plant.closed, plant.coupling, plant.gain_row, period, rows)
+    if not np.isfinite(feel_gains).all():
+        bad = int(np.argmin(np.isfinite(feel_gains).all(axis=1)))
+        raise InputError(f"settings: row {bad}, {rows[bad].tolist()}, has no gains: its numbers are too far apart")
+    gains = np.empty((len(rows), 6))
+    gains[:, _PLANT], gains[:, _FEEL] = plant_gains, feel_gains
+    return GainSchedule(rows, gains)
+
+
+def setting_rows(given: ArrayLike, name: str = "settings") -> NDArray[np.float64]:
+    """Settings I, B, G as an array, a row each; ``name`` is what messages call them.
+
+    Raises:
+        InputError: If one is not three finite numbers with I > 0, B >= 0, G > 0.
+    """
+    try:
+        rows = np.ascontiguousarray(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: expected rows of I, B, G ({error})") from error
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise InputError(f"{name}: expected rows of I, B, G, got shape {rows.shape}")
+    good = np.isfinite(rows).all(axis=1) & (rows[:, 0] > 0) & (rows[:, 1] >= 0) & (rows[:, 2] > 0)
+    if not good.all():
+        bad = int(np.argmin(good))
+        raise InputError(f"{name}: expected finite I > 0, B >= 0, G > 0, got {rows[bad].tolist()} in row {bad}")
+    return rows
+
+
+@dataclass(frozen=True)
+class _SolvedPlant:
+    """What all settings share, the states scaled to the order of one.
+
+    Attributes:
+        gains: Gains of the plant's four states.
+        closed: Closed-loop matrix M of the plant.
+        coupling: Weight between the plant's and the feel's states.
+        gain_row: Row k that turns the coupling block of the cost into gains of the feel's states.
+        scale: SI value of one unit of each scaled state.
+    """
+
+    gains: NDArray[np.float64]
+    closed: NDArray[np.float64]
+    coupling: NDArray[np.float64]
+    gain_row: NDArray[np.float64]
+    scale: NDArray[np.float64]
+
+
+def _over_horizon(
+    loader: Loader, design: DesignSettings, rows: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Gains of the plant's states, and of the feel's for each setting, by recursion (22) over the horizon.
+
+    After j steps the block ``P_j = M_j' P_(j-1) Phi + Q``, ``P_0 = Q``, of the cost couples plant and feel. ``M_j`` and the row
+    ``k`` are the plant's alone, so that of N steps ``c_w = -k P_(N-1) Phi = -(q_0 + q_1 Phi + ... + q_(N-1) Phi^(N-1)) Phi``
+    with ``q_0 = k Q``, ``q_1 = k M_(N-1)' Q``, ``q_2 = k M_(N-1)' M_(N-2)' Q`` and so on, the same rows for every setting.
+    """
+    problem = SampledProblem.of(loader, design)
+    phi, h, scale = problem.phi[np.ix_(_PLANT, _PLANT)], problem.h[_PLANT], problem.scale[_PLANT]
+    weight = problem.q[np.ix_(_PLANT, _PLANT)]
+    cost, closed = weight, []
+    for _ in range(round((design.horizon_s or 0.0) / design.step_s)):
+        k = h.T / (problem.r + h.T @ cost @ h)
+        c = -k @ cost @ phi
+        closed.append(phi + h @ c)
+        cost = closed[-1].T @ cost @ closed[-1] + weight + c.T @ problem.r @ c
+        cost = (cost + cost.T) / 2
+    coupling, row = _coupling(loader, design, scale), k
+    polynomial = [row @ coupling]
+    for m in reversed(closed[:-1]):
+        row = row @ m.T
+        polynomial.append(row @ coupling)
+    # Element by element, so that a setting has the same gains to the last bit in whatever company.
+    (f00, f01), (f10, f11) = _feel_transition(rows, design.step_s)
+    first, second = np.zeros((2, len(rows)))
+    for (q,) in reversed(polynomial):
+        first, second = q[0] + first * f00 + second * f10, q[1] + first * f01 + second * f11
+    return c[0] / scale, -np.stack([first * f00 + second * f10, first * f01 + second * f11], axis=1)
+
+
+def _feel_transition(rows: NDArray[np.float64], step_s: float) -> NDArray[np.float64]:
+    """``Phi = exp(W h)``, (2, 2, settings), of the unforced feel ``delta'' = -(G delta + B delta') / I``, eq. (11).
+
+    ``exp(W h) = e^s (cosh r + (W h - s) sinh r / r)`` with ``s`` half the trace of ``W h`` and ``r^2 = s^2 - det W h``.
+    """
+    inertia, damping, stiffness = rows.T
+    with np.errstate(all="ignore"):  # what is out of range has no gains
+        down, back = -stiffness / inertia * step_s, -damping / inertia * step_s
+        s = back / 2
+        r = np.sqrt(s * s + down * step_s + 0j)
+        cosh, sinh_by_r = np.cosh(r).real, np.sinc(1j * r / np.pi).real
+        return np.asarray(
+            np.exp(s) * [[cosh - s * sinh_by_r, step_s * sinh_by_r], [down * sinh_by_r, cosh + (back - s) * sinh_by_r]]
+        )
+
+
+def _sampled_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
+    problem = SampledProblem.of(loader, design)
+    phi, h = problem.phi[np.ix_(_PLANT, _PLANT)], problem.h[_PLANT]
+    scale = problem.scale[_PLANT]
+    k, cost, _ = control.dlqr(phi, h, problem.q[np.ix_(_PLANT, _PLANT)], problem.r)
+    row = h.T / (problem.r + h.T @ cost @ h)
+    return _SolvedPlant(-k[0], phi - h @ k, _coupling(loader, design, scale), row[0], scale)
+
+
+def _continuous_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
+    plant, scale = design_plant(loader), state_scale(loader)[_PLANT]
+    a = plant.A[np.ix_(_PLANT, _PLANT)] * scale / scale[:, None]
+    b = plant.B[_PLANT] / scale[:, None]
+    q = design.weight(loader)[np.ix_(_PLANT, _PLANT)] * np.outer(scale, scale)
+    k, _, _ = control.lqr(a, b, q, [[design.r2]])
+    return _SolvedPlant(-k[0], a - b @ k, _coupling(loader, design, scale), (b.T / design.r2)[0], scale)
+
+
+def _coupling(loader: Loader, design: DesignSettings, scale: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weight between the scaled plant states and the feel states, which stay in SI: their matrix is per setting."""
+    return np.asarray(design.weight(loader)[np.ix_(_PLANT, _FEEL)] * scale[:, None])

@@ -1,0 +1,23 @@
+"""Designs of sampled laws: regulator, feed-forward from the feel and observer, made for the sampled plant with its delay.
+
+The plant does not see the feel, so that a setting I, B, G shares its two Riccati equations with all settings of its inertia and
+has one small linear equation of its own.
+"""
+
+from forcefeel.laws.sampled.methods import METHODS, Method, method
+from forcefeel.laws.sampled.observer_law import design
+from forcefeel.laws.sampled.plant import SampledPlant
+from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, ROBUST, Power, Tuning
+
+__all__ = [
+    "METHODS",
+    "OBSERVER",
+    "RECOVERED",
+    "ROBUST",
+    "Method",
+    "Power",
+    "SampledPlant",
+    "Tuning",
+    "design",
+    "method",
+]

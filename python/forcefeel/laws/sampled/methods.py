@@ -1,0 +1,80 @@
+"""The methods by name: what each is, and its law for any settings of a loader."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from types import MappingProxyType
+
+from numpy.typing import ArrayLike
+
+from forcefeel.errors import InputError
+from forcefeel.laws.sampled import h_infinity, load_cell_loop
+from forcefeel.laws.sampled import observer_law as laws
+from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, ROBUST, Tuning
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.loader.loader import Loader
+from forcefeel.units import show
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to design sampled laws.
+
+    Attributes:
+        name: What it is called.
+        summary: What it is, in a line.
+        design: The laws of a loader for settings I, B, G in SI units, a row each.
+    """
+
+    name: str
+    summary: str
+    design: Callable[[Loader, ArrayLike], SampledCompensator] = field(repr=False)
+
+
+def tuned(name: str, summary: str, tuning: Tuning) -> Method:
+    """Regulator, feed-forward and observer with these weights and noises."""
+    return Method(name, summary, partial(laws.design, tuning=tuning))
+
+
+_METHODS = (
+    Method(
+        "load-cell",
+        "state feedback with the load cell's loop in the plant, the column's inertia taken off the feel's",
+        load_cell_loop.design,
+    ),
+    tuned(
+        "observer",
+        "optimal regulator, feed-forward from the feel, observer that trusts every sensor and its plant",
+        OBSERVER,
+    ),
+    tuned(
+        "recovered",
+        "the observer design with strong noise at the plant's input, for the regulator's margins: loop transfer recovery",
+        RECOVERED,
+    ),
+    Method(
+        "h-infinity",
+        "no potentiometer, the pilot's torque by an H-infinity filter: least error under the worst disturbance",
+        h_infinity.design,
+    ),
+    tuned(
+        "robust",
+        "the observer design without the potentiometer, weights and noises searched for over many perturbed plants at once",
+        ROBUST,
+    ),
+)
+
+METHODS: Mapping[str, Method] = MappingProxyType({each.name: each for each in _METHODS})
+"""The methods by name."""
+
+
+def method(name: str) -> Method:
+    """The method of this name.
+
+    Raises:
+        InputError: If there is none.
+    """
+    try:
+        return METHODS[name]
+    except KeyError:
+        raise InputError(f"method: expected {', '.join(METHODS)}, got {show(name)}") from None

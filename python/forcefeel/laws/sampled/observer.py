@@ -1,0 +1,114 @@
+"""The observer: a stationary Kalman filter that estimates plant, pilot's torque and disturbance from what is sampled.
+
+``xi = [x; T_p; d; e_h]`` its state before the sample · ``y`` what is sampled · ``xi^`` its estimate with the sample
+
+    xi^  = xi + L (y - C xi)
+    xi+  = Phi_o xi^ + Gamma_o e
+    T_p+ = T_p + noise,   d+ = REMEMBERED d + noise
+
+The command is known, so e_h is no estimate and its row of L is zero. Noise at the plant's input makes the loop recover the
+regulator's margins: J. C. Doyle, G. Stein, Robustness with Observers, IEEE Trans. Automatic Control 24 (1979) 607-611.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.laws.sampled.plant import BASE, FLOW, PISTON, PRESSURE, SampledPlant
+from forcefeel.laws.sampled.riccati import residual, stationary
+from forcefeel.laws.sampled.tuning import Tuning
+
+REMEMBERED = 1 - 1e-9
+"""Share of the disturbance that a period leaves. A law that forgot nothing would have no rest of its own, as any disturbance goes
+with the same samples; one that forgets so little takes six days at 2 kHz."""
+
+STATES = 9
+"""x, T_p, d, e_h."""
+
+TORQUE, DISTURBANCE, HELD = 6, 7, 8
+"""Places of T_p, d and e_h."""
+
+_ESTIMATED = slice(0, HELD)
+
+
+@dataclass(frozen=True, eq=False)
+class Observer:
+    """The filter, in the units of the plant, and how well it is proved.
+
+    Attributes:
+        transition: Phi_o, (9, 9).
+        input: Gamma_o, (9,).
+        reads: C, (3, 9): F_c, x_p, theta.
+        gains: L, (9, 3); the column of what is not trusted is zero.
+        covariance: Of the error of x, T_p, d before the sample, (8, 8).
+        riccati_residual: Residual of the Riccati equation, as a share of the covariance.
+    """
+
+    transition: NDArray[np.float64] = field(repr=False)
+    input: NDArray[np.float64] = field(repr=False)
+    reads: NDArray[np.float64] = field(repr=False)
+    gains: NDArray[np.float64] = field(repr=False)
+    covariance: NDArray[np.float64] = field(repr=False)
+    riccati_residual: float
+
+
+def observe(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Observer:
+    """The observer for a programmed inertia of so many of the column's.
+
+    Raises:
+        numpy.linalg.LinAlgError: If there is none in double precision.
+    """
+    transition, reads = observed(plant), readings()
+    noise, trusted = sensor_noise(plant, tuning, inertia_ratio)
+    a, c = transition[_ESTIMATED, _ESTIMATED], reads[trusted][:, _ESTIMATED]
+    w, r = process_noise(plant, tuning, inertia_ratio), np.diag(noise**2)
+    covariance = stationary(a.T, c.T, w, r)
+    gains = np.zeros((STATES, len(reads)))
+    gains[_ESTIMATED, trusted] = np.linalg.solve(r + c @ covariance @ c.T, c @ covariance).T
+    return Observer(
+        transition=transition,
+        input=np.concatenate([plant.by_command, [0.0, 0.0, 1.0]]),
+        reads=reads,
+        gains=gains,
+        covariance=covariance,
+        riccati_residual=residual(a.T, c.T, w, r, covariance),
+    )
+
+
+def observed(plant: SampledPlant) -> NDArray[np.float64]:
+    """Phi_o of ``[x; T_p; d; e_h]``, (9, 9)."""
+    n = len(plant.phi)
+    found = np.zeros((STATES, STATES))
+    found[:n, :n] = plant.phi
+    found[:n, TORQUE], found[:n, DISTURBANCE], found[:n, HELD] = plant.by_torque, plant.by_disturbance, plant.by_held
+    found[TORQUE, TORQUE], found[DISTURBANCE, DISTURBANCE] = 1.0, REMEMBERED
+    return found
+
+
+def readings() -> NDArray[np.float64]:
+    """C, (3, 9): load cell force, piston displacement and column angle, each one state in its unit."""
+    found = np.zeros((3, STATES))
+    found[[0, 1, 2], [PRESSURE, PISTON, BASE]] = 1.0
+    return found
+
+
+def process_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> NDArray[np.float64]:
+    """Covariance of what a period adds to x, T_p, d."""
+    h = plant.periods_per_time
+    found = np.zeros((HELD, HELD))
+    n = len(plant.phi)
+    # White noise of density s^2, held over the period, has the variance s^2 / h.
+    found[:n, :n] = np.outer(plant.by_disturbance, plant.by_disturbance) * tuning.input_noise.at(inertia_ratio) ** 2 / h
+    walks = {TORQUE: tuning.torque_walk, DISTURBANCE: tuning.disturbance_walk, FLOW: tuning.flow_walk}
+    for place, walk in walks.items():
+        found[place, place] += walk.at(inertia_ratio) ** 2 * h
+    return found
+
+
+def sensor_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> tuple[NDArray[np.float64], list[int]]:
+    """Noise of a sample of each trusted sensor, and which those are among F_c, x_p, theta."""
+    given = (tuning.pressure_noise, tuning.piston_noise, tuning.angle_noise)
+    trusted = [k for k, noise in enumerate(given) if noise is not None]
+    noises = [noise.at(inertia_ratio) for noise in given if noise is not None]
+    return np.array(noises) / np.sqrt(plant.periods_per_time), trusted

@@ -1,0 +1,119 @@
+"""Regulator, feed-forward and observer put together: one sampled law for each setting.
+
+    xi^ = (1 - L C) xi + L y,      T = T_p^
+    e   = Gamma_w w - K ([x^; e_h] - Pi w),    w = [delta; delta'; T_p^; d^]
+
+The feel computer hears the pilot's torque as the observer estimates it: the load cell's once the column is at rest, and not
+what it takes to move the column's own inertia. The estimate has integral action on what is at the command.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.laws.gain_schedule import setting_rows
+from forcefeel.laws.sampled.feedforward import feed_forward
+from forcefeel.laws.sampled.observer import DISTURBANCE, HELD, STATES, TORQUE, observe, observed, readings
+from forcefeel.laws.sampled.plant import PLANT_STATES, SampledPlant
+from forcefeel.laws.sampled.regulator import regulate
+from forcefeel.laws.sampled.tuning import Tuning
+from forcefeel.laws.sampled_compensator import SAMPLED, SampledCompensator
+from forcefeel.loader.loader import Loader
+
+_ON_PLANT = [*range(len(PLANT_STATES)), HELD]
+"""[x; e_h] in the observer's state."""
+
+
+def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledCompensator:
+    """The laws for many settings of one loader.
+
+    Args:
+        loader: The loader, with ``controller.period`` and ``controller.delay``; its own feel and arm are not used, nor is
+            anything that its linear model leaves out.
+        feel: I, B, G in SI units (N m s^2/rad, N m s/rad, N m/rad), a row per setting.
+        tuning: Weights and noises.
+
+    Returns:
+        A law of nine states for each setting. All are in the same coordinates, so laws of one loader and any tuning can be
+        interpolated.
+
+    Raises:
+        InputError: If the loader has no period or a delay longer than that, a setting is not a row of three finite numbers
+            with I > 0, B >= 0, G > 0, or there is no law in double precision.
+    """
+    rows = feel_rows(feel)
+    plant = SampledPlant.of(loader)
+    try:
+        ahead = feed_forward(plant, rows)
+        gains = _gains(plant, rows, loader["column.inertia"], tuning)
+    except np.linalg.LinAlgError as error:
+        raise InputError(
+            f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
+        ) from error
+    return assemble(plant, gains, *followed(gains.regulator, ahead.states, ahead.command))
+
+
+@dataclass(frozen=True, eq=False)
+class Gains:
+    """K, (settings, 7), and L, (settings, 9, 3)."""
+
+    regulator: NDArray[np.float64] = field(repr=False)
+    observer: NDArray[np.float64] = field(repr=False)
+
+
+def _gains(plant: SampledPlant, feel: NDArray[np.float64], column_inertia: float, tuning: Tuning) -> Gains:
+    """The gains of each setting; both Riccati equations once for each programmed inertia."""
+    inertias, of_setting = np.unique(feel[:, 0], return_inverse=True)
+    ratios = (inertias / column_inertia).tolist()
+    regulators = np.array([regulate(plant, tuning, ratio).gains for ratio in ratios])
+    observers = np.array([observe(plant, tuning, ratio).gains for ratio in ratios])
+    return Gains(regulators[of_setting], observers[of_setting])
+
+
+def followed(
+    gains: NDArray[np.float64], states: NDArray[np.float64], command: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What the command is of the estimate, (settings, 9), and of delta, delta', (settings, 2), in the plant's units."""
+    of_w = command + np.einsum("sj,sjw->sw", gains, states)
+    of_estimate = np.zeros((len(gains), STATES))
+    of_estimate[:, _ON_PLANT] = -gains
+    of_estimate[:, [TORQUE, DISTURBANCE]] += of_w[:, 2:]
+    return of_estimate, of_w[:, :2]
+
+
+def assemble(
+    plant: SampledPlant, gains: Gains, of_estimate: NDArray[np.float64], of_feel: NDArray[np.float64]
+) -> SampledCompensator:
+    """The law as data: signals and what it says in SI units, its state in the plant's."""
+    settings, scale = len(gains.regulator), plant.scale
+    transition = observed(plant)
+    kept = np.eye(STATES) - gains.observer @ readings()  # what the estimate keeps of xi
+    taken = gains.observer / scale.sampled  # and what it takes of y
+    by_command = np.zeros((STATES, 1))
+    by_command[: len(PLANT_STATES), 0], by_command[HELD] = plant.by_command, 1.0
+    estimate = np.concatenate([kept, taken], axis=2)
+    command = np.concatenate([np.einsum("sj,sjk->sk", of_estimate, estimate), of_feel], axis=1)
+    torque = np.zeros((settings, STATES + SAMPLED + 2))
+    torque[:, : STATES + SAMPLED] = estimate[:, TORQUE]
+    return SampledCompensator(
+        period_s=plant.period_s,
+        delay_s=plant.delay_s,
+        transition=transition @ kept,
+        input=np.concatenate([transition @ taken, np.tile(by_command / scale.command_v, (settings, 1, 1))], axis=2),
+        command=command * scale.command_v,
+        torque=torque * scale.torque_n_m,
+    )
+
+
+def feel_rows(feel: ArrayLike) -> NDArray[np.float64]:
+    """Settings I, B, G as an array, a row each and one at least.
+
+    Raises:
+        InputError: If there is none, or one is not three finite numbers with I > 0, B >= 0, G > 0.
+    """
+    rows = setting_rows(feel, "feel")
+    if not len(rows):
+        raise InputError(f"feel: expected one row of I, B, G at least, got shape {rows.shape}")
+    return rows

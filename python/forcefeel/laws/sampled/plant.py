@@ -1,0 +1,172 @@
+"""The servo and its column over one sample period, with the delay of the command: what sampled laws are designed for.
+
+``x`` states of eq. (17) without the feel · ``e`` command · ``e_h`` command of the sample before · ``T_p`` pilot's torque on the
+column · ``T`` period · ``tau`` delay from the sample to its command
+
+    x+   = Phi x + Gamma_0 e_h + Gamma_1 e + Gamma_p T_p
+    e_h+ = e
+
+exact for a torque that stays over the period: ``Phi = exp(A T)``, the new command acts over the last ``T - tau``,
+``Gamma_1 = Gamma(T - tau)``, and the old one over the first ``tau``, ``Gamma_0 = exp(A (T - tau)) Gamma(tau)``, where
+``Gamma(t)`` is the integral of ``exp(A s) B`` from 0 to t.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel._core import Compensator
+from forcefeel.errors import InputError
+from forcefeel.linear.models import INPUTS, Linkage, loader_model
+from forcefeel.loader.loader import Loader
+from forcefeel.units import SECONDS, to_text
+
+PLANT_STATES = (
+    "piston_position_m",
+    "load_pressure_pa",
+    "commanded_flow_m3_per_s",
+    "commanded_flow_rate_m3_per_s2",
+    "base_position_m",
+    "base_velocity_m_per_s",
+)
+"""The states x, in this order."""
+
+PISTON, PRESSURE, FLOW, FLOW_RATE, BASE, BASE_RATE = range(6)
+"""Places of ``PLANT_STATES``."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scale:
+    """Units of the design, from the loader alone, in which its numbers are of the order of one.
+
+    Attributes:
+        torque_n_m: Torque of the supply pressure on the column, ``alpha R_b A p_s``.
+        time_s: Time in which that torque turns the column from rest by half a radian, ``sqrt(J / T_s)``.
+        command_v: Command for the rated current, ``i_r / K_2``.
+        states: SI value of one unit of each of ``PLANT_STATES``: the column at one radian, its rate in radians per unit of
+            time, supply pressure, rated flow and its rate at the valve's natural frequency.
+        sampled: SI value of one unit of F_c, x_p and theta.
+    """
+
+    torque_n_m: float
+    time_s: float
+    command_v: float
+    states: NDArray[np.float64] = field(repr=False)
+    sampled: NDArray[np.float64] = field(repr=False)
+
+    @classmethod
+    def of(cls, loader: Loader) -> "Scale":
+        """The units of a loader."""
+        pressure, base, flow = loader["valve.supply_pressure"], loader["column.base_arm"], loader["valve.rated_flow"]
+        piston = loader["linkage.ratio"] * base
+        force = loader["actuator.area"] * pressure
+        time = float(np.sqrt(loader["column.inertia"] / (piston * force)))
+        return cls(
+            torque_n_m=piston * force,
+            time_s=time,
+            command_v=loader["valve.rated_current"] / loader["amplifier.admittance"],
+            states=np.array([piston, pressure, flow, flow * loader["valve.natural_frequency"], base, base / time]),
+            sampled=np.array([force, piston, 1.0]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SampledPlant:
+    """The plant over one period, in the units of ``scale``.
+
+    Attributes:
+        period_s: T.
+        delay_s: tau.
+        scale: Its units.
+        phi: Phi, (6, 6).
+        by_held: Gamma_0, (6,).
+        by_command: Gamma_1, (6,).
+        by_torque: Gamma_p, (6,).
+    """
+
+    period_s: Annotated[float, SECONDS]
+    delay_s: Annotated[float, SECONDS]
+    scale: Scale
+    phi: NDArray[np.float64] = field(repr=False)
+    by_held: NDArray[np.float64] = field(repr=False)
+    by_command: NDArray[np.float64] = field(repr=False)
+    by_torque: NDArray[np.float64] = field(repr=False)
+
+    @classmethod
+    def of(cls, loader: Loader) -> "SampledPlant":
+        """The plant of a loader: its linear model alone, without limits, friction, lags of sensors or an arm at the grip.
+
+        Raises:
+            InputError: If the loader has no ``controller.period``, or its delay is longer than that.
+        """
+        timing = period_and_delay(loader)
+        scale = Scale.of(loader)
+        a, b = _continuous(loader, scale)
+        phi, by_held, by_command = delayed(a, b[:, 1:], *timing)
+        _, whole = _core.discretize(a, b, timing[0])
+        return cls(*timing, scale, phi, by_held[:, 0], by_command[:, 0], whole[:, 0])
+
+    @property
+    def periods_per_time(self) -> float:
+        """T in units of time."""
+        return self.period_s / self.scale.time_s
+
+    @cached_property
+    def transition(self) -> NDArray[np.float64]:
+        """Transition matrix of ``[x; e_h]``, (7, 7)."""
+        n = len(PLANT_STATES)
+        found = np.zeros((n + 1, n + 1))
+        found[:n, :n], found[:n, n] = self.phi, self.by_held
+        return found
+
+    @property
+    def input(self) -> NDArray[np.float64]:
+        """How the command enters ``[x; e_h]``, (7,)."""
+        return np.append(self.by_command, 1.0)
+
+    @property
+    def by_disturbance(self) -> NDArray[np.float64]:
+        """How what is added to the held command enters ``x`` over a period, ``Gamma_0 + Gamma_1``, (6,)."""
+        return self.by_held + self.by_command
+
+
+def period_and_delay(loader: Loader) -> tuple[float, float]:
+    """T and tau of a loader's controller.
+
+    Raises:
+        InputError: If it has none, or its delay is longer than its period.
+    """
+    period, delay = loader["controller.period"], loader["controller.delay"]
+    if period == 0:
+        raise InputError("controller.period: expected a sample period, got none; give one, for example 0.5 ms")
+    if delay > period:
+        raise InputError(
+            f"controller.delay: expected at most the period of {to_text(period * 1e3)} ms, got {to_text(delay * 1e3)} ms; "
+            "shorten the delay or lengthen controller.period"
+        )
+    return period, delay
+
+
+def delayed(
+    a: NDArray[np.float64], b: NDArray[np.float64], period_s: float, delay_s: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """``Phi``, and how the command of the sample before and the new one enter over a period: Gamma_0 and Gamma_1."""
+    phi, _ = _core.discretize(a, b, period_s)
+    after, new = _core.discretize(a, b, period_s - delay_s)
+    _, old = _core.discretize(a, b, delay_s)
+    return phi, after @ old, new
+
+
+def _continuous(loader: Loader, scale: Scale) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """A and B of eq. (17) in units of ``scale``, the feel computer left out; inputs T_p, e."""
+    # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
+    model = loader_model(loader, Compensator.none(loader.values), Linkage.COMPLIANT)
+    kept = [model.state_labels.index(name) for name in PLANT_STATES]
+    force, signal = (model.B[kept, INPUTS.index(name)] for name in INPUTS)
+    a = model.A[np.ix_(kept, kept)] * scale.states / scale.states[:, None]
+    torque = force / loader["column.grip_arm"] * scale.torque_n_m
+    return a, np.column_stack([torque, signal * scale.command_v]) / scale.states[:, None]

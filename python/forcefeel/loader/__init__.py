@@ -1,0 +1,1 @@
+"""The loader: its file, its parameters and tolerances, its curves, and the built-in ones."""

@@ -1,0 +1,137 @@
+"""What the optional rows of the parameter table ask of one another."""
+
+import math
+from collections.abc import Mapping
+
+from forcefeel.errors import InputError
+from forcefeel.loader.parameters import OFF, TABLE, value_text
+
+BELOW = (
+    ("column.stop_low", "column.stop_high"),
+    ("feel.soft_stop_low", "feel.soft_stop_high"),
+    ("feel.hard_stop_low", "feel.hard_stop_high"),
+)
+"""Pairs of which the first lies below the second."""
+
+AT_LEAST = (
+    ("column.static_friction", "column.coulomb_friction"),
+    ("feel.static_friction", "feel.coulomb_friction"),
+)
+"""Pairs of which the first, where given, is no smaller than the second."""
+
+_SAMPLED = ("load_cell", "potentiometer", "column_sensor")
+
+ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
+    ("actuator.relief_gain", ("actuator.relief_pressure",)),
+    ("column.gravity_angle", ("column.gravity_torque",)),
+    ("column.stop_stiffness", ("column.stop_low", "column.stop_high")),
+    ("column.stop_damping", ("column.stop_low", "column.stop_high")),
+    *((f"{sensor}.{name}", ("controller.period",)) for sensor in _SAMPLED for name in ("noise", "resolution")),
+    ("controller.delay", ("controller.period",)),
+    ("controller.input_range", ("controller.period",)),
+    ("controller.input_range", ("controller.input_bits",)),
+    ("controller.input_bits", ("controller.period",)),
+    ("controller.input_bits", ("controller.input_range",)),
+    ("controller.output_range", ("controller.period",)),
+    ("controller.output_range", ("controller.output_bits",)),
+    ("controller.output_bits", ("controller.period",)),
+    ("controller.output_bits", ("controller.output_range",)),
+    ("controller.antiwindup", ("controller.period",)),
+    ("feel.breakout_travel", ("feel.breakout",)),
+    ("feel.hysteresis_travel", ("feel.hysteresis",)),
+    ("feel.detent_angle", ("feel.detent_force",)),
+    ("feel.detent_travel", ("feel.detent_force",)),
+    ("feel.soft_stop_stiffness", ("feel.soft_stop_low", "feel.soft_stop_high")),
+    ("feel.soft_stop_damping", ("feel.soft_stop_low", "feel.soft_stop_high")),
+    ("feel.shaker_frequency", ("feel.shaker_force",)),
+)
+"""Rows without effect unless one of the others is given."""
+
+_ROUNDING = 1e-9
+"""Relative; a value that was written in the other unit system is still the same."""
+
+MOST_UNDER_WAY = 7
+"""Longest delay of the digital controller, in periods."""
+
+_MOST_PARTS = 64
+"""The delay is a whole number of parts of the period, of so many at most."""
+
+
+def complaints(values: Mapping[str, float]) -> list[str]:
+    """A line for each optional row that does not go with the others.
+
+    Args:
+        values: SI values by ``part.name``, each one good by itself.
+    """
+    return [
+        *(_not_below(low, high, values) for low, high in BELOW if not _below(values[low], values[high])),
+        *(
+            _too_small(key, least, values)
+            for key, least in AT_LEAST
+            if values[key] != OFF[key] and values[key] < values[least] * (1 - _ROUNDING)
+        ),
+        *without_effect(values).values(),
+        *_late(values),
+    ]
+
+
+def parts_of_period(period: float, delay: float) -> int:
+    """The fewest equal parts of the controller's period, in s, of which its delay is a whole number.
+
+    Raises:
+        InputError: If the delay is longer than runs can follow, or there are too many parts.
+    """
+    limit, came = (value_text(TABLE[f"controller.{name}"], it) for name, it in (("period", period), ("delay", delay)))
+    expected = f"at most {MOST_UNDER_WAY} periods of {limit}"
+    if delay <= MOST_UNDER_WAY * period * (1 + _ROUNDING):
+        for parts in range(1, _MOST_PARTS + 1):
+            share = delay / period * parts
+            if abs(share - round(share)) < _ROUNDING * parts:
+                return parts
+        expected = f"a simple share of the period of {limit}, such as a half or a tenth"
+    raise InputError(f"controller.delay: expected {expected}, got {came}")
+
+
+def _late(values: Mapping[str, float]) -> list[str]:
+    """A line for a delay that no run could follow."""
+    period, delay = values["controller.period"], values["controller.delay"]
+    try:
+        if period:
+            parts_of_period(period, delay)
+    except InputError as error:
+        return [str(error)]
+    return []
+
+
+def without_effect(values: Mapping[str, float]) -> dict[str, str]:
+    """The optional rows that are given, but not what they act with; a line for each.
+
+    Args:
+        values: SI values by ``part.name``.
+    """
+    off = {key for key, value in OFF.items() if values[key] == value}
+    found: dict[str, str] = {}
+    for key, others in ONLY_WITH:
+        if key not in off and off.issuperset(others):
+            found.setdefault(key, _alone(key, others))
+    return found
+
+
+def _below(low: float, high: float) -> bool:
+    return low < high and not math.isclose(low, high, rel_tol=_ROUNDING)
+
+
+def _not_below(low: str, high: str, values: Mapping[str, float]) -> str:
+    limit, came = (value_text(TABLE[key], values[key]) for key in (high, low))
+    return f"{low}: expected less than {high}, which is {limit}, got {came}; leave one out where there is no such stop"
+
+
+def _too_small(key: str, least: str, values: Mapping[str, float]) -> str:
+    limit, came = (value_text(TABLE[name], values[name]) for name in (least, key))
+    return f"{key}: expected at least {least}, which is {limit}, got {came}; leave it out where both are the same"
+
+
+def _alone(key: str, others: tuple[str, ...]) -> str:
+    row = TABLE[others[0]]
+    too = f"give {others[0]} too, such as {value_text(row, row.default_si)!r}"
+    return f"{key}: has no effect without {' or '.join(others)}; {too}, or leave {key} out"

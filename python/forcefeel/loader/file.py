@@ -1,0 +1,268 @@
+"""The loader file: TOML, one axis, every value with its unit as text.
+
+pydantic checks it against the parameter table of the Rust model: the schema is made from the table's rows, so a new
+row is a new key. What a file may state in another way is turned into the table's rows here:
+
+=======  ================================================  ==========================  ===================
+part     given                                             instead of                  by
+=======  ================================================  ==========================  ===================
+valve    ``operating_current``, ``operating_pressure``     ``C_i``, ``C_p``            eqs. (1), (2)
+linkage  ``resonance_frequency``, ``..._damping_ratio``    ``k``, ``c``                eqs. (6), (9)
+feel     ``natural_frequency``, ``damping_ratio``          ``I``, ``B``                eq. (11)
+=======  ================================================  ==========================  ===================
+
+Curves are read in ``curve_text``, tolerances in ``tolerance_text``; ``loader_text`` writes the file.
+"""
+
+import difflib
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from functools import cache, partial
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, BeforeValidator, ConfigDict, ValidationError, create_model
+from pydantic_core import ErrorDetails
+
+from forcefeel import _core
+from forcefeel._core import Parameter
+from forcefeel.errors import MOST_LINES, InputError
+from forcefeel.files import MOST_TEXT_BYTES, read_input
+from forcefeel.loader import consistency, curve_text, tolerance_text
+from forcefeel.loader.curves import CURVES
+from forcefeel.loader.parameters import (
+    INDEX,
+    OFF,
+    PARTS,
+    TABLE,
+    alternatives,
+    in_range,
+    is_switch,
+    main_rows,
+    range_text,
+    replaced,
+    with_unit,
+    without,
+)
+from forcefeel.loader.text import Contents, toml_value
+from forcefeel.loader.tolerances import Tolerance, beyond
+from forcefeel.loader.tolerances import check as check_tolerances
+from forcefeel.printable import unprintable
+from forcefeel.units import UnitSystem, parse, show
+
+_MOST_DOTS = 100
+"""Most dots outside quotes on a line, up to the next "=". The keys of a loader file have three; the time that TOML takes for a key
+grows with the square of their number."""
+
+_QUOTED = re.compile(r"""\"(?:[^"\\]|\\.?)*(?:"|$)|'[^']*(?:'|$)""")
+"""Text in quotes on a line, closed or not."""
+
+_STRICT = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+_DERIVE: Mapping[str, Callable[[NDArray[np.float64], Mapping[str, float]], tuple[float, float]]] = {
+    "valve": lambda v, a: _core.valve_gains(v, a["operating_current"], a["operating_pressure"]),
+    "linkage": lambda v, a: _core.linkage_from_resonance(v, a["resonance_frequency"], a["resonance_damping_ratio"]),
+    "feel": lambda v, a: _core.feel_from_frequency(
+        a["natural_frequency"], a["damping_ratio"], v[INDEX["feel.stiffness"]]
+    ),
+}
+
+
+def read(path: Path) -> Contents:
+    """The loader file at ``path``.
+
+    Raises:
+        InputError: With a line for each thing that is wrong.
+    """
+    document = _document(path)
+    complaints = [found for part in PARTS if (found := _contradiction(part, document.get(part)))]
+    try:
+        checked = _schema().model_validate(document)
+    except ValidationError as error:
+        wrong = error.errors()
+        unseen = (one["msg"] for one in wrong[MOST_LINES:])  # no message shows these
+        complaints = [*map(_explain, wrong[:MOST_LINES]), *unseen, *complaints]
+    else:
+        if not complaints:
+            contents, complaints = _contents(checked)
+    if complaints:
+        raise InputError("\n".join(f"{path}: {complaint}" for complaint in complaints))
+    return contents
+
+
+def _contents(checked: BaseModel) -> tuple[Contents, list[str]]:
+    """What follows from values that are good by themselves; and what is wrong with it."""
+    top = dict(checked)
+    parts = {part: dict(top[part]) for part in PARTS}
+    values, complaints = _derive(parts)
+    tolerances: dict[str, Tolerance] = {}
+    for key, given in top["tolerances"].items():
+        try:
+            tolerances[key] = tolerance_text.read(key, given, values.get(key, np.nan))
+        except InputError as error:
+            complaints.append(str(error))
+    curves = {name: curve for name in CURVES if (curve := parts["feel"][name]) is not None}
+    contents = Contents(top["name"], top["source"], values, curves, tolerances)
+    return contents, complaints or misfits(contents) or beyond(tolerances)
+
+
+def misfits(contents: Contents) -> list[str]:
+    """A line for each thing that is good by itself, but does not go with the rest."""
+    return [
+        *_unprintable(contents),
+        *consistency.complaints(contents.values),
+        *check_tolerances(contents.tolerances, contents.values),
+    ]
+
+
+def _unprintable(contents: Contents) -> list[str]:
+    """A line for a name or a source that would steer a terminal."""
+    found = ((key, unprintable(getattr(contents, key), allowed)) for key, allowed in (("name", ""), ("source", "\n\t")))
+    return [
+        f"{key}: has the control character U+{ord(c):04X}; expected text that prints; take it out"
+        for key, c in found
+        if c
+    ]
+
+
+def _document(path: Path) -> dict[str, Any]:
+    """The file as TOML reads it; a byte order mark, which some editors write, is no part of the text."""
+    data = read_input(path, MOST_TEXT_BYTES, "a loader file")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is not UTF-8 text (byte {error.start}); save the file as UTF-8") from error
+    _check_dots(path, text)
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: is not TOML: {error}") from error
+    except (ValueError, RecursionError) as error:  # integers of thousands of digits, brackets a thousand deep
+        raise InputError(f"{path}: cannot be read ({error}); expected a loader file") from error
+
+
+def _check_dots(path: Path, text: str) -> None:
+    """Refuses a key that would take TOML minutes to read."""
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.count(".") > _MOST_DOTS:
+            bare = _QUOTED.sub("", line).split("#")[0]
+            if any(part.count(".") > _MOST_DOTS for part in bare.split("=")):
+                raise InputError(
+                    f"{path}: line {number}: has a key of more than {_MOST_DOTS} parts; expected a loader file"
+                )
+
+
+@cache
+def _schema() -> type[BaseModel]:
+    """The pydantic model of a loader file, made from the parameter table."""
+    parts: dict[str, Any] = {}
+    for part in PARTS:
+        fields: dict[str, Any] = {}
+        for row in (main_rows(part) | alternatives(part)).values():
+            kind = Annotated[float, BeforeValidator(partial(_switch if is_switch(row) else _quantity, row))]
+            fields[row.name] = (kind, ...) if _must_stand(row) else (kind | None, None)
+        for row_of_curve in CURVES.values() if part == "feel" else ():
+            fields[row_of_curve.name] = (Annotated[Any, BeforeValidator(partial(curve_text.read, row_of_curve))], None)
+        table = create_model(part, __config__=_STRICT, **fields)
+        parts[part] = (table, ... if any(map(_must_stand, main_rows(part).values())) else table())
+    parts["tolerances"] = (Annotated[dict[str, Any], BeforeValidator(tolerance_text.entries)], {})
+    return create_model("LoaderFile", __config__=_STRICT, name=(str, ...), source=(str, ""), **parts)
+
+
+def _must_stand(row: Parameter) -> bool:
+    """Whether every file states the row by its own key."""
+    return row.off_si is None and row.name not in replaced(row.part) and not row.instead_of
+
+
+def _quantity(row: Parameter, given: object) -> float:
+    """A value of the file in SI units, within the row's range."""
+    value = parse(given, row.unit_si, with_unit(row, row.default_si, UnitSystem.US))
+    if not in_range(row, value):
+        remedy = f"; {without(row)}" if value == row.off_si else ""
+        raise InputError(f"out of range: expected {range_text(row)}, got {show(given)}{remedy}")
+    return value
+
+
+def _switch(row: Parameter, given: object) -> float:
+    """A yes or a no of the file as 1 or 0."""
+    if not isinstance(given, bool):
+        raise InputError(f"expected {range_text(row)}, got {show(given)}")
+    return float(given)
+
+
+def _contradiction(part: str, given: object) -> str | None:
+    """What is wrong where a part can be stated in two ways; nothing if one of them is given, whole."""
+    one, other = replaced(part), list(alternatives(part))
+    if not other or not isinstance(given, dict):
+        return None
+    has_one, has_other = ([key for key in keys if key in given] for keys in (one, other))
+    choice = f"give either {' and '.join(one)}, or {' and '.join(other)}"
+    if has_one and has_other:
+        return f"{part}: given both ways at once ({', '.join(has_one + has_other)}); {choice}"
+    if has_one != one and has_other != other:
+        missing = [_example(part, key) for key in (other if has_other else one) if key not in given]
+        return f"{part}: missing value; add {' and '.join(missing)}; {choice}"
+    return None
+
+
+def _derive(checked: Mapping[str, Mapping[str, Any]]) -> tuple[dict[str, float], list[str]]:
+    """The table's values, with those stated in another way worked out by the model; and what is wrong with them."""
+    stated = {key: checked[row.part][row.name] for key, row in TABLE.items()}
+    # The model's formulas read only rows that are given; the others stand as "not a number" until worked out.
+    values: dict[str, float] = {key: OFF.get(key, np.nan) if it is None else it for key, it in stated.items()}
+    array = np.array(list(values.values()))
+    complaints = []
+    for part, derive in _DERIVE.items():
+        given = {name: value for name in alternatives(part) if (value := checked[part][name]) is not None}
+        derived = zip(replaced(part), derive(array, given), strict=True) if given else ()
+        for name, value in derived:
+            row = TABLE[f"{part}.{name}"]
+            values[f"{part}.{name}"] = value
+            if not in_range(row, value):
+                came = f"{name} = {with_unit(row, value, UnitSystem.US)}"
+                complaints.append(f"{part}: {' and '.join(given)} lead to {came}; expected {range_text(row)}")
+    return values, complaints
+
+
+def _explain(error: ErrorDetails) -> str:
+    """One line for one pydantic complaint."""
+    place = [str(name) for name in error["loc"]]
+    key = ".".join(map(_key, place))
+    match error["type"]:
+        case "missing":
+            what = 'name = "elevator"' if key == "name" else f"the table [{key}]"
+            return f"{key}: missing value; add {_example(*place) if key in TABLE else what}"
+        case "extra_forbidden":
+            return f"{key}: unknown key; {_hint(*place)}"
+        case "value_error":
+            return f"{key}: {error['ctx']['error']}"
+        case _:
+            expected = f"the table [{key}]" if key in PARTS else f'text such as {key} = "elevator"'
+            return f"{key}: expected {expected}, got {show(error['input'])}"
+
+
+def _hint(*place: str) -> str:
+    """What may have been meant by an unknown key."""
+    keys = {part: [*main_rows(part), *alternatives(part)] for part in PARTS}
+    keys["feel"] += CURVES
+    known = keys[place[0]] if len(place) > 1 else ["name", "source", *PARTS, "tolerances"]
+    name = place[-1]
+    if close := difflib.get_close_matches(name, known, n=1):
+        return f"did you mean {close[0]}?"
+    if tables := [f"[{part}]" for part in PARTS if name in keys[part]]:
+        return f"it belongs in the table {' or '.join(tables)}"
+    return f"known are {', '.join(known)}"
+
+
+def _example(part: str, name: str) -> str:
+    """A line of the file, with the elevator's value."""
+    row = (main_rows(part) | alternatives(part))[name]
+    return f"{name} = {toml_value(row, row.default_si, UnitSystem.US)}"
+
+
+def _key(name: str) -> str:
+    """A key as the file has it: in quotes unless it is a plain word."""
+    return name if re.fullmatch(r"[\w-]{1,60}", name) else show(name)

@@ -1,0 +1,354 @@
+"""A loader: the machine of one axis, as a frozen set of checked numbers in SI units."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.loader import tolerance_text
+from forcefeel.loader.curves import CURVES, Curve
+from forcefeel.loader.curves import check as check_curve
+from forcefeel.loader.file import misfits, read
+from forcefeel.loader.parameters import (
+    INDEX,
+    OFF,
+    TABLE,
+    did_you_mean,
+    in_range,
+    is_switch,
+    range_text,
+    stands,
+    value_text,
+    without,
+)
+from forcefeel.loader.text import Contents, write
+from forcefeel.loader.tolerances import Tolerance, beyond, nothing
+from forcefeel.units import UnitSystem, parse, show, to_text
+
+_REPORT = (
+    "NASA Langley, Analysis and Compensation of an Aircraft Simulator Control Loading System, October 1974; "
+    "the tolerances are assumed"
+)
+
+_OFF = "give None, or off on the command line,"
+"""How one switches an optional row off who changes a loader."""
+
+_ASSUMED = dict.fromkeys(
+    (
+        "amplifier.admittance",
+        "valve.current_gain",
+        "valve.pressure_gain",
+        "valve.natural_frequency",
+        "valve.rated_flow",
+        "valve.supply_pressure",
+        "actuator.oil_volume",
+        "actuator.bulk_modulus",
+        "linkage.stiffness",
+        "linkage.damping",
+        "column.inertia",
+        "load_cell.gain",
+        "potentiometer.gain",
+    ),
+    "20 %",
+) | {"valve.current_gain": "30 %", "valve.rated_flow": "30 %"}
+"""The elevator's tolerances: the report gives none, but its sensitivity study deviates parameters by 20 %. A valve's gain is known
+less well than the rest."""
+
+FEEL_SETTING = ("feel.inertia", "feel.damping", "feel.stiffness")
+"""The computer setting I, B, G."""
+
+
+@dataclass(frozen=True)
+class Loader:
+    """The numbers of one loader.
+
+    Attributes:
+        name: What the loader is called in results.
+        source: Where its numbers come from.
+        values: SI values, one per row of ``forcefeel.loader.parameters.TABLE``, in that order; read-only.
+        force_curve: Force at the grip in N over angle in rad, in place of the straight line of ``feel.stiffness``;
+            straight beyond its ends. ``None`` for none, as below.
+        stiffness_factor: Factor on the spring over dynamic pressure in Pa; beyond its ends as at the nearest end.
+        tolerances: How far values of the machine that was built may lie from these, by ``part.name``; read-only.
+
+    ``loader["linkage.stiffness"]`` is one value in SI units.
+
+    Raises:
+        InputError: If there are not as many values as rows, one is out of its row's range (the value of an optional row
+            that is off always stands), a curve leaves the limits of its axes, or values or tolerances do not go
+            together; a line for each of those.
+    """
+
+    name: str
+    source: str
+    values: NDArray[np.float64] = field(repr=False)
+    force_curve: Curve | None = field(default=None, repr=False)
+    stiffness_factor: Curve | None = field(default=None, repr=False)
+    tolerances: Mapping[str, Tolerance] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        values = np.array(self.values, dtype=np.float64)
+        if values.shape != (len(TABLE),):
+            raise InputError(f"values: expected {len(TABLE)}, one per parameter, got shape {values.shape}")
+        for key, value in zip(TABLE, values.tolist(), strict=True):
+            _check_range(key, value)
+        if not isinstance(self.tolerances, Mapping):
+            raise InputError(f"tolerances: expected a mapping by part.name, got {show(self.tolerances)}")
+        _freeze(self, values=values, tolerances=self.tolerances)
+        for name, curve in self.curves.items():
+            try:
+                check_curve(CURVES[name], curve)
+            except InputError as error:
+                raise InputError(f"{CURVES[name].key}: {error}") from error
+        if wrong := misfits(self._contents()):
+            raise InputError("\n".join(wrong))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Loader) and self._parts() == other._parts()
+
+    def __hash__(self) -> int:
+        name, source, values, *curves, tolerances = self._parts()
+        return hash((name, source, *values, *curves, frozenset(tolerances.items())))
+
+    def __reduce__(self) -> tuple[Callable[..., "Loader"], tuple[Any, ...]]:
+        return _unchecked, self._parts()  # so that a copy is read-only too
+
+    def _parts(self) -> tuple[Any, ...]:
+        """Everything that the loader holds, as plain data."""
+        held = self.force_curve, self.stiffness_factor, dict(self.tolerances)
+        return self.name, self.source, self.values.tolist(), *held
+
+    def _contents(self) -> Contents:
+        return Contents(self.name, self.source, self._by_key(), self.curves, self.tolerances)
+
+    def _by_key(self) -> dict[str, float]:
+        return dict(zip(TABLE, self.values.tolist(), strict=True))
+
+    @property
+    def curves(self) -> dict[str, Curve]:
+        """The curves that the loader has, by name."""
+        return {name: curve for name in CURVES if (curve := getattr(self, name)) is not None}
+
+    def __getitem__(self, key: str) -> float:
+        return float(self.values[_position(key)])
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """The optional rows that differ from what stands where a loader file does not give them."""
+        return tuple(key for key, off in OFF.items() if self[key] != off)
+
+    def rows(self, keys: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """SI values of many loaders that differ from this one in some rows, a row each in the order of ``parameters.TABLE``.
+
+        Args:
+            keys: The rows ``part.name`` that differ.
+            values: Their SI values, (loaders, keys); not checked.
+        """
+        found = np.tile(self.values, (len(values), 1))
+        found[:, [_position(key) for key in keys]] = values
+        return found
+
+    def replace(self, changes: Mapping[str, str | float | bool | None]) -> "Loader":
+        """A copy with some values changed.
+
+        Args:
+            changes: New values by ``part.name``, as text with a unit or as SI numbers; ``True`` or ``False`` for a
+                switch; ``None`` switches an optional row off.
+
+        Raises:
+            InputError: If a key is unknown or a value bad.
+
+        Tolerances that are shares of a value follow it, if need be out of its range; where it becomes zero or is switched off, they
+        go. Curves stay.
+
+        Example:
+            ``loader.replace({"linkage.stiffness": "7000 lb/in", "valve.orifice": True, "feel.breakout": None})``
+        """
+        values = self.values.copy()
+        tolerances = dict(self.tolerances)
+        for key, given in changes.items():
+            position = _position(key)
+            values[position] = _value(key, given)
+            if key in tolerances:
+                told = _about(key, tolerances.pop(key), float(values[position]))
+                tolerances |= {} if told is None else {key: told}
+        return replace(self, values=values, tolerances=tolerances)
+
+    def with_tolerances(self, changes: Mapping[str, Tolerance | str | Mapping[str, Any] | None]) -> "Loader":
+        """A copy with some tolerances changed.
+
+        Args:
+            changes: Tolerances by ``part.name``: as objects, as a loader file states them, or ``None`` for none.
+
+        Raises:
+            InputError: If a key is unknown or a tolerance bad.
+
+        Example:
+            ``loader.with_tolerances({"linkage.stiffness": "10 %", "column.coulomb_friction": {"uniform": ["1 lb", "5 lb"]}})``
+        """
+        tolerances = dict(self.tolerances)
+        for key, given in changes.items():
+            position = _position(key)
+            tolerances.pop(key, None)
+            if isinstance(given, Tolerance):
+                tolerances[key] = given
+            elif given is not None:
+                tolerances[key] = tolerance_text.read(key, given, float(self.values[position]))
+        loader = replace(self, tolerances=tolerances)
+        if wrong := beyond({key: tolerances[key] for key in changes if key in tolerances}):
+            raise InputError("\n".join(wrong))
+        return loader
+
+    def scale_feel(self, scale: float) -> "Loader":
+        """I, B, G and the pilot's force multiplied by ``scale``: frequency, damping ratio and programmed deflection stay.
+
+        Unlike ``replace`` this does not check the range, for settings beyond what one would build.
+        """
+        values, tolerances = self.values.copy(), dict(self.tolerances)
+        for key in (*FEEL_SETTING, "pilot.force"):
+            values[INDEX[key]] *= scale
+            if key in tolerances:
+                tolerances[key] = tolerances[key].about(float(values[INDEX[key]]))
+        force = self.force_curve and Curve(self.force_curve.x, tuple(scale * y for y in self.force_curve.y))
+        return _unchecked(self.name, self.source, values, force, self.stiffness_factor, tolerances)
+
+    def to_toml(self, units: UnitSystem = UnitSystem.US) -> str:
+        """The loader as a commented loader file."""
+        return write(self._contents(), units)
+
+
+def _unchecked(name: str, source: str, values: Any, *others: Any) -> Loader:
+    """A loader whose values may lie beyond the ranges of the parameter table."""
+    loader = object.__new__(Loader)
+    force_curve, stiffness_factor, tolerances = others
+    _freeze(
+        loader,
+        name=name,
+        source=source,
+        values=np.array(values, dtype=np.float64),
+        force_curve=force_curve,
+        stiffness_factor=stiffness_factor,
+        tolerances=tolerances,
+    )
+    return loader
+
+
+def _freeze(loader: Loader, **attributes: Any) -> None:
+    """Sets attributes of a frozen loader, arrays and mappings read-only."""
+    for name, value in attributes.items():
+        if isinstance(value, np.ndarray):
+            value.setflags(write=False)
+        object.__setattr__(loader, name, MappingProxyType(dict(value)) if isinstance(value, Mapping) else value)
+
+
+def elevator() -> Loader:
+    """The elevator loader of the 1974 report, from the appendix's U.S. customary column; its tolerances are assumed."""
+    values = np.array([OFF.get(key, row.default_si) for key, row in TABLE.items()])
+    return Loader("elevator", _REPORT, values).with_tolerances(_ASSUMED)
+
+
+def digital_elevator() -> Loader:
+    """The same loader as it would be run today: under a digital controller at 2 kHz with one sample of delay.
+
+    The flow follows the orifice, eq. (1), limited by the appendix's rated current and flow. The sensors are of a usual kind, no one
+    product: a load cell with 0.1 lb of noise, an encoder of 23 bits a turn at the column, a potentiometer at the piston. There is
+    none on flow or valve.
+    """
+    changes: dict[str, str | float | bool | None] = {
+        "controller.period": "0.5 ms",
+        "controller.delay": "0.5 ms",
+        "valve.orifice": True,
+        "valve.flow_limit": "100 in^3/s",
+        "amplifier.current_limit": "15 mA",
+        "load_cell.noise": "0.1 lb",
+        "load_cell.resolution": "0.05 lb",
+        "potentiometer.noise": "0.0005 in",
+        "potentiometer.resolution": "0.0005 in",
+        "column_sensor.noise": "4e-5 deg",
+        "column_sensor.resolution": "4.29e-5 deg",
+    }
+    return replace(
+        elevator().replace(changes), name="elevator-2khz", source=f"{_REPORT}; controller and sensors assumed"
+    )
+
+
+BUILT_IN: Mapping[str, Callable[[], Loader]] = MappingProxyType(
+    {"elevator": elevator, "elevator-2khz": digital_elevator}
+)
+"""Loaders by name."""
+
+
+def open_loader(given: str | Path | None) -> Loader:
+    """The loader of a file, or a built-in one by its name; the elevator if nothing is given.
+
+    Raises:
+        InputError: As ``load``.
+    """
+    if given is None:
+        return elevator()
+    name = str(given)
+    return BUILT_IN[name]() if name in BUILT_IN and not Path(given).exists() else load(given)
+
+
+def load(path: str | Path) -> Loader:
+    """Reads a loader file.
+
+    Args:
+        path: A TOML file as ``forcefeel new`` writes it.
+
+    Raises:
+        InputError: With a line for each thing that is wrong: the file, the key, what was expected and what came.
+    """
+    found = read(Path(path))
+    values = np.array([found.values[key] for key in TABLE])
+    return Loader(found.name, found.source, values, **found.curves, tolerances=found.tolerances)
+
+
+def _check_range(key: str, value: float) -> None:
+    """Refuses a value (SI) that is neither in the range of the parameter table nor the one of a row not given."""
+    row = TABLE[key]
+    if not stands(row, value):
+        raise InputError(f"{key}: expected {range_text(row)}, got {value_text(row, value)}")
+
+
+def _value(key: str, given: str | float | bool | None) -> float:
+    """``given`` as a SI number; a number without a unit is one already."""
+    row = TABLE[key]
+    if given is None and row.off_si is not None:
+        return row.off_si
+    if is_switch(row):
+        return _switch(key, given)
+    example = f"{to_text(row.default_us)} {row.unit_us}".strip()
+    try:
+        value = parse(given, row.unit_si if isinstance(given, str) else "", example)
+    except InputError as error:
+        raise InputError(f"{key}: {error}") from error
+    if value == row.off_si and not in_range(row, value):
+        raise InputError(f"{key}: expected {range_text(row)}, got {value_text(row, value)}; {without(row, _OFF)}")
+    return value
+
+
+def _switch(key: str, given: object) -> float:
+    """A yes or a no as 1 or 0; 1 and 0, which a loader holds, mean the same."""
+    if not isinstance(given, bool | int | float) or given not in {0, 1}:
+        raise InputError(f"{key}: expected true or false, got {show(given)}")
+    return float(given)
+
+
+def _about(key: str, tolerance: Tolerance, value: float) -> Tolerance | None:
+    """The tolerance of a value that changes; ``None`` where it was in shares and there is nothing left to share."""
+    if tolerance.nominal is not None and (value == 0 or nothing(TABLE[key], value)):
+        return None
+    return tolerance.about(value)
+
+
+def _position(key: str) -> int:
+    try:
+        return INDEX[key]
+    except KeyError:
+        raise InputError(f"unknown parameter {show(key)}; {did_you_mean(key)}") from None

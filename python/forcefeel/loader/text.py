@@ -1,0 +1,100 @@
+"""A loader file's contents, and how they are written."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from forcefeel._core import Parameter
+from forcefeel.loader import curve_text, tolerance_text
+from forcefeel.loader.curves import CURVES, Curve
+from forcefeel.loader.parameters import (
+    DIGITS,
+    PARTS,
+    TABLE,
+    alternatives,
+    is_switch,
+    limits_si,
+    main_rows,
+    range_text,
+    replaced,
+    with_unit,
+)
+from forcefeel.loader.tolerances import Tolerance, nothing
+from forcefeel.page.templates import environment
+from forcefeel.units import UnitSystem
+
+_EXAMPLE_DIGITS = 4
+"""An example in the other unit system is as good rounded."""
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a loader file holds.
+
+    Attributes:
+        name, source: Of the loader.
+        values: SI values by ``part.name``.
+        curves: Curves by name, SI units.
+        tolerances: Tolerances by ``part.name``, SI units.
+    """
+
+    name: str
+    source: str
+    values: Mapping[str, float]
+    curves: Mapping[str, Curve]
+    tolerances: Mapping[str, Tolerance]
+
+
+def write(contents: Contents, units: UnitSystem) -> str:
+    """A commented loader file."""
+    values, curves, tolerances = contents.values, contents.curves, contents.tolerances
+    templates = environment(html=False)
+    templates.filters["toml"] = _toml_string
+    return templates.get_template("loader.toml.j2").render(
+        name=contents.name,
+        source=contents.source,
+        parts=PARTS,
+        rows=main_rows,
+        alternatives=alternatives,
+        replaced=replaced,
+        value=lambda row: toml_value(row, values[f"{row.part}.{row.name}"], units),
+        example=lambda row: toml_value(row, row.default_si, units, _EXAMPLE_DIGITS),
+        limits=lambda row: _limits(row, units),
+        optional=lambda part: _optional(part, values, units),
+        curves=lambda part: [
+            curve_text.write(row, curves.get(row.name), units) for row in CURVES.values() if part == "feel"
+        ],
+        tolerances=[f"{key} = {tolerance_text.write(TABLE[key], it, units)}" for key, it in tolerances.items()],
+    )
+
+
+def _optional(part: str, values: Mapping[str, float], units: UnitSystem) -> list[str]:
+    """A line for each optional row: as a comment with an example where it is not given."""
+    lines = []
+    for row in main_rows(part).values():
+        if row.off_si is None:
+            continue
+        value = values[f"{row.part}.{row.name}"]
+        given = value != row.off_si
+        shown = toml_value(row, value, units) if given else toml_value(row, row.default_si, units, _EXAMPLE_DIGITS)
+        statement = f"{row.name} = {shown}" if given else f"# {row.name} = {shown}"
+        stands = "" if nothing(row, row.off_si) else f"; {with_unit(row, row.off_si, units)} unless given"
+        lines.append((statement, f"{row.symbol}: {row.meaning} ({_limits(row, units)}{stands})"))
+    width = max((len(statement) for statement, _ in lines), default=0)
+    return [f"{statement:{width}}  # {comment}" for statement, comment in lines]
+
+
+def toml_value(row: Parameter, value: float, units: UnitSystem, digits: int = DIGITS) -> str:
+    """A SI value as the file has it."""
+    return str(bool(value)).lower() if is_switch(row) else _toml_string(with_unit(row, value, units, digits))
+
+
+def _limits(row: Parameter, units: UnitSystem) -> str:
+    """The accepted range; the unit stands once."""
+    low, high = (with_unit(row, limit, units) for limit in limits_si(row))
+    return range_text(row) if is_switch(row) else f"{low.split()[0]} to {high}"
+
+
+def _toml_string(text: str) -> str:
+    """A TOML basic string."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'

@@ -1,0 +1,95 @@
+"""The frame that every plot shares: fonts, axes, legend and how it behaves in the page."""
+
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+
+from forcefeel.page.palette import Look
+
+_INK, _GRID, _AXIS = "#222222", "#E4E7EB", "#8A939E"
+_MARK = "#6B7580"
+_FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif'
+
+CONFIG = {
+    "responsive": True,
+    "displaylogo": False,
+    "displayModeBar": "hover",
+    "modeBarButtonsToRemove": ["select2d", "lasso2d", "zoomIn2d", "zoomOut2d"],
+}
+"""Plotly's configuration: no logo, and only the buttons that a reader uses."""
+
+ZERO = {"zeroline": True, "zerolinecolor": _MARK, "zerolinewidth": 1.5}
+"""For an axis whose zero matters."""
+
+_AXIS_STYLE = {
+    "gridcolor": _GRID,
+    "linecolor": _AXIS,
+    "zeroline": False,
+    "showline": True,
+    "mirror": True,
+    "ticks": "outside",
+    "tickcolor": _AXIS,
+    "exponentformat": "power",
+    "hoverformat": ".4~g",
+    "title": {"standoff": 8, "font": {"size": 13}},
+}
+
+
+def frame(picture: go.Figure, height: int, *, top: int = 32, hover: str = "x unified") -> go.Figure:
+    """Gives ``picture`` the shared look.
+
+    Args:
+        picture: The plot.
+        height: Height in pixels; the width is the page's.
+        top: Room for the legend in pixels; it takes more if it needs more.
+        hover: Plotly's hover mode.
+    """
+    picture.update_layout(
+        template="none",
+        height=height,
+        autosize=True,
+        font={"family": _FONT, "size": 13, "color": _INK},
+        margin={"l": 66, "r": 22, "t": top, "b": 48},
+        paper_bgcolor="rgba(0,0,0,0)",
+        plot_bgcolor="#FFFFFF",
+        hovermode=hover,
+        hoverlabel={"bgcolor": "#FFFFFF", "bordercolor": _AXIS},
+        legend={"orientation": "h", "x": 0, "xanchor": "left", "y": 1.01, "yanchor": "bottom", "font": {"size": 12.5}},
+        modebar={"bgcolor": "rgba(255,255,255,0.85)", "color": "#9AA3AD", "activecolor": _INK},
+    )
+    picture.update_xaxes(**_AXIS_STYLE)
+    picture.update_yaxes(**_AXIS_STYLE)
+    return picture
+
+
+def line(look: Look) -> dict[str, Any]:
+    """Plotly's line for a look."""
+    return {"color": look.color, "dash": look.dash, "width": look.width, "simplify": False}
+
+
+def mark_level(picture: go.Figure, level: float, *, row: int) -> None:
+    """Draws a thin line across one panel at a value that matters, such as 0 dB."""
+    if level == 0:
+        picture.update_yaxes(**ZERO, row=row, col=1)
+    else:
+        picture.add_hline(level, row=row, col=1, line={"color": _MARK, "width": 1})
+
+
+def html(picture: go.Figure, name: str) -> str:
+    """The plot as a piece of HTML that needs plotly.js in the page."""
+    return str(picture.to_html(full_html=False, include_plotlyjs=False, div_id=name, config=CONFIG))
+
+
+def drawn(values: NDArray[np.float64], most: int) -> NDArray[np.intp]:
+    """Which samples are drawn: all up to ``most``, or of each stretch the lowest and the highest, so that no extreme is lost."""
+    count = len(values)
+    if count <= most:
+        return np.arange(count)
+    stretches = most // 2
+    length = -(-count // stretches)
+    padded = np.pad(values, (0, stretches * length - count), mode="edge").reshape(stretches, length)
+    starts = np.arange(stretches) * length
+    kept = np.concatenate([[0, count - 1], starts + padded.argmin(axis=1), starts + padded.argmax(axis=1)])
+    return np.unique(np.minimum(kept, count - 1))

@@ -1,0 +1,194 @@
+"""The plot of a release: both curves over each other, and on them what is judged, with its name and its tolerance."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from forcefeel.page.canvas import drawn, frame, line
+from forcefeel.page.palette import IDEAL, Look
+from forcefeel.qualification import ReleaseFeatures
+from forcefeel.qualification.programme.result import Qualification, Result, Side
+from forcefeel.qualification.programme.sentences import UNITS
+from forcefeel.qualification.rules import ReleaseRules
+
+REFERENCE = Look(IDEAL, "dot", 2.0)
+BAND = "rgba(34,34,34,0.10)"
+_TOLERANCE = "#6B7580"
+_MOST_POINTS = 1200
+_SHOWN = 1.25
+"""It is drawn until so much longer than the slower of the two takes to come to rest."""
+_ROOM = 0.06
+"""Of what is drawn, by which the names of what is marked are apart: what one takes on the page of a phone."""
+
+_Limits = Mapping[str, float]
+"""Tolerances by what is judged, in SI units."""
+
+
+def release(result: Result, found: Qualification, color: str) -> go.Figure:
+    """Position from each record's steady state over the time from its release, with the tolerances at the reference's marks."""
+    assert result.measured
+    assert result.reference
+    picture = make_subplots(rows=1, cols=1)
+    unit = UNITS[result.measured.record.position_unit]
+    scale, shown = unit.from_si(1.0, found.system), unit.shown(found.system)
+    theirs = _features(result.reference)
+    end = _SHOWN * max(one.settled_s - one.release_s.value for one in (_features(result.measured), theirs))
+    band = theirs.band * scale
+    grey = {"fillcolor": BAND, "line_width": 0, "layer": "below"}
+    picture.add_hrect(-band, band, **grey, exclude_empty_subplots=False)  # the curves come after it
+    for side, name, look in (
+        (result.reference, "reference", REFERENCE),
+        (result.measured, "measured", Look(color, "solid", 2.4)),
+    ):
+        time = side.record.time_s - _features(side).release_s.value
+        seen = np.flatnonzero((time >= -0.05 * end) & (time <= end))
+        kept = seen[drawn(side.record.position[seen], _MOST_POINTS)]
+        position = (side.record.position[kept] - _features(side).steady.value) * scale
+        picture.add_scatter(
+            x=time[kept], y=position, name=name, mode="lines", line=line(look), hovertemplate=f"%{{y:.3~g}} {shown}"
+        )
+    _marks(picture, result, found, color, _ROOM * end)
+    frame(picture, 380)
+    picture.update_xaxes(
+        title_text="Time from release, s", range=[-0.03 * end, end], unifiedhovertitle={"text": "%{x:.3f} s"}
+    )
+    picture.update_yaxes(title_text=f"From steady state, {shown}", zeroline=True, zerolinecolor="#8A939E")
+    return picture
+
+
+def _marks(picture: go.Figure, result: Result, found: Qualification, color: str, room_s: float) -> None:
+    """What is judged: instants and overshoots of both curves, and on the reference their names and tolerances."""
+    assert result.measured
+    assert result.reference
+    limits = {one.quantity: one.tolerance for one in result.verdicts if np.isfinite(one.tolerance)}
+    scale = UNITS[result.measured.record.position_unit].from_si(1.0, found.system)
+    rules, theirs = found.rules.release, _features(result.reference)
+    for its, shade, fill in ((theirs, IDEAL, "#FFFFFF"), (_features(result.measured), color, color)):
+        _circles(picture, _judged_points(its, limits, rules, scale), shade, fill)
+    _mark_spans(picture, theirs, rules, limits, scale, room_s)
+    _mark_overshoots(picture, theirs, limits, scale, room_s)
+
+
+def _mark_spans(
+    picture: go.Figure, its: ReleaseFeatures, rules: ReleaseRules, limits: _Limits, scale: float, room_s: float
+) -> None:
+    """The tolerance of each time where it ends; a double arrow with its name at the height where the first begins."""
+    spans = [one for one in _spans(its, rules) if one.name in limits]
+    if not spans:
+        return
+    away = its.displacement.value * scale
+    named, height = [spans[k] for k in _apart([one.end_s for one in spans], room_s)], rules.high * away
+    x = [at for one in named for at in (one.end_s, one.end_s, None)]
+    y = [at for one in named for at in (one.foot * away, height, None)]
+    drop = {"color": _TOLERANCE, "width": 1, "dash": "dot"}
+    picture.add_scatter(x=x, y=y, mode="lines", line=drop, showlegend=False, hoverinfo="skip")
+    arrow = {"axref": "x", "ayref": "y", "arrowside": "end+start", "arrowhead": 2, "startarrowhead": 2}
+    arrow |= {"arrowcolor": _TOLERANCE, "arrowwidth": 1}
+    for one in named:
+        picture.add_annotation(x=one.end_s, y=height, ax=one.start_s, ay=height, text="", **arrow)
+        middle = (one.start_s + one.end_s) / 2
+        picture.add_annotation(x=middle, y=height, text=one.name, showarrow=False, yanchor="bottom", yshift=1)
+    foot = [one.foot * away for one in spans]
+    width = [limits[one.name] for one in spans]
+    _bars(picture, [one.end_s for one in spans], foot, "tolerance of times", error_x=width)
+
+
+def _mark_overshoots(picture: go.Figure, its: ReleaseFeatures, limits: _Limits, scale: float, room_s: float) -> None:
+    """The tolerance of each, with its name beyond it."""
+    tops = [one for one in _overshoots(its, scale) if one[0] in limits]
+    if not tops:
+        return
+    for side in (tops[::2], tops[1::2]):
+        for k in _apart([time for _, time, _ in side], room_s):
+            name, time, top = side[k]
+            outward = 1 if top > 0 else -1
+            where = {"y": top + outward * limits[name] * scale, "yanchor": "bottom" if top > 0 else "top"}
+            picture.add_annotation(x=time, text=name, showarrow=False, yshift=3 * outward, **where)
+    names, at, height = zip(*tops, strict=True)
+    _bars(picture, at, height, "tolerance of overshoots", error_y=[limits[name] * scale for name in names])
+
+
+def _apart(times_s: list[float], room_s: float) -> list[int]:
+    """Which of rising times have room for a name: the first, and each so far from the last that has one."""
+    kept: list[int] = []
+    for k, time in enumerate(times_s):
+        if not kept or time - times_s[kept[-1]] >= room_s:
+            kept.append(k)
+    return kept
+
+
+@dataclass(frozen=True)
+class _Span:
+    """A time that is judged.
+
+    Attributes:
+        name: As ``P0``.
+        start_s, end_s: From the release.
+        foot: Share of Ad at which it ends.
+    """
+
+    name: str
+    start_s: float
+    end_s: float
+    foot: float
+
+
+def _spans(its: ReleaseFeatures, rules: ReleaseRules) -> list[_Span]:
+    """All that a release can be judged by."""
+    low = its.rise_time.value
+    high = low - its.fall_time.value
+    passes = _crossings(its)
+    found = [_Span("fall time", high, low, rules.low), _Span("rise time", 0.0, low, rules.low)]
+    found += [_Span("P0", high, end, 0.0) for end in passes[:1]]
+    return found + [_Span(f"P{n}", *ends, 0.0) for n, ends in enumerate(pairwise(passes[::2]), start=1)]
+
+
+def _crossings(its: ReleaseFeatures) -> list[float]:
+    return [time - its.release_s.value for time in its.crossing_times_s]
+
+
+def _overshoots(its: ReleaseFeatures, scale: float) -> list[tuple[str, float, float]]:
+    """Name, time from the release and position of each."""
+    sign = -1.0 if its.displacement.value > 0 else 1.0
+    both = zip(its.overshoots, its.overshoot_times_s, strict=False)
+    return [
+        (f"A{k + 1}", time - its.release_s.value, sign * (-1.0) ** k * size.value * scale)
+        for k, (size, time) in enumerate(both)
+    ]
+
+
+def _judged_points(
+    its: ReleaseFeatures, judged: Collection[str], rules: ReleaseRules, scale: float
+) -> list[tuple[float, float]]:
+    """The instants between which judged times lie, all crossings up to the last of them, and judged overshoots."""
+    away = its.displacement.value * scale
+    spans = [one for one in _spans(its, rules) if one.name in judged]
+    last = max((one.end_s for one in spans), default=0.0)
+    points = [(one.start_s, rules.high * away) for one in spans if one.name in {"P0", "fall time"}]
+    points += [(one.end_s, one.foot * away) for one in spans if one.foot]
+    points += [(time, 0.0) for time in _crossings(its) if time <= last and "P0" in judged]
+    return points + [(time, top) for name, time, top in _overshoots(its, scale) if name in judged]
+
+
+def _circles(picture: go.Figure, points: list[tuple[float, float]], shade: str, fill: str) -> None:
+    if not points:
+        return
+    x, y = zip(*points, strict=True)
+    marker = {"size": 7, "color": fill, "line": {"color": shade, "width": 1.6}}
+    picture.add_scatter(x=x, y=y, mode="markers", marker=marker, showlegend=False, hoverinfo="skip")
+
+
+def _bars(picture: go.Figure, x: object, y: object, name: str, **errors: object) -> None:
+    ((kind, size),) = errors.items()
+    bar = {"type": "data", "array": size, "color": _TOLERANCE, "thickness": 2, "width": 5}
+    marker = {"size": 4, "color": _TOLERANCE}
+    picture.add_scatter(x=x, y=y, mode="markers", name=name, marker=marker, hoverinfo="skip", **{kind: bar})
+
+
+def _features(side: Side) -> ReleaseFeatures:
+    assert isinstance(side.features, ReleaseFeatures)  # a release's result
+    return side.features

@@ -1,0 +1,53 @@
+"""The folder of a qualification: its page, its numbers, and its PDF, whole or not at all."""
+
+import json
+from pathlib import Path
+
+from forcefeel.page.chromium import find_chromium, page_pdf
+from forcefeel.page.staging import OutputFolder
+from forcefeel.qualification.page.page import qualification_page
+from forcefeel.qualification.programme.as_json import plain_qualification
+from forcefeel.qualification.programme.result import Qualification
+
+PAGE, NUMBERS, PDF = "qualification.html", "results.json", "qualification.pdf"
+"""Names in the folder."""
+
+FOLDER = OutputFolder("the qualification", (PAGE, NUMBERS, PDF))
+"""Checked before the work, written after it."""
+
+
+def write_qualification(found: Qualification, out: Path, *, pdf: bool = False) -> Path:
+    """Writes ``qualification.html``, ``results.json`` and, if asked for, ``qualification.pdf``.
+
+    What is there stays until the new files are complete; other files in the folder are left alone.
+
+    Args:
+        found: What to report.
+        out: The folder; made if it is not there.
+        pdf: Print the page too; it takes a Chromium.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file or cannot be made or written, or the PDF cannot be printed.
+    """
+    check_qualification_folder(out, pdf=pdf)
+    page = qualification_page(found, (NUMBERS, PDF) if pdf else (NUMBERS,))
+    numbers = json.dumps(plain_qualification(found), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    contents: dict[str, str | bytes] = {NUMBERS: numbers, PAGE: page}
+    if pdf:
+        contents = {PDF: page_pdf(page), **contents}
+    FOLDER.write(out, contents)
+    return out / PAGE
+
+
+def check_qualification_folder(out: Path, *, pdf: bool = False) -> None:
+    """Refuses what would fail halfway: a file where a folder is wanted, a folder where a file is, no Chromium for a PDF.
+
+    Raises:
+        InputError: If so.
+    """
+    FOLDER.check(out)
+    if pdf:
+        find_chromium()

@@ -1,0 +1,110 @@
+"""The page of a qualification, in the manner of a qualification test guide."""
+
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+
+import jinja2
+from markupsafe import Markup
+from plotly.offline import get_plotlyjs
+
+from forcefeel.page import machine
+from forcefeel.page.canvas import html
+from forcefeel.page.table import Table
+from forcefeel.page.templates import environment
+from forcefeel.page.typography import prose_html
+from forcefeel.qualification.page import plots as qualification_plots
+from forcefeel.qualification.page import tables as qualification_tables
+from forcefeel.qualification.programme.result import Qualification, Result, Section
+from forcefeel.qualification.programme.sentences import conclusions, result_words, tally, unverified_tests
+
+_RELEASE = (
+    "Position from each record's own steady state. Circles: the instants and overshoots that are judged; bars: tolerances "
+    "around the reference's; grey: the residual band, within which overshoots do not count."
+)
+_SWEEP = "Force over position, both ways. Grey: within tolerance of the reference."
+_DYNAMIC = (
+    "What the sweep takes above the slow one at the same position, both ways. Grey: within tolerance of the reference."
+)
+_SMALL = "Body rate. Grey: within tolerance of the reference."
+_MEANINGS = {"release": _RELEASE, "static": _SWEEP, "dynamic sweep": _DYNAMIC, "small inputs": _SMALL, "freeplay": ""}
+
+
+@dataclass(frozen=True)
+class ShownTest:
+    """A test as the page shows it.
+
+    Attributes:
+        key: Its anchor.
+        result: What came of it.
+        words: That in a sentence.
+        drawing: Its plot; empty where there is none.
+        meaning: How to read the plot.
+        figures: Its features; ``None`` where nothing was compared.
+    """
+
+    key: str
+    result: Result
+    words: str
+    drawing: Markup
+    meaning: str
+    figures: Table | None
+
+
+@dataclass(frozen=True)
+class ShownSection:
+    """A law as the page shows it."""
+
+    section: Section
+    tally: str
+    tests: tuple[ShownTest, ...]
+
+
+def qualification_page(found: Qualification, beside: tuple[str, ...]) -> str:
+    """The whole page.
+
+    Args:
+        found: What to show.
+        beside: Names of the files beside it.
+    """
+    return (
+        _environment()
+        .get_template("qualification.html.j2")
+        .render(
+            found=found,
+            version=version("forcefeel"),
+            conclusions=conclusions(found),
+            summary=qualification_tables.summary(found),
+            sections=[_section(section, found) for section in found.sections],
+            conditions=qualification_tables.conditions(found),
+            provenance=qualification_tables.provenance(found),
+            unverified=unverified_tests(found),
+            parameters=machine.parameters(found.loader, found.system),
+            beside=beside,
+            plotly_js=Markup(get_plotlyjs()),
+        )
+    )
+
+
+def _section(section: Section, found: Qualification) -> ShownSection:
+    return ShownSection(section, tally(section), tuple(_test(result, section, found) for result in section.results))
+
+
+def _test(result: Result, section: Section, found: Qualification) -> ShownTest:
+    key = qualification_tables.anchor(section, result.trial)
+    picture = qualification_plots.drawn(result, found, section.name)
+    return ShownTest(
+        key=key,
+        result=result,
+        words=result_words(result, found),
+        drawing=Markup("") if picture is None else Markup(html(picture, f"plot-{key}")),
+        meaning=_MEANINGS[result.trial.test.kind],
+        figures=qualification_tables.figures(result, found.system) if result.verdicts else None,
+    )
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    templates = environment(html=True)
+    templates.filters["prose"] = prose_html
+    return templates

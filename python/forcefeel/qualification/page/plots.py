@@ -1,0 +1,141 @@
+"""The plots of a qualification: both curves over each other, with the band in which the measured one may lie."""
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from plotly.subplots import make_subplots
+
+from forcefeel.page.canvas import frame, line
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, RIGID, Look
+from forcefeel.page.release_plot import BAND, REFERENCE, release
+from forcefeel.qualification import SweepFeatures, Tolerance
+from forcefeel.qualification.programme.result import Qualification, Result, Side
+from forcefeel.qualification.programme.sentences import UNITS
+from forcefeel.simulation.findings import FORCE
+from forcefeel.units import factor
+
+_COLORS = {"original": COMPLIANT, "published": COMPENSATED, "converged": RIGID}
+
+_Array = NDArray[np.float64]
+
+
+def color(section: str) -> str:
+    """The colour of a law."""
+    return _COLORS.get(section, COMPENSATED)
+
+
+def sweep(result: Result, found: Qualification, section: str) -> go.Figure:
+    """Force over position both ways; of a medium or fast sweep what it takes above the slow one."""
+    assert result.measured
+    assert result.reference
+    picture = make_subplots(rows=1, cols=1)
+    system = found.system
+    mine, theirs = _curves(result.measured), _curves(result.reference)
+    unit = UNITS[result.measured.record.position_unit]
+    scale, force = unit.from_si(1.0, system), FORCE.from_si(1.0, system)
+    rule = _rule(result)
+    for k, way in enumerate(("up", "down")):
+        at, curve = theirs[way]
+        limit = rule.limit(curve, system=system)
+        _band(picture, at * scale, (curve - limit) * force, (curve + limit) * force, first=k == 0)
+    for curves, name, look in (
+        (theirs, "reference", REFERENCE),
+        (mine, "measured", Look(color(section), "solid", 2.2)),
+    ):
+        for way in ("up", "down"):
+            at, curve = curves[way]
+            picture.add_scatter(
+                x=at * scale,
+                y=curve * force,
+                name=name,
+                legendgroup=name,
+                showlegend=way == "up",
+                mode="lines",
+                line=line(look),
+                hovertemplate=f"{name}, {way}: %{{x:.3~g}} {unit.shown(system)}, %{{y:.3~g}} {FORCE.shown(system)}<extra></extra>",
+            )
+    frame(picture, 420, hover="closest")
+    what = "Force" if result.measured.slow is None else "Above the slow sweep"
+    picture.update_xaxes(title_text=f"Position from neutral, {unit.shown(system)}")
+    picture.update_yaxes(title_text=f"{what}, {FORCE.shown(system)}", zeroline=True, zerolinecolor="#8A939E")
+    return picture
+
+
+def small_inputs(result: Result, section: str) -> go.Figure:
+    """Body rate over time."""
+    assert result.measured
+    assert result.reference
+    picture = make_subplots(rows=1, cols=1)
+    degrees = factor("rad", "deg")
+    limit = next((one.tolerance for one in result.verdicts if np.isfinite(one.tolerance)), 0.0) * degrees
+    for side, name, look in (
+        (result.reference, "reference", REFERENCE),
+        (result.measured, "measured", Look(color(section), "solid", 2.4)),
+    ):
+        rate = side.record.body_rate_rad_per_s
+        if rate is None:
+            continue
+        time = side.record.time_s - side.record.time_s[0]
+        if side is result.reference:
+            _band(picture, time, rate * degrees - limit, rate * degrees + limit, first=True)
+        picture.add_scatter(x=time, y=rate * degrees, name=name, mode="lines", line=line(look))
+    frame(picture, 380)
+    picture.update_xaxes(title_text="Time, s")
+    picture.update_yaxes(title_text="Body rate, deg/s")
+    return picture
+
+
+def _band(picture: go.Figure, x: _Array, low: _Array, high: _Array, *, first: bool) -> None:
+    known = np.isfinite(low) & np.isfinite(high)
+    picture.add_scatter(
+        x=np.concatenate([x[known], x[known][::-1]]),
+        y=np.concatenate([low[known], high[known][::-1]]),
+        fill="toself",
+        fillcolor=BAND,
+        line={"width": 0},
+        mode="lines",
+        name="tolerance",
+        legendgroup="tolerance",
+        showlegend=first,
+        hoverinfo="skip",
+    )
+
+
+def _curves(side: Side) -> dict[str, tuple[_Array, _Array]]:
+    """Position from neutral and force each way, less those of the slow sweep where one is given."""
+    swept = side.features
+    assert isinstance(swept, SweepFeatures)  # a sweep's result
+    at = swept.position - swept.neutral
+    found = {}
+    for way in ("up", "down"):
+        force = _way(swept, way)
+        if side.slow is not None:
+            slow = side.slow
+            force = force - np.interp(at, slow.position - slow.neutral, _way(slow, way), left=np.nan, right=np.nan)
+        found[way] = at, force
+    return found
+
+
+def _way(swept: SweepFeatures, way: str) -> _Array:
+    return swept.force_up_n if way == "up" else swept.force_down_n
+
+
+def _rule(result: Result) -> Tolerance:
+    wanted = {"force", "dynamic increment"}
+    return next(one for one in result.trial.test.tolerances if one.quantity in wanted)
+
+
+def drawn(result: Result, found: Qualification, section: str) -> go.Figure | None:
+    """The plot of a test; ``None`` where there is nothing to draw."""
+    if result.measured is None or result.reference is None:
+        return None
+    match result.trial.test.kind:
+        case "release":
+            return release(result, found, color(section))
+        case "small inputs":
+            return small_inputs(result, section)
+        case "freeplay":  # of the static sweep
+            return None
+        case "static" if any(one.rule.quantity == "surface" for one in result.verdicts):
+            return None
+    return sweep(result, found, section)

@@ -1,0 +1,142 @@
+"""The tables of a qualification: tests by outcome, figures with their margins, conditions, versions and files."""
+
+import platform
+from importlib.metadata import version
+from math import isfinite
+
+from markupsafe import Markup
+
+from forcefeel.page.table import Cell, Table, number, words
+from forcefeel.page.typography import NONE, number_text, prose_html, unit_text
+from forcefeel.qualification import Outcome, Verdict
+from forcefeel.qualification.programme.motions import SHORT
+from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT, Trial
+from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
+from forcefeel.qualification.programme.sentences import UNITS, figure_text, quantity, recorded, unverified_tests
+from forcefeel.units import UnitSystem
+
+_MINUS = "\N{MINUS SIGN}"
+_GOOD, _BAD, _OPEN, _NONE = "#E3F3EC", "#FBE3E0", "#FDF0D3", "#ECEEF1"
+_BACKGROUNDS: dict[Outcome | Standing, str] = {
+    Outcome.PASSED: _GOOD,
+    Outcome.FAILED: _BAD,
+    Outcome.TOO_CLOSE: _OPEN,
+    Outcome.NOT_EVALUATED: _NONE,
+    Standing.QUALIFIES: _GOOD,
+    Standing.DOES_NOT_QUALIFY: _BAD,
+    Standing.INCOMPLETE: _OPEN,
+}
+UNVERIFIED = Markup(" <small>unverified</small>")
+
+
+def anchor(section: Section, trial: Trial) -> str:
+    """Where the page has a test."""
+    return f"{section.name}-{trial.key}"
+
+
+def summary(found: Qualification) -> Table:
+    """A row for each test of the rule with what it came to, a column for each law; each leads to its test."""
+    head = (Cell("Test"), *(Cell(section.title) for section in found.sections), Cell("Number"))
+    by_section = [(section, {one.trial.key: one for one in section.results}) for section in found.sections]
+    rows = []
+    for trial in found.programme.trials:
+        came = (_linked(section, results.get(trial.key)) for section, results in by_section)
+        rows.append((words(trial.title), *came, _number(trial)))
+    for trial in found.programme.outside:
+        reason = f"outside the programme: {OF_THE_AIRCRAFT[trial.key]}"
+        rows.append((words(trial.title), *(Cell(reason, "words", _NONE) for _ in found.sections), _number(trial)))
+    total = (words("All"), *(coloured(section.standing) for section in found.sections), Cell(""))
+    return Table(head, (*rows, total), "outcomes")
+
+
+def _linked(section: Section, result: Result | None) -> Cell:
+    if result is None:
+        return Cell("not asked for", "", _NONE)
+    link = Markup('<a href="#{}">{}</a>').format(anchor(section, result.trial), str(result.outcome))
+    return Cell(link, "", _BACKGROUNDS[result.outcome])
+
+
+def _number(trial: Trial) -> Cell:
+    return Cell(trial.test.number + (Markup("") if trial.verified else UNVERIFIED))
+
+
+def coloured(came: Outcome | Standing) -> Cell:
+    """What a test or a whole came to, in its colour."""
+    return Cell(str(came), "", _BACKGROUNDS[came])
+
+
+def figures(result: Result, system: UnitSystem) -> Table:
+    """The features of a test: verdict, measured, reference, difference, tolerance, uncertainty, margin."""
+    numbers = ("Measured", "Reference", "Difference", "Tolerance", "Uncertainty", "Margin")
+    head = (
+        *(Cell(name) for name in ("Feature", "Verdict", "Unit")),
+        *(Cell(name, "number") for name in numbers),
+        Cell("Rule"),
+    )
+    return Table(head, tuple(_figure_row(one, result, system) for one in result.verdicts))
+
+
+def _figure_row(verdict: Verdict, result: Result, system: UnitSystem) -> tuple[Cell, ...]:
+    name = Markup("{}").format(verdict.quantity)
+    if verdict.at is not None:
+        small = quantity(verdict.at, "rad" if result.trial.test.kind != "small inputs" else "s", system)
+        name += Markup(" <small>at {}</small>").format(small.replace("-", _MINUS))
+    reason = Markup(" <small>{}</small>").format(verdict.reason) if verdict.reason else Markup("")
+    rule = prose_html(verdict.rule.text(system)) + (Markup("") if verdict.verified else UNVERIFIED)
+    numbers = (verdict.difference, verdict.tolerance, verdict.uncertainty, verdict.margin)
+    return (
+        Cell(name),
+        Cell(Markup("{}").format(str(verdict.outcome)) + reason, "words", _BACKGROUNDS[verdict.outcome]),
+        Cell(unit_text(UNITS[verdict.unit].shown(system)) or ""),
+        *(number(figure_text(one, system).replace("-", _MINUS)) for one in (verdict.measured, verdict.reference)),
+        *(number(_value(value, verdict.unit, system)) for value in numbers),
+        words(rule),
+    )
+
+
+def _value(value: float, unit: str, system: UnitSystem) -> str:
+    return number_text(UNITS[unit].from_si(value, system), 3) if isfinite(value) else NONE
+
+
+def conditions(found: Qualification) -> Table:
+    """By which rule, of which control, under which conditions."""
+    rules, system = found.rules, found.system
+    least, most = (100 * share for share in rules.release.deflection)
+    low, high = (quantity(end, "rad", system) for end in (found.throw.low_rad, found.throw.high_rad))
+    unverified = ", ".join(unverified_tests(found))
+    made = found.programme.made
+    asked = dict.fromkeys(one for trial in made for one in trial.test.conditions)
+    feel = "that was recorded" if recorded(found, "record") else "that the loader programs, hands off"
+    sweeps = ", ".join(f"{one.name} {one.duration_s[0]:g} to {one.duration_s[1]:g} s" for one in rules.sweeps)
+    rows = [
+        ("Rule", f"{rules.title}, edition {rules.edition}, {rules.category}"),
+        ("Axis", found.axis),
+        ("Rows held against the document", f"all but {unverified}" if unverified else "all"),
+        (
+            "Releases",
+            f"from {least:g} to {most:g} % of the throw, both directions; residual band {100 * rules.release.residual_band:g} %",
+        ),
+        ("Sweeps", f"to {100 * SHORT:g} % of the throw and back: {sweeps}"),
+        ("Throw", f"from {low} to {high}: {found.throw.source}"),
+        ("Reference", found.reference),
+        ("Conditions the rule asks for", "; ".join(asked)),
+        ("Conditions here", f"the one feel {feel}: repeat for each feel of the flight conditions asked for"),
+    ]
+    if found.left_out:
+        rows.append(("Left out of the loader", ", ".join(found.left_out)))
+    rows.append(("Sources", "; ".join(dict.fromkeys(trial.test.source for trial in made))))
+    return Table((Cell("What"), Cell("Here")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
+
+
+def provenance(found: Qualification) -> Table:
+    """Date, versions, loader, files with their hashes."""
+    rows = [
+        ("Date", found.day.isoformat()),
+        ("forcefeel", version("forcefeel")),
+        ("Python, NumPy", f"{platform.python_version()}, {version('numpy')}"),
+        ("Loader", f"{found.loader.name}: {found.loader.source}"),
+    ]
+    for name, given in found.files.items():
+        if given.path is not None:
+            rows.append((name, f"{given.path.name}, SHA-256 {given.sha256}"))
+    return Table((Cell("What"), Cell("Which")), tuple((Cell(name), words(text)) for name, text in rows), "provenance")

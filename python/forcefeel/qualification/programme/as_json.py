@@ -1,0 +1,141 @@
+"""A qualification for machines: every figure with its unit, as plain data."""
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from math import isfinite
+
+from forcefeel.json_values import Plain, plain
+from forcefeel.json_values import quantity as plain_quantity
+from forcefeel.qualification import Figure, ReleaseFeatures, SweepFeatures, Verdict
+from forcefeel.qualification.programme.result import Qualification, Result, Section, Side
+from forcefeel.qualification.programme.sentences import UNITS, conclusions, result_words, tally, unverified_tests
+from forcefeel.units import SECONDS, UnitSystem
+
+_RELEASE = ("release_s", "steady", "displacement", "fall_time", "rise_time")
+_SWEEP = (
+    "breakout_low",
+    "breakout_high",
+    "friction",
+    "freeplay",
+    "centring",
+    "gradient",
+    "gradient_low",
+    "gradient_high",
+)
+
+
+def plain_qualification(found: Qualification) -> dict[str, Plain]:
+    """Everything but the records themselves."""
+    system, rules = found.system, found.rules
+    rule = {
+        "id": rules.id,
+        "title": rules.title,
+        "edition": rules.edition,
+        "category": rules.category,
+        "axis": found.axis,
+        "verified": rules.verified,
+        "unverified": list(unverified_tests(found)),
+    }
+    files = {
+        name: {"name": given.record.name, "path": str(given.path), "sha256": given.sha256}
+        for name, given in found.files.items()
+        if given.path is not None
+    }
+    return {
+        "forcefeel": version("forcefeel"),
+        "date": found.day.isoformat(),
+        "units": str(system),
+        "standing": str(found.standing),
+        "conclusions": plain(conclusions(found), system),
+        "rule": rule,
+        "throw": plain(found.throw, system),
+        "reference": found.reference,
+        "left_out": list(found.left_out),
+        "simulator": found.simulator,
+        "operator": found.operator,
+        "programme": [trial.key for trial in found.programme.trials],
+        "outside_the_programme": [trial.key for trial in found.programme.outside],
+        "named": list(found.programme.named),
+        "files": files,
+        "sections": [_section(section, found) for section in found.sections],
+        "loader": plain(found.loader, system),
+    }
+
+
+def _section(section: Section, found: Qualification) -> dict[str, Plain]:
+    return {
+        "name": section.name,
+        "title": section.title,
+        "standing": str(section.standing),
+        "missing": [{"any_of": [trial.key for trial in group]} for group in section.missing],
+        "tally": tally(section),
+        "tests": [_result(result, found) for result in section.results],
+    }
+
+
+def _result(result: Result, found: Qualification) -> dict[str, Plain]:
+    trial, test = result.trial, result.trial.test
+    return {
+        "key": trial.key,
+        "title": trial.title,
+        "test": test.number,
+        "source": test.source,
+        "conditions": list(test.conditions),
+        "verified": trial.verified,
+        "outcome": str(result.outcome),
+        "words": result_words(result, found),
+        "reason": result.reason,
+        "remarks": list(result.remarks),
+        "verdicts": [_verdict(one, found.system) for one in result.verdicts],
+        "measured": _side(result.measured, found.system),
+        "reference": _side(result.reference, found.system),
+    }
+
+
+def _verdict(verdict: Verdict, system: UnitSystem) -> dict[str, Plain]:
+    numbers = {name: getattr(verdict, name) for name in ("difference", "tolerance", "margin", "uncertainty")}
+    return {
+        "quantity": verdict.quantity,
+        "outcome": str(verdict.outcome),
+        "measured": _figure(verdict.measured, system),
+        "reference": _figure(verdict.reference, system),
+        **{name: _number(value, verdict.unit, system) for name, value in numbers.items()},
+        "rule": verdict.rule.text(system),
+        "verified": verdict.verified,
+        "reason": verdict.reason,
+    }
+
+
+def _side(side: Side | None, system: UnitSystem) -> Plain:
+    if side is None:
+        return None
+    record, features = side.record, side.features
+    about: dict[str, Plain] = {
+        "name": record.name,
+        "samples": len(record.time_s),
+        "duration": plain_quantity(record.duration_s, SECONDS, system),
+    }
+    if isinstance(features, ReleaseFeatures):
+        about |= {name.removesuffix("_s"): _figure(getattr(features, name), system) for name in _RELEASE}
+        about |= {"cycles": _figures(features.cycles, system), "overshoots": _figures(features.overshoots, system)}
+        about |= {"count": features.count, "settled": features.settled}
+    if isinstance(features, SweepFeatures):
+        about |= {name: _figure(getattr(features, name), system) for name in _SWEEP}
+    return about
+
+
+def _figures(figures: Sequence[Figure], system: UnitSystem) -> list[Plain]:
+    return [_figure(figure, system) for figure in figures]
+
+
+def _figure(figure: Figure | None, system: UnitSystem) -> dict[str, Plain] | None:
+    if figure is None or not figure.known:
+        return None
+    known = figure.uncertainty
+    return plain_quantity(figure.value, UNITS[figure.unit], system) | {
+        "uncertainty": UNITS[figure.unit].from_si(known, system) if isfinite(known) else None
+    }
+
+
+def _number(value: float, unit: str, system: UnitSystem) -> dict[str, Plain] | None:
+    return plain_quantity(value, UNITS[unit], system) if isfinite(value) else None

@@ -1,0 +1,155 @@
+"""What a qualification came to."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from datetime import date
+from enum import StrEnum
+
+from forcefeel.loader.loader import Loader
+from forcefeel.qualification import Outcome, Record, ReleaseFeatures, Rules, SweepFeatures, Verdict
+from forcefeel.qualification.programme.programme import Programme, Trial
+from forcefeel.qualification.programme.records_given import Given
+from forcefeel.qualification.programme.throw import Throw
+from forcefeel.qualification.rules import Axis
+from forcefeel.units import UnitSystem
+
+Features = ReleaseFeatures | SweepFeatures
+
+
+class Standing(StrEnum):
+    """What all tests together come to, the worst first."""
+
+    DOES_NOT_QUALIFY = "does not qualify"
+    """A test failed."""
+    INCOMPLETE = "incomplete"
+    """None failed, but some of the programme are missing: not evaluated, not asked for, or too close to call."""
+    QUALIFIES = "qualifies"
+    """The programme is whole, and all that was evaluated passed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """One of the two that are compared.
+
+    Attributes:
+        record: What was recorded or simulated.
+        features: What was measured on it; ``None`` of a record that is compared sample by sample.
+        slow: Features of the slow sweep that a medium or fast one is held against.
+    """
+
+    record: Record
+    features: Features | None = None
+    slow: SweepFeatures | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """A test that was made, or could not be.
+
+    Attributes:
+        trial: Which.
+        outcome: What it came to.
+        verdicts: Of each quantity.
+        measured, reference: What was compared; ``None`` where there is none.
+        reason: Why it was not evaluated, or failed without being measured.
+        remarks: What else a reader must know.
+    """
+
+    trial: Trial
+    outcome: Outcome
+    verdicts: tuple[Verdict, ...] = ()
+    measured: Side | None = None
+    reference: Side | None = None
+    reason: str = ""
+    remarks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """All tests of one law, or of the recorded simulator.
+
+    Attributes:
+        name: Of the law; ``record``.
+        title: In words.
+        results: Of the tests that were made, in the order of the rule.
+        programme: The tests that it has to pass.
+    """
+
+    name: str
+    title: str
+    results: tuple[Result, ...]
+    programme: Programme
+
+    @property
+    def standing(self) -> Standing:
+        """What its tests come to."""
+        if self.count(Outcome.FAILED):
+            return Standing.DOES_NOT_QUALIFY
+        return Standing.INCOMPLETE if self.missing else Standing.QUALIFIES
+
+    @property
+    def missing(self) -> tuple[tuple[Trial, ...], ...]:
+        """What a whole programme lacks: of each group one test will do."""
+        evaluated = {one.trial.key for one in self.results if one.outcome is not Outcome.NOT_EVALUATED}
+        undecided = ((one.trial,) for one in self.results if one.outcome is Outcome.TOO_CLOSE)
+        return *undecided, *self.programme.missing(evaluated)
+
+    @property
+    def fulfilled(self) -> bool:
+        """Whether it qualifies, or passed every test where only some were asked for."""
+        passed = self.count(Outcome.PASSED) == len(self.results)
+        return self.standing is Standing.QUALIFIES or (bool(self.programme.named) and passed)
+
+    def count(self, outcome: Outcome) -> int:
+        """How many tests came to that."""
+        return sum(result.outcome is outcome for result in self.results)
+
+
+@dataclass(frozen=True, eq=False)
+class Qualification:
+    """The whole.
+
+    Attributes:
+        loader: The loader, hands off.
+        left_out: Rows of the loader that were left out, as the arm at the grip.
+        rules: By which it was judged.
+        axis: Which control.
+        throw: How far it goes.
+        system: Units; of the rule's two roundings of a force, that one holds.
+        reference: What was the reference, in words.
+        programme: The tests to pass.
+        sections: One for each law, or one for the record.
+        files: Files that were read, by what they were given as.
+        simulator, operator: Which was tested, and by whom; blank lines of the page where nobody says.
+        day: When.
+    """
+
+    loader: Loader
+    left_out: tuple[str, ...]
+    rules: Rules
+    axis: Axis
+    throw: Throw
+    system: UnitSystem
+    reference: str
+    programme: Programme
+    sections: tuple[Section, ...]
+    files: Mapping[str, Given] = field(default_factory=dict)
+    simulator: str = ""
+    operator: str = ""
+    day: date = field(default_factory=date.today)
+
+    @property
+    def standing(self) -> Standing:
+        """The worst of the sections'."""
+        found = {section.standing for section in self.sections}
+        return next(standing for standing in Standing if standing in found)
+
+    @property
+    def qualifies(self) -> bool:
+        """Whether every section does."""
+        return self.standing is Standing.QUALIFIES
+
+    @property
+    def fulfilled(self) -> bool:
+        """Whether every section qualifies, or passed every test where only some were asked for."""
+        return all(section.fulfilled for section in self.sections)

@@ -1,0 +1,162 @@
+"""Carries out a qualification."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from forcefeel._core import Compensator
+from forcefeel.errors import InputError
+from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.loader.arms import ARM_ROWS
+from forcefeel.loader.loader import Loader
+from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
+from forcefeel.qualification.judge_release import Overdamped
+from forcefeel.qualification.programme.feel_alone import FeelAlone
+from forcefeel.qualification.programme.laws import LAW_WORDS, ORIGINAL, named_laws
+from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
+from forcefeel.qualification.programme.programme import Trial, programme_of, trials
+from forcefeel.qualification.programme.records_given import Given, Recognition, given_files
+from forcefeel.qualification.programme.result import Qualification, Section
+from forcefeel.qualification.programme.test_bench import Task, TestBench
+from forcefeel.qualification.programme.throw import Throw
+from forcefeel.qualification.rules import Axis
+from forcefeel.tables.column_names import ColumnNames
+from forcefeel.units import ANGLE, PRESSURE, UnitSystem, show
+
+Records = Sequence[str] | Mapping[str, Record]
+"""Records as the command takes them, ``NAME=FILE``, files or folders; or records in memory by the test they are of."""
+
+
+@dataclass(frozen=True)
+class QualificationSetup:
+    """How a loader is qualified.
+
+    Attributes:
+        laws: Names of ``setting_laws.NAMED_LAWS``, or laws by name, ``None`` being the original loop; a section each.
+        rule: Edition of the rule.
+        axis: Which control of the rule.
+        throw_rad: Throw to either side; the loader's or its feel's stops, or a usual one if not given.
+        references: Recorded references; the programmed feel if there are none.
+        records: Records of a simulator that take the place of the simulated loader; no law then counts.
+        tests: Keys of the tests that alone are made, as ``release-25-positive``; the whole programme if there are none.
+        columns: What the files of both call their columns, as the command takes it: ``[STEM:]position=NAME``.
+        units: Units of columns whose header has none, likewise: ``[STEM:]NAME=deg``.
+        dynamic_pressure_pa: For a feel whose stiffness depends on it.
+        overdamped: What a response without overshoots is judged by.
+        system: Units; of the rule's two roundings of a force, that one holds.
+        simulator, operator: For the page: which was tested, and by whom.
+    """
+
+    laws: Sequence[str] | Mapping[str, Compensator | SampledCompensator | None] = (ORIGINAL,)
+    rule: str = DEFAULT_EDITION
+    axis: Axis = "pitch"
+    throw_rad: Annotated[float, ANGLE] | None = None
+    references: Records = ()
+    records: Records = ()
+    tests: Sequence[str] = ()
+    columns: Sequence[str] = ()
+    units: Sequence[str] = ()
+    dynamic_pressure_pa: Annotated[float, PRESSURE] | None = None
+    overdamped: Overdamped = "fall time"
+    system: UnitSystem = field(default=UnitSystem.US)
+    simulator: str = ""
+    operator: str = ""
+
+
+def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Qualification:
+    """Makes the tests of a rule on a loader, hands off: an arm at the grip is left out.
+
+    Args:
+        loader: The loader; its programmed feel is the reference where none was recorded.
+        setup: Which laws, rule, axis, throw and records.
+
+    Returns:
+        Every test with its verdicts. A simulated loader that diverges, does not come to rest, or on which a test cannot be
+        measured has failed it; a test without a record or a reference is not evaluated.
+
+    Raises:
+        InputError: If a part of the setup or a record is bad, with the record and the time.
+    """
+    setup = setup or QualificationSetup()
+    rules = load_rules(setup.rule)
+    planned = trials(rules, setup.axis)
+    programme = programme_of(rules, setup.axis, recorded=bool(setup.records), named=setup.tests)
+    left_out = tuple(row for row in ARM_ROWS if loader[row] != 0)
+    loader = loader.replace(dict.fromkeys(left_out))
+    throw = Throw.of(loader, setup.throw_rad)
+    references, records = _given(setup, Recognition(planned, rules, throw))
+    feel = FeelAlone(loader)
+    motions = Motions.of(loader, setup.dynamic_pressure_pa)
+    task = Task(loader, feel, motions, rules, throw, references, setup.system, setup.overdamped)
+    if records:
+        benches = {"record": TestBench(task, "recorded simulator", None, records)}
+    else:
+        benches = {
+            name: TestBench(task, law_words(name), SimulatedLoader(loader, law), {})
+            for name, law in _laws(loader, setup).items()
+        }
+    sections = tuple(
+        Section(name, bench.name, tuple(map(bench.result, programme.made)), programme)
+        for name, bench in benches.items()
+    )
+    files = {
+        f"{kind} {key}": one
+        for kind, those in (("record", records), ("reference", references))
+        for key, one in those.items()
+    }
+    return Qualification(
+        loader,
+        left_out,
+        rules,
+        setup.axis,
+        throw,
+        setup.system,
+        "recorded aircraft" if references else feel.method,
+        programme,
+        sections,
+        files,
+        setup.simulator,
+        setup.operator,
+    )
+
+
+def law_words(name: str) -> str:
+    """What a law is called in a sentence."""
+    return LAW_WORDS.get(name, name)
+
+
+def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Compensator | SampledCompensator | None]:
+    given = setup.laws
+    if isinstance(given, str):
+        raise InputError(f"laws: expected a list of names or laws by name, got {show(given)}")
+    if not isinstance(given, Mapping):
+        return named_laws(loader, given)
+    if not given:
+        raise InputError("laws: expected at least one")
+    return given
+
+
+def _given(setup: QualificationSetup, recognition: Recognition) -> tuple[dict[str, Given], dict[str, Given]]:
+    """References and records by the test they are of."""
+    both = {"reference": setup.references, "record": setup.records}
+    files = {
+        kind: given_files(f"--{kind}", those, recognition.planned)
+        for kind, those in both.items()
+        if not isinstance(those, Mapping)
+    }
+    stems = list(dict.fromkeys(path.stem for named in files.values() for _, path in named))
+    names = ColumnNames.of(setup.columns, setup.units, stems)
+    references, records = (
+        _in_memory(kind, those, recognition.planned)
+        if isinstance(those, Mapping)
+        else recognition.read(f"--{kind}", files[kind], names)
+        for kind, those in both.items()
+    )
+    return references, records
+
+
+def _in_memory(kind: str, those: Mapping[str, Record], planned: Sequence[Trial]) -> dict[str, Given]:
+    keys = [trial.key for trial in planned]
+    if strangers := [key for key in those if key not in keys]:
+        raise InputError(f"{kind}s: unknown test {show(strangers[0])}; expected some of {', '.join(keys)}")
+    return {key: Given(record) for key, record in those.items()}

@@ -1,0 +1,360 @@
+"""One law, or one recorded simulator, through the programme: what is measured, what it is held against, and the verdicts."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import TypeVar
+
+from forcefeel.errors import InputError
+from forcefeel.loader.loader import Loader
+from forcefeel.qualification import (
+    Figure,
+    Outcome,
+    Record,
+    ReleaseFeatures,
+    Rules,
+    SweepFeatures,
+    Verdict,
+    judge_dynamic_sweep,
+    judge_release,
+    judge_small_inputs,
+    judge_sweep,
+    measure_release,
+    measure_sweep,
+    overall,
+)
+from forcefeel.qualification.judge_release import Overdamped
+from forcefeel.qualification.programme.feel_alone import FeelAlone
+from forcefeel.qualification.programme.motions import LoopError, Motions, Moved, first_force, release_duration_s
+from forcefeel.qualification.programme.programme import STATIC, SURFACE, SweepName, Trial, duration_s
+from forcefeel.qualification.programme.records_given import Given, check_cover
+from forcefeel.qualification.programme.result import Result, Side
+from forcefeel.qualification.programme.throw import Throw
+from forcefeel.simulation.inputs import Recorded
+from forcefeel.units import UnitSystem
+
+PROGRAMMED = "programmed feel"
+"""What its records are called."""
+
+_LONGER = 4.0
+"""A simulated release that has not come to rest is recorded for so many times as long, once."""
+
+_ROOM = 0.02
+"""Of the limits of the share of throw, by which a recorded release may be off without a remark."""
+
+
+_Features = TypeVar("_Features", ReleaseFeatures, SweepFeatures)
+
+
+class MissingError(Exception):
+    """What a test needs and does not have."""
+
+
+class BrokenError(Exception):
+    """Why a simulated loader fails a test that cannot be measured on it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What all sections share.
+
+    Attributes:
+        loader: The loader, hands off.
+        feel: Its programmed feel alone.
+        motions: Makes records.
+        rules: By which it is judged.
+        throw: How far the control goes.
+        references: Recorded references by test; none where the programmed feel is the reference.
+        system: Which of the rule's roundings of a force holds.
+        overdamped: What a response without overshoots is judged by.
+        programmed: What the programmed feel did, by what was asked of it: it is the same for all laws.
+    """
+
+    loader: Loader
+    feel: FeelAlone
+    motions: Motions
+    rules: Rules
+    throw: Throw
+    references: Mapping[str, Given]
+    system: UnitSystem
+    overdamped: Overdamped
+    programmed: dict[object, Record] = field(default_factory=dict)
+
+    def once(self, what: object, make: Callable[[], Record]) -> Record:
+        """What the programmed feel does, made once.
+
+        Raises:
+            MissingError: If it cannot be had.
+        """
+        if what not in self.programmed:
+            try:
+                self.programmed[what] = make()
+            except InputError as error:
+                raise MissingError(f"no reference: {error}") from error
+        return self.programmed[what]
+
+
+class TestBench:
+    """One simulated loader, or one recorded simulator.
+
+    Args:
+        task: What all sections share.
+        name: What its records are called.
+        moved: The simulated loader; ``None`` where there are records.
+        records: The recorded simulator's records by test.
+    """
+
+    __test__ = False  # no test for pytest to collect
+
+    def __init__(self, task: Task, name: str, moved: Moved | None, records: Mapping[str, Given]) -> None:
+        self.task, self.name, self.moved, self.records = task, name, moved, records
+        self._slow_sweeps: dict[str, tuple[Side, Side]] = {}
+
+    def result(self, trial: Trial) -> Result:
+        """What a test comes to.
+
+        Raises:
+            InputError: If a given record is bad.
+        """
+        made: dict[str, Callable[[Trial], Result]] = {
+            "static": self._static,
+            "freeplay": self._freeplay,
+            "release": self._release,
+            "dynamic sweep": self._dynamic,
+            "small inputs": self._small,
+        }
+        try:
+            return made[trial.test.kind](trial)
+        except MissingError as missing:
+            return Result(trial, Outcome.NOT_EVALUATED, reason=str(missing))
+        except BrokenError as broken:
+            return Result(trial, Outcome.FAILED, reason=str(broken))
+
+    # Releases.
+
+    def _release(self, trial: Trial) -> Result:
+        task, mine, theirs = self.task, self._given(trial.key), self._reference(trial.key)
+        angle = trial.share * abs(task.throw.end(1 if trial.share > 0 else -1))
+        measured = reference = None
+        if theirs is not None:
+            reference = theirs, measure_release(theirs, rules=task.rules.release)
+            angle = reference[1].displacement.value
+        if mine is not None:
+            measured = mine, measure_release(mine, rules=task.rules.release)
+            angle = measured[1].displacement.value
+        reference = reference or self._programmed_release(angle, mine)
+        measured = measured or self._loader_release(angle)
+        if mine is not None and theirs is not None:
+            check_cover(measured, reference)
+        in_angle = measured[0].position_unit == "rad"
+        verdicts = judge_release(
+            measured[1],
+            reference[1],
+            trial.test,
+            travel=task.throw.travel_rad if in_angle else None,
+            overdamped=task.overdamped,
+            system=task.system,
+        )
+        remark = self._off_the_rule(angle) if in_angle else ""
+        return _judged(trial, verdicts, Side(*measured), Side(*reference), (remark,) if remark else ())
+
+    def _programmed_release(self, angle: float, beside: Record | None) -> tuple[Record, ReleaseFeatures]:
+        _angles_only(beside)
+        task, lasts = self.task, release_duration_s(self.task.loader)
+        record = task.once(("release", angle), lambda: task.motions.release(task.feel, angle, lasts, PROGRAMMED))
+        return record, _reference_of(lambda: measure_release(record, rules=task.rules.release))
+
+    def _loader_release(self, angle: float) -> tuple[Record, ReleaseFeatures]:
+        duration, task = release_duration_s(self.task.loader), self.task
+        for lasts in (duration, _LONGER * duration):
+            record = self._moved(partial(task.motions.release, angle_rad=angle, duration_s=lasts, name=self.name))
+            features = _measured(partial(measure_release, record, rules=task.rules.release, settle_check=False))
+            if features.settled:
+                return record, features
+        raise BrokenError(f"{self.name}: does not come to rest within {lasts:.3g} s after the release")
+
+    def _off_the_rule(self, angle: float) -> str:
+        least, most = self.task.rules.release.deflection
+        share = abs(angle / self.task.throw.end(1 if angle > 0 else -1))
+        if least - _ROOM <= share <= most + _ROOM:
+            return ""
+        return (
+            f"Released from {100 * share:.3g} % of the throw; the rule asks for {100 * least:g} to {100 * most:g} % of it, or "
+            "of the allowed deflection."
+        )
+
+    # Sweeps.
+
+    def _static(self, trial: Trial) -> Result:
+        measured, reference = self._slow(STATIC)
+        verdicts = judge_sweep(_swept(measured), _swept(reference), trial.test, system=self.task.system)
+        kept = tuple(one for one in verdicts if (one.rule.quantity == "surface") is (trial.key == SURFACE))
+        if trial.key == SURFACE and all(one.outcome is Outcome.NOT_EVALUATED for one in kept):
+            raise MissingError("needs the surface in both static sweeps, in a column 'surface (deg)'")
+        return _judged(trial, kept, measured, reference)
+
+    def _freeplay(self, trial: Trial) -> Result:
+        """The rule has it as a length at the grip: of an angle ``R_p theta``."""
+        measured, reference = self._slow(trial.key)
+        arm = self.task.loader["column.grip_arm"]
+        mine, theirs = (_at_grip(_swept(side), arm) for side in (measured, reference))
+        return _judged(trial, judge_sweep(mine, theirs, trial.test, system=self.task.system), measured, reference)
+
+    def _slow(self, key: str) -> tuple[Side, Side]:
+        """The slow sweep of both, made once; recorded ones are each of their own test."""
+        key = key if self.records or self.task.references else STATIC
+        if key not in self._slow_sweeps:
+            self._slow_sweeps[key] = self._swept_slowly(key)
+        return self._slow_sweeps[key]
+
+    def _swept_slowly(self, key: str) -> tuple[Side, Side]:
+        mine, theirs = self._given(key), self._reference(key)
+        measured = None if mine is None else _side(mine)
+        reference = None if theirs is None else _side(theirs)
+        like = measured if measured is not None else reference
+        throw, lasts = self.task.throw, duration_s(self.task.rules, "slow")
+        if like is not None and (measured is None or reference is None):
+            _angles_only(like.record)
+            swept = _swept(like)
+            throw = Throw(swept.stops[0] - swept.neutral, swept.stops[1] - swept.neutral, swept.name)
+            lasts = swept.duration_s
+        return measured or self._loader_slow(throw, lasts), reference or self._programmed_slow(throw, lasts)
+
+    def _loader_slow(self, throw: Throw, lasts: float) -> Side:
+        first = first_force(self.task.loader, throw)
+        record = self._moved(lambda moved: self.task.motions.swept(moved, throw, first, lasts, self.name))
+        return Side(record, _measured(lambda: measure_sweep(record)))
+
+    def _programmed_slow(self, throw: Throw, lasts: float) -> Side:
+        task, first = self.task, first_force(self.task.loader, throw)
+        record = task.once((throw, lasts), lambda: task.motions.swept(task.feel, throw, first, lasts, PROGRAMMED))
+        return Side(record, _reference_of(lambda: measure_sweep(record)))
+
+    def _dynamic(self, trial: Trial) -> Result:
+        name: SweepName = trial.sweep or "slow"
+        mine, theirs = self._given(trial.key), self._reference(trial.key)
+        for what, those in (("record", self.records), ("reference", self.task.references)):
+            if those and STATIC not in those:
+                raise MissingError(f"needs the slow sweep too: no {what} of the test {STATIC} was given")
+        slow, slow_reference = self._slow(STATIC)
+        measured = _side(mine) if mine is not None else None
+        reference = _side(theirs) if theirs is not None else None
+        if measured is None:
+            measured = self._loader_fast(slow, theirs, name)
+        if reference is None:
+            reference = self._programmed_fast(slow_reference, mine, name)
+        sides = (
+            Side(measured.record, measured.features, _swept(slow)),
+            Side(reference.record, reference.features, _swept(slow_reference)),
+        )
+        verdicts = judge_dynamic_sweep(
+            _swept(measured),
+            _swept(slow),
+            _swept(reference),
+            _swept(slow_reference),
+            trial.test,
+            system=self.task.system,
+        )
+        return _judged(trial, verdicts, *sides)
+
+    def _loader_fast(self, slow: Side, theirs: Record | None, name: SweepName) -> Side:
+        """The loader under the force of the recorded reference, or under that of its slow sweep in less time."""
+        force = _force_of(theirs) if theirs is not None else self._quicker(slow, name)
+        record = self._moved(lambda moved: self.task.motions.forced(moved, force, self.name))
+        return Side(record, _measured(lambda: measure_sweep(record)))
+
+    def _programmed_fast(self, slow: Side, mine: Record | None, name: SweepName) -> Side:
+        _angles_only(mine)
+        task, force = self.task, _force_of(mine) if mine is not None else self._quicker(slow, name)
+        record = task.once((name, id(slow.record)), lambda: task.motions.forced(task.feel, force, PROGRAMMED))
+        return Side(record, _reference_of(lambda: measure_sweep(record)))
+
+    def _quicker(self, slow: Side, name: SweepName) -> Recorded:
+        """The force of a slow sweep, in the time of another."""
+        record, lasts = slow.record, duration_s(self.task.rules, name)
+        time = (record.time_s - record.time_s[0]) * (lasts / record.duration_s)
+        assert record.force_n is not None  # it was swept
+        return Recorded(time, record.force_n, name)
+
+    # Small inputs, and what all share.
+
+    def _small(self, trial: Trial) -> Result:
+        mine, theirs = self._given(trial.key), self._reference(trial.key)
+        if mine is None or theirs is None:
+            raise MissingError("needs a record and a reference with a column 'body rate (deg/s)'")
+        return _judged(trial, judge_small_inputs(mine, theirs, trial.test), Side(mine), Side(theirs))
+
+    def _given(self, key: str) -> Record | None:
+        """The record of a test; ``None`` where the loader is simulated."""
+        if self.moved is not None:
+            return None
+        if key not in self.records:
+            raise MissingError("no record was given")
+        return self.records[key].record
+
+    def _reference(self, key: str) -> Record | None:
+        """The recorded reference of a test; ``None`` where the programmed feel is the reference."""
+        if not self.task.references:
+            return None
+        if key not in self.task.references:
+            raise MissingError("no reference was given")
+        return self.task.references[key].record
+
+    def _moved(self, make: Callable[[Moved], Record]) -> Record:
+        assert self.moved is not None  # records are asked for first
+        try:
+            return make(self.moved)
+        except LoopError as error:
+            raise BrokenError(f"{self.name}: {error}") from error
+
+
+def _judged(
+    trial: Trial, verdicts: tuple[Verdict, ...], measured: Side, reference: Side, remarks: tuple[str, ...] = ()
+) -> Result:
+    return Result(trial, overall(verdicts), verdicts, measured, reference, remarks=remarks)
+
+
+def _measured(measure: Callable[[], _Features]) -> _Features:
+    """What is measured on a simulated loader; what cannot be is a failure of the loader, since its record is whole."""
+    try:
+        return measure()
+    except InputError as error:
+        raise BrokenError(str(error)) from error
+
+
+def _reference_of(measure: Callable[[], _Features]) -> _Features:
+    """What is measured on the programmed feel; what cannot be is no reference."""
+    try:
+        return measure()
+    except InputError as error:
+        raise MissingError(f"no reference: {error}") from error
+
+
+def _side(record: Record) -> Side:
+    return Side(record, measure_sweep(record))
+
+
+def _swept(side: Side) -> SweepFeatures:
+    assert isinstance(side.features, SweepFeatures)  # sides of sweeps are made of them
+    return side.features
+
+
+def _at_grip(swept: SweepFeatures, grip_arm_m: float) -> SweepFeatures:
+    """Its freeplay as a length; the other figures stay what they are."""
+    if swept.position_unit == "m":
+        return swept
+    play = swept.freeplay
+    at_grip = Figure(grip_arm_m * play.value, grip_arm_m * play.uncertainty, "m")
+    return replace(swept, freeplay=at_grip, position_unit="m")
+
+
+def _force_of(record: Record) -> Recorded:
+    assert record.force_n is not None  # it was measured as a sweep
+    return Recorded(record.time_s, record.force_n, record.name).from_zero()
+
+
+def _angles_only(record: Record | None) -> None:
+    if record is not None and record.position_unit != "rad":
+        raise MissingError(
+            f"{record.name}: its position is a length, the programmed feel's an angle; give both as files"
+        )

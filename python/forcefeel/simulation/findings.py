@@ -1,0 +1,228 @@
+"""What to conclude from a run in time, in words."""
+
+from math import isfinite, isnan, pi
+
+from forcefeel._core import feel_frequency
+from forcefeel.design.findings import Conclusions, beyond_linear
+from forcefeel.loader.arms import UNVERIFIED, arm_of
+from forcefeel.loader.parameters import INDEX
+from forcefeel.simulation import Run, RunStatus
+from forcefeel.simulation.inputs import (
+    Chirp,
+    Doublet,
+    Force,
+    HandsOff,
+    Multisine,
+    Pulse,
+    Recorded,
+    Release,
+    Step,
+    StopToStop,
+)
+from forcefeel.simulation.limits import Limits, feel_position, goes_to_a_place, keeps_moving, limits, why_no_overshoot
+from forcefeel.simulation.programmed_feel import has_arm, programmed, spring_is_g
+from forcefeel.units import ANGLE, CURRENT, Unit, UnitSystem, to_text
+
+FORCE = Unit("N", "N", "lb", "n")
+"""Force at the grip."""
+
+_LITTLE = 1e-3
+"""Share of the time that is not worth a word."""
+
+
+def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
+    """The conclusions of a run, with numbers in ``units``."""
+    found = limits(run)
+    sentences = (
+        _at_rest(run, units),
+        _period(run),
+        _demand(run, units),
+        _saturation(run, found, units),
+        _stops(run, found),
+        _friction(run, found),
+        _arm(run),
+        _design(run),
+    )
+    return Conclusions(
+        run.status is not RunStatus.DIVERGED, _verdict(run, units), tuple(text for text in sentences if text)
+    )
+
+
+def input_in_words(force: Force, units: UnitSystem) -> str:
+    """What the pilot does: ``a step of 96 lb at 0.1 s``."""
+    if isinstance(force, HandsOff):
+        return "hands off"
+    if isinstance(force, Release):
+        when = f" at {force.start_s:g} s" if force.start_s else ""
+        return f"a release from {_quantity(force.angle_rad, ANGLE, units)}{when}"
+    if isinstance(force, Recorded):
+        low, high = (_force(float(bound), units) for bound in (force.force_n.min(), force.force_n.max()))
+        return f"the recording {force.name}, {low} to {high}"
+    return _formula_in_words(force, _force(force.force_n, units))
+
+
+def _formula_in_words(force: Step | Pulse | Doublet | StopToStop | Chirp | Multisine, peak: str) -> str:
+    match force:
+        case Step():
+            return f"a step of {peak} at {force.start_s:g} s"
+        case Pulse():
+            return f"a pulse of {peak} from {force.start_s:g} s on, {force.width_s:g} s long"
+        case Doublet():
+            return f"a doublet of ±{peak} from {force.start_s:g} s on, {force.width_s:g} s each way"
+        case StopToStop():
+            return f"a stop-to-stop sweep to {peak} either way and back, {force.duration_s:g} s long"
+        case Chirp():
+            band = f"from {force.from_hz:g} to {force.to_hz:g} Hz"
+            return f"a {force.spacing} chirp of ±{peak} {band}, {force.duration_s:g} s long"
+        case Multisine():
+            lines = f"{len(force.lines_hz)} lines from {force.lines_hz[0]:g} to {force.lines_hz[-1]:g} Hz"
+            return f"a multisine of ±{peak}, {lines}, period {force.duration_s:g} s"
+
+
+def _verdict(run: Run, units: UnitSystem) -> str:
+    if run.status is RunStatus.DIVERGED:
+        return f"{run.note[0].upper()}{run.note[1:]}."
+    found, settled = run.measures, run.status is RunStatus.SETTLED
+    if found.maximum_angle_rad == found.minimum_angle_rad:
+        return "The column did not move."
+    if not goes_to_a_place(run.scenario.force):
+        low, high = (
+            to_text(ANGLE.from_si(angle, units), 3) for angle in (found.minimum_angle_rad, found.maximum_angle_rad)
+        )
+        came = f"The column moved between {low} and {high} {ANGLE.shown(units)}"
+        if keeps_moving(run.scenario.force):
+            return f"{came}."
+        rest = (
+            f"settled at {to_text(found.settling_time_s, 3)} s"
+            if settled
+            else f"was still moving after {to_text(run.scenario.duration_s)} s"
+        )
+        return f"{came} and {rest}."
+    why = why_no_overshoot(run)
+    swing = ", ".join(filter(None, (why or f"overshoot {_percent(found.overshoot)}", _frequency(run))))
+    if settled:
+        return f"Settled at {to_text(found.settling_time_s, 3)} s, {swing}."
+    by = _quantity(found.last_swing_rad, ANGLE, units, 2)
+    return f"Still moving after {to_text(run.scenario.duration_s)} s, by {by} over the last tenth; {swing}."
+
+
+def _at_rest(run: Run, units: UnitSystem) -> str:
+    """Where a settled column rests, beside where the programmed feel alone would."""
+    force, loader = run.scenario.force, run.loader
+    if run.status is not RunStatus.SETTLED or not isinstance(force, Step):
+        return ""
+    rests = f"It rests at {_quantity(run.measures.final_angle_rad, ANGLE, units, 3)}"
+    stiffness = float(programmed(loader)[INDEX["feel.stiffness"]])
+    angle = loader["column.grip_arm"] * force.force_n / stiffness
+    if angle == 0 or not spring_is_g(run):
+        return f"{rests}."
+    share = _percent(run.measures.final_angle_rad / angle)
+    spring = "the springs of G and arm allow" if has_arm(loader) else "the spring G alone allows"
+    return f"{rests}, {share} of the {_quantity(angle, ANGLE, units, 3)} that {spring} under this force."
+
+
+def _period(run: Run) -> str:
+    if run.status is RunStatus.DIVERGED or not (frequency := _frequency(run)):
+        return ""
+    periods = int(run.measures.passes) - 1
+    swings = f"It swings at {frequency} ({'one period' if periods == 1 else f'mean of {periods} periods'})"
+    if not spring_is_g(run):
+        return f"{swings}."
+    alone = "I and G with the arm give" if has_arm(run.loader) else "I and G alone give"
+    ideal = to_text(feel_frequency(programmed(run.loader))[0] / (2 * pi), 3)
+    return f"{swings}; {alone} {ideal} Hz."
+
+
+def _frequency(run: Run) -> str:
+    """From the mean period; empty where the column did not swing."""
+    found = run.measures
+    if not goes_to_a_place(run.scenario.force) or isnan(found.period_s):
+        return ""
+    return f"{to_text(1 / found.period_s, 3)} Hz"
+
+
+def _demand(run: Run, units: UnitSystem) -> str:
+    if run.status is RunStatus.DIVERGED:
+        return ""
+    loader, found = run.loader, run.measures
+    if found.maximum_angle_rad == found.minimum_angle_rad:
+        return ""
+    current, flow, pressure = (
+        _percent(value / loader[key])
+        for value, key in (
+            (found.peak_current_a, "valve.rated_current"),
+            (found.peak_flow_m3_per_s, "valve.rated_flow"),
+            (found.peak_pressure_pa, "valve.supply_pressure"),
+        )
+    )
+    return f"At most {current} of the rated current, {flow} of the rated flow and {pressure} of the supply pressure are used."
+
+
+def _saturation(run: Run, found: Limits, units: UnitSystem) -> str:
+    sentences = []
+    limit = run.loader["amplifier.current_limit"]
+    if isfinite(limit):
+        at = f"the amplifier's limit of {_quantity(limit, CURRENT, units, 3)}"
+        spent = f"was at {at} for {_percent(found.current)} of the time" if found.current else f"never reached {at}"
+        sentences.append(f"The current {spent}.")
+    beyond = (
+        (found.over_current, "the current was above its rating"),
+        (found.over_flow, "the flow was above its rating"),
+        (found.over_pressure, "the load pressure was above the supply's"),
+    )
+    if over := [f"{what} for {_percent(share)} of the time" for share, what in beyond if share > _LITTLE]:
+        unlimited = "" if isfinite(limit) else " The loader file sets no amplifier.current_limit."
+        text = ", ".join(over)
+        sentences.append(f"{text[0].upper()}{text[1:]}.{unlimited}")
+    return " ".join(sentences)
+
+
+def _stops(run: Run, found: Limits) -> str:
+    loader = run.loader
+    sides = (
+        (loader["column.stop_low"], found.stop_low_s, "the lower end stop"),
+        (loader["column.stop_high"], found.stop_high_s, "the upper end stop"),
+        (loader["feel.hard_stop_low"], found.feel_low_s, "the programmed lower stop"),
+        (loader["feel.hard_stop_high"], found.feel_high_s, "the programmed upper stop"),
+    )
+    there = [(spent, name) for bound, spent, name in sides if isfinite(bound)]
+    hit = [f"at {name} for {to_text(spent, 3)} s" for spent, name in there if spent]
+    if hit:
+        return f"It was {' and '.join(hit)}."
+    if not there:
+        return ""
+    return "It reached no stop" + (": the force is too small." if isinstance(run.scenario.force, StopToStop) else ".")
+
+
+def _friction(run: Run, found: Limits) -> str:
+    if not (run.loader["column.coulomb_friction"] or run.loader["column.static_friction"]):
+        return ""
+    if not found.stuck_s:
+        return "Dry friction never held the column once it moved."
+    end = ", in the end too" if found.stuck_at_end else ""
+    return f"Dry friction held the column for {to_text(found.stuck_s, 3)} s in all{end}."
+
+
+def _arm(run: Run) -> str:
+    arm = arm_of(run.loader)
+    return f"The pilot's arm is the {arm} one, whose numbers are unverified." if arm in UNVERIFIED else ""
+
+
+def _design(run: Run) -> str:
+    """Of a law that feeds back states: what its design cannot have known."""
+    rows = beyond_linear(run.loader)
+    if not rows or not feel_position(run).endswith("_rad"):
+        return ""
+    return f"Gains are designed on the linear models, which leave out {rows}; this run has all of it."
+
+
+def _force(value: float, units: UnitSystem) -> str:
+    return _quantity(value, FORCE, units)
+
+
+def _quantity(value: float, measured_in: Unit, units: UnitSystem, digits: int = 4) -> str:
+    return f"{to_text(measured_in.from_si(value, units), digits)} {measured_in.shown(units)}"
+
+
+def _percent(share: float) -> str:
+    return f"{to_text(100 * share, 3)} %"

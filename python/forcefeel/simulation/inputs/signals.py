@@ -1,0 +1,256 @@
+"""Forces at the grip by formula: what a test engineer commands, one frozen class per kind.
+
+Forces are in N at the grip, positive as the column's angle is; times in s from the start of the run; zero force where
+nothing else is said. Each ``sample(time_s, step_s)`` takes the length of the run and the step.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import exprel
+
+from forcefeel.errors import InputError
+from forcefeel.simulation.inputs.sampled import (
+    Bound,
+    Grid,
+    Sampled,
+    check_frequencies,
+    check_lasts,
+    check_number,
+    frozen,
+    through_points,
+    through_values,
+)
+from forcefeel.units import show
+
+Spacing = Literal["linear", "logarithmic"]
+
+
+@dataclass(frozen=True)
+class HandsOff:
+    """Nobody at the grip: ``F(t) = 0``."""
+
+    def sample(self, time_s: float, step_s: float) -> Sampled:
+        """Zeros.
+
+        Raises:
+            InputError: If the run is not a whole number of steps.
+        """
+        return through_points("HandsOff", Grid.of(time_s, step_s), [0.0], [0.0])
+
+
+@dataclass(frozen=True)
+class Step:
+    """A force that comes and stays: ``F(t) = force_n`` for ``t > start_s``.
+
+    Attributes:
+        force_n: The force, N.
+        start_s: When it comes, s, 0 or later.
+
+    Raises:
+        InputError: When built, if a number is not finite or ``start_s`` is below 0.
+    """
+
+    force_n: float
+    start_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_number("Step", "force_n", self.force_n, "finite number")
+        check_number("Step", "start_s", self.start_s, "number of 0 or more")
+
+    def sample(self, time_s: float, step_s: float) -> Sampled:
+        """The force over a run, N.
+
+        Raises:
+            InputError: If the run is not a whole number of steps, or the jump is within it and not between two steps.
+        """
+        return through_points("Step", Grid.of(time_s, step_s), [self.start_s] * 2, [0.0, self.force_n])
+
+
+@dataclass(frozen=True)
+class Pulse:
+    """A force for a while: ``F(t) = force_n`` for ``start_s < t < start_s + width_s``.
+
+    Attributes:
+        force_n: The force, N.
+        start_s: When it comes, s, 0 or later.
+        width_s: How long it lasts, s, above 0.
+
+    Raises:
+        InputError: When built, if a number is not finite or below its bound.
+    """
+
+    force_n: float
+    start_s: float
+    width_s: float
+
+    def __post_init__(self) -> None:
+        check_number("Pulse", "force_n", self.force_n, "finite number")
+        check_number("Pulse", "start_s", self.start_s, "number of 0 or more")
+        check_number("Pulse", "width_s", self.width_s, "number above 0")
+
+    def sample(self, time_s: float, step_s: float) -> Sampled:
+        """The force over a run, N.
+
+        Raises:
+            InputError: If the run is not a whole number of steps, or a jump is within it and not between two steps.
+        """
+        first, last = self.start_s, self.start_s + self.width_s
+        times, values = [first, first, last, last], [0.0, self.force_n, self.force_n, 0.0]
+        return through_points("Pulse", Grid.of(time_s, step_s), times, values)
+
+
+@dataclass(frozen=True)
+class Doublet:
+    """A pulse and its opposite: ``force_n`` for ``width_s`` from ``start_s``, then ``-force_n`` for ``width_s``.
+
+    Attributes:
+        force_n: The first force, N.
+        start_s: When it comes, s, 0 or later.
+        width_s: How long each half lasts, s, above 0.
+
+    Raises:
+        InputError: When built, if a number is not finite or below its bound.
+    """
+
+    force_n: float
+    start_s: float
+    width_s: float
+
+    def __post_init__(self) -> None:
+        check_number("Doublet", "force_n", self.force_n, "finite number")
+        check_number("Doublet", "start_s", self.start_s, "number of 0 or more")
+        check_number("Doublet", "width_s", self.width_s, "number above 0")
+
+    def sample(self, time_s: float, step_s: float) -> Sampled:
+        """The force over a run, N.
+
+        Raises:
+            InputError: If the run is not a whole number of steps, or a jump is within it and not between two steps.
+        """
+        times = [self.start_s + widths * self.width_s for widths in (0, 0, 1, 1, 2, 2)]
+        values = [0.0, self.force_n, self.force_n, -self.force_n, -self.force_n, 0.0]
+        return through_points("Doublet", Grid.of(time_s, step_s), times, values)
+
+
+@dataclass(frozen=True)
+class StopToStop:
+    """From stop to stop by force: at a constant rate from 0 to ``force_n``, to ``-force_n`` and back to 0.
+
+    ``F = 0, force_n, -force_n, 0`` at ``t = 0, 1/4, 3/4, 1`` of ``duration_s``, straight between.
+
+    Attributes:
+        force_n: The greatest force, N; enough to reach both stops.
+        duration_s: How long it lasts, s, above 0: a minute for a force-displacement loop, a second for a fast one.
+
+    Raises:
+        InputError: When built, if a number is not finite or ``duration_s`` is not above 0.
+    """
+
+    force_n: float
+    duration_s: float
+
+    def __post_init__(self) -> None:
+        check_number("StopToStop", "force_n", self.force_n, "finite number")
+        check_number("StopToStop", "duration_s", self.duration_s, "number above 0")
+
+    def sample(self, time_s: float, step_s: float) -> Sampled:
+        """The force over a run, N; a corner within a step is cut off, by ``2 force_n step_s / duration_s`` at most.
+
+        Raises:
+            InputError: If the run is not a whole number of steps, or ``duration_s`` less than four.
+        """
+        grid = Grid.of(time_s, step_s)
+        check_lasts("StopToStop", self.duration_s, 4, grid)
+        times = [part * self.duration_s for part in (0.0, 0.25, 0.75, 1.0)]
+        return through_points("StopToStop", grid, times, [0.0, self.force_n, -self.force_n, 0.0])
+
+
+@dataclass(frozen=True)
+class Chirp:
+    """A sine whose frequency runs from one value to another: ``F(t) = force_n sin(2 pi c(t))``.
+
+    The cycles ``c`` are the exact integral of the frequency ``f``, with ``a = from_hz``, ``b = to_hz``, ``D = duration_s``:
+
+    * linear: ``f = a + (b - a) t / D``, ``c = a t + (b - a) t^2 / (2 D)``;
+    * logarithmic: ``f = a (b / a)^(t / D)``, ``c = a D ((b / a)^(t / D) - 1) / ln(b / a)``.
+
+    Attributes:
+        force_n: Amplitude, N.
+        from_hz: First frequency, Hz; above 0 if logarithmic, 0 or more if linear.
+        to_hz: Last frequency, Hz, as ``from_hz``; may be the lower one.
+        duration_s: How long it lasts, s, above 0; then the force is zero.
+        spacing: ``"linear"`` or ``"logarithmic"``, which gives each octave the same time.
+
+    Raises:
+        InputError: When built, if a number is not finite or below its bound, or ``spacing`` is another word.
+    """
+
+    force_n: float
+    from_hz: float
+    to_hz: float
+    duration_s: float
+    spacing: Spacing = "linear"
+
+    def __post_init__(self) -> None:
+        if self.spacing not in get_args(Spacing):
+            raise InputError(f"Chirp: expected spacing to be 'linear' or 'logarithmic', got {show(self.spacing)}")
+        check_number("Chirp", "force_n", self.force_n, "finite number")
+        bound: Bound = "number of 0 or more" if self.spacing == "linear" else "number above 0"
+        for name in ("from_hz", "to_hz"):
+            check_number("Chirp", name, getattr(self, name), bound)
+        check_number("Chirp", "duration_s", self.duration_s, "number above 0")
+
+    def sample(self, time_s: float, step_s: float) -> Sampled:
+        """The force over a run, N: exact at the times of the steps, straight between.
+
+        Raises:
+            InputError: If the run is not a whole number of steps, the end of the chirp is within it and not between two
+                steps, ``duration_s`` is less than a step, or a frequency is half the sampling rate or more.
+        """
+        grid = Grid.of(time_s, step_s)
+        check_lasts("Chirp", self.duration_s, 1, grid)
+        check_frequencies("Chirp", max(self.from_hz, self.to_hz), grid)
+        force = self.force_n * np.sin(2 * np.pi * self._cycles(np.minimum(grid.times_s, self.duration_s)))
+        if self.duration_s >= grid.end_s:
+            return through_values(force)
+        k, (start, end) = grid.index("Chirp", self.duration_s), (force[:-1].copy(), force[1:].copy())
+        start[k:] = end[k:] = 0.0
+        return frozen(start, end)
+
+    def _cycles(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        if self.spacing == "linear":
+            return self.from_hz * t + (self.to_hz - self.from_hz) * t**2 / (2 * self.duration_s)
+        # exprel(x) = (e^x - 1) / x, right also where b = a.
+        return np.asarray(self.from_hz * t * exprel(math.log(self.to_hz / self.from_hz) * t / self.duration_s))
+
+
+@dataclass(frozen=True)
+class Release:
+    """The grip is held at an angle, then let go: the free response begins there, at rest. No force from then on.
+
+    Attributes:
+        angle_rad: The column's angle until ``start_s``, rad.
+        start_s: When it is let go, s, 0 or later.
+
+    Raises:
+        InputError: When built, if a number is not finite or ``start_s`` is below 0.
+    """
+
+    angle_rad: float
+    start_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_number("Release", "angle_rad", self.angle_rad, "finite number")
+        check_number("Release", "start_s", self.start_s, "number of 0 or more")
+
+    def sample(self, time_s: float, step_s: float) -> Sampled:
+        """Zeros, N: what holds the grip until ``start_s`` is a constraint, which whoever simulates must impose.
+
+        Raises:
+            InputError: If the run is not a whole number of steps, or ``start_s`` is within it and not between two steps.
+        """
+        return through_points("Release", Grid.of(time_s, step_s), [self.start_s] * 2, [0.0, 0.0])

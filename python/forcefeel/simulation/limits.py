@@ -1,0 +1,136 @@
+"""What of a run means something, and what held the machine back, in numbers."""
+
+from dataclasses import dataclass, fields
+from math import inf, isnan, nan
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.simulation import Measures, Run, RunStatus
+from forcefeel.simulation.inputs import Chirp, Force, Multisine, Release, Step, StopToStop
+from forcefeel.units import PERCENT, SECONDS
+
+_AT = 1e-6
+"""Share of a limit that is the limit but for rounding."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What held the machine back during a run; zero where the loader has no such limit.
+
+    Attributes:
+        current: Share of the time that the current was at the amplifier's limit.
+        over_current: Share of the time that the current was above the valve's rating.
+        over_flow: Share of the time that the flow was above the valve's rating.
+        over_pressure: Share of the time that the load pressure was above the supply's.
+        stop_low_s: How long the column was at its lower stop.
+        stop_high_s: How long at its upper stop.
+        feel_low_s: How long the programmed control was at its lower hard stop.
+        feel_high_s: How long at its upper one.
+        stuck_s: How long dry friction held the column that had moved before.
+        stuck_at_end: Whether it did so at the end.
+    """
+
+    current: Annotated[float, PERCENT]
+    over_current: Annotated[float, PERCENT]
+    over_flow: Annotated[float, PERCENT]
+    over_pressure: Annotated[float, PERCENT]
+    stop_low_s: Annotated[float, SECONDS]
+    stop_high_s: Annotated[float, SECONDS]
+    feel_low_s: Annotated[float, SECONDS]
+    feel_high_s: Annotated[float, SECONDS]
+    stuck_s: Annotated[float, SECONDS]
+    stuck_at_end: bool
+
+
+def limits(run: Run) -> Limits:
+    """What held the machine back, from the samples of the run; up to where it diverged."""
+    loader, history, sample_s = run.loader, run.history, run.scenario.sample_s
+    known = np.isfinite(history["column_angle_rad"].values)
+    angle, velocity, current, flow, pressure, feel = (
+        history[name].values[known]
+        for name in (
+            "column_angle_rad",
+            "column_velocity_rad_per_s",
+            "valve_current_a",
+            "actuator_flow_m3_per_s",
+            "load_pressure_pa",
+            feel_position(run),
+        )
+    )
+    feel_angle = feel / per_feel_angle(run)
+    moved = np.maximum.accumulate(velocity != 0) if len(velocity) else np.zeros(0, bool)
+    dry = loader["column.coulomb_friction"] > 0 or loader["column.static_friction"] > 0
+    stuck = moved & (velocity == 0) & dry
+
+    def share(beyond: NDArray[np.bool_]) -> float:
+        return float(np.mean(beyond)) if len(beyond) else 0.0
+
+    def seconds(beyond: NDArray[np.bool_]) -> float:
+        return float(np.count_nonzero(beyond)) * sample_s
+
+    return Limits(
+        current=share(np.abs(current) >= loader["amplifier.current_limit"] * (1 - _AT)),
+        over_current=share(np.abs(current) > loader["valve.rated_current"] * (1 + _AT)),
+        over_flow=share(np.abs(flow) > loader["valve.rated_flow"] * (1 + _AT)),
+        over_pressure=share(np.abs(pressure) > loader["valve.supply_pressure"] * (1 + _AT)),
+        stop_low_s=seconds(angle < loader["column.stop_low"]),
+        stop_high_s=seconds(angle > loader["column.stop_high"]),
+        feel_low_s=seconds(_reached(-feel_angle, -loader["feel.hard_stop_low"])),
+        feel_high_s=seconds(_reached(feel_angle, loader["feel.hard_stop_high"])),
+        stuck_s=seconds(stuck),
+        stuck_at_end=bool(len(stuck) and stuck[-1]),
+    )
+
+
+def known_measures(run: Run) -> Measures:
+    """The measures that mean something: of a run that diverged only when it did.
+
+    Overshoot and period are those of a column that goes to a place and stays there; final angle and settling time are those
+    of a column that is left alone in the end.
+    """
+    values = {field.name: getattr(run.measures, field.name) for field in fields(Measures)}
+    if run.status is RunStatus.DIVERGED:
+        return Measures(**dict.fromkeys(values, nan) | {"diverged_at_s": run.measures.diverged_at_s})
+    if not goes_to_a_place(run.scenario.force):
+        values |= dict.fromkeys(("overshoot", "period_s", "passes"), nan)
+    if keeps_moving(run.scenario.force):
+        values |= dict.fromkeys(("final_angle_rad", "settling_time_s", "last_swing_rad"), nan)
+    return Measures(**values)
+
+
+def why_no_overshoot(run: Run) -> str:
+    """Why a column that is left alone in the end has no overshoot; empty where it has one, or is not left alone."""
+    if run.status is RunStatus.DIVERGED or keeps_moving(run.scenario.force):
+        return ""
+    if not goes_to_a_place(run.scenario.force):
+        return "the input leads to no new place"
+    return "the column ended where it began" if isnan(run.measures.overshoot) else ""
+
+
+def goes_to_a_place(force: Force) -> bool:
+    """Whether the input takes the column from one rest to another: a step or a release."""
+    return isinstance(force, Step | Release)
+
+
+def keeps_moving(force: Force) -> bool:
+    """Whether the input goes on to the end of the run."""
+    return isinstance(force, StopToStop | Chirp | Multisine)
+
+
+def feel_position(run: Run) -> str:
+    """Name of the programmed displacement in the history; its unit is that of the law."""
+    return next(str(name) for name in run.history.data_vars if str(name).startswith("feel_position"))
+
+
+def per_feel_angle(run: Run) -> float:
+    """Programmed displacement, in its unit, per column angle: 1, or K_3 alpha R_b where it is a voltage."""
+    if feel_position(run).endswith("_rad"):
+        return 1.0
+    loader = run.loader
+    return loader["potentiometer.gain"] * loader["linkage.ratio"] * loader["column.base_arm"]
+
+
+def _reached(angle: NDArray[np.float64], bound: float) -> NDArray[np.bool_]:
+    return angle >= bound - _AT * abs(bound) if bound < inf else np.zeros(len(angle), bool)

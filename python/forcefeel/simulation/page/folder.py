@@ -1,0 +1,58 @@
+"""The folder of a simulation: its page, its history and its numbers, whole or not at all."""
+
+import csv
+import io
+import json
+from pathlib import Path
+
+from forcefeel.page.staging import OutputFolder
+from forcefeel.simulation import Run
+from forcefeel.simulation.page.page import simulation_page
+from forcefeel.simulation.tables import Column, columns, plain_run
+from forcefeel.units import UnitSystem
+
+SIMULATION, HISTORY, NUMBERS = "simulation.html", "history.csv", "results.json"
+"""Names in the folder."""
+
+FOLDER = OutputFolder("the simulation", (SIMULATION, HISTORY, NUMBERS))
+"""Checked before the work, written after it."""
+
+
+def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "original") -> Path:
+    """Writes ``simulation.html``, ``history.csv`` and ``results.json``.
+
+    What is there stays until the new files are complete; other files in the folder are left alone.
+
+    Args:
+        run: What to report.
+        out: The folder; made if it is not there.
+        units: The units of every number.
+        law: What the law that drove the servo is called.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, or cannot be made or written.
+    """
+    FOLDER.check(out)
+    found = columns(run, units)
+    heads = [f"{column.name} ({column.unit})" for column in found]
+    document = plain_run(run, units, law) | {"history": {"file": HISTORY, "columns": heads}}
+    contents = {
+        HISTORY: _csv(heads, found),
+        NUMBERS: json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        SIMULATION: simulation_page(run, units, law),
+    }
+    FOLDER.write(out, contents)
+    return out / SIMULATION
+
+
+def _csv(heads: list[str], found: tuple[Column, ...]) -> str:
+    """The history with nine significant digits; its header as ``read_recorded`` asks for."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(heads)
+    rows = zip(*(column.values.tolist() for column in found), strict=True)
+    writer.writerows([f"{value:.9g}" for value in row] for row in rows)
+    return text.getvalue()

@@ -1,0 +1,112 @@
+"""The tables of a run: its measures, the effects in play, the scenario."""
+
+from math import isfinite
+
+from markupsafe import Markup
+
+from forcefeel.loader.curves import CURVES
+from forcefeel.loader.parameters import TABLE, is_switch
+from forcefeel.page.table import Cell, Table, number, words
+from forcefeel.page.typography import NONE, parameter_text, prose_html, unit_text
+from forcefeel.simulation import Run
+from forcefeel.simulation.findings import input_in_words
+from forcefeel.simulation.inputs import Schedule
+from forcefeel.simulation.tables import measure_rows
+from forcefeel.units import ANGLE, PERCENT, PRESSURE, Unit, UnitSystem, to_text
+
+_LAWS = {
+    "original": "the original position loop, eq. (13)",
+    "published": "state feedback, eq. (20), with gains over the published horizon",
+    "converged": "state feedback, eq. (20), with gains over an endless horizon",
+}
+_METHODS = {
+    "exact": "exact at the samples: the loader has no optional effect, so it is linear",
+    "stepped": "Runge-Kutta steps of fixed length",
+}
+
+
+def measured(run: Run, system: UnitSystem) -> Table:
+    """The measures."""
+    rows = [
+        (words(_sentence(name)), number(value.replace("-", "\N{MINUS SIGN}")), Cell(unit_text(unit)))
+        for name, value, unit in measure_rows(run, system)
+    ]
+    return Table((Cell("Measure"), Cell("Value", "number"), Cell("Unit")), tuple(rows))
+
+
+def effects(run: Run, system: UnitSystem) -> Table | None:
+    """The optional rows and curves that the loader gives; ``None`` if there are none."""
+    loader = run.loader
+    rows = [
+        (
+            words(_effect(f"{TABLE[key].part.replace('_', ' ')}: {TABLE[key].meaning}", key)),
+            number(_value(run, key, system)),
+        )
+        for key in loader.given
+    ]
+    for name, curve in loader.curves.items():
+        x, y = (unit_text(shown) or "1" for shown in CURVES[name].units(system))
+        meaning = words(_effect(f"feel: {CURVES[name].meaning}", CURVES[name].key))
+        rows.append((meaning, number(f"{len(curve.x)} points, {y} over {x}")))
+    return Table((Cell("Effect"), Cell("Value", "number")), tuple(rows)) if rows else None
+
+
+def scenario(run: Run, system: UnitSystem, law: str, whose: str = "") -> Table:
+    """What was done to the loader, and by which law it was driven; ``whose`` says which of several loaders have the same."""
+    found, loader = run.scenario, run.loader
+    rows = [
+        ("Pilot", input_in_words(found.force, system)),
+        ("Length of the run", f"{found.duration_s:.6g} s"),
+        ("Law", ", ".join(filter(None, (_LAWS.get(law, law), whose)))),
+        ("Controller", _controller(run)),
+        ("Solution", _METHODS[run.method]),
+        ("Samples", f"every {1000 * found.sample_s:.6g} ms"),
+    ]
+    if run.method == "stepped":
+        rows.insert(5, ("Longest step", f"{1000 * found.step_s:.6g} ms"))
+    schedules = (
+        ("Trim", found.trim_rad, ANGLE),
+        ("Dynamic pressure", found.dynamic_pressure_pa, PRESSURE),
+        ("Stick shaker on", found.shaker, PERCENT),
+    )
+    rows += [(name, _over_time(given, unit, system)) for name, given, unit in schedules if given is not None]
+    for change in found.feel_changes:
+        values = ", ".join(f"{key} = {_changed(value)}" for key, value in change.changes.items())
+        rows.append(("Feel changed", f"from {change.at_s:g} s on, over {change.over_s:g} s: {values}"))
+    if any(loader[f"{sensor}.noise"] for sensor in ("load_cell", "potentiometer", "column_sensor")):
+        rows.append(("Seed of the noise", str(found.seed)))
+    return Table((Cell("What"), Cell("How")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
+
+
+def _controller(run: Run) -> str:
+    period, delay = run.loader["controller.period"], run.loader["controller.delay"]
+    if not period:
+        return "analog"
+    return f"digital, period {1000 * period:.6g} ms, delay {1000 * delay:.6g} ms"
+
+
+def _over_time(given: Schedule, unit: Unit, system: UnitSystem) -> str:
+    shown = unit.shown(system)
+    values = [f"{to_text(unit.from_si(value, system))} {shown}" for value in given.values]
+    if len(values) == 1:
+        return values[0]
+    return ", ".join(f"{value} at {time:g} s" for time, value in zip(given.times_s, values, strict=True))
+
+
+def _changed(value: object) -> str:
+    return "off" if value is None else str(value)
+
+
+def _value(run: Run, key: str, system: UnitSystem) -> str:
+    if is_switch(TABLE[key]):
+        return "yes" if run.loader[key] else "no"
+    return parameter_text(run.loader, key, system) if isfinite(run.loader[key]) else NONE
+
+
+def _effect(meaning: str, key: str) -> Markup:
+    """An effect and its row in the loader file."""
+    return prose_html(meaning) + Markup(" <small>{}</small>").format(key)
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,121 @@
+"""A run for machines and tables: its measures with names people read, its history in units, all of it as plain data."""
+
+import re
+from dataclasses import dataclass
+from importlib.metadata import version
+from math import isfinite
+from typing import Any, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.json_values import Plain, plain
+from forcefeel.simulation import Measures, Run
+from forcefeel.simulation.findings import FORCE, input_in_words, run_conclusions
+from forcefeel.simulation.limits import known_measures, limits, why_no_overshoot
+from forcefeel.units import ANGLE, CURRENT, FLOW, LENGTH, PERCENT, PRESSURE, SECONDS, Unit, UnitSystem, factor, to_text
+
+NAMES = {
+    "maximum_angle_rad": "largest column angle",
+    "time_of_maximum_s": "time of the largest",
+    "minimum_angle_rad": "smallest column angle",
+    "time_of_minimum_s": "time of the smallest",
+    "final_angle_rad": "final angle (mean over the last tenth)",
+    "overshoot": "overshoot",
+    "settling_time_s": "within 5 % from",
+    "period_s": "period",
+    "passes": "upward passes of the final angle",
+    "last_swing_rad": "swing over the last tenth",
+    "peak_current_a": "largest current",
+    "peak_pressure_pa": "largest load pressure",
+    "peak_flow_m3_per_s": "largest flow",
+    "diverged_at_s": "diverged at",
+}
+"""Each measure in words."""
+
+_HISTORY_UNITS = {
+    "s": SECONDS,
+    "rad": ANGLE,
+    "rad/s": Unit("rad/s", "deg/s", "deg/s"),
+    "V": Unit("V", "V", "V"),
+    "V/s": Unit("V/s", "V/s", "V/s"),
+    "m": LENGTH,
+    "N": FORCE,
+    "Pa": PRESSURE,
+    "m^3/s": FLOW,
+    "A": CURRENT,
+}
+_SUFFIXES = ("_m3_per_s", "_rad_per_s", "_v_per_s", "_rad", "_pa", "_m", "_n", "_v", "_a", "_s")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One quantity of a history.
+
+    Attributes:
+        name: In words, ``column angle``.
+        unit: Of the values.
+        values: One per sample.
+    """
+
+    name: str
+    unit: str
+    values: NDArray[np.float64]
+
+
+def measure_rows(run: Run, units: UnitSystem) -> list[tuple[str, str, str]]:
+    """Name, value and unit of each measure that there is; a dash for an overshoot that there cannot be, and why."""
+    found, hints = known_measures(run), get_type_hints(Measures, include_extras=True)
+    rows = []
+    for key, name in NAMES.items():
+        value, measured_in = getattr(found, key), hints[key].__metadata__[0]
+        if key == "overshoot" and (why := why_no_overshoot(run)):
+            rows.append((f"{name} ({why})", "–", ""))
+        if not isfinite(value):
+            continue
+        if key == "overshoot":
+            measured_in = PERCENT
+        rows.append((name, to_text(measured_in.from_si(value, units)), measured_in.shown(units)))
+    return rows
+
+
+def columns(run: Run, units: UnitSystem) -> tuple[Column, ...]:
+    """Time and every output, up to where the run diverged, by the names that readers of records know."""
+    known = np.isfinite(run.history["column_angle_rad"].values)
+    found = []
+    for name in ("time_s", *map(str, run.history.data_vars)):
+        data = run.history[name]
+        bare = next(name.removesuffix(end) for end in _SUFFIXES if name.endswith(end))
+        unit = _HISTORY_UNITS[data.attrs["units"]]
+        found.append(
+            Column(bare.replace("_", " "), unit.shown(units), data.values[known] * factor(unit.si, unit.shown(units)))
+        )
+    return tuple(found)
+
+
+def plain_run(run: Run, units: UnitSystem, law: str) -> dict[str, Plain]:
+    """Everything about a run but its history, every number with its unit."""
+    force = run.scenario.force
+    scenario = dict(_plain_dict(run.scenario, units))
+    scenario["force"] = {
+        "kind": re.sub("(?<!^)(?=[A-Z])", "-", type(force).__name__).lower(),  # as --input has it: stop-to-stop
+        "words": input_in_words(force, units),
+        **_plain_dict(force, units),
+    }
+    return {
+        "forcefeel": version("forcefeel"),
+        "units": str(units),
+        "status": str(run.status),
+        "conclusions": plain(run_conclusions(run, units), units),
+        "measures": plain(known_measures(run), units),
+        "limits": plain(limits(run), units),
+        "method": run.method,
+        "compensator": law,
+        "scenario": scenario,
+        "loader": plain(run.loader, units),
+    }
+
+
+def _plain_dict(result: Any, units: UnitSystem) -> dict[str, Plain]:
+    found = plain(result, units)
+    return found if isinstance(found, dict) else {}

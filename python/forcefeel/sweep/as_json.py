@@ -1,0 +1,96 @@
+"""A sweep for machines: its summary as plain data, every number with its unit."""
+
+from importlib.metadata import version
+from math import isfinite
+
+import numpy as np
+
+from forcefeel.json_values import Plain, plain, quantity
+from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.simulation.findings import input_in_words
+from forcefeel.sweep.findings import sweep_conclusions
+from forcefeel.sweep.plan import Sweep
+from forcefeel.sweep.result import SweepResult
+from forcefeel.sweep.summary import QUANTILES, Spread, Summary, measure_unit
+from forcefeel.units import UnitSystem
+
+
+def plain_sweep(result: SweepResult, summary: Summary, units: UnitSystem) -> dict[str, Plain]:
+    """What the runs say together, and of which sweep."""
+    sweep = result.sweep
+    return {
+        "forcefeel": version("forcefeel"),
+        "units": str(units),
+        "loader": sweep.loader.name,
+        "input": input_in_words(sweep.scenario.force, units),
+        "runs": sweep.total,
+        "machines_at_each_point": sweep.machines,
+        "seed": sweep.seed,
+        "law": whose_law(sweep),
+        "conclusions": plain(sweep_conclusions(result, summary, units), units),
+        "statuses": [_without_unknown(plain(share, units)) for share in summary.shares],
+        "measures": {name: _spread(spread, units) for name, spread in summary.spreads.items() if spread.runs},
+        "rank_correlations": _correlations(summary),
+        "chance_of_a_correlation": summary.chance,
+        "varied": {
+            key: {
+                "distribution": str(it.distribution),
+                "low": quantity(it.low, unit(TABLE[key]), units),
+                "high": quantity(it.high, unit(TABLE[key]), units),
+            }
+            for key, it in sweep.varied.items()
+        },
+        "grid": {
+            key: {
+                "unit": unit(TABLE[key]).shown(units),
+                "values": [unit(TABLE[key]).from_si(one, units) for one in values],
+            }
+            for key, values in sweep.axes.items()
+        },
+    }
+
+
+def whose_law(sweep: Sweep) -> str:
+    """Which machines have the same law."""
+    if sweep.compensator is None:
+        return "by each machine's own parameters"
+    return "designed anew for each setting of the feel" if sweep.redesigned else "one for all machines"
+
+
+def _without_unknown(share: Plain) -> Plain:
+    """Without the interval where the runs are no random sample."""
+    if not isinstance(share, dict):
+        return share
+    return {
+        key: value
+        for key, value in share.items()
+        if not isinstance(value, dict) or isinstance(value["value"], int | float)
+    }
+
+
+def _spread(spread: Spread, units: UnitSystem) -> dict[str, Plain]:
+    measured_in = measure_unit(spread.measure)
+
+    def shown(value: float) -> float | None:
+        return measured_in.from_si(value, units) if isfinite(value) else None
+
+    return {
+        "unit": measured_in.shown(units),
+        "runs": spread.runs,
+        "nominal": shown(spread.nominal),
+        "lowest": shown(spread.lowest),
+        "highest": shown(spread.highest),
+        "quantiles": {f"{share:g}": shown(value) for share, value in zip(QUANTILES, spread.quantiles, strict=True)},
+    }
+
+
+def _correlations(summary: Summary) -> dict[str, Plain]:
+    """Each measure's, where it has any."""
+    table = summary.correlations
+    return {
+        str(name): {
+            str(key): float(rho) for key, rho in zip(table["parameter"].values, row, strict=True) if np.isfinite(rho)
+        }
+        for name, row in zip(table["measure"].values, table.values, strict=True)
+        if np.isfinite(row).any()
+    }

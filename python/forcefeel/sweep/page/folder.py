@@ -1,0 +1,74 @@
+"""What the report adds to a sweep's folder: its page, its summary and the band of responses, whole or not at all."""
+
+import csv
+import io
+import json
+from pathlib import Path
+
+from forcefeel.page.staging import OutputFolder
+from forcefeel.sweep import SweepResult
+from forcefeel.sweep.as_json import plain_sweep
+from forcefeel.sweep.folder import CHUNKS, PLAN, RUNS
+from forcefeel.sweep.page.page import sweep_page
+from forcefeel.sweep.summary import Summary
+from forcefeel.units import ANGLE, UnitSystem
+
+PAGE, SUMMARY, ENVELOPE = "sweep.html", "summary.json", "envelope.csv"
+"""Names in the folder."""
+
+FOLDER = OutputFolder("the sweep", (PAGE, SUMMARY, ENVELOPE))
+"""What the report writes."""
+
+_RUNS = OutputFolder("the sweep", (PLAN, RUNS), (CHUNKS,))
+"""What the runs leave."""
+
+
+def write_sweep(result: SweepResult, summary: Summary, out: Path, units: UnitSystem, law: str = "original") -> Path:
+    """Writes ``sweep.html``, ``summary.json`` and, of a sweep without grid, ``envelope.csv``.
+
+    What is there stays until the new files are complete; other files in the folder are left alone.
+
+    Args:
+        result: The sweep.
+        summary: What its runs say together.
+        out: The folder; made if it is not there.
+        units: The units of every number.
+        law: What the law that drove the servos is called.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, or cannot be made or written.
+    """
+    check_sweep_folder(out)
+    contents = {
+        SUMMARY: json.dumps(plain_sweep(result, summary, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        PAGE: sweep_page(result, summary, units, law),
+    }
+    if not result.sweep.axes:
+        contents = {ENVELOPE: _envelope(result, units), **contents}
+    FOLDER.write(out, contents)
+    return out / PAGE
+
+
+def check_sweep_folder(out: Path) -> None:
+    """Refuses what would fail halfway: a file where a folder is wanted, or a folder where a file is.
+
+    Raises:
+        InputError: If so.
+    """
+    for part in (FOLDER, _RUNS):
+        part.check(out)
+
+
+def _envelope(result: SweepResult, units: UnitSystem) -> str:
+    """The edges of the band over time."""
+    band = result.envelope
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["time (s)", *(f"{edge} ({ANGLE.shown(units)})" for edge in band["edge"].values)])
+    columns = band["column_angle_rad"].values * ANGLE.from_si(1.0, units)
+    for time, *angles in zip(band["time_s"].values.tolist(), *columns.tolist(), strict=True):
+        writer.writerow([f"{time:.9g}", *(f"{angle:.9g}" for angle in angles)])
+    return text.getvalue()

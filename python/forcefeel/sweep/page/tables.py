@@ -1,0 +1,136 @@
+"""The tables of a sweep: how runs ended, how measures are spread, what they go with, what was varied."""
+
+from math import isfinite
+
+import numpy as np
+
+from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.loader.tolerances import Distribution, Tolerance
+from forcefeel.page.table import Cell, Table, heads, number, words
+from forcefeel.page.typography import NONE, change_text, number_text, parameter_name, quantity_text, unit_text
+from forcefeel.simulation import RunStatus
+from forcefeel.sweep import SweepResult
+from forcefeel.sweep.findings import correlation_text, interval_text, number_of, share_text
+from forcefeel.sweep.page.plots import axis_title
+from forcefeel.sweep.result import IMPOSSIBLE
+from forcefeel.sweep.summary import QUANTILES, Summary
+from forcefeel.units import UnitSystem
+
+_WARM, _COLD = (240, 140, 60), (70, 140, 200)
+_MEANINGS = {
+    "settled": "the last swing is within 5 % of the whole",
+    "moving": "still swings, or drifts, at the end of the run",
+    "diverged": "left every bound: unstable",
+    "impossible": "values that do not go together; not run",
+}
+
+
+def statuses(summary: Summary) -> Table:
+    """How the runs ended; of a random sample with how sure that is."""
+    shown = [one for one in summary.shares if one.runs or one.status != IMPOSSIBLE]
+    sure = any(isfinite(one.low) for one in shown)
+    rows = []
+    for one in shown:
+        interval = number(interval_text(one.low, one.high))
+        count = number(f"{one.runs:,}", bad=one.status == RunStatus.DIVERGED and one.runs > 0)
+        cells = (words(one.status.capitalize()), count, number(share_text(one.share)), *([interval] if sure else []))
+        rows.append((*cells, words(_MEANINGS[one.status])))
+    heading = ["Of all such loaders, 95 % sure"] if sure else []
+    return Table((*heads("Status", "Runs", "Share", *heading), Cell("Meaning")), tuple(rows))
+
+
+def spreads(summary: Summary, measures: tuple[str, ...], system: UnitSystem) -> Table:
+    """Quantiles of each measure."""
+    rows = []
+    for name in measures:
+        spread = summary.spreads[name]
+        values = (spread.nominal, spread.lowest, *spread.quantiles, spread.highest)
+        rows.append((words(axis_title(name, system)), *(number(number_of(name, value, system)) for value in values)))
+    marks = (f"{100 * share:g} %" for share in QUANTILES)
+    return Table(heads("Measure", "Nominal", "Lowest", *marks, "Highest"), tuple(rows))
+
+
+def correlations(summary: Summary, measures: tuple[str, ...], system: UnitSystem) -> Table:
+    """Rank correlations: the stronger, the darker the cell; what is chance is pale."""
+    table = summary.correlations.sel(measure=list(measures))
+    strength = np.nan_to_num(np.abs(table.values)).max(axis=0)
+    order = np.argsort(-strength, kind="stable")
+    rows = []
+    for k in order:
+        key = str(table["parameter"].values[k])
+        rows.append(
+            (words(parameter_name(key)), *(_correlation(float(rho), summary.chance) for rho in table.values[:, k]))
+        )
+    titles = (axis_title(name, system).partition(",")[0] for name in measures)
+    return Table(heads("", *titles), tuple(rows), "heat")
+
+
+def _correlation(rho: float, chance: float) -> Cell:
+    if not isfinite(rho):
+        return number(NONE)
+    text = correlation_text(rho)
+    if abs(rho) <= chance:
+        return Cell(text, "number faint")
+    toward = _WARM if rho > 0 else _COLD
+    mixed = (round(255 + min(abs(rho), 1.0) * (channel - 255)) for channel in toward)
+    return Cell(text, "number", "#" + "".join(f"{channel:02X}" for channel in mixed))
+
+
+def tolerances(result: SweepResult, system: UnitSystem) -> Table:
+    """What was drawn, from which distribution between which bounds, and who said so."""
+    rows = []
+    for key, tolerance in result.sweep.varied.items():
+        rows.append(
+            (
+                *_span(result, key, (tolerance.low, tolerance.high), system),
+                words(_distribution(tolerance, key, system)),
+                words("this sweep" if key in result.sweep.vary else "loader file"),
+            )
+        )
+    kinds = {"Nominal": "number", "From": "number", "To": "number"}
+    names = ("Parameter", "Nominal", "From", "To", "Unit", "Distribution", "Source")
+    return Table(tuple(Cell(name, kinds.get(name, "")) for name in names), tuple(rows))
+
+
+def grid(result: SweepResult, system: UnitSystem) -> Table:
+    """The settings of the grid."""
+    rows = [
+        (*_span(result, key, (values[0], values[-1]), system), number(str(len(values))))
+        for key, values in result.sweep.axes.items()
+    ]
+    return Table(
+        (
+            Cell("Setting"),
+            Cell("The loader's", "number"),
+            Cell("From", "number"),
+            Cell("To", "number"),
+            Cell("Unit"),
+            Cell("Values", "number"),
+        ),
+        tuple(rows),
+    )
+
+
+def _span(result: SweepResult, key: str, ends: tuple[float, float], system: UnitSystem) -> tuple[Cell, ...]:
+    """A parameter, the loader's value, from where to where it is varied, the unit."""
+    measured_in = unit(TABLE[key])
+    values = (
+        number_text(measured_in.from_si(value, system)) if isfinite(value) else "none"
+        for value in (result.sweep.loader[key], *ends)
+    )
+    return words(parameter_name(key)), *map(number, values), Cell(unit_text(measured_in.shown(system)))
+
+
+def _distribution(tolerance: Tolerance, key: str, system: UnitSystem) -> str:
+    """The distribution with its peak and standard deviation, and the bounds as shares where they are such."""
+    text = str(tolerance.distribution)
+    measured_in = unit(TABLE[key])
+    if tolerance.nominal is not None:
+        low, high = ((bound - tolerance.nominal) / abs(tolerance.nominal) for bound in (tolerance.low, tolerance.high))
+        same = abs(low + high) < 1e-9
+        text += f", ±{change_text(high).removeprefix('+')}" if same else f", {change_text(low)} to {change_text(high)}"
+    if tolerance.distribution is Distribution.NORMAL and tolerance.deviation is not None:
+        text += f", σ = {quantity_text(tolerance.deviation, measured_in, system, 3)}"
+    if tolerance.peak is not None and tolerance.peak != tolerance.nominal:
+        text += f", most at {quantity_text(tolerance.peak, measured_in, system, 3)}"
+    return text
