@@ -22,7 +22,8 @@ from forcefeel.envelope.run import compute
 from forcefeel.laws.recursion import NAMED_DESIGNS
 from forcefeel.laws.sampled.setting_laws import SettingLaws
 from forcefeel.linear.models import compliant_model
-from forcefeel.loader.loader import FEEL_SETTING, elevator
+from forcefeel.loader.built_in import elevator
+from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import INDEX
 from forcefeel.qualification import judge_releases, measure_releases
 

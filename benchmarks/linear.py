@@ -29,7 +29,8 @@ from peers import case, linear_kernel
 from peers.kernel import aligned
 
 from forcefeel.linear.models import compliant_model
-from forcefeel.loader.loader import Loader, elevator
+from forcefeel.loader.built_in import elevator
+from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.inputs import Step

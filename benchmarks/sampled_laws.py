@@ -29,7 +29,8 @@ from forcefeel.laws.sampled.regulator import regulate
 from forcefeel.laws.sampled.setting_laws import SettingLaws
 from forcefeel.laws.sampled.tuning import ROBUST
 from forcefeel.linear.models import DESIGN_STATES
-from forcefeel.loader.loader import FEEL_SETTING, digital_elevator
+from forcefeel.loader.built_in import digital_elevator
+from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation import Scenario, simulate_batch
 from forcefeel.simulation.inputs import Release
 

@@ -24,7 +24,7 @@ from core_peak import peak_flops
 from forcefeel.laws.gain_schedule import schedule_gains
 from forcefeel.laws.recursion import DesignSettings, SampledProblem
 from forcefeel.linear.models import design_plant
-from forcefeel.loader.loader import elevator
+from forcefeel.loader.built_in import elevator
 
 SETTINGS = 200_000
 PEER_SETTINGS = 200

@@ -31,7 +31,7 @@ from core_peak import peak_flops
 from peers import case, jax_diffrax, kernel, numba_rk4, numbalsoda_lsoda, scipy_lsoda
 
 import nonlinear_witness as witness
-from forcefeel.loader.loader import elevator
+from forcefeel.loader.built_in import elevator
 from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import Scenario, simulate, simulate_batch
 from forcefeel.simulation.inputs import Step

@@ -20,11 +20,10 @@ import numpy as np
 from core_peak import cpu_seconds, peak_flops
 
 from forcefeel import _core
-from forcefeel.design.studies import PLANT_PARAMETERS
 from forcefeel.laws.recursion import compensate
 from forcefeel.linear.models import state_feedback
-from forcefeel.loader.loader import elevator
-from forcefeel.loader.parameters import INDEX
+from forcefeel.loader.built_in import elevator
+from forcefeel.loader.parameters import INDEX, PLANT_PARAMETERS
 from forcefeel.sweep.stability import stability_batch
 
 LOOPS, CHECKED, REPEATS = 1_000_000, 20_000, 5

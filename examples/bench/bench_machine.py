@@ -15,7 +15,7 @@ there. Load pressure is a state, with the oil's own pole near -3e4 1/s.
 At rest the column sticks while |M| <= F_s R_p. Servo alone: delta = 0; open: e = e_T.
 
 Apart from switches all of this is linear, and `exact_steps` makes exact steps of it, with inputs that run straight through each.
-Every channel is right to 1e-7 of its largest value (``tests/test_bench_machine.py``).
+Every channel is right to 1e-7 of its largest value (``tests/bench/test_bench_machine.py``).
 """
 
 from collections.abc import Mapping

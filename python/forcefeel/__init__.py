@@ -20,7 +20,8 @@ _PUBLIC = {
     "choice.page.folder": ("write_choice",),
     "loader.curves": ("Curve",),
     "laws.recursion": ("Compensation", "DesignSettings", "compensate", "published_settings"),
-    "design.findings": ("Conclusions", "conclusions"),
+    "conclusions": ("Conclusions",),
+    "design.findings": ("conclusions",),
     "flight_schedule": (
         "FlightSchedule",
         "ScheduleAxis",
@@ -76,7 +77,8 @@ _PUBLIC = {
     "loops.margins": ("LoopMargins", "loop_margins"),
     "laws.sampled_compensator": ("SampledCompensator",),
     "loops.sampled_loop": ("SampledLoops", "sampled_loops"),
-    "loader.loader": ("Loader", "digital_elevator", "elevator", "load"),
+    "loader.built_in": ("digital_elevator", "elevator"),
+    "loader.loader": ("Loader", "load"),
     "linear.models": (
         "Linkage",
         "compliant_model",

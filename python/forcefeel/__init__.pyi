@@ -28,13 +28,13 @@ from forcefeel.choice import Scored as Scored
 from forcefeel.choice import choose as choose
 from forcefeel.choice import score_methods as score_methods
 from forcefeel.choice.page.folder import write_choice as write_choice
+from forcefeel.conclusions import Conclusions as Conclusions
 from forcefeel.design.assessment import Assessment as Assessment
 from forcefeel.design.assessment import Peaks as Peaks
 from forcefeel.design.assessment import assess as assess
 from forcefeel.design.assessment import peaks as peaks
 from forcefeel.design.figure_data import Figure as Figure
 from forcefeel.design.figure_data import figures as figures
-from forcefeel.design.findings import Conclusions as Conclusions
 from forcefeel.design.findings import conclusions as conclusions
 from forcefeel.design.page import write_report as write_report
 from forcefeel.design.studies import Deviation as Deviation
@@ -94,10 +94,10 @@ from forcefeel.linear.models import state_feedback as state_feedback
 from forcefeel.linear.modes import Mode as Mode
 from forcefeel.linear.modes import modes as modes
 from forcefeel.linear.step import step_response as step_response
+from forcefeel.loader.built_in import digital_elevator as digital_elevator
+from forcefeel.loader.built_in import elevator as elevator
 from forcefeel.loader.curves import Curve as Curve
 from forcefeel.loader.loader import Loader as Loader
-from forcefeel.loader.loader import digital_elevator as digital_elevator
-from forcefeel.loader.loader import elevator as elevator
 from forcefeel.loader.loader import load as load
 from forcefeel.loader.tolerances import Distribution as Distribution
 from forcefeel.loader.tolerances import Tolerance as Tolerance

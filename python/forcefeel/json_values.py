@@ -1,4 +1,4 @@
-"""Results for machines: every number with its unit, as plain dictionaries that JSON can hold."""
+"""Results for machines: every number with its unit, as values that JSON can hold."""
 
 import math
 from dataclasses import fields, is_dataclass
@@ -6,18 +6,12 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from forcefeel.laws.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation
-from forcefeel.linear.models import DESIGN_STATES
-from forcefeel.loader.curves import CURVES, Curve, CurveRow
-from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import REQUIRED, TABLE, unit
-from forcefeel.loader.tolerances import Tolerance
 from forcefeel.units import Unit, UnitSystem, to_text
 
-Plain = dict[str, Any] | list[Any] | str | float | int | bool | None
+Json = dict[str, Any] | list[Any] | str | float | int | bool | None
 
 
-def quantity(value: float, measured_in: Unit, system: UnitSystem) -> dict[str, Plain]:
+def quantity(value: float, measured_in: Unit, system: UnitSystem) -> dict[str, Json]:
     """``{"value": ..., "unit": ...}``; an infinite or undefined value is text, because JSON has no number for it."""
     return {"value": _number(measured_in.from_si(value, system)), "unit": measured_in.shown(system)}
 
@@ -26,66 +20,36 @@ def _number(value: float) -> float | str:
     return value if math.isfinite(value) else to_text(value)
 
 
-def plain(result: object, system: UnitSystem) -> Plain:
-    """A result as plain data.
+def json_value(result: object, system: UnitSystem) -> Json:
+    """A result as JSON has it.
 
     Args:
         result: A result of this package: a frozen data class whose numbers are annotated with their ``Unit``, or
-            tuples, dictionaries and plain values of such.
+            tuples, dictionaries and values of such. One that knows better has a method ``as_json(system)``.
         system: The units of the numbers.
 
     Returns:
-        Dictionaries, lists and plain values. A name loses the unit at its end, because the unit stands beside the value.
+        Dictionaries, lists and values. A name loses the unit at its end, because the unit stands beside the value.
     """
-    if isinstance(result, Loader):
-        return plain_loader(result, system)
-    if isinstance(result, Compensation):
-        return _plain_fields(result, system) | {"gains": plain_gains(result.gains, system)}
+    own = getattr(result, "as_json", None)
+    if own is not None:
+        found: Json = own(system)
+        return found
     if is_dataclass(result):
-        return _plain_fields(result, system)
+        return fields_json(result, system)
     if isinstance(result, list | tuple):
-        return [plain(item, system) for item in result]
+        return [json_value(item, system) for item in result]
     if isinstance(result, dict):
-        return {str(key): plain(value, system) for key, value in result.items()}
+        return {str(key): json_value(value, system) for key, value in result.items()}
     if isinstance(result, float):
         return _number(result)
     return result  # type: ignore[return-value]
 
 
-def plain_loader(loader: Loader, system: UnitSystem) -> dict[str, Plain]:
-    """A loader's numbers by ``part.name``; optional rows and curves only where given."""
-    shown = {*REQUIRED, *loader.given}
-    values = {key: quantity(loader[key], unit(row), system) for key, row in TABLE.items() if key in shown}
-    curves = {CURVES[name].key: _plain_curve(CURVES[name], curve, system) for name, curve in loader.curves.items()}
-    tolerances = {key: _plain_tolerance(it, unit(TABLE[key]), system) for key, it in loader.tolerances.items()}
-    parts = {"values": values, "curves": curves, "tolerances": tolerances}
-    return {"name": loader.name, "source": loader.source, **parts}
-
-
-def _plain_curve(row: CurveRow, curve: Curve, system: UnitSystem) -> dict[str, Plain]:
-    axes = zip((row.x.unit, row.y.unit), (curve.x, curve.y), strict=True)
-    columns = [[measured_in.from_si(value, system) for value in values] for measured_in, values in axes]
-    return {"units": list(row.units(system)), "points": [list(point) for point in zip(*columns, strict=True)]}
-
-
-def _plain_tolerance(tolerance: Tolerance, measured_in: Unit, system: UnitSystem) -> dict[str, Plain]:
-    numbers = {name: getattr(tolerance, name) for name in ("low", "high", "peak", "deviation")}
-    given = {name: quantity(value, measured_in, system) for name, value in numbers.items() if value is not None}
-    return {"distribution": str(tolerance.distribution), **given}
-
-
-def plain_gains(gains: np.ndarray[Any, np.dtype[np.float64]], system: UnitSystem) -> list[Plain]:
-    """Gains with the state that each acts on."""
-    rows = zip(GAIN_SYMBOLS, DESIGN_STATES, gains, GAIN_UNITS, strict=False)
-    return [
-        {"symbol": symbol, "state": state, **quantity(float(value), measured_in, system)}
-        for symbol, state, value, measured_in in rows
-    ]
-
-
-def _plain_fields(result: Any, system: UnitSystem) -> dict[str, Plain]:
+def fields_json(result: Any, system: UnitSystem) -> dict[str, Json]:
+    """The fields of a data class, but for arrays and what ``repr`` leaves out."""
     hints = get_type_hints(type(result), include_extras=True)
-    out: dict[str, Plain] = {}
+    out: dict[str, Json] = {}
     for field in fields(result):
         if not field.repr:
             continue
@@ -94,7 +58,7 @@ def _plain_fields(result: Any, system: UnitSystem) -> dict[str, Plain]:
             name = field.name.removesuffix(f"_{measured_in.suffix}") if measured_in.suffix else field.name
             out[name] = None if value is None else quantity(value, measured_in, system)
         elif not isinstance(value, np.ndarray):
-            out[field.name] = plain(value, system)
+            out[field.name] = json_value(value, system)
     return out
 
 

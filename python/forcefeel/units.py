@@ -109,6 +109,8 @@ ANGLE = Unit("rad", "deg", "deg", "rad")
 CURRENT = Unit("A", "mA", "mA", "a")
 PRESSURE = Unit("Pa", "MPa", "lb/in^2", "pa")
 FLOW = Unit("m^3/s", "cm^3/s", "in^3/s", "m3_per_s")
+FORCE = Unit("N", "N", "lb", "n")
+INERTIA = Unit("N m s^2/rad", "N m s^2/rad", "lb in s^2/rad", "n_m_s2_per_rad")
 ROTARY_STIFFNESS = Unit("N m/rad", "N m/rad", "lb in/rad", "n_m_per_rad")
 
 

@@ -7,15 +7,15 @@ from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_RAD, Choice
 from forcefeel.choice.score import Score, Scored
-from forcefeel.envelope.as_json import plain_deviations, plain_grid
-from forcefeel.json_values import Plain, plain, quantity
+from forcefeel.envelope.as_json import deviations_json, grid_json
+from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.laws.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import ANGLE, SECONDS, UnitSystem
 
 
-def plain_choice(scored: Scored, choice: Choice | None, units: UnitSystem) -> dict[str, Plain]:
+def choice_json(scored: Scored, choice: Choice | None, units: UnitSystem) -> dict[str, Json]:
     """What was tried, what is taken, and why.
 
     Args:
@@ -26,7 +26,7 @@ def plain_choice(scored: Scored, choice: Choice | None, units: UnitSystem) -> di
     plan, loader = scored.plan, scored.plan.loader
     conclusions = design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units)
     taken = scored.scores[0].name if choice is None else choice.chosen
-    found: dict[str, Plain] = {
+    found: dict[str, Json] = {
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "loader": loader.name,
@@ -34,13 +34,13 @@ def plain_choice(scored: Scored, choice: Choice | None, units: UnitSystem) -> di
         "rule": {"edition": plan.rule, "title": plan.rules.title, "verified": plan.rule_verified},
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "left_out": list(plan.left_out),
-        "conclusions": plain(conclusions, units),
+        "conclusions": json_value(conclusions, units),
         "chosen": taken,
         "methods": {score.name: _score(score, units) for score in scored.scores},
     }
     if any(score.over for score in scored.scores):
-        found["grid"] = plain_grid(plan.settings, units)
-        found["tolerances"] = plain_deviations(plan.deviations)
+        found["grid"] = grid_json(plan.settings, units)
+        found["tolerances"] = deviations_json(plan.deviations)
     if scored.sampled:
         found["arm_that_holds_the_grip"] = HOLDING.name
     if choice is not None:
@@ -52,11 +52,11 @@ def plain_choice(scored: Scored, choice: Choice | None, units: UnitSystem) -> di
         }
     for score in scored.scores:
         if score.name == taken:
-            found["law"] = plain_law(score.own.law)
+            found["law"] = law_json(score.own.law)
     return found
 
 
-def plain_law(law: Compensator | SampledCompensator | None) -> Plain:
+def law_json(law: Compensator | SampledCompensator | None) -> Json:
     """A law's numbers in SI units; ``None`` for the original loop."""
     if law is None:
         return None
@@ -70,24 +70,24 @@ def plain_law(law: Compensator | SampledCompensator | None) -> Plain:
     return {"period_s": law.period_s, "delay_s": law.delay_s, **matrices}
 
 
-def _score(score: Score, units: UnitSystem) -> dict[str, Plain]:
+def _score(score: Score, units: UnitSystem) -> dict[str, Json]:
     own, over = score.own, score.over
-    found: dict[str, Plain] = {
+    found: dict[str, Json] = {
         "summary": score.summary,
         "own_setting": {
             "stable": own.stable,
             "release": own.outcome,
-            "margins": plain(own.margins, units),
-            "demand": plain(own.demand, units),
-            "noise_rms": plain(own.noise, units),
-            "modes": plain(own.modes, units),
+            "margins": json_value(own.margins, units),
+            "demand": json_value(own.demand, units),
+            "noise_rms": json_value(own.noise, units),
+            "modes": json_value(own.modes, units),
         },
     }
     if over is not None:
         found["envelope"] = {
-            "shares": plain(over.shares, units),
-            "lost_most": plain(over.lost_most, units),
-            "largest_demand": plain(over.demand, units),
-            "least_margins": plain(over.margins, units),
+            "shares": json_value(over.shares, units),
+            "lost_most": json_value(over.lost_most, units),
+            "largest_demand": json_value(over.demand, units),
+            "least_margins": json_value(over.margins, units),
         }
     return found

@@ -5,13 +5,12 @@ from math import degrees, inf, isfinite
 from forcefeel.choice.noise import FORCE, HOLDING, Noise
 from forcefeel.choice.rule import Choice, obstacles
 from forcefeel.choice.score import OverEnvelope, Score, Scored
-from forcefeel.design.findings import Conclusions
+from forcefeel.conclusions import Conclusions, share_text
 from forcefeel.envelope.result import PASSES
 from forcefeel.envelope.tolerance_sentences import tolerance_sentences
 from forcefeel.linear.modes import feel_mode
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.margins import LoopMargins
-from forcefeel.sweep.findings import share_text
 from forcefeel.units import ANGLE, HERTZ, UnitSystem, to_text
 
 

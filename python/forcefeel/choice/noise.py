@@ -24,9 +24,9 @@ from forcefeel import _core
 from forcefeel.envelope.cases import REFERENCE_ARMS, PilotArm
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.timing import controller_steps
 from forcefeel.loops.sampled_loop import sampled_loops
 from forcefeel.simulation.engine import Law, engine_law
-from forcefeel.simulation.scenario import controller_steps
 from forcefeel.units import ANGLE, Unit
 
 FORCE = Unit("N", "N", "lb", "n")

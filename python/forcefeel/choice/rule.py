@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from math import degrees, inf, radians
 
 from forcefeel.choice.score import Score, Scored
-from forcefeel.sweep.findings import share_text
+from forcefeel.conclusions import share_text
 from forcefeel.units import to_text
 
 LEAST_GAIN = 2.0

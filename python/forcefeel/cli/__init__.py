@@ -5,17 +5,9 @@ import sys
 import traceback
 from typing import NoReturn
 
+from forcefeel.cli.exit_status import BAD_INPUT, FAULT, INTERRUPTED
 from forcefeel.errors import InputError, shortened
 from forcefeel.printable import visible
-
-BAD_INPUT = 2
-"""Exit status where the input is bad."""
-
-FAULT = 70
-"""Where forcefeel itself failed: ``EX_SOFTWARE`` of ``sysexits.h``."""
-
-INTERRUPTED = 130
-"""After Ctrl-C, as shells have it: 128 and the number of the signal."""
 
 TRACEBACK = "FORCEFEEL_TRACEBACK"
 """Environment variable: set to anything, a fault shows where it happened."""

@@ -19,10 +19,11 @@ from forcefeel.design.assessment import assess, peaks
 from forcefeel.design.findings import conclusions
 from forcefeel.errors import InputError, shortened
 from forcefeel.files import MOST_TEXT_BYTES, read_input, write_whole
-from forcefeel.json_values import plain, plain_loader
+from forcefeel.json_values import json_value
 from forcefeel.laws.recursion import PUBLISHED_HORIZON_S, DesignSettings, published_settings
 from forcefeel.laws.recursion import compensate as run_recursion
-from forcefeel.loader.loader import BUILT_IN, Loader, open_loader
+from forcefeel.loader.built_in import BUILT_IN, open_loader
+from forcefeel.loader.loader import Loader
 from forcefeel.reproduction import Verdict, markdown
 from forcefeel.reproduction import reproduce as run_reproduction
 from forcefeel.units import UnitSystem
@@ -75,7 +76,7 @@ def new(path: Path, built_in: str, units: UnitSystem, *, as_json: bool, force: b
     loader = BUILT_IN[built_in]()
     write_whole(path, loader.to_toml(units))
     if as_json:
-        _print_json({"loader_file": str(path), **plain_loader(loader, units)})
+        _print_json({"loader_file": str(path), **loader.as_json(units)})
     else:
         print(f"wrote {path}")
 
@@ -92,7 +93,7 @@ def design(path: Path | None, options: Options, out: Path, units: UnitSystem, *,
         progress.step("report")
         page = write_report(found, out, units)
     if as_json:
-        _print_json({"report": str(page), "design": plain(found, units)})
+        _print_json({"report": str(page), "design": json_value(found, units)})
     else:
         show.conclusions(Terminal(), conclusions(found, units))
         print(f"report: {page}")
@@ -103,7 +104,7 @@ def analyze(path: Path | None, units: UnitSystem, *, as_json: bool) -> None:
     """Analyses the original system."""
     found = workflow.analyze(_loader(path))
     if as_json:
-        _print_json(plain(found, units))
+        _print_json(json_value(found, units))
     else:
         show.analysis(Terminal(), found, units)
     _exit(good=found.configuration("compliant").programmed.assessment.stable)
@@ -120,7 +121,7 @@ def compensate(loader: Loader, options: Options, units: UnitSystem, *, as_json: 
     demand = peaks(loader, law) if judged.stable else None
     if as_json:
         parts = {"loader": loader, "compensation": found, "assessment": judged, "peaks": demand}
-        _print_json(plain(parts, units))
+        _print_json(json_value(parts, units))
     else:
         show.compensation(Terminal(), loader, found, judged, demand, units)
     _exit(good=found.reached and judged.stable)
@@ -131,7 +132,7 @@ def reproduce(units: UnitSystem, *, as_json: bool, as_markdown: bool) -> None:
     with Steps(len(workflow.STEPS)) as progress:
         sections = run_reproduction(progress.step)
     if as_json:
-        _print_json(plain(sections, units))
+        _print_json(json_value(sections, units))
     elif as_markdown:
         print(markdown(sections), end="")
     else:

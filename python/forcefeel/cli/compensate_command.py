@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.choice import Choice, Score, Scored, choose, score_methods
-from forcefeel.choice.as_json import plain_choice
+from forcefeel.choice.as_json import choice_json
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.score import COARSE, check_names
 from forcefeel.cli import commands
@@ -113,7 +113,7 @@ def _run(loader: Loader, options: MethodOptions, units: UnitSystem, *, as_json: 
         bar.describe("report")
         page = write_choice(scored, choice, out, units, replace=options.replace)
     if as_json:
-        print(json.dumps({"page": str(page), **plain_choice(scored, choice, units)}, indent=2, allow_nan=False))
+        print(json.dumps({"page": str(page), **choice_json(scored, choice, units)}, indent=2, allow_nan=False))
     else:
         _show(Terminal(), scored, choice, units)
         print(f"page: {page}")

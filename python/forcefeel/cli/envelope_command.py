@@ -10,8 +10,9 @@ from rich.table import Table
 from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal
+from forcefeel.conclusions import share_text
 from forcefeel.envelope import Envelope
-from forcefeel.envelope.as_json import plain_envelope
+from forcefeel.envelope.as_json import envelope_json
 from forcefeel.envelope.draws import Draws
 from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.plan import Plan, make_plan
@@ -21,7 +22,6 @@ from forcefeel.errors import InputError
 from forcefeel.laws.sampled.setting_laws import names_for
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
-from forcefeel.sweep.findings import share_text
 from forcefeel.units import ANGLE, UnitSystem, parse
 
 
@@ -84,7 +84,7 @@ def run_envelope(path: Path | None, options: EnvelopeOptions, units: UnitSystem,
         bar.describe("report")
         page = write_envelope(found, options.out, units, replace=options.replace)
     if as_json:
-        print(json.dumps({"page": str(page), **plain_envelope(found, units)}, indent=2, allow_nan=False))
+        print(json.dumps({"page": str(page), **envelope_json(found, units)}, indent=2, allow_nan=False))
     else:
         _show(Terminal(), found, units)
         print(f"page: {page}")

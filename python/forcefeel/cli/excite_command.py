@@ -12,7 +12,7 @@ from rich.table import Table
 
 from forcefeel.bench.channels import CHANNELS, channel
 from forcefeel.bench.excitation import Excitation, ExcitationPlan, NotSeparableError, excite, write_excitation
-from forcefeel.bench.excitation.as_json import plain_excitation
+from forcefeel.bench.excitation.as_json import excitation_json
 from forcefeel.bench.excitation.bench_file import check_excitation_file
 from forcefeel.bench.excitation.limits import KINDS
 from forcefeel.bench.excitation.plan import Kind
@@ -103,7 +103,7 @@ def run_excite(path: Path | None, options: ExciteOptions, units: UnitSystem, *, 
         raise typer.Exit(1) from None
     write_excitation(found, options.out, units, replace=options.replace)
     if as_json:
-        print(json.dumps({"file": str(options.out), **plain_excitation(found, units)}, indent=2, allow_nan=False))
+        print(json.dumps({"file": str(options.out), **excitation_json(found, units)}, indent=2, allow_nan=False))
     else:
         _show(Terminal(), found, units)
         print(f"file: {options.out}")

@@ -11,14 +11,14 @@ from forcefeel.cli.envelope_command import release_angle
 from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal
+from forcefeel.conclusions import share_text
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier import Frontier
-from forcefeel.frontier.as_json import plain_frontier
+from forcefeel.frontier.as_json import frontier_json
 from forcefeel.frontier.findings import frontier_conclusions, points_text, tolerance_text
 from forcefeel.frontier.run import compute_frontier, frontier_plan
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
-from forcefeel.sweep.findings import share_text
 from forcefeel.units import UnitSystem
 
 
@@ -69,7 +69,7 @@ def run_frontier(path: Path | None, options: FrontierOptions, units: UnitSystem,
         bar.describe("report")
         page = write_frontier(found, options.out, units, replace=options.replace)
     if as_json:
-        print(json.dumps({"page": str(page), **plain_frontier(found, units)}, indent=2, allow_nan=False))
+        print(json.dumps({"page": str(page), **frontier_json(found, units)}, indent=2, allow_nan=False))
     else:
         _show(Terminal(), found, units)
         print(f"page: {page}")

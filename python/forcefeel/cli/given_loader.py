@@ -21,7 +21,7 @@ def given_loader(path: Path | None, changes: Sequence[str] | None) -> "Loader":
     Raises:
         InputError: If the file or a change is bad.
     """
-    from forcefeel.loader.loader import open_loader  # noqa: PLC0415  the numerical libraries
+    from forcefeel.loader.built_in import open_loader  # noqa: PLC0415
 
     given = assignments("--set", tuple(changes or ()))
     loader = open_loader(path)

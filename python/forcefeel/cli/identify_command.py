@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.bench.experiments import Loop
-from forcefeel.bench.identification.as_json import FitSettings, plain_identification
+from forcefeel.bench.identification.as_json import FitSettings, identification_json
 from forcefeel.bench.identification.digits import error, estimated, interval, nominal, relative_error, rounded, unit_of
 from forcefeel.bench.identification.findings import identification_conclusions
 from forcefeel.bench.identification.fit import identify
@@ -26,7 +26,8 @@ from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
-from forcefeel.loader.loader import BUILT_IN, Loader
+from forcefeel.loader.built_in import BUILT_IN
+from forcefeel.loader.loader import Loader
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def run_identify(path: Path | None, options: IdentifyOptions, units: UnitSystem,
     written = None if found.loader is None else options.out / LOADER
     if as_json:
         paths = {"page": str(page), "loader_file": written and str(written)}
-        print(json.dumps({**paths, **plain_identification(found, units, settings)}, indent=2, allow_nan=False))
+        print(json.dumps({**paths, **identification_json(found, units, settings)}, indent=2, allow_nan=False))
     else:
         _show(Terminal(), found, units)
         print(f"page: {page}")

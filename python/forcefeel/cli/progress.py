@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.text import Text
 
-from forcefeel.cli import INTERRUPTED
+from forcefeel.cli.exit_status import INTERRUPTED
 
 
 class Bar:

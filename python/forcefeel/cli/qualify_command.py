@@ -18,7 +18,7 @@ from forcefeel.laws.sampled.setting_laws import names_for
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, Outcome
 from forcefeel.qualification.programme import Qualification, QualificationSetup, qualify_loader
-from forcefeel.qualification.programme.as_json import plain_qualification
+from forcefeel.qualification.programme.as_json import qualification_json
 from forcefeel.qualification.programme.sentences import conclusions
 from forcefeel.units import UnitSystem, parse
 
@@ -86,7 +86,7 @@ def run_qualify(path: Path | None, options: QualifyOptions, units: UnitSystem, *
         found = qualify_loader(loader, options.setup(loader, units))
     page = write_qualification(found, options.out, pdf=options.pdf)
     if as_json:
-        print(json.dumps({"page": str(page), **plain_qualification(found)}, indent=2, allow_nan=False))
+        print(json.dumps({"page": str(page), **qualification_json(found)}, indent=2, allow_nan=False))
     else:
         _show(Terminal(), found)
         print(f"page: {page}")

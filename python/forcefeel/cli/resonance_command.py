@@ -18,7 +18,7 @@ from forcefeel.cli.bench_data import BenchData
 from forcefeel.cli.given_loader import given_loader
 from forcefeel.cli.terminal import Terminal
 from forcefeel.errors import InputError
-from forcefeel.json_values import Plain, quantity
+from forcefeel.json_values import Json, quantity
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ALTERNATIVES, TABLE, unit, with_unit
 from forcefeel.units import HERTZ, UnitSystem, parse, show, to_text
@@ -52,7 +52,7 @@ def run_resonance(
     response = _response(bench.read()[0], measured)
     found = read_resonance(response, band_hz)
     if as_json:
-        print(json.dumps(_plain(response, found, loader, units), indent=2, allow_nan=False))
+        print(json.dumps(_resonance_json(response, found, loader, units), indent=2, allow_nan=False))
     else:
         _show(Terminal(), response, found, loader, units)
     if found.frequency_hz is None:
@@ -143,7 +143,7 @@ def _link_texts(link: tuple[float, float], units: UnitSystem) -> list[str]:
     return [_text(unit(TABLE[key]).from_si(value, units)) for key, value in pairs]
 
 
-def _plain(response: Response, found: Resonance, loader: Loader, units: UnitSystem) -> dict[str, Plain]:
+def _resonance_json(response: Response, found: Resonance, loader: Loader, units: UnitSystem) -> dict[str, Json]:
     return {
         "data": response.name,
         "experiment": str(response.experiment),
@@ -155,12 +155,12 @@ def _plain(response: Response, found: Resonance, loader: Loader, units: UnitSyst
         "kind": found.kind,
         "note": found.note,
         "holds_for": HOLDS_FOR,
-        **{name: _plain_reading(getattr(found, name), loader, units) for name in _METHODS},
+        **{name: _reading_json(getattr(found, name), loader, units) for name in _METHODS},
         "loader_file": _lines(found, units) or None,
     }
 
 
-def _plain_reading(reading: Reading, loader: Loader, units: UnitSystem) -> dict[str, Plain]:
+def _reading_json(reading: Reading, loader: Loader, units: UnitSystem) -> dict[str, Json]:
     link = _link(reading, loader)
     values = (None, None) if link is None else link
     return {

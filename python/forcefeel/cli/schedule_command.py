@@ -12,7 +12,7 @@ from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal
 from forcefeel.flight_schedule import ScheduleCheck, check_schedule, design_schedule, read_knots
-from forcefeel.flight_schedule.as_json import plain_schedule
+from forcefeel.flight_schedule.as_json import schedule_json
 from forcefeel.flight_schedule.findings import schedule_conclusions
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.units import UnitSystem, to_text
@@ -54,7 +54,7 @@ def run_schedule(path: Path | None, options: ScheduleCommandOptions, units: Unit
         bar.describe("report")
         page = write_schedule(found, options.out, units, replace=options.replace)
     if as_json:
-        print(json.dumps({"page": str(page), **plain_schedule(found, units)}, indent=2, allow_nan=False))
+        print(json.dumps({"page": str(page), **schedule_json(found, units)}, indent=2, allow_nan=False))
     else:
         _show(Terminal(), found)
         print(f"page: {page}")

@@ -6,13 +6,14 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from forcefeel.conclusions import Conclusions
 from forcefeel.design.assessment import Assessment, Peaks
-from forcefeel.design.findings import Conclusions, left_out
 from forcefeel.design.workflow import Analysis
 from forcefeel.laws.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation
 from forcefeel.linear.frequency import Margins
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.linear.modes import Mode, least_damped
+from forcefeel.loader.beyond_linear import left_out
 from forcefeel.loader.loader import Loader
 from forcefeel.reproduction import Section, Verdict, summary
 from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text

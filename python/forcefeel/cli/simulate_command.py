@@ -9,11 +9,11 @@ from rich.table import Table
 
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
 from forcefeel.cli.terminal import Terminal
-from forcefeel.design.findings import Conclusions
-from forcefeel.loader.loader import open_loader
+from forcefeel.conclusions import Conclusions
+from forcefeel.loader.built_in import open_loader
 from forcefeel.simulation import Run, RunStatus, simulate
 from forcefeel.simulation.findings import input_in_words, run_conclusions
-from forcefeel.simulation.tables import measure_rows, plain_run
+from forcefeel.simulation.tables import measure_rows, run_json
 from forcefeel.units import UnitSystem
 
 
@@ -35,7 +35,7 @@ def run_simulate(
         page = write_simulation(run, out, units, law)
     if as_json:
         report = {} if page is None else {"page": str(page)}
-        print(json.dumps({**report, **plain_run(run, units, law)}, indent=2, allow_nan=False))
+        print(json.dumps({**report, **run_json(run, units, law)}, indent=2, allow_nan=False))
     else:
         _show(Terminal(), run, units)
         if page is not None:

@@ -10,16 +10,17 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from forcefeel.cli import INTERRUPTED
+from forcefeel.cli.exit_status import INTERRUPTED
 from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
 from forcefeel.cli.terminal import Terminal
+from forcefeel.conclusions import share_text
 from forcefeel.errors import InputError
-from forcefeel.loader.loader import open_loader
+from forcefeel.loader.built_in import open_loader
 from forcefeel.simulation import RunStatus
 from forcefeel.sweep import Sweep, SweepResult, run_sweep, text
-from forcefeel.sweep.as_json import plain_sweep
-from forcefeel.sweep.findings import main_measures, number_of, share_text, sweep_conclusions
+from forcefeel.sweep.as_json import sweep_json
+from forcefeel.sweep.findings import main_measures, number_of, sweep_conclusions
 from forcefeel.sweep.summary import Summary, measure_name, measure_unit, summarize
 from forcefeel.units import UnitSystem
 
@@ -89,7 +90,7 @@ def run_sweep_command(
         except InputError as error:
             raise InputError(f"{error}\n{_kept(bar, options.out)}" if bar.done else str(error)) from error
     if as_json:
-        print(json.dumps({"page": str(page), **plain_sweep(result, summary, units)}, indent=2, allow_nan=False))
+        print(json.dumps({"page": str(page), **sweep_json(result, summary, units)}, indent=2, allow_nan=False))
     else:
         _show(Terminal(), result, summary, units)
         print(f"page: {page}")

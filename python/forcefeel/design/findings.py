@@ -1,18 +1,17 @@
 """What an engineer should conclude from a design, in words."""
 
-from dataclasses import dataclass
 from math import isfinite, isnan
 
 import numpy as np
 
 from forcefeel._core import feel_frequency
+from forcefeel.conclusions import Conclusions
 from forcefeel.design.assessment import Assessment
 from forcefeel.design.studies import CHANGES, VISIBLE_LOSS, droppable, worst
 from forcefeel.design.workflow import Configuration, Design
 from forcefeel.linear.models import Linkage
 from forcefeel.linear.modes import least_damped
-from forcefeel.loader.curves import CURVES
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.beyond_linear import left_out
 from forcefeel.units import HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
 
 _LOST = "where it settles is lost in rounding: its numbers are too many powers of ten apart"
@@ -25,26 +24,8 @@ FREQUENCY_TOLERANCE = 0.10
 """Deviation of the period that qualification allows: T(P0) = 10 % of P0 (14 CFR Part 60, Appendix A, Attachment 2)."""
 
 
-_NAMED = 3
-"""Rows that a sentence names."""
-
 SAME_MODE = 0.02
 """Relative difference in frequency below which two models' modes are called the same: what one can read off a plot."""
-
-
-@dataclass(frozen=True)
-class Conclusions:
-    """What an engineer should conclude.
-
-    Attributes:
-        good: Whether the recursion gave gains and the loader is stable with them at the programmed setting.
-        verdict: The result in a line.
-        findings: What it rests on and what it does not promise, a sentence or two each.
-    """
-
-    good: bool
-    verdict: str
-    findings: tuple[str, ...]
 
 
 def conclusions(design: Design, units: UnitSystem) -> Conclusions:
@@ -63,21 +44,6 @@ def conclusions(design: Design, units: UnitSystem) -> Conclusions:
             *filter(None, [left_out(design.loader)]),
         ),
     )
-
-
-def left_out(loader: Loader) -> str:
-    """What the linear models do not have of ``loader``, as a sentence; empty where it has nothing beyond the report's rows."""
-    rows = beyond_linear(loader)
-    return rows and f"The linear models leave out {rows}; forcefeel simulate has all of it in play."
-
-
-def beyond_linear(loader: Loader) -> str:
-    """The optional rows and curves that ``loader`` gives, by name as far as a sentence can hold them."""
-    keys = [*loader.given, *(CURVES[name].key for name in loader.curves)]
-    named, more = keys[:_NAMED], len(keys) - _NAMED
-    if more > 0:
-        return f"{', '.join(named)} and {more} more of the loader's optional rows"
-    return " and ".join(filter(None, (", ".join(named[:-1]), *named[-1:])))
 
 
 def _verdict(design: Design) -> str:

@@ -13,28 +13,11 @@ from forcefeel.laws.recursion import GAIN_SYMBOLS, DesignSettings
 from forcefeel.linear.boundary import StabilityBoundary, smallest_stable_stiffness
 from forcefeel.linear.models import state_feedback
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import PLANT_PARAMETERS
 from forcefeel.units import PERCENT
 
 CHANGES = (-0.20, -0.10, -0.05, 0.05, 0.10, 0.20)
 """Deviations at which the sensitivity is taken."""
-
-PLANT_PARAMETERS = (
-    "amplifier.admittance",
-    "valve.current_gain",
-    "valve.pressure_gain",
-    "valve.natural_frequency",
-    "valve.damping_ratio",
-    "actuator.area",
-    "actuator.oil_volume",
-    "actuator.bulk_modulus",
-    "linkage.ratio",
-    "linkage.stiffness",
-    "linkage.damping",
-    "column.inertia",
-    "column.base_arm",
-    "column.grip_arm",
-)
-"""Every parameter that the compensated loop depends on, besides its gains and the programmed feel."""
 
 
 @dataclass(frozen=True)

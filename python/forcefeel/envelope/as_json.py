@@ -11,36 +11,36 @@ from forcefeel.envelope.cases import Case
 from forcefeel.envelope.deviations import Deviation
 from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.plan import Plan
-from forcefeel.envelope.result import INERTIA, Envelope
+from forcefeel.envelope.result import Envelope
 from forcefeel.envelope.settings import AXES, Settings
-from forcefeel.json_values import Plain, plain, quantity
+from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.units import ANGLE, PERCENT, UnitSystem
+from forcefeel.units import ANGLE, INERTIA, PERCENT, UnitSystem
 
 
-def plain_envelope(found: Envelope, units: UnitSystem) -> dict[str, Plain]:
+def envelope_json(found: Envelope, units: UnitSystem) -> dict[str, Json]:
     """What an envelope says, and of what."""
     plan = found.plan
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "loader": plan.loader.name,
-        "rule": plain_rule(plan),
+        "rule": rule_json(plan),
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "method": "exact" if plan.linear else "stepped",
         "settings": plan.settings.count,
-        "grid": plain_grid(plan.settings, units),
-        "tolerances": plain_deviations(plan.deviations),
+        "grid": grid_json(plan.settings, units),
+        "tolerances": deviations_json(plan.deviations),
         "cases": [_case(case, units) for case in plan.cases],
-        "draws": plain(plan.draws, units),
+        "draws": json_value(plan.draws, units),
         "releases": releases(found),
         "left_out": list(plan.left_out),
-        "conclusions": plain(envelope_conclusions(found, units), units),
+        "conclusions": json_value(envelope_conclusions(found, units), units),
         "compensators": {name: _compensator(found, name, units) for name in found.compensators},
     }
 
 
-def plain_rule(plan: Plan) -> dict[str, Plain]:
+def rule_json(plan: Plan) -> dict[str, Json]:
     """The release test that is asked for."""
     return {
         "edition": plan.rule,
@@ -50,7 +50,7 @@ def plain_rule(plan: Plan) -> dict[str, Plain]:
     }
 
 
-def plain_grid(settings: Settings, units: UnitSystem) -> dict[str, Plain]:
+def grid_json(settings: Settings, units: UnitSystem) -> dict[str, Json]:
     """The values along each axis."""
     return {
         name: {
@@ -61,7 +61,7 @@ def plain_grid(settings: Settings, units: UnitSystem) -> dict[str, Plain]:
     }
 
 
-def plain_deviations(deviations: Mapping[str, Deviation]) -> list[Plain]:
+def deviations_json(deviations: Mapping[str, Deviation]) -> list[Json]:
     """How far each parameter may be off, in per cent of its value, and who says so; cases are made of its ends."""
     return [
         {
@@ -80,26 +80,26 @@ def releases(found: Envelope) -> int:
     return sum(int(found.data[name].size) for name in names if name in found.data)
 
 
-def _case(case: Case, units: UnitSystem) -> dict[str, Plain]:
+def _case(case: Case, units: UnitSystem) -> dict[str, Json]:
     return {
         "name": case.name,
         "kind": str(case.kind),
         "parameter": case.parameter,
         "change": quantity(case.change, PERCENT, units),
-        "arm": plain(case.arm, units),
+        "arm": json_value(case.arm, units),
     }
 
 
-def _compensator(found: Envelope, name: str, units: UnitSystem) -> dict[str, Plain]:
+def _compensator(found: Envelope, name: str, units: UnitSystem) -> dict[str, Json]:
     return {
-        "shares": plain(found.shares(name), units),
-        "shares_even_in_proportion": plain(found.even_shares(name), units),
-        "all_at_once": plain(found.drawn_shares(name), units) if found.plan.machines else None,
+        "shares": json_value(found.shares(name), units),
+        "shares_even_in_proportion": json_value(found.even_shares(name), units),
+        "all_at_once": json_value(found.drawn_shares(name), units) if found.plan.machines else None,
         "fails_first_nominally": {str(kind): share for kind, share in found.failure_shares(name).items()},
-        "smallest_nominally": plain(found.smallest(name), units),
-        "smallest_in_every_case": plain(found.smallest(name, worst=True), units),
-        "cases": [plain(row, units) for row in found.case_shares(name)],
-        "passivity": plain(found.passivity[name], units),
+        "smallest_nominally": json_value(found.smallest(name), units),
+        "smallest_in_every_case": json_value(found.smallest(name, worst=True), units),
+        "cases": [json_value(row, units) for row in found.case_shares(name)],
+        "passivity": json_value(found.passivity[name], units),
     }
 
 

@@ -13,10 +13,10 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.design.studies import PLANT_PARAMETERS
 from forcefeel.errors import InputError
-from forcefeel.loader.loader import BUILT_IN, Loader
-from forcefeel.loader.parameters import OFF, TABLE, did_you_mean, is_switch
+from forcefeel.loader.built_in import BUILT_IN
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import OFF, PLANT_PARAMETERS, TABLE, did_you_mean, is_switch
 from forcefeel.loader.tolerances import Distribution, Tolerance, beyond
 from forcefeel.units import show
 

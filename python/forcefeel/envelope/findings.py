@@ -6,14 +6,13 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.design.findings import Conclusions
+from forcefeel.conclusions import Conclusions, interval_text, share_text
 from forcefeel.envelope.cases import Kind
-from forcefeel.envelope.result import INERTIA, MOST, Envelope
+from forcefeel.envelope.result import MOST, Envelope
 from forcefeel.envelope.settings import AXES, Axis
 from forcefeel.envelope.tolerance_sentences import tolerance_sentences
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.sweep.findings import interval_text, share_text
-from forcefeel.units import ANGLE, UnitSystem, to_text
+from forcefeel.units import ANGLE, INERTIA, UnitSystem, to_text
 
 WHOLE_NOMINAL, WHOLE_WORST = 0.95, 0.90
 """Shares from which on a compensator is said to render the envelope: nominally, and in every case."""

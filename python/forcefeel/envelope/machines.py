@@ -18,7 +18,7 @@ from forcefeel.loader.loader import FEEL_SETTING, Loader
 _GEOMETRY = ("linkage.ratio", "column.base_arm")
 
 
-def plain_feel(loader: Loader) -> tuple[Loader, tuple[str, ...]]:
+def feel_json(loader: Loader) -> tuple[Loader, tuple[str, ...]]:
     """The loader with the feel I, B, G alone and no arm at its grip, and what was left out of it.
 
     What is programmed in an envelope is I, B and G; friction, breakout, stops or a curve of the feel would be another feel.

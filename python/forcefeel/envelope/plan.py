@@ -10,7 +10,7 @@ from forcefeel._core import Compensator
 from forcefeel.envelope.cases import REFERENCE_ARMS, Case, PilotArm, make_cases
 from forcefeel.envelope.deviations import Deviation, chosen_deviations
 from forcefeel.envelope.draws import NO_DRAWS, Draws
-from forcefeel.envelope.machines import plain_feel
+from forcefeel.envelope.machines import feel_json
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
 from forcefeel.laws.recursion import DesignSettings
@@ -18,7 +18,7 @@ from forcefeel.laws.sampled.methods import Method
 from forcefeel.laws.sampled.setting_laws import NAMED_LAWS, Law, named
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, Rules, Test, load_rules
-from forcefeel.qualification.programme.throw import Throw
+from forcefeel.qualification.throw import Throw
 from forcefeel.units import ANGLE, show
 
 _LARGEST_ANGLE = radians(90.0)
@@ -69,7 +69,7 @@ class Plan:
     throw: Throw = field(init=False)
 
     def __post_init__(self) -> None:
-        loader, left_out = plain_feel(self.given)
+        loader, left_out = feel_json(self.given)
         rules = load_rules(self.rule)
         given = self.angle_rad
         if given is not None and not (isfinite(given) and 0 < given <= _LARGEST_ANGLE):

@@ -14,10 +14,8 @@ from forcefeel.envelope.cases import Case, Kind
 from forcefeel.envelope.passivity import Passivity
 from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
-from forcefeel.units import HERTZ, PERCENT, ROTARY_STIFFNESS, Unit
+from forcefeel.units import HERTZ, INERTIA, PERCENT, ROTARY_STIFFNESS
 from forcefeel.wilson import wilson_interval
-
-INERTIA = Unit("N m s^2/rad", "N m s^2/rad", "lb in s^2/rad", "n_m_s2_per_rad")
 
 PASSES, UNSTABLE = "passes", "unstable"
 """Outcomes beside the figure that fails first."""

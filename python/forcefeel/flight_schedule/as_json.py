@@ -4,20 +4,19 @@ import csv
 import io
 from importlib.metadata import version
 
-from forcefeel.envelope.as_json import plain_deviations
-from forcefeel.envelope.result import INERTIA
+from forcefeel.envelope.as_json import deviations_json
 from forcefeel.flight_schedule.findings import schedule_conclusions
 from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
-from forcefeel.json_values import Plain, plain, quantity
+from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.units import ANGLE, SECONDS, UnitSystem
+from forcefeel.units import ANGLE, INERTIA, SECONDS, UnitSystem
 
 FEEL_UNITS = (INERTIA, unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"]))
 """Units of I, B, G."""
 
 
-def plain_schedule(found: ScheduleCheck, units: UnitSystem) -> dict[str, Plain]:
+def schedule_json(found: ScheduleCheck, units: UnitSystem) -> dict[str, Json]:
     """What the check says, and of what."""
     schedule = found.schedule
     return {
@@ -39,19 +38,19 @@ def plain_schedule(found: ScheduleCheck, units: UnitSystem) -> dict[str, Plain]:
             for where, feel in zip(schedule.where.tolist(), schedule.rows.tolist(), strict=True)
         ],
         "refine": found.refine,
-        "tolerances": plain_deviations(found.deviations),
+        "tolerances": deviations_json(found.deviations),
         "cases": [case.name for case in found.cases],
-        "conclusions": plain(schedule_conclusions(found), units),
+        "conclusions": json_value(schedule_conclusions(found), units),
         "stable": found.stable,
         "dense": found.dense,
-        "parts": [plain(part, units) for part in found.parts],
-        "margins": [plain(one, units) for one in found.margins],
+        "parts": [json_value(part, units) for part in found.parts],
+        "margins": [json_value(one, units) for one in found.margins],
         "release_test": {
             "edition": found.test.rules.edition,
             "title": found.test.rules.title,
             "angle": quantity(found.test.angle_rad, ANGLE, units),
         },
-        "releases": [plain(one, units) for one in found.releases],
+        "releases": [json_value(one, units) for one in found.releases],
     }
 
 

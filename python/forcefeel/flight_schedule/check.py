@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import NOMINAL, REFERENCE_ARMS, Case, PilotArm, make_cases
 from forcefeel.envelope.deviations import Deviation, chosen_deviations
-from forcefeel.envelope.machines import plain_feel
+from forcefeel.envelope.machines import feel_json
 from forcefeel.errors import InputError
 from forcefeel.flight_schedule.axes import cells, mesh, place_text
 from forcefeel.flight_schedule.poles import Poles, loops_of, poles_of
@@ -65,7 +65,7 @@ def check_schedule(
     """
     if isinstance(refine, bool) or not isinstance(refine, int) or not 2 <= refine <= MOST_LOOPS:
         raise InputError(f"refine: expected a whole number from 2 to {MOST_LOOPS:,}, got {show(refine)}")
-    loader, _ = plain_feel(schedule.loader)
+    loader, _ = feel_json(schedule.loader)
     deviations = chosen_deviations(loader, changes)
     cases = make_cases(deviations, arms)
     threads = threads_or_cores(threads)

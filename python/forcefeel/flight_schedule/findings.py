@@ -1,6 +1,6 @@
 """What the check of a flight schedule says, in sentences."""
 
-from forcefeel.design.findings import Conclusions
+from forcefeel.conclusions import Conclusions
 from forcefeel.envelope.tolerance_sentences import tolerance_sentences
 from forcefeel.flight_schedule.result import CheckedRelease, Part, PartFound, ScheduleCheck
 from forcefeel.units import to_text

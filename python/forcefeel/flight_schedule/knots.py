@@ -9,14 +9,13 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.envelope.result import INERTIA
 from forcefeel.errors import InputError
 from forcefeel.files import MOST_TEXT_BYTES, read_input
 from forcefeel.flight_schedule.axes import MOST_AXES, ScheduleAxis, place_text
 from forcefeel.flight_schedule.schedule import second_order_feel
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.tables.csv_table import csv_rows, text_lines
-from forcefeel.units import RATIO, Unit, factor, show
+from forcefeel.units import INERTIA, RATIO, Unit, factor, show
 
 EXAMPLE = "dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio"
 """A good header."""

@@ -14,7 +14,7 @@ from forcefeel.laws.sampled.setting_laws import SettingLaws
 from forcefeel.laws.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import Rules, judge_releases, measure_releases
-from forcefeel.qualification.programme.throw import Throw
+from forcefeel.qualification.throw import Throw
 from forcefeel.simulation import RunStatus, Scenario, simulate_batch
 from forcefeel.simulation.inputs import Release
 from forcefeel.simulation.scenario import LONGEST_STEP_S

@@ -2,15 +2,15 @@
 
 from importlib.metadata import version
 
-from forcefeel.envelope.as_json import plain_deviations, plain_grid, plain_rule
+from forcefeel.envelope.as_json import deviations_json, grid_json, rule_json
 from forcefeel.frontier.findings import frontier_conclusions
 from forcefeel.frontier.result import Frontier
 from forcefeel.frontier.tightening import Path
-from forcefeel.json_values import Plain, plain, quantity
+from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.units import ANGLE, FLOW, PERCENT, SECONDS, UnitSystem
 
 
-def plain_frontier(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
+def frontier_json(found: Frontier, units: UnitSystem) -> dict[str, Json]:
     """What a frontier says, and of what."""
     plan = found.plan
     return {
@@ -18,38 +18,38 @@ def plain_frontier(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
         "units": str(units),
         "loader": plan.loader.name,
         "compensator": found.compensator,
-        "rule": plain_rule(plan),
+        "rule": rule_json(plan),
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "settings": plan.settings.count,
-        "grid": plain_grid(plan.settings, units),
-        "tolerances": plain_deviations(plan.deviations),
-        "conclusions": plain(frontier_conclusions(found, units), units),
-        "shares": plain(found.envelope.shares(found.compensator), units),
+        "grid": grid_json(plan.settings, units),
+        "tolerances": deviations_json(plan.deviations),
+        "conclusions": json_value(frontier_conclusions(found, units), units),
+        "shares": json_value(found.envelope.shares(found.compensator), units),
         "limits": {str(limit): quantity(share, PERCENT, units) for limit, share in found.limit_shares.items()},
         "limit_of_each_setting": found.limits.tolist(),
         "bound": _bound(found, units),
         "tightening": _tightening(found, units),
         "valve": _valve(found, units),
-        "smallest_in_every_case": plain(found.smallest, units),
+        "smallest_in_every_case": json_value(found.smallest, units),
         "largest_stiffness_in_every_case": quantity(found.largest_stiffness, PERCENT, units),
-        "friction": plain(found.friction, units),
-        "hardware": plain(found.hardware, units),
+        "friction": json_value(found.friction, units),
+        "hardware": json_value(found.hardware, units),
     }
 
 
-def _tightening(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
+def _tightening(found: Frontier, units: UnitSystem) -> dict[str, Json]:
     tight = found.tightening
     paths = {"inertia_and_geometry": tight.inertia_and_geometry, "all_in_proportion": tight.all_in_proportion}
     return {
         "passes_nominally": quantity(tight.nominal, PERCENT, units),
         "passes_in_every_case": quantity(tight.worst, PERCENT, units),
         **{name: _path(path, units) for name, path in paths.items()},
-        "pair": plain(tight.pair, units),
-        "costs": plain(tight.costs, units),
+        "pair": json_value(tight.pair, units),
+        "costs": json_value(tight.costs, units),
     }
 
 
-def _path(path: Path, units: UnitSystem) -> dict[str, Plain]:
+def _path(path: Path, units: UnitSystem) -> dict[str, Json]:
     return {
         "inertia_known_to": [quantity(one, PERCENT, units) for one in path.tolerances],
         "passes_in_every_case": [quantity(one, PERCENT, units) for one in path.shares],
@@ -58,7 +58,7 @@ def _path(path: Path, units: UnitSystem) -> dict[str, Plain]:
     }
 
 
-def _bound(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
+def _bound(found: Frontier, units: UnitSystem) -> dict[str, Json]:
     bound = found.bound
     return {
         "inertia_known_to": [quantity(error, PERCENT, units) for error in bound.errors],
@@ -68,7 +68,7 @@ def _bound(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
     }
 
 
-def _valve(found: Frontier, units: UnitSystem) -> dict[str, Plain]:
+def _valve(found: Frontier, units: UnitSystem) -> dict[str, Json]:
     valve = found.valve
     return {
         "flow": quantity(valve.flow_m3_per_s, FLOW, units),

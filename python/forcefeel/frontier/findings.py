@@ -2,14 +2,13 @@
 
 from math import isclose, isfinite
 
-from forcefeel.design.findings import Conclusions
+from forcefeel.conclusions import Conclusions, share_text
 from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST, caveats, name_text
-from forcefeel.envelope.result import INERTIA as INERTIA_UNIT
 from forcefeel.frontier.hardware import Gain
 from forcefeel.frontier.result import Frontier, Limit
 from forcefeel.frontier.tightening import KNOWN_BETTER
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.sweep.findings import share_text
+from forcefeel.units import INERTIA as INERTIA_UNIT
 from forcefeel.units import PERCENT, Unit, UnitSystem, to_text
 
 GOAL = f"{100 * WHOLE_NOMINAL:.0f} % nominally and {100 * WHOLE_WORST:.0f} % in every case"

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
+from forcefeel.json_values import Json, fields_json, quantity
 from forcefeel.linear.models import DESIGN_STATES, design_plant, state_feedback
 from forcefeel.loader.loader import Loader
 from forcefeel.units import LENGTH, RATIO, SECONDS, Unit, UnitSystem
@@ -131,6 +132,15 @@ class Compensation:
     status: Status
     change: Annotated[float, RATIO]
     riccati_residual: Annotated[float, RATIO]
+
+    def as_json(self, system: UnitSystem) -> dict[str, Json]:
+        """The fields, and each gain with the state that it acts on."""
+        rows = zip(GAIN_SYMBOLS, DESIGN_STATES, self.gains, GAIN_UNITS, strict=False)
+        gains = [
+            {"symbol": symbol, "state": state, **quantity(float(value), measured_in, system)}
+            for symbol, state, value, measured_in in rows
+        ]
+        return fields_json(self, system) | {"gains": gains}
 
     @property
     def reached(self) -> bool:

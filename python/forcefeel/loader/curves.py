@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
+from forcefeel.json_values import Json
 from forcefeel.units import ANGLE, RATIO, Unit, UnitSystem, show, to_text
 
 MOST_POINTS = 32
@@ -158,6 +159,12 @@ class CurveRow:
     def units(self, system: UnitSystem) -> tuple[str, str]:
         """The units that people read."""
         return self.x.unit.shown(system), self.y.unit.shown(system)
+
+    def as_json(self, curve: Curve, system: UnitSystem) -> dict[str, Json]:
+        """The points of a curve, with the units of its axes."""
+        axes = zip((self.x.unit, self.y.unit), (curve.x, curve.y), strict=True)
+        columns = [[measured_in.from_si(value, system) for value in values] for measured_in, values in axes]
+        return {"units": list(self.units(system)), "points": [list(point) for point in zip(*columns, strict=True)]}
 
 
 _FORCE = Unit("N", "N", "lb")

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
+from forcefeel.json_values import Json, quantity
 from forcefeel.loader import tolerance_text
 from forcefeel.loader.curves import CURVES, Curve
 from forcefeel.loader.curves import check as check_curve
@@ -17,12 +18,14 @@ from forcefeel.loader.file import misfits, read
 from forcefeel.loader.parameters import (
     INDEX,
     OFF,
+    REQUIRED,
     TABLE,
     did_you_mean,
     in_range,
     is_switch,
     range_text,
     stands,
+    unit,
     value_text,
     without,
 )
@@ -30,34 +33,9 @@ from forcefeel.loader.text import Contents, write
 from forcefeel.loader.tolerances import Tolerance, beyond, nothing
 from forcefeel.units import UnitSystem, parse, show, to_text
 
-_REPORT = (
-    "NASA Langley, Analysis and Compensation of an Aircraft Simulator Control Loading System, October 1974; "
-    "the tolerances are assumed"
-)
-
 _OFF = "give None, or off on the command line,"
 """How one switches an optional row off who changes a loader."""
 
-_ASSUMED = dict.fromkeys(
-    (
-        "amplifier.admittance",
-        "valve.current_gain",
-        "valve.pressure_gain",
-        "valve.natural_frequency",
-        "valve.rated_flow",
-        "valve.supply_pressure",
-        "actuator.oil_volume",
-        "actuator.bulk_modulus",
-        "linkage.stiffness",
-        "linkage.damping",
-        "column.inertia",
-        "load_cell.gain",
-        "potentiometer.gain",
-    ),
-    "20 %",
-) | {"valve.current_gain": "30 %", "valve.rated_flow": "30 %"}
-"""The elevator's tolerances: the report gives none, but its sensitivity study deviates parameters by 20 %. A valve's gain is known
-less well than the rest."""
 
 FEEL_SETTING = ("feel.inertia", "feel.damping", "feel.stiffness")
 """The computer setting I, B, G."""
@@ -217,6 +195,17 @@ class Loader:
         force = self.force_curve and Curve(self.force_curve.x, tuple(scale * y for y in self.force_curve.y))
         return _unchecked(self.name, self.source, values, force, self.stiffness_factor, tolerances)
 
+    def as_json(self, system: UnitSystem) -> dict[str, Json]:
+        """The numbers by ``part.name``; optional rows and curves only where given."""
+        shown = {*REQUIRED, *self.given}
+        return {
+            "name": self.name,
+            "source": self.source,
+            "values": {key: quantity(self[key], unit(row), system) for key, row in TABLE.items() if key in shown},
+            "curves": {CURVES[name].key: CURVES[name].as_json(curve, system) for name, curve in self.curves.items()},
+            "tolerances": {key: it.as_json(unit(TABLE[key]), system) for key, it in self.tolerances.items()},
+        }
+
     def to_toml(self, units: UnitSystem = UnitSystem.US) -> str:
         """The loader as a commented loader file."""
         return write(self._contents(), units)
@@ -244,55 +233,6 @@ def _freeze(loader: Loader, **attributes: Any) -> None:
         if isinstance(value, np.ndarray):
             value.setflags(write=False)
         object.__setattr__(loader, name, MappingProxyType(dict(value)) if isinstance(value, Mapping) else value)
-
-
-def elevator() -> Loader:
-    """The elevator loader of the 1974 report, from the appendix's U.S. customary column; its tolerances are assumed."""
-    values = np.array([OFF.get(key, row.default_si) for key, row in TABLE.items()])
-    return Loader("elevator", _REPORT, values).with_tolerances(_ASSUMED)
-
-
-def digital_elevator() -> Loader:
-    """The same loader as it would be run today: under a digital controller at 2 kHz with one sample of delay.
-
-    The flow follows the orifice, eq. (1), limited by the appendix's rated current and flow. The sensors are of a usual kind, no one
-    product: a load cell with 0.1 lb of noise, an encoder of 23 bits a turn at the column, a potentiometer at the piston. There is
-    none on flow or valve.
-    """
-    changes: dict[str, str | float | bool | None] = {
-        "controller.period": "0.5 ms",
-        "controller.delay": "0.5 ms",
-        "valve.orifice": True,
-        "valve.flow_limit": "100 in^3/s",
-        "amplifier.current_limit": "15 mA",
-        "load_cell.noise": "0.1 lb",
-        "load_cell.resolution": "0.05 lb",
-        "potentiometer.noise": "0.0005 in",
-        "potentiometer.resolution": "0.0005 in",
-        "column_sensor.noise": "4e-5 deg",
-        "column_sensor.resolution": "4.29e-5 deg",
-    }
-    return replace(
-        elevator().replace(changes), name="elevator-2khz", source=f"{_REPORT}; controller and sensors assumed"
-    )
-
-
-BUILT_IN: Mapping[str, Callable[[], Loader]] = MappingProxyType(
-    {"elevator": elevator, "elevator-2khz": digital_elevator}
-)
-"""Loaders by name."""
-
-
-def open_loader(given: str | Path | None) -> Loader:
-    """The loader of a file, or a built-in one by its name; the elevator if nothing is given.
-
-    Raises:
-        InputError: As ``load``.
-    """
-    if given is None:
-        return elevator()
-    name = str(given)
-    return BUILT_IN[name]() if name in BUILT_IN and not Path(given).exists() else load(given)
 
 
 def load(path: str | Path) -> Loader:

@@ -113,3 +113,22 @@ def did_you_mean(key: str) -> str:
     if close := [known for known in TABLE if known.endswith(f".{key}")] or get_close_matches(key, TABLE, n=1):
         return f"did you mean {' or '.join(close)}?"
     return f"the parameters are {', '.join(TABLE)}"
+
+
+PLANT_PARAMETERS = (
+    "amplifier.admittance",
+    "valve.current_gain",
+    "valve.pressure_gain",
+    "valve.natural_frequency",
+    "valve.damping_ratio",
+    "actuator.area",
+    "actuator.oil_volume",
+    "actuator.bulk_modulus",
+    "linkage.ratio",
+    "linkage.stiffness",
+    "linkage.damping",
+    "column.inertia",
+    "column.base_arm",
+    "column.grip_arm",
+)
+"""Every parameter that the compensated loop depends on, besides its gains and the programmed feel."""

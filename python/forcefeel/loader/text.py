@@ -19,7 +19,7 @@ from forcefeel.loader.parameters import (
     with_unit,
 )
 from forcefeel.loader.tolerances import Tolerance, nothing
-from forcefeel.page.templates import environment
+from forcefeel.templating import environment
 from forcefeel.units import UnitSystem
 
 _EXAMPLE_DIGITS = 4

@@ -13,9 +13,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel._core import Parameter
 from forcefeel.errors import InputError
+from forcefeel.json_values import Json, quantity
 from forcefeel.loader import consistency
 from forcefeel.loader.parameters import OFF, TABLE, did_you_mean, in_range, is_switch, range_text, value_text
-from forcefeel.units import show
+from forcefeel.units import Unit, UnitSystem, show
 
 _SAME = 1e-9
 """Relative; a value that went through another unit system is still the same."""
@@ -76,6 +77,12 @@ class Tolerance:
         self._check_shape()
         if self.nominal == 0:
             raise InputError(ZERO)
+
+    def as_json(self, measured_in: Unit, system: UnitSystem) -> dict[str, Json]:
+        """The distribution and its numbers, those that it has."""
+        numbers = {name: getattr(self, name) for name in ("low", "high", "peak", "deviation")}
+        given = {name: quantity(value, measured_in, system) for name, value in numbers.items() if value is not None}
+        return {"distribution": str(self.distribution), **given}
 
     def _check_shape(self) -> None:
         peaked, normal = self.distribution is not Distribution.UNIFORM, self.distribution is Distribution.NORMAL

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.timing import controller_steps
 from forcefeel.simulation.engine import Law, engine_law
-from forcefeel.simulation.scenario import controller_steps
 from forcefeel.threads import threads_or_cores
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from forcefeel.design.workflow import design
-from forcefeel.loader.loader import elevator
+from forcefeel.loader.built_in import elevator
 from forcefeel.reproduction import appendix, claims, curves, equations, gains
 from forcefeel.reproduction.table import Section
 

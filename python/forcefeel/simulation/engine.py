@@ -17,6 +17,7 @@ from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import linear
 from forcefeel.simulation.outcome import (
     MEASURES,
+    MOST_HISTORY_BYTES,
     Measures,
     Run,
     RunStatus,
@@ -27,9 +28,6 @@ from forcefeel.simulation.outcome import (
 )
 from forcefeel.simulation.scenario import Scenario, Steps
 from forcefeel.threads import threads_or_cores
-
-MOST_HISTORY_BYTES = 4 * 2**30
-"""Largest histories that a batch keeps; more is refused before it starts."""
 
 _SINGLE = 1
 

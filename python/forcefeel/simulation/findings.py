@@ -3,8 +3,9 @@
 from math import isfinite, isnan, pi
 
 from forcefeel._core import feel_frequency
-from forcefeel.design.findings import Conclusions, beyond_linear
+from forcefeel.conclusions import Conclusions
 from forcefeel.loader.arms import UNVERIFIED, arm_of
+from forcefeel.loader.beyond_linear import beyond_linear
 from forcefeel.loader.parameters import INDEX
 from forcefeel.simulation import Run, RunStatus
 from forcefeel.simulation.inputs import (
@@ -21,10 +22,7 @@ from forcefeel.simulation.inputs import (
 )
 from forcefeel.simulation.limits import Limits, feel_position, goes_to_a_place, keeps_moving, limits, why_no_overshoot
 from forcefeel.simulation.programmed_feel import has_arm, programmed, spring_is_g
-from forcefeel.units import ANGLE, CURRENT, Unit, UnitSystem, to_text
-
-FORCE = Unit("N", "N", "lb", "n")
-"""Force at the grip."""
+from forcefeel.units import ANGLE, CURRENT, FORCE, Unit, UnitSystem, to_text
 
 _LITTLE = 1e-3
 """Share of the time that is not worth a word."""

@@ -16,7 +16,7 @@ from forcefeel.linear.models import Linkage, loader_model
 from forcefeel.linear.step import equilibrium
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX, OFF, TABLE
-from forcefeel.simulation.outcome import outputs
+from forcefeel.simulation.outcome import MOST_HISTORY_BYTES, outputs
 from forcefeel.simulation.scenario import Scenario, Steps, on_samples
 from forcefeel.threads import threads_or_cores
 
@@ -105,8 +105,6 @@ def simulate_linear_batch(
     Source:
         C. F. Van Loan, Computing integrals involving the matrix exponential, 1978.
     """
-    from forcefeel.simulation.engine import MOST_HISTORY_BYTES  # noqa: PLC0415
-
     values = np.ascontiguousarray(values, dtype=np.float64)
     gains = np.ascontiguousarray(compensator, dtype=np.float64) if isinstance(compensator, np.ndarray) else None
     law = compensator if isinstance(compensator, Compensator) else None

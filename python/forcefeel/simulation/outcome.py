@@ -153,3 +153,7 @@ def history(
     time = np.arange(values.shape[1]) * sample_s
     data = {name: ("time_s", row, {"units": unit}) for (name, unit), row in zip(units.items(), values, strict=True)}
     return xr.Dataset(data, {"time_s": ("time_s", time, {"units": "s"})}, attributes)
+
+
+MOST_HISTORY_BYTES = 4 * 2**30
+"""Largest histories that a batch keeps; more is refused before it starts."""

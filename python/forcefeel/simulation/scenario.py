@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled_compensator import SampledCompensator
-from forcefeel.loader.consistency import parts_of_period
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.timing import WHOLE, controller_steps
 from forcefeel.simulation.inputs import Force, HandsOff, Recorded, Release, Sampled, Schedule
 from forcefeel.simulation.inputs.sampled import Grid
 
@@ -25,9 +25,6 @@ LATEST_S = 1e6
 
 LARGEST_SEED = 2**63 - 1
 """Largest seed."""
-
-_WHOLE = 1e-9
-"""Relative; a quotient of two decimal numbers that is whole but for rounding."""
 
 
 @dataclass(frozen=True)
@@ -198,9 +195,9 @@ class Steps:
 
 def _every(sample_s: float, step_s: float) -> int:
     steps = sample_s / step_s
-    if abs(steps - 0.5) <= _WHOLE:
+    if abs(steps - 0.5) <= WHOLE:
         return 0
-    if round(steps) < 1 or abs(steps - round(steps)) > _WHOLE * steps:
+    if round(steps) < 1 or abs(steps - round(steps)) > WHOLE * steps:
         raise InputError(
             f"sample_s: expected whole steps of {step_s:g} s, or half a step, between samples, got {sample_s:g} s"
         )
@@ -235,15 +232,3 @@ def _stiffness_factor(scenario: Scenario, loader: Loader, span: tuple[float, flo
 def _step(scenario: Scenario, loader: Loader) -> tuple[float, tuple[int, int] | None]:
     """The engine's step, and the controller's period and delay in steps."""
     return (scenario.step_s, None) if loader["controller.period"] == 0 else controller_steps(loader, scenario.step_s)
-
-
-def controller_steps(loader: Loader, longest_s: float) -> tuple[float, tuple[int, int]]:
-    """A step that divides the controller's period and its delay, no longer than so much, and both in such steps.
-
-    Raises:
-        InputError: As ``parts_of_period``; no loader has such a delay.
-    """
-    period, delay = loader["controller.period"], loader["controller.delay"]
-    parts = parts_of_period(period, delay)
-    steps = parts * int(np.ceil(period / longest_s / parts * (1 - _WHOLE)))
-    return period / steps, (steps, round(delay / period * steps))

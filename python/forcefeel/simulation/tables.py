@@ -9,11 +9,24 @@ from typing import Any, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.json_values import Plain, plain
+from forcefeel.json_values import Json, json_value
 from forcefeel.simulation import Measures, Run
-from forcefeel.simulation.findings import FORCE, input_in_words, run_conclusions
+from forcefeel.simulation.findings import input_in_words, run_conclusions
 from forcefeel.simulation.limits import known_measures, limits, why_no_overshoot
-from forcefeel.units import ANGLE, CURRENT, FLOW, LENGTH, PERCENT, PRESSURE, SECONDS, Unit, UnitSystem, factor, to_text
+from forcefeel.units import (
+    ANGLE,
+    CURRENT,
+    FLOW,
+    FORCE,
+    LENGTH,
+    PERCENT,
+    PRESSURE,
+    SECONDS,
+    Unit,
+    UnitSystem,
+    factor,
+    to_text,
+)
 
 NAMES = {
     "maximum_angle_rad": "largest column angle",
@@ -93,29 +106,29 @@ def columns(run: Run, units: UnitSystem) -> tuple[Column, ...]:
     return tuple(found)
 
 
-def plain_run(run: Run, units: UnitSystem, law: str) -> dict[str, Plain]:
+def run_json(run: Run, units: UnitSystem, law: str) -> dict[str, Json]:
     """Everything about a run but its history, every number with its unit."""
     force = run.scenario.force
-    scenario = dict(_plain_dict(run.scenario, units))
+    scenario = dict(_dict_json(run.scenario, units))
     scenario["force"] = {
         "kind": re.sub("(?<!^)(?=[A-Z])", "-", type(force).__name__).lower(),  # as --input has it: stop-to-stop
         "words": input_in_words(force, units),
-        **_plain_dict(force, units),
+        **_dict_json(force, units),
     }
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "status": str(run.status),
-        "conclusions": plain(run_conclusions(run, units), units),
-        "measures": plain(known_measures(run), units),
-        "limits": plain(limits(run), units),
+        "conclusions": json_value(run_conclusions(run, units), units),
+        "measures": json_value(known_measures(run), units),
+        "limits": json_value(limits(run), units),
         "method": run.method,
         "compensator": law,
         "scenario": scenario,
-        "loader": plain(run.loader, units),
+        "loader": json_value(run.loader, units),
     }
 
 
-def _plain_dict(result: Any, units: UnitSystem) -> dict[str, Plain]:
-    found = plain(result, units)
+def _dict_json(result: Any, units: UnitSystem) -> dict[str, Json]:
+    found = json_value(result, units)
     return found if isinstance(found, dict) else {}

@@ -5,7 +5,7 @@ from math import isfinite
 
 import numpy as np
 
-from forcefeel.json_values import Plain, plain, quantity
+from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.simulation.findings import input_in_words
 from forcefeel.sweep.findings import sweep_conclusions
@@ -15,7 +15,7 @@ from forcefeel.sweep.summary import QUANTILES, Spread, Summary, measure_unit
 from forcefeel.units import UnitSystem
 
 
-def plain_sweep(result: SweepResult, summary: Summary, units: UnitSystem) -> dict[str, Plain]:
+def sweep_json(result: SweepResult, summary: Summary, units: UnitSystem) -> dict[str, Json]:
     """What the runs say together, and of which sweep."""
     sweep = result.sweep
     return {
@@ -27,8 +27,8 @@ def plain_sweep(result: SweepResult, summary: Summary, units: UnitSystem) -> dic
         "machines_at_each_point": sweep.machines,
         "seed": sweep.seed,
         "law": whose_law(sweep),
-        "conclusions": plain(sweep_conclusions(result, summary, units), units),
-        "statuses": [_without_unknown(plain(share, units)) for share in summary.shares],
+        "conclusions": json_value(sweep_conclusions(result, summary, units), units),
+        "statuses": [_without_unknown(json_value(share, units)) for share in summary.shares],
         "measures": {name: _spread(spread, units) for name, spread in summary.spreads.items() if spread.runs},
         "rank_correlations": _correlations(summary),
         "chance_of_a_correlation": summary.chance,
@@ -57,7 +57,7 @@ def whose_law(sweep: Sweep) -> str:
     return "designed anew for each setting of the feel" if sweep.redesigned else "one for all machines"
 
 
-def _without_unknown(share: Plain) -> Plain:
+def _without_unknown(share: Json) -> Json:
     """Without the interval where the runs are no random sample."""
     if not isinstance(share, dict):
         return share
@@ -68,7 +68,7 @@ def _without_unknown(share: Plain) -> Plain:
     }
 
 
-def _spread(spread: Spread, units: UnitSystem) -> dict[str, Plain]:
+def _spread(spread: Spread, units: UnitSystem) -> dict[str, Json]:
     measured_in = measure_unit(spread.measure)
 
     def shown(value: float) -> float | None:
@@ -84,7 +84,7 @@ def _spread(spread: Spread, units: UnitSystem) -> dict[str, Plain]:
     }
 
 
-def _correlations(summary: Summary) -> dict[str, Plain]:
+def _correlations(summary: Summary) -> dict[str, Json]:
     """Each measure's, where it has any."""
     table = summary.correlations
     return {

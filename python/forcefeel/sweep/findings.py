@@ -4,7 +4,7 @@ from math import isfinite
 
 import numpy as np
 
-from forcefeel.design.findings import Conclusions
+from forcefeel.conclusions import Conclusions, interval_text, share_text
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.simulation import RunStatus
 from forcefeel.simulation.limits import goes_to_a_place, keeps_moving
@@ -62,17 +62,6 @@ def sweep_conclusions(result: SweepResult, summary: Summary, units: UnitSystem) 
     ]
     good = bool(result.sweep.axes) or summary.share(RunStatus.DIVERGED).runs == 0
     return Conclusions(good, words.verdict(measures), tuple(filter(None, sentences)))
-
-
-def share_text(share: float) -> str:
-    """A share in percent; what is not all never reads as 100 %."""
-    missing = float(f"{100 * (1 - share):.2g}")
-    return f"{to_text(100 - missing, 7) if 0 < missing < 1 else to_text(100 * share, 3)} %"
-
-
-def interval_text(low: float, high: float) -> str:
-    """From one share to another in percent."""
-    return f"{share_text(low).removesuffix(' %')} to {share_text(high)}"
 
 
 def value_with_unit(measure: str, value: float, units: UnitSystem) -> str:

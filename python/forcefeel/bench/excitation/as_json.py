@@ -8,7 +8,7 @@ from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import UnitSystem
 
 
-def plain_excitation(found: Excitation, units: UnitSystem) -> dict[str, Any]:
+def excitation_json(found: Excitation, units: UnitSystem) -> dict[str, Any]:
     """Everything but the samples; values in the units of ``units``, noise and lines in SI units."""
     drive = INPUTS[found.experiment.drive]
     return {

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from forcefeel.bench.channels import channel_unit
 from forcefeel.bench.excitation.information import named
 from forcefeel.bench.excitation.result import Excitation
-from forcefeel.bench.identification.digits import channel_unit, percent
+from forcefeel.bench.identification.digits import percent
 from forcefeel.errors import InputError
 from forcefeel.files import write_whole
 from forcefeel.units import UnitSystem

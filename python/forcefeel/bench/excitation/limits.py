@@ -7,8 +7,9 @@ from types import MappingProxyType
 
 import numpy as np
 
+from forcefeel.bench.channels import channel_unit
 from forcefeel.bench.experiments import Drive
-from forcefeel.bench.identification.digits import channel_unit, percent
+from forcefeel.bench.identification.digits import percent
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.inputs.sampled import check_number

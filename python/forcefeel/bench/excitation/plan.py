@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from forcefeel.bench.channels import OUTPUTS
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.timing import WHOLE
 from forcefeel.simulation.inputs.sampled import check_number
 from forcefeel.units import show
 
@@ -31,7 +32,6 @@ MOST_SAMPLES = 5_000_000
 _MOST_LINES = 160  # 4 % apart over three decades: finer than a resonance with a damping ratio of 0.02
 _FEWEST_LINES = 8
 _ROUND = (8.0, 5.0, 4.0, 2.5, 2.0, 1.0)
-_WHOLE = 1e-9  # a product of two decimal numbers that is whole but for rounding
 
 
 @dataclass(frozen=True)
@@ -126,13 +126,13 @@ def timing(plan: ExcitationPlan) -> Timing:
     Raises:
         InputError: If the time is too short for the lowest frequency.
     """
-    samples = floor(plan.time_s * plan.rate_hz * (1 + _WHOLE))
+    samples = floor(plan.time_s * plan.rate_hz * (1 + WHOLE))
     longest = samples / (FEWEST_PERIODS + RAMP)
     period = _round_period(longest / plan.rate_hz, plan.rate_hz) or floor(longest)
     lowest = plan.rate_hz / period if period else np.inf
-    if plan.from_hz is not None and plan.from_hz < lowest * (1 - _WHOLE):
+    if plan.from_hz is not None and plan.from_hz < lowest * (1 - WHOLE):
         whole = floor(longest)
-        if not whole or plan.from_hz < plan.rate_hz / whole * (1 - _WHOLE):
+        if not whole or plan.from_hz < plan.rate_hz / whole * (1 - WHOLE):
             needed = (FEWEST_PERIODS + RAMP) / plan.from_hz
             raise InputError(
                 f"time: expected {FEWEST_PERIODS} whole periods of {1 / plan.from_hz:.6g} s at least, {needed:.6g} s for a lowest "
@@ -154,7 +154,7 @@ def _round_period(longest_s: float, rate_hz: float) -> int | None:
     decade = 10.0 ** floor(log10(longest_s))
     for seconds in (*(mark * decade for mark in _ROUND), *(mark * decade / 10 for mark in _ROUND)):
         count = seconds * rate_hz
-        if seconds <= longest_s * (1 + _WHOLE) and abs(count - round(count)) < _WHOLE * count and round(count):
+        if seconds <= longest_s * (1 + WHOLE) and abs(count - round(count)) < WHOLE * count and round(count):
             return round(count)
     return None
 
@@ -170,15 +170,15 @@ def spectral_lines(plan: ExcitationPlan, found: Timing, loader: Loader) -> NDArr
         period = loader["controller.period"]
         samples = 1 / period / SAMPLES_PER_CYCLE if period else np.inf
         to_hz = min(loader["valve.natural_frequency"] / (2 * np.pi), top, samples)
-    elif plan.to_hz > top * (1 + _WHOLE):
+    elif plan.to_hz > top * (1 + WHOLE):
         raise InputError(
             f"rate: expected {SAMPLES_PER_CYCLE} samples in a cycle of the highest frequency at least, "
             f"{SAMPLES_PER_CYCLE * plan.to_hz:g} Hz for {plan.to_hz:g} Hz, got {plan.rate_hz:g} Hz; raise it or end lower"
         )
     else:
         to_hz = plan.to_hz
-    first = max(int(np.ceil((plan.from_hz or 0.0) * found.period_s * (1 - _WHOLE))), 1)
-    last = floor(to_hz * found.period_s * (1 + _WHOLE))
+    first = max(int(np.ceil((plan.from_hz or 0.0) * found.period_s * (1 - WHOLE))), 1)
+    last = floor(to_hz * found.period_s * (1 + WHOLE))
     if last - first + 1 < _FEWEST_LINES:
         raise InputError(
             f"band: expected {_FEWEST_LINES} lines at least, which are {1 / found.period_s:.6g} Hz apart, got "

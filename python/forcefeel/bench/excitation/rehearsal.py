@@ -14,6 +14,7 @@ from forcefeel.bench.identification.linear import Law
 from forcefeel.bench.identification.record_run import driven, engine_step_s
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.timing import WHOLE
 from forcefeel.simulation import RunStatus, Scenario, simulate
 from forcefeel.simulation.inputs import Recorded, Schedule
 from forcefeel.units import UnitSystem
@@ -24,7 +25,6 @@ NEAR = 0.97
 _AIM = 0.985  # between NEAR and 1
 _TRIALS = 16
 _MOST_CHANGE = 4.0  # of the scale in a trial: a loader with friction or stops is not linear
-_WHOLE = 1e-9
 
 _HISTORY = {
     "valve_current": "valve_current_a",
@@ -57,7 +57,7 @@ class Bench:
             limits: The limits.
         """
         step_s = engine_step_s(self.loader, 1 / self.rate_hz)
-        steps = ceil((len(signal) - 1) / self.rate_hz / step_s - _WHOLE)
+        steps = ceil((len(signal) - 1) / self.rate_hz / step_s - WHOLE)
         run = simulate(self.loader, self._scenario(signal, steps, step_s), self._law())
         if run.status is RunStatus.DIVERGED:
             return (inf,) * len(limits)

@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.channels import channel_unit
 from forcefeel.bench.excitation.information import named, relative_errors
 from forcefeel.bench.excitation.limits import Limit
 from forcefeel.bench.excitation.plan import ExcitationPlan
 from forcefeel.bench.experiments import Experiment
-from forcefeel.bench.identification.digits import channel_unit, percent
+from forcefeel.bench.identification.digits import percent
 from forcefeel.bench.identification.inseparable import DETERMINED
 from forcefeel.loader.loader import Loader
 from forcefeel.units import UnitSystem, to_text

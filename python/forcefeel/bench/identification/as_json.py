@@ -7,12 +7,13 @@ from importlib.metadata import version
 
 import numpy as np
 
-from forcefeel.bench.identification.digits import NOT_DETERMINED, channel_unit, gain_unit
+from forcefeel.bench.channels import channel_unit
+from forcefeel.bench.identification.digits import NOT_DETERMINED, gain_unit
 from forcefeel.bench.identification.findings import identification_conclusions
 from forcefeel.bench.identification.misfit import stated_noise
 from forcefeel.bench.identification.result import Ended, Estimate, Fitted, Identification, Status, data_of
 from forcefeel.bench.responses import Response
-from forcefeel.json_values import Plain, plain, plain_loader, quantity
+from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import SECONDS, UnitSystem
 
@@ -38,18 +39,18 @@ class FitSettings:
     law: str = "original"
 
 
-def plain_identification(
+def identification_json(
     found: Identification, units: UnitSystem, settings: FitSettings | None = None
-) -> dict[str, Plain]:
+) -> dict[str, Json]:
     """What the identification says, and of what."""
-    after = None if found.loader is None else plain_loader(found.loader, units)
+    after = None if found.loader is None else found.loader.as_json(units)
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "loader": found.before.name,
-        "conclusions": plain(identification_conclusions(found, units), units),
+        "conclusions": json_value(identification_conclusions(found, units), units),
         "determined": found.determined,
-        "settings": plain(settings, units),
+        "settings": json_value(settings, units),
         "parameters": [_estimate(one, units) for one in found.estimates],
         "correlation": [[_finite(value) for value in row] for row in found.correlation.tolist()],
         "not_told_apart": [
@@ -60,11 +61,11 @@ def plain_identification(
             {"sentence": one.sentence, "half_intervals": {key: _finite(share) for key, share in one.shares.items()}}
             for one in found.advice
         ],
-        "rigid_link": plain(found.rigid, units),
+        "rigid_link": json_value(found.rigid, units),
         "notes": list(found.notes),
         "starts": [_ended(found, one, units) for one in found.ends],
         "data": [_data(found, one, units) for one in data_of(found.fitted)],
-        "before": plain_loader(found.before, units),
+        "before": found.before.as_json(units),
         "after": after,
     }
 
@@ -91,11 +92,11 @@ def response_csv(response: Response, units: UnitSystem) -> str:
     return text.getvalue()
 
 
-def _estimate(one: Estimate, units: UnitSystem) -> dict[str, Plain]:
+def _estimate(one: Estimate, units: UnitSystem) -> dict[str, Json]:
     """One parameter; of one that is not determined nothing that could be taken for its value."""
     unknown, measured_in = one.unknown, unit(TABLE[one.unknown.key])
     known = one.status is not Status.UNDETERMINED
-    found: dict[str, Plain] = {
+    found: dict[str, Json] = {
         "parameter": unknown.key,
         "symbol": unknown.symbol,
         "status": str(one.status),
@@ -118,23 +119,23 @@ def _estimate(one: Estimate, units: UnitSystem) -> dict[str, Plain]:
     }
 
 
-def _ended(found: Identification, end: Ended, units: UnitSystem) -> dict[str, Plain]:
-    values: dict[str, Plain] = {}
+def _ended(found: Identification, end: Ended, units: UnitSystem) -> dict[str, Json]:
+    values: dict[str, Json] = {}
     for one, value in zip(found.estimates, end.end.tolist(), strict=True):
         known = one.status is not Status.UNDETERMINED
         measured_in = unit(TABLE[one.unknown.key])
         values[one.unknown.key] = quantity(value, measured_in, units) if known else NOT_DETERMINED
-    began: dict[str, Plain] = {
+    began: dict[str, Json] = {
         key: quantity(value, unit(TABLE[key]), units) for key, value in zip(found.keys, end.start.tolist(), strict=True)
     }
     return {"start": began, "end": values, "cost": _finite(end.cost), "same_place": end.same}
 
 
-def _data(found: Identification, data: object, units: UnitSystem) -> dict[str, Plain]:
+def _data(found: Identification, data: object, units: UnitSystem) -> dict[str, Json]:
     """One file, and what is left of each of its channels."""
     parts = [one for one in found.fitted if one.data is data]
     given = parts[0].data
-    common: dict[str, Plain] = {
+    common: dict[str, Json] = {
         "name": given.name,
         "kind": "frequency response" if isinstance(given, Response) else "record",
         "experiment": str(given.experiment),
@@ -147,13 +148,13 @@ def _data(found: Identification, data: object, units: UnitSystem) -> dict[str, P
     return common | {"channels": [_part(one, units) for one in parts]}
 
 
-def _part(one: Fitted, units: UnitSystem) -> dict[str, Plain]:
+def _part(one: Fitted, units: UnitSystem) -> dict[str, Json]:
     response = isinstance(one.data, Response)
-    ends: dict[str, Plain] = {"points": len(one.at)}
+    ends: dict[str, Json] = {"points": len(one.at)}
     if response:
         ends["band"] = {"value": [float(one.at[0]), float(one.at[-1])], "unit": "Hz"}
         stated = stated_noise(one)
-        sizes: dict[str, Plain] = {
+        sizes: dict[str, Json] = {
             "residual_rms": _finite(one.residual_rms),
             "noise": _finite(one.noise),
             "stated_noise": None if stated is None else _finite(stated),
@@ -168,6 +169,6 @@ def _part(one: Fitted, units: UnitSystem) -> dict[str, Plain]:
     return {"channel": one.channel, **ends, **sizes}
 
 
-def _finite(value: float) -> Plain:
+def _finite(value: float) -> Json:
     """A number that JSON has; text for the others."""
-    return plain(float(value), UnitSystem.SI)
+    return json_value(float(value), UnitSystem.SI)

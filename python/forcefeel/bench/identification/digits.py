@@ -2,12 +2,11 @@
 
 import math
 
-from forcefeel.bench.channels import CHANNELS
+from forcefeel.bench.channels import channel_unit
 from forcefeel.bench.identification.result import Estimate, Fitted
 from forcefeel.bench.responses import Response
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.simulation.findings import FORCE
-from forcefeel.units import ANGLE, CURRENT, FLOW, LENGTH, PRESSURE, Unit, UnitSystem, to_text
+from forcefeel.units import Unit, UnitSystem, to_text
 
 NOT_DETERMINED = "not determined"
 """Stands where an estimate would, if the data do not determine it."""
@@ -17,16 +16,6 @@ _FEWEST, _MOST = 3, 4
 
 _MOST_DECIMALS, _LARGE = 9, 1e7
 """Beyond these an interval is written with powers of ten."""
-
-_UNITS = {
-    one.si: one
-    for one in (ANGLE, LENGTH, FORCE, PRESSURE, FLOW, CURRENT, Unit("rad/s", "deg/s", "deg/s"), Unit("V", "V", "V"))
-}
-
-
-def channel_unit(channel: str) -> Unit:
-    """The units of a channel."""
-    return _UNITS[CHANNELS[channel]]
 
 
 def gain_unit(response: Response, units: UnitSystem) -> tuple[str, float]:

@@ -7,7 +7,8 @@ from forcefeel.bench.identification.digits import error, estimated, nominal, per
 from forcefeel.bench.identification.misfit import UNEXPLAINED, model_error, size_text, unexplained
 from forcefeel.bench.identification.result import Ended, Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.bench.responses import Response
-from forcefeel.design.findings import Conclusions, beyond_linear
+from forcefeel.conclusions import Conclusions
+from forcefeel.loader.beyond_linear import beyond_linear
 from forcefeel.loader.consistency import AT_LEAST
 from forcefeel.loader.parameters import TABLE, limits_si
 from forcefeel.loader.tolerances import Distribution

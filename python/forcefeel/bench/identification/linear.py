@@ -28,8 +28,9 @@ from forcefeel.laws.sampled_compensator import SampledCompensator
 from forcefeel.linear.models import Linkage
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
+from forcefeel.loader.timing import controller_steps
 from forcefeel.simulation.engine import check_controller
-from forcefeel.simulation.scenario import LONGEST_STEP_S, controller_steps
+from forcefeel.simulation.scenario import LONGEST_STEP_S
 
 Law = Compensator | SampledCompensator | None
 """The law of the whole loader; the original one of its own parameters if not given."""

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from forcefeel.bench.identification.digits import channel_unit, percent, rounded, title_of
+from forcefeel.bench.channels import channel_unit
+from forcefeel.bench.identification.digits import percent, rounded, title_of
 from forcefeel.bench.identification.response_observation import line_deviation
 from forcefeel.bench.identification.result import Fitted
 from forcefeel.bench.responses import Response

@@ -18,12 +18,13 @@ from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
+from forcefeel.loader.timing import controller_steps
 from forcefeel.qualification import load_rules
 from forcefeel.qualification.let_go import find_release
 from forcefeel.qualification.records import Record
 from forcefeel.simulation.engine import prepared
 from forcefeel.simulation.inputs import Recorded, Release, Schedule
-from forcefeel.simulation.scenario import Scenario, controller_steps
+from forcefeel.simulation.scenario import Scenario
 from forcefeel.threads import cores
 
 FINE_STEP_S, COARSE_STEP_S = 5e-4, 1e-3

@@ -14,11 +14,11 @@ from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.page import plots as choice_plots
 from forcefeel.choice.page import tables as choice_tables
 from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PHASE_RAD
+from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.page import machine
 from forcefeel.page.canvas import html
-from forcefeel.page.templates import environment
-from forcefeel.page.tolerance_table import tolerances
 from forcefeel.page.typography import number_text, parameter_text, prose_html, quantity_text
+from forcefeel.templating import environment
 from forcefeel.units import ANGLE, UnitSystem
 
 

@@ -5,12 +5,12 @@ from math import degrees, inf, isfinite
 from forcefeel.choice import Choice, Score, Scored
 from forcefeel.choice.demand import Demand
 from forcefeel.choice.noise import FORCE
+from forcefeel.conclusions import share_text
 from forcefeel.envelope.settings import AXES
 from forcefeel.linear.modes import Mode
 from forcefeel.loops.margins import LoopMargins
 from forcefeel.page.table import Cell, Table, heads, number, words
 from forcefeel.page.typography import NONE, heading_text, number_text, prose_html
-from forcefeel.sweep.findings import share_text
 from forcefeel.units import HERTZ, UnitSystem
 
 _MOST_HZ = 1000.0

@@ -10,7 +10,7 @@ from forcefeel.design.figure_data import Figure
 from forcefeel.design.findings import conclusions
 from forcefeel.design.page.captions import MEANINGS
 from forcefeel.design.workflow import Design
-from forcefeel.json_values import plain
+from forcefeel.json_values import json_value
 from forcefeel.units import UnitSystem
 
 
@@ -36,8 +36,8 @@ def results_json(design: Design, drawn: tuple[Figure, ...], tables: Mapping[str,
     document = {
         "forcefeel": version("forcefeel"),
         "units": str(units),
-        "conclusions": plain(conclusions(design, units), units),
-        "design": plain(design, units),
+        "conclusions": json_value(conclusions(design, units), units),
+        "design": json_value(design, units),
         "figures": curves,
     }
     return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"

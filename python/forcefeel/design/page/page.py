@@ -21,7 +21,6 @@ from forcefeel.laws.recursion import GAIN_SYMBOLS, GAIN_UNITS, gains_in
 from forcefeel.loader.parameters import TABLE
 from forcefeel.page import machine
 from forcefeel.page.canvas import html
-from forcefeel.page.templates import environment
 from forcefeel.page.typography import (
     change_text,
     number_text,
@@ -33,6 +32,7 @@ from forcefeel.page.typography import (
     symbol_svg,
     unit_text,
 )
+from forcefeel.templating import environment
 from forcefeel.units import HERTZ, UnitSystem
 
 

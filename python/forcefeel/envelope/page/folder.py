@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from forcefeel.envelope import Envelope
-from forcefeel.envelope.as_json import plain_envelope, settings_csv
+from forcefeel.envelope.as_json import envelope_json, settings_csv
 from forcefeel.envelope.page.page import envelope_page
 from forcefeel.page.staging import OutputFolder
 from forcefeel.units import UnitSystem
@@ -37,7 +37,7 @@ def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bo
     contents: dict[str, str | bytes] = {
         MAPS: bytes(found.data.to_netcdf(engine="scipy")),
         SETTINGS: settings_csv(found, units),
-        RESULTS: json.dumps(plain_envelope(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        RESULTS: json.dumps(envelope_json(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
         PAGE: envelope_page(found, units),
     }
     FOLDER.write(out, contents)

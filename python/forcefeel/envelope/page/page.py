@@ -13,12 +13,12 @@ from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.page import maps as envelope_maps
 from forcefeel.envelope.page import plots as envelope_plots
 from forcefeel.envelope.page import tables as envelope_tables
+from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.envelope.result import Envelope
 from forcefeel.page import machine
 from forcefeel.page.canvas import html
-from forcefeel.page.templates import environment
-from forcefeel.page.tolerance_table import tolerances
 from forcefeel.page.typography import number_text, prose_html, quantity_text
+from forcefeel.templating import environment
 from forcefeel.units import ANGLE, UnitSystem
 
 

@@ -2,15 +2,15 @@
 
 from math import isfinite
 
+from forcefeel.conclusions import interval_text, share_text
 from forcefeel.envelope.cases import Kind
 from forcefeel.envelope.passivity import ARM_HZ, HIGHEST_HZ
-from forcefeel.envelope.result import INERTIA, MOST, Envelope, Failure
+from forcefeel.envelope.result import MOST, Envelope, Failure
 from forcefeel.envelope.settings import AXES
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.table import Cell, Table, heads, number, words
 from forcefeel.page.typography import NONE, heading_text, number_text, parameter_name, value_text
-from forcefeel.sweep.findings import interval_text, share_text
-from forcefeel.units import HERTZ, UnitSystem
+from forcefeel.units import HERTZ, INERTIA, UnitSystem
 
 _BAD = (240, 140, 60)
 

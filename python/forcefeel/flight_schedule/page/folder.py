@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from forcefeel.flight_schedule.as_json import gains_csv, plain_schedule
+from forcefeel.flight_schedule.as_json import gains_csv, schedule_json
 from forcefeel.flight_schedule.page.page import schedule_page
 from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.page.staging import OutputFolder
@@ -34,6 +34,6 @@ def write_schedule(found: ScheduleCheck, out: Path, units: UnitSystem, *, replac
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
     """
     FOLDER.check(out, replace=replace)
-    results = json.dumps(plain_schedule(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    results = json.dumps(schedule_json(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     FOLDER.write(out, {GAINS: gains_csv(found.schedule), RESULTS: results, PAGE: schedule_page(found, units)})
     return out / PAGE

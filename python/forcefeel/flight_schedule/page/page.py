@@ -8,15 +8,15 @@ import jinja2
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
+from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.flight_schedule.findings import schedule_conclusions
 from forcefeel.flight_schedule.page import plots as schedule_plots
 from forcefeel.flight_schedule.page import tables as schedule_tables
 from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.page import machine
 from forcefeel.page.canvas import html
-from forcefeel.page.templates import environment
-from forcefeel.page.tolerance_table import tolerances
 from forcefeel.page.typography import number_text, prose_html, quantity_text
+from forcefeel.templating import environment
 from forcefeel.units import ANGLE, UnitSystem
 
 

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from forcefeel.frontier import Frontier
-from forcefeel.frontier.as_json import plain_frontier
+from forcefeel.frontier.as_json import frontier_json
 from forcefeel.frontier.page.page import frontier_page
 from forcefeel.page.staging import OutputFolder
 from forcefeel.units import UnitSystem
@@ -32,6 +32,6 @@ def write_frontier(found: Frontier, out: Path, units: UnitSystem, *, replace: bo
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
     """
     FOLDER.check(out, replace=replace)
-    results = json.dumps(plain_frontier(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    results = json.dumps(frontier_json(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     FOLDER.write(out, {RESULTS: results, PAGE: frontier_page(found, units)})
     return out / PAGE

@@ -9,9 +9,9 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
+from forcefeel.conclusions import share_text
 from forcefeel.frontier.result import Frontier, Limit
 from forcefeel.page.typography import number_text
-from forcefeel.sweep.findings import share_text
 from forcefeel.units import HERTZ, UnitSystem
 
 CELL = 24, 16

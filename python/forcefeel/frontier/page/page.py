@@ -9,6 +9,7 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from forcefeel.envelope.findings import WHOLE_WORST, name_text
+from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.frontier.findings import GOAL, frontier_conclusions, geometry_text, tolerance_text
 from forcefeel.frontier.page import maps as frontier_maps
 from forcefeel.frontier.page import plots as frontier_plots
@@ -16,9 +17,8 @@ from forcefeel.frontier.page import tables as frontier_tables
 from forcefeel.frontier.result import Frontier
 from forcefeel.page import machine
 from forcefeel.page.canvas import html
-from forcefeel.page.templates import environment
-from forcefeel.page.tolerance_table import tolerances
 from forcefeel.page.typography import number_text, prose_html, quantity_text
+from forcefeel.templating import environment
 from forcefeel.units import ANGLE, UnitSystem
 
 

@@ -2,7 +2,7 @@
 
 from math import isfinite
 
-from forcefeel.envelope.result import INERTIA
+from forcefeel.conclusions import share_text
 from forcefeel.envelope.settings import AXES
 from forcefeel.envelope.tolerance_sentences import ends_text
 from forcefeel.frontier.findings import MILLISECONDS, points_text, tolerance_text
@@ -11,8 +11,7 @@ from forcefeel.frontier.result import Frontier
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.table import Cell, Table, heads, number, words
 from forcefeel.page.typography import NONE, number_text, parameter_name, quantity_text
-from forcefeel.sweep.findings import share_text
-from forcefeel.units import FLOW, UnitSystem
+from forcefeel.units import FLOW, INERTIA, UnitSystem
 
 _MINUS = "\N{MINUS SIGN}"
 _GAIN = "#CDE9DD"

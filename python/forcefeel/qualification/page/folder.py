@@ -6,7 +6,7 @@ from pathlib import Path
 from forcefeel.page.chromium import find_chromium, page_pdf
 from forcefeel.page.staging import OutputFolder
 from forcefeel.qualification.page.page import qualification_page
-from forcefeel.qualification.programme.as_json import plain_qualification
+from forcefeel.qualification.programme.as_json import qualification_json
 from forcefeel.qualification.programme.result import Qualification
 
 PAGE, NUMBERS, PDF = "qualification.html", "results.json", "qualification.pdf"
@@ -34,7 +34,7 @@ def write_qualification(found: Qualification, out: Path, *, pdf: bool = False) -
     """
     check_qualification_folder(out, pdf=pdf)
     page = qualification_page(found, (NUMBERS, PDF) if pdf else (NUMBERS,))
-    numbers = json.dumps(plain_qualification(found), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    numbers = json.dumps(qualification_json(found), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     contents: dict[str, str | bytes] = {NUMBERS: numbers, PAGE: page}
     if pdf:
         contents = {PDF: page_pdf(page), **contents}

@@ -11,12 +11,12 @@ from plotly.offline import get_plotlyjs
 from forcefeel.page import machine
 from forcefeel.page.canvas import html
 from forcefeel.page.table import Table
-from forcefeel.page.templates import environment
 from forcefeel.page.typography import prose_html
 from forcefeel.qualification.page import plots as qualification_plots
 from forcefeel.qualification.page import tables as qualification_tables
 from forcefeel.qualification.programme.result import Qualification, Result, Section
 from forcefeel.qualification.programme.sentences import conclusions, result_words, tally, unverified_tests
+from forcefeel.templating import environment
 
 _RELEASE = (
     "Position from each record's own steady state. Circles: the instants and overshoots that are judged; bars: tolerances "

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from math import isfinite
 
-from forcefeel.json_values import Plain, plain
-from forcefeel.json_values import quantity as plain_quantity
+from forcefeel.json_values import Json, json_value
+from forcefeel.json_values import quantity as json_quantity
 from forcefeel.qualification import Figure, ReleaseFeatures, SweepFeatures, Verdict
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Side
 from forcefeel.qualification.programme.sentences import UNITS, conclusions, result_words, tally, unverified_tests
@@ -24,7 +24,7 @@ _SWEEP = (
 )
 
 
-def plain_qualification(found: Qualification) -> dict[str, Plain]:
+def qualification_json(found: Qualification) -> dict[str, Json]:
     """Everything but the records themselves."""
     system, rules = found.system, found.rules
     rule = {
@@ -46,9 +46,9 @@ def plain_qualification(found: Qualification) -> dict[str, Plain]:
         "date": found.day.isoformat(),
         "units": str(system),
         "standing": str(found.standing),
-        "conclusions": plain(conclusions(found), system),
+        "conclusions": json_value(conclusions(found), system),
         "rule": rule,
-        "throw": plain(found.throw, system),
+        "throw": json_value(found.throw, system),
         "reference": found.reference,
         "left_out": list(found.left_out),
         "simulator": found.simulator,
@@ -58,11 +58,11 @@ def plain_qualification(found: Qualification) -> dict[str, Plain]:
         "named": list(found.programme.named),
         "files": files,
         "sections": [_section(section, found) for section in found.sections],
-        "loader": plain(found.loader, system),
+        "loader": json_value(found.loader, system),
     }
 
 
-def _section(section: Section, found: Qualification) -> dict[str, Plain]:
+def _section(section: Section, found: Qualification) -> dict[str, Json]:
     return {
         "name": section.name,
         "title": section.title,
@@ -73,7 +73,7 @@ def _section(section: Section, found: Qualification) -> dict[str, Plain]:
     }
 
 
-def _result(result: Result, found: Qualification) -> dict[str, Plain]:
+def _result(result: Result, found: Qualification) -> dict[str, Json]:
     trial, test = result.trial, result.trial.test
     return {
         "key": trial.key,
@@ -92,7 +92,7 @@ def _result(result: Result, found: Qualification) -> dict[str, Plain]:
     }
 
 
-def _verdict(verdict: Verdict, system: UnitSystem) -> dict[str, Plain]:
+def _verdict(verdict: Verdict, system: UnitSystem) -> dict[str, Json]:
     numbers = {name: getattr(verdict, name) for name in ("difference", "tolerance", "margin", "uncertainty")}
     return {
         "quantity": verdict.quantity,
@@ -106,14 +106,14 @@ def _verdict(verdict: Verdict, system: UnitSystem) -> dict[str, Plain]:
     }
 
 
-def _side(side: Side | None, system: UnitSystem) -> Plain:
+def _side(side: Side | None, system: UnitSystem) -> Json:
     if side is None:
         return None
     record, features = side.record, side.features
-    about: dict[str, Plain] = {
+    about: dict[str, Json] = {
         "name": record.name,
         "samples": len(record.time_s),
-        "duration": plain_quantity(record.duration_s, SECONDS, system),
+        "duration": json_quantity(record.duration_s, SECONDS, system),
     }
     if isinstance(features, ReleaseFeatures):
         about |= {name.removesuffix("_s"): _figure(getattr(features, name), system) for name in _RELEASE}
@@ -124,18 +124,18 @@ def _side(side: Side | None, system: UnitSystem) -> Plain:
     return about
 
 
-def _figures(figures: Sequence[Figure], system: UnitSystem) -> list[Plain]:
+def _figures(figures: Sequence[Figure], system: UnitSystem) -> list[Json]:
     return [_figure(figure, system) for figure in figures]
 
 
-def _figure(figure: Figure | None, system: UnitSystem) -> dict[str, Plain] | None:
+def _figure(figure: Figure | None, system: UnitSystem) -> dict[str, Json] | None:
     if figure is None or not figure.known:
         return None
     known = figure.uncertainty
-    return plain_quantity(figure.value, UNITS[figure.unit], system) | {
+    return json_quantity(figure.value, UNITS[figure.unit], system) | {
         "uncertainty": UNITS[figure.unit].from_si(known, system) if isfinite(known) else None
     }
 
 
-def _number(value: float, unit: str, system: UnitSystem) -> dict[str, Plain] | None:
-    return plain_quantity(value, UNITS[unit], system) if isfinite(value) else None
+def _number(value: float, unit: str, system: UnitSystem) -> dict[str, Json] | None:
+    return json_quantity(value, UNITS[unit], system) if isfinite(value) else None

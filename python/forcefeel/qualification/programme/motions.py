@@ -13,7 +13,7 @@ from forcefeel.laws.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import Record
 from forcefeel.qualification.programme.sweep_force import SweepForce
-from forcefeel.qualification.programme.throw import Throw
+from forcefeel.qualification.throw import Throw
 from forcefeel.simulation import RunStatus, Scenario, simulate
 from forcefeel.simulation.inputs import Force, Recorded, Release, Schedule
 

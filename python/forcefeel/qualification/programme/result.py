@@ -9,8 +9,8 @@ from forcefeel.loader.loader import Loader
 from forcefeel.qualification import Outcome, Record, ReleaseFeatures, Rules, SweepFeatures, Verdict
 from forcefeel.qualification.programme.programme import Programme, Trial
 from forcefeel.qualification.programme.records_given import Given
-from forcefeel.qualification.programme.throw import Throw
 from forcefeel.qualification.rules import Axis
+from forcefeel.qualification.throw import Throw
 from forcefeel.units import UnitSystem
 
 Features = ReleaseFeatures | SweepFeatures

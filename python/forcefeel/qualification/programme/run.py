@@ -18,8 +18,8 @@ from forcefeel.qualification.programme.programme import Trial, programme_of, tri
 from forcefeel.qualification.programme.records_given import Given, Recognition, given_files
 from forcefeel.qualification.programme.result import Qualification, Section
 from forcefeel.qualification.programme.test_bench import Task, TestBench
-from forcefeel.qualification.programme.throw import Throw
 from forcefeel.qualification.rules import Axis
+from forcefeel.qualification.throw import Throw
 from forcefeel.tables.column_names import ColumnNames
 from forcefeel.units import ANGLE, PRESSURE, UnitSystem, show
 

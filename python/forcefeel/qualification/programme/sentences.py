@@ -2,12 +2,11 @@
 
 from math import isfinite
 
-from forcefeel.design.findings import Conclusions
+from forcefeel.conclusions import Conclusions
 from forcefeel.qualification import Figure, Outcome, ReleaseFeatures, Verdict
 from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
-from forcefeel.simulation.findings import FORCE
-from forcefeel.units import ANGLE, LENGTH, RATIO, SECONDS, Unit, UnitSystem, to_text
+from forcefeel.units import ANGLE, FORCE, LENGTH, RATIO, SECONDS, Unit, UnitSystem, to_text
 
 UNITS = {
     "s": SECONDS,

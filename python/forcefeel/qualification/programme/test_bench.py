@@ -29,7 +29,7 @@ from forcefeel.qualification.programme.motions import LoopError, Motions, Moved,
 from forcefeel.qualification.programme.programme import STATIC, SURFACE, SweepName, Trial, duration_s
 from forcefeel.qualification.programme.records_given import Given, check_cover
 from forcefeel.qualification.programme.result import Result, Side
-from forcefeel.qualification.programme.throw import Throw
+from forcefeel.qualification.throw import Throw
 from forcefeel.simulation.inputs import Recorded
 from forcefeel.units import UnitSystem
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from forcefeel.page.staging import OutputFolder
 from forcefeel.simulation import Run
 from forcefeel.simulation.page.page import simulation_page
-from forcefeel.simulation.tables import Column, columns, plain_run
+from forcefeel.simulation.tables import Column, columns, run_json
 from forcefeel.units import UnitSystem
 
 SIMULATION, HISTORY, NUMBERS = "simulation.html", "history.csv", "results.json"
@@ -38,7 +38,7 @@ def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "origina
     FOLDER.check(out)
     found = columns(run, units)
     heads = [f"{column.name} ({column.unit})" for column in found]
-    document = plain_run(run, units, law) | {"history": {"file": HISTORY, "columns": heads}}
+    document = run_json(run, units, law) | {"history": {"file": HISTORY, "columns": heads}}
     contents = {
         HISTORY: _csv(heads, found),
         NUMBERS: json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n",

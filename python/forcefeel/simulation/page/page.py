@@ -11,13 +11,13 @@ from plotly.offline import get_plotlyjs
 
 from forcefeel.page import machine
 from forcefeel.page.canvas import html
-from forcefeel.page.templates import environment
 from forcefeel.page.typography import prose_html
 from forcefeel.simulation import Run, RunStatus
 from forcefeel.simulation.findings import input_in_words, run_conclusions
 from forcefeel.simulation.page import plots as simulation_plots
 from forcefeel.simulation.page import tables as simulation_tables
 from forcefeel.simulation.programmed_feel import has_arm, ideal_angle
+from forcefeel.templating import environment
 from forcefeel.units import UnitSystem
 
 _MOTION = (

@@ -13,10 +13,9 @@ from forcefeel.page.canvas import drawn, frame, line
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
 from forcefeel.page.typography import parameter_text
 from forcefeel.simulation import Run, RunStatus
-from forcefeel.simulation.findings import FORCE
 from forcefeel.simulation.inputs import Chirp, Multisine, Recorded, StopToStop
 from forcefeel.simulation.limits import feel_position, per_feel_angle
-from forcefeel.units import UnitSystem
+from forcefeel.units import FORCE, UnitSystem
 
 MOST_POINTS = 4000
 """Most points of a drawn curve; of a longer one the lowest and the highest of each stretch are drawn."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from forcefeel.page.staging import OutputFolder
 from forcefeel.sweep import SweepResult
-from forcefeel.sweep.as_json import plain_sweep
+from forcefeel.sweep.as_json import sweep_json
 from forcefeel.sweep.folder import CHUNKS, PLAN, RUNS
 from forcefeel.sweep.page.page import sweep_page
 from forcefeel.sweep.summary import Summary
@@ -43,7 +43,7 @@ def write_sweep(result: SweepResult, summary: Summary, out: Path, units: UnitSys
     """
     check_sweep_folder(out)
     contents = {
-        SUMMARY: json.dumps(plain_sweep(result, summary, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        SUMMARY: json.dumps(sweep_json(result, summary, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
         PAGE: sweep_page(result, summary, units, law),
     }
     if not result.sweep.axes:

@@ -12,7 +12,6 @@ from plotly.offline import get_plotlyjs
 
 from forcefeel.page import machine
 from forcefeel.page.canvas import html
-from forcefeel.page.templates import environment
 from forcefeel.page.typography import prose_html
 from forcefeel.simulation import Run, simulate
 from forcefeel.simulation.findings import input_in_words
@@ -27,6 +26,7 @@ from forcefeel.sweep.page import tables as sweep_tables
 from forcefeel.sweep.result import ENVELOPE_RUNS
 from forcefeel.sweep.stability import damping_map
 from forcefeel.sweep.summary import Spread, Summary, measure_unit
+from forcefeel.templating import environment
 from forcefeel.units import UnitSystem
 
 _TORNADOS = 4

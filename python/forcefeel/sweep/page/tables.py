@@ -4,13 +4,14 @@ from math import isfinite
 
 import numpy as np
 
+from forcefeel.conclusions import interval_text, share_text
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.loader.tolerances import Distribution, Tolerance
 from forcefeel.page.table import Cell, Table, heads, number, words
 from forcefeel.page.typography import NONE, change_text, number_text, parameter_name, quantity_text, unit_text
 from forcefeel.simulation import RunStatus
 from forcefeel.sweep import SweepResult
-from forcefeel.sweep.findings import correlation_text, interval_text, number_of, share_text
+from forcefeel.sweep.findings import correlation_text, number_of
 from forcefeel.sweep.page.plots import axis_title
 from forcefeel.sweep.result import IMPOSSIBLE
 from forcefeel.sweep.summary import QUANTILES, Summary

@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from forcefeel.bench.identification.as_json import FitSettings, plain_identification, response_csv
+from forcefeel.bench.identification.as_json import FitSettings, identification_json, response_csv
 from forcefeel.bench.identification.page.page import identification_page
 from forcefeel.bench.identification.result import Identification
 from forcefeel.bench.responses import Response
@@ -59,7 +59,7 @@ def write_identification(
     contents = {name: response_csv(one, units) for name, one in tables.items()}
     if found.loader is not None:
         contents[LOADER] = found.loader.to_toml(units)
-    results = plain_identification(found, units, settings)
+    results = identification_json(found, units, settings)
     contents[RESULTS] = json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     contents[PAGE] = identification_page(found, units, settings, tuple(tables))
     FOLDER.write(out, contents)

@@ -20,8 +20,8 @@ from forcefeel.bench.identification.result import Fitted, Identification, Status
 from forcefeel.bench.responses import Response
 from forcefeel.page import machine
 from forcefeel.page.canvas import html
-from forcefeel.page.templates import environment
 from forcefeel.page.typography import number_text, prose_html, symbol_html
+from forcefeel.templating import environment
 from forcefeel.units import UnitSystem
 
 

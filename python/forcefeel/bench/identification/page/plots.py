@@ -7,7 +7,8 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from forcefeel.bench.identification.digits import NOT_DETERMINED, channel_unit, gain_unit
+from forcefeel.bench.channels import channel_unit
+from forcefeel.bench.identification.digits import NOT_DETERMINED, gain_unit
 from forcefeel.bench.identification.result import Estimate, Fitted, Identification, Status
 from forcefeel.bench.responses import Response
 from forcefeel.loader.parameters import TABLE

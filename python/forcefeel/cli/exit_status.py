@@ -1,0 +1,10 @@
+"""What a command ends with, beside 0 (fine) and 1 (the answer is bad)."""
+
+BAD_INPUT = 2
+"""Exit status where the input is bad."""
+
+FAULT = 70
+"""Where forcefeel itself failed: ``EX_SOFTWARE`` of ``sysexits.h``."""
+
+INTERRUPTED = 130
+"""After Ctrl-C, as shells have it: 128 and the number of the signal."""

@@ -1,0 +1,31 @@
+"""What an engineer should conclude from a result, in sentences."""
+
+from dataclasses import dataclass
+
+from forcefeel.units import to_text
+
+
+@dataclass(frozen=True)
+class Conclusions:
+    """What an engineer should conclude.
+
+    Attributes:
+        good: Whether the recursion gave gains and the loader is stable with them at the programmed setting.
+        verdict: The result in a line.
+        findings: What it rests on and what it does not promise, a sentence or two each.
+    """
+
+    good: bool
+    verdict: str
+    findings: tuple[str, ...]
+
+
+def share_text(share: float) -> str:
+    """A share in percent; what is not all never reads as 100 %."""
+    missing = float(f"{100 * (1 - share):.2g}")
+    return f"{to_text(100 - missing, 7) if 0 < missing < 1 else to_text(100 * share, 3)} %"
+
+
+def interval_text(low: float, high: float) -> str:
+    """From one share to another in percent."""
+    return f"{share_text(low).removesuffix(' %')} to {share_text(high)}"

@@ -1,0 +1,22 @@
+"""What of a loader the linear models do not have, as a sentence."""
+
+from forcefeel.loader.curves import CURVES
+from forcefeel.loader.loader import Loader
+
+_NAMED = 3
+"""Rows that a sentence names."""
+
+
+def left_out(loader: Loader) -> str:
+    """What the linear models do not have of ``loader``, as a sentence; empty where it has nothing beyond the report's rows."""
+    rows = beyond_linear(loader)
+    return rows and f"The linear models leave out {rows}; forcefeel simulate has all of it in play."
+
+
+def beyond_linear(loader: Loader) -> str:
+    """The optional rows and curves that ``loader`` gives, by name as far as a sentence can hold them."""
+    keys = [*loader.given, *(CURVES[name].key for name in loader.curves)]
+    named, more = keys[:_NAMED], len(keys) - _NAMED
+    if more > 0:
+        return f"{', '.join(named)} and {more} more of the loader's optional rows"
+    return " and ".join(filter(None, (", ".join(named[:-1]), *named[-1:])))

@@ -1,0 +1,160 @@
+"""The page of an identification in a browser, at the width of a desk and of a phone."""
+
+import dataclasses
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page
+
+from forcefeel.bench.identification.as_json import FitSettings
+from forcefeel.bench.identification.page.folder import write_identification
+from forcefeel.bench.identification.result import Identification
+from forcefeel.units import UnitSystem
+from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
+    ROUNDING_PX,
+    WIDTHS,
+    browser,
+    test_nothing_is_asked_for_but_the_page,
+    test_nothing_is_cut_off,
+    test_tables_and_drawing_stay_in_their_boxes,
+    test_the_console_is_silent,
+    test_tick_labels_do_not_overlap,
+)
+from tests.identifications import determined, record_fitted, response_fitted, secrets_in, undetermined
+from tests.pages import opened, words_cut
+
+pytestmark = pytest.mark.browser
+
+WORDS = (
+    ".legendtext, .xtitle, .ytitle, .x2title, .y2title, .x3title, .y3title, .xtick text, .ytick text, .annotation-text"
+)
+"""What a plot says beside its curves."""
+
+
+def _records_alone() -> Identification:
+    found = determined()
+    return dataclasses.replace(found, fitted=record_fitted(), rigid=None)
+
+
+CASES = {
+    "determined": (determined, UnitSystem.US),
+    "undetermined": (undetermined, UnitSystem.SI),
+    "records": (_records_alone, UnitSystem.SI),
+}
+VIEWS = {f"{name}-{width}": (name, width) for name in CASES for width in WIDTHS}
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("identifications")
+    estimated = [response_fitted("closed test_signal to column_angle").data]
+    return {
+        name: write_identification(make(), folder / name, units, FitSettings(), estimated=estimated)
+        for name, (make, units) in CASES.items()
+    }
+
+
+@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
+def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811  the browser's fixture
+    name, width = request.param
+    with opened(browser, pages[name], width) as window:
+        window.case = name
+        yield window
+
+
+def test_the_plots_show_their_words_whole(page):
+    assert words_cut(page, WORDS, ROUNDING_PX) == []
+
+
+def test_each_set_of_data_has_its_plot_and_its_row(page):
+    names = page.evaluate("() => [...document.querySelectorAll('.plotly-graph-div')].map(plot => plot.id)")
+    expected = {
+        "determined": ["estimates-plot", "response-0", "record-0", "record-1"],
+        "undetermined": ["estimates-plot", "response-0"],
+        "records": ["estimates-plot", "record-0", "record-1"],
+    }
+    assert names == expected[page.case]
+    assert page.locator("#data tbody tr").count() == len(names) - 1
+
+
+def test_measured_before_and_fitted_are_all_drawn(page):
+    drawn = page.evaluate(
+        """() => [...document.querySelectorAll('.plotly-graph-div')].slice(1).map(plot => {
+            const seen = path => path.getBoundingClientRect().width + path.getBoundingClientRect().height > 4;
+            const traces = [...plot.querySelectorAll('.scatterlayer .trace')];
+            return {
+                names: [...new Set(plot.data.map(one => one.name))],
+                missing: plot.data.length - traces.filter(one => [...one.querySelectorAll('path')].some(seen)).length,
+            };
+        })"""
+    )
+    for plot in drawn:
+        assert plot["missing"] == 0
+        assert {"the file's model", "fitted"} <= set(plot["names"])
+        assert any(name.startswith("measured") for name in plot["names"])
+
+
+def test_a_response_has_its_panels(page):
+    plot = page.locator("#response-0")
+    if page.case == "records":
+        assert plot.count() == 0
+        return
+    titles = plot.locator("text[class$='title']").all_text_contents()
+    assert [title for title in titles if title.startswith(("Gain", "Phase", "Left"))] == [
+        "Gain, dB re 1 deg/V",
+        "Phase, deg",
+        "Left, %",
+    ]
+    assert ("Coherence" in titles) == (page.case == "determined")
+    assert "95 % of the noise" in plot.locator(".legendtext").all_text_contents()
+
+
+def test_units_are_the_system_s(page):
+    text = page.inner_text("#estimates")
+    assert ("lb/in" in text) == (page.case == "determined")
+    assert ("N/cm" in text) == (page.case != "determined")
+
+
+def test_the_verdict_and_what_follows_from_it(page):
+    lost = page.case == "undetermined"
+    assert page.inner_text(".verdict").startswith(
+        "2 of 3 parameters are not determined" if lost else "All 5 parameters are determined"
+    )
+    assert ("bad" in (page.get_attribute(".verdict", "class") or "")) == lost
+    assert page.locator("a[href='loader.toml']").count() == (0 if lost else 2)
+    assert page.locator("#apart").count() == (1 if lost else 0)
+    assert ("loader as its file has it" in page.inner_text("#how summary")) == lost
+
+
+def test_what_is_not_determined_stands_without_a_number(page):
+    cells = page.locator("#estimates tbody td:nth-child(4)").all_inner_texts()
+    assert cells.count("not determined") == (2 if page.case == "undetermined" else 0)
+    if page.case == "undetermined":
+        annotations = page.locator("#estimates-plot .annotation-text").all_text_contents()
+        assert annotations == ["not determined", "not determined"]
+        assert secrets_in(page.inner_text("body")) == []
+
+
+def test_the_correlations_are_a_square(page):
+    count = 3 if page.case == "undetermined" else 5
+    assert page.locator("#correlation tbody tr").count() == count
+    assert page.locator("#correlation tbody td").count() == count * count
+    assert page.locator("#correlation tbody tr:first-child td:nth-child(2)").inner_text() == "1"
+
+
+def test_the_rigid_link_has_its_table_where_it_was_judged(page):
+    assert page.locator("#rigid").count() == (1 if page.case == "determined" else 0)
+    if page.case == "determined":
+        assert "34 %" in page.inner_text("#rigid")
+
+
+def test_every_link_of_the_page_leads_somewhere(page, pages):
+    targets = [one.get_attribute("href") for one in page.locator("a").all()]
+    folder = pages[page.case].parent
+    for target in targets:
+        if target.startswith("#"):
+            assert page.locator(target).count() == 1
+        else:
+            assert (folder / target).is_file()
+    assert (folder / "loader.toml").is_file() == (page.case != "undetermined")

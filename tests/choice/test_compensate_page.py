@@ -1,0 +1,96 @@
+"""The page of methods that were tried in a browser, at the width of a desk and of a phone."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page
+
+import forcefeel as ff
+from forcefeel.choice import choose, score_methods
+from forcefeel.choice.page.folder import write_choice
+from forcefeel.laws.sampled.setting_laws import names_for
+from forcefeel.units import UnitSystem
+from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
+    ROUNDING_PX,
+    WIDTHS,
+    browser,
+    test_nothing_is_asked_for_but_the_page,
+    test_nothing_is_cut_off,
+    test_tables_and_drawing_stay_in_their_boxes,
+    test_the_console_is_silent,
+    test_tick_labels_do_not_overlap,
+)
+from tests.pages import opened, words_cut
+
+pytestmark = pytest.mark.browser
+
+GRID = {"stiffness": "1, 100 %", "frequency": "2, 4 Hz", "damping": "0.3, 1"}
+FEW = {"changes": {"linkage.stiffness": 0.2}, "arms": ()}
+PLOTS = {"auto": 3, "analog": 3, "one": 2, "unstable": 1}
+
+
+def _write(name: str, folder: Path) -> Path:
+    if name == "one":
+        return write_choice(
+            score_methods(ff.digital_elevator(), ("observer",), over_envelope=False), None, folder, UnitSystem.SI
+        )
+    if name == "unstable":
+        loader = ff.elevator()
+        soft = loader.replace({key: loader[key] / 100 for key in ("feel.inertia", "feel.damping", "feel.stiffness")})
+        return write_choice(score_methods(soft, ("published",), over_envelope=False), None, folder, UnitSystem.US)
+    scored = score_methods(ff.digital_elevator() if name == "auto" else ff.elevator(), grid=GRID, **FEW)
+    return write_choice(scored, choose(scored), folder, UnitSystem.US)
+
+
+VIEWS = {f"{name}-{width}": (name, width) for name in PLOTS for width in WIDTHS}
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("methods")
+    return {name: _write(name, folder / name) for name in PLOTS}
+
+
+@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
+def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811  the browser's fixture
+    name, width = request.param
+    with opened(browser, pages[name], width) as window:
+        window.called = name
+        yield window
+
+
+def test_every_plot_is_there(page):
+    assert page.locator(".plotly-graph-div").count() == PLOTS[page.called]
+
+
+def test_the_plots_show_their_words_whole(page):
+    assert (
+        words_cut(page, ".xtitle, .ytitle, .legendtext, .annotation-text, .xtick text, .ytick text", ROUNDING_PX) == []
+    )
+
+
+def test_labels_of_the_trade_off_do_not_overlap(page):
+    over = page.evaluate(
+        """() => {
+            const boxes = [...document.querySelectorAll('#trade-off .annotation-text')].map(
+                one => [one.textContent, one.getBoundingClientRect()]);
+            return boxes.flatMap(([name, a], k) => boxes.slice(k + 1)
+                .filter(([, b]) => a.left < b.right && b.left < a.right && a.top + 2 < b.bottom && b.top + 2 < a.bottom)
+                .map(([other]) => `${name} over ${other}`));
+        }"""
+    )
+    assert over == []
+
+
+def test_every_method_has_its_point_and_its_bar(page):
+    names = {"auto": len(names_for(ff.digital_elevator())), "analog": 3}.get(page.called)
+    if names:
+        assert page.locator("#trade-off .annotation-text").count() == names
+        assert page.locator("#trade-off .point").count() == names
+    if page.called == "auto":
+        assert page.locator("#margins-and-noise .point").count() >= 6 * (names - 1)  # one may have a bar of no end
+
+
+def test_the_verdict_is_bad_where_it_is(page):
+    assert page.locator(".verdict.bad").count() == (page.called in {"analog", "unstable"})

@@ -1,0 +1,100 @@
+"""The conclusions in words, and the data behind the figures."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.loader.beyond_linear import left_out
+
+HEAVY = {
+    "feel.inertia": "240 lb in s^2/rad",
+    "feel.damping": "1216 lb in s/rad",
+    "feel.stiffness": "38400 lb in/rad",
+    "feel.maximum_stiffness": "288000 lb in/rad",
+}
+"""A feel beside which the column's own inertia is small."""
+
+
+@pytest.fixture(scope="module")
+def loader():
+    return ff.elevator()
+
+
+@pytest.fixture(scope="module")
+def found(loader):
+    return ff.design(loader)
+
+
+def said(design):
+    return ff.conclusions(design, ff.UnitSystem.US)
+
+
+def test_the_elevator_settles_right_and_moves_wrong(found):
+    words = said(found)
+    assert words.good
+    assert words.verdict.endswith("settles where it should, but it moves at the wrong frequency.")
+    text = " ".join(words.findings)
+    for figure in (
+        "11.4 Hz",
+        "10.8 Hz",
+        "60.6 %",
+        "319.9 lb in/rad",
+        "3792 lb in/rad",
+        "1.62 Hz",
+        "1.58 Hz",
+        "1699",
+        "70.8 %",
+    ):
+        assert figure in text
+    assert "c_2 and c_6 can be dropped" in text
+
+
+@pytest.mark.parametrize(
+    ("changes", "settings", "verdict"),
+    [
+        ({}, ff.DesignSettings(), "does not settle"),
+        ({"valve.natural_frequency": "5 rad/s"}, None, "do not close this loop"),
+        ({}, ff.DesignSettings(r2=1e4), "no compensation to judge"),
+        (HEAVY, ff.DesignSettings(r2=0.14), "at rest and in motion"),
+    ],
+)
+def test_verdicts(loader, changes, settings, verdict):
+    words = said(ff.design(loader.replace(changes), settings))
+    assert verdict in words.verdict
+    assert words.good is (verdict in {"does not settle", "at rest and in motion"})
+
+
+def test_a_stiff_link_is_said_to_be_as_good_as_rigid(loader):
+    stiff = loader.replace({"linkage.stiffness": "1e8 lb/in", "linkage.damping": "3000 lb s/in"})
+    assert said(ff.design(stiff)).findings[0].startswith("The linkage is as good as rigid")
+
+
+def test_the_line_in_figure_2_touches_its_curve(loader):
+    other = loader.replace({"valve.pressure_gain": "0.05 in^5/(lb s)"})
+    curves = ff.figures(ff.design(other))[0].curves
+    curve, line = (curves[name].flow_m3_per_s.values for name in ("20% of rated current", "tangent at 20%, eq. (2)"))
+    touch = int(np.argmin(np.abs(curve - line)))
+    assert curves["20% of rated current"].load_pressure_pa.values[touch] == pytest.approx(
+        0.33 * other["valve.supply_pressure"]
+    )
+    assert np.all(line >= curve - 1e-12)  # the curve bends downwards
+
+
+def test_column_and_piston_agree_at_low_frequency_in_figures_8_and_9(found):
+    for figure in ff.figures(found)[1:3]:
+        piston, column = (figure.curves[f"compliant link, {name}"].gain_db.values[0] for name in ("piston", "column"))
+        assert column == pytest.approx(piston, abs=0.01)
+
+
+def test_what_the_linear_models_leave_out_is_said(loader):
+    assert not any("leave out" in finding for finding in said(ff.design(loader)).findings)
+    curve = ff.Curve((-0.5, 0.0, 0.5), (-300.0, 0.0, 200.0))
+    more = replace(loader.replace({"valve.orifice": True}), force_curve=curve)
+    assert said(ff.design(more)).findings[-1] == (
+        "The linear models leave out valve.orifice and feel.force_curve; forcefeel simulate has all of it in play."
+    )
+    assert left_out(loader.replace({"valve.orifice": True})).startswith("The linear models leave out valve.orifice;")
+    many = more.replace({"column.coulomb_friction": "3 lb", "feel.breakout": "1 lb", "feel.deadband": "1 deg"})
+    assert "column.coulomb_friction, feel.deadband and 2 more of the loader's optional rows;" in left_out(many)

@@ -1,0 +1,103 @@
+"""The page of an envelope in a browser, at the width of a desk and of a phone."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page
+
+import forcefeel as ff
+from forcefeel.envelope.page.maps import COLORS
+from forcefeel.units import UnitSystem
+from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
+    ROUNDING_PX,
+    WIDTHS,
+    browser,
+    test_nothing_is_asked_for_but_the_page,
+    test_nothing_is_cut_off,
+    test_tables_and_drawing_stay_in_their_boxes,
+    test_the_console_is_silent,
+    test_tick_labels_do_not_overlap,
+)
+from tests.pages import opened
+
+pytestmark = pytest.mark.browser
+
+SMALLEST_PANEL_PX = 60
+GRID = {"stiffness": "1..100 %:9:log", "frequency": "0.5..4 Hz:6:log"}
+
+
+def _stepped() -> ff.Envelope:
+    """A loader with optional rows, one compensator, a rule that is not verified."""
+    loader = ff.elevator().replace(
+        {"valve.orifice": True, "column.coulomb_friction": "1 lb", "feel.coulomb_friction": "1 lb"}
+    )
+    grid = {"stiffness": "10, 30, 100 %", "frequency": "1..3 Hz:3", "damping": "0.3, 1"}
+    return ff.envelope(loader, ("published",), grid, changes={"linkage.stiffness": 0.2}, arms=(), rule="cs-fstd-a")
+
+
+ENVELOPES = {
+    "compared": (lambda: ff.envelope(ff.elevator(), grid=GRID), UnitSystem.US),
+    "stepped": (_stepped, UnitSystem.SI),
+}
+VIEWS = {f"{name}-{width}": (name, width) for name in ENVELOPES for width in WIDTHS}
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("envelopes")
+    return {name: ff.write_envelope(make(), folder / name, units) for name, (make, units) in ENVELOPES.items()}
+
+
+@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
+def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811  the browser's fixture
+    name, width = request.param
+    with opened(browser, pages[name], width) as window:
+        yield window
+
+
+def test_the_maps_can_be_seen(page):
+    sizes = page.evaluate(
+        """() => [...document.querySelectorAll('#maps > .maps svg')].map(one => {
+            const {width, height} = one.getBoundingClientRect();
+            return [width, height];
+        })"""
+    )
+    assert sizes
+    assert min(width for width, _ in sizes) >= SMALLEST_PANEL_PX
+    assert min(height for _, height in sizes) >= SMALLEST_PANEL_PX / 2
+
+
+def test_every_colour_of_a_map_is_in_its_legend(page):
+    drawn, listed = page.evaluate(
+        """() => [
+            [...new Set([...document.querySelectorAll('.maps rect')].map(one => one.getAttribute('fill')))],
+            [...document.querySelectorAll('#maps > .legend i')].map(one => one.getAttribute('style')).filter(Boolean)
+        ]"""
+    )
+    assert set(drawn) <= set(COLORS.values())
+    assert all(any(color in style for style in listed) for color in drawn)
+
+
+def test_the_loaders_setting_lies_in_its_panel(page):
+    outside = page.evaluate(
+        """(rounding) => [...document.querySelectorAll('#maps > .maps .own')].filter(dot => {
+            const at = dot.getBoundingClientRect(), room = dot.parentElement.getBoundingClientRect();
+            const x = (at.left + at.right) / 2, y = (at.top + at.bottom) / 2;
+            return x < room.left - rounding || x > room.right + rounding || y < room.top - rounding || y > room.bottom + rounding;
+        }).length""",
+        ROUNDING_PX,
+    )
+    assert outside == 0
+    drawn = page.locator("#maps > .maps .own").count()
+    assert bool(drawn) == ("the loader's own setting, at" in page.inner_text("#maps"))
+    assert drawn == (3 if "14 CFR" in page.inner_text("main") else 0)  # out of the other one's grid
+
+
+def test_what_is_left_out_or_not_verified_is_said(page):
+    text = page.inner_text("main")
+    if "14 CFR" in text:
+        assert "Not verified against a source: firm arm" in text
+    else:
+        assert "not verified against the document" in text
+        assert "feel coulomb friction" in text

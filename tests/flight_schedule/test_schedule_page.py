@@ -1,0 +1,92 @@
+"""The page of a flight schedule in a browser, at the width of a desk and of a phone."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+import forcefeel as ff
+from forcefeel.flight_schedule import ScheduleAxis, ScheduleCheck, check_schedule, design_schedule, second_order_feel
+from forcefeel.flight_schedule.page.folder import write_schedule
+from forcefeel.units import UnitSystem
+from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
+    WIDTHS,
+    browser,
+    test_nothing_is_asked_for_but_the_page,
+    test_nothing_is_cut_off,
+    test_tables_and_drawing_stay_in_their_boxes,
+    test_the_console_is_silent,
+    test_tick_labels_do_not_overlap,
+)
+from tests.pages import opened
+
+pytestmark = pytest.mark.browser
+
+PRESSURE = ScheduleAxis("dynamic pressure", "lb/ft^2", (50, 100, 200, 400))
+
+
+def _line() -> ScheduleCheck:
+    loader = ff.digital_elevator()
+    stiffness = np.array([0.1, 0.2, 0.4, 0.8]) * loader["feel.maximum_stiffness"]
+    schedule = design_schedule(loader, [PRESSURE], second_order_feel(stiffness, [1.0, 1.2, 1.5, 2.0], 0.6))
+    return check_schedule(schedule, 4, changes={"linkage.ratio": 0.2})
+
+
+def _unstable_plane() -> ScheduleCheck:
+    """Two axes, a setting beyond critical damping, and an observer that loses a soft feel; a rule that is not verified."""
+    loader = ff.digital_elevator()
+    stiffness = np.outer([0.02, 0.1, 0.4, 0.8], [1.0, 1.5]) * loader["feel.maximum_stiffness"]
+    axes = [PRESSURE, ScheduleAxis("flaps", "deg", (0, 30))]
+    schedule = design_schedule(loader, axes, second_order_feel(stiffness, 1.5, [0.4, 1.2]), "observer")
+    return check_schedule(schedule, 2, changes={"linkage.ratio": 0.2}, arms=(), rule="cs-fstd-a")
+
+
+SCHEDULES = {"line": (_line, UnitSystem.US), "unstable": (_unstable_plane, UnitSystem.SI)}
+VIEWS = {f"{name}-{width}": (name, width) for name in SCHEDULES for width in WIDTHS}
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("schedules")
+    return {name: write_schedule(make(), folder / name, units) for name, (make, units) in SCHEDULES.items()}
+
+
+@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
+def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811  the browser's fixture
+    name, width = request.param
+    with opened(browser, pages[name], width) as window:
+        yield window
+
+
+def test_every_axis_has_its_panel_with_name_and_unit(page):
+    titles = page.evaluate(
+        """() => [...document.querySelectorAll('.plotly-graph-div')].map(plot =>
+            [...plot.querySelectorAll('.infolayer [class$="title"]')].map(one => one.textContent))"""
+    )
+    assert len(titles) == 2
+    for plot in titles:
+        assert "Dynamic pressure, lb/ft²" in plot
+        assert ("Flaps, deg" in plot) == ("flaps" in page.inner_text("h1"))
+
+
+def test_the_verdict_is_the_table_s(page):
+    unstable = page.locator("#conclusions td:nth-child(4)")
+    bad = [cell for cell in page.locator("#conclusions table tbody td.bad").all_inner_texts() if cell]
+    verdict = page.inner_text(".verdict")
+    assert unstable.count() == 3
+    assert bool(bad) == verdict.startswith("Not stable")
+    assert ("bad" in (page.get_attribute(".verdict", "class") or "")) == bool(bad)
+
+
+def test_every_knot_and_every_middle_has_its_row(page):
+    plane = "flaps" in page.inner_text("h1")
+    assert page.locator("#knots tbody tr").count() == (8 if plane else 4)
+    assert page.locator("#releases tbody tr").count() == 3
+
+
+def test_what_is_not_verified_is_said(page):
+    text = page.inner_text("#conclusions")
+    assert ("firm arm" in text) == (not page.inner_text(".verdict").startswith("Not stable"))
+    assert "Not verified against a source" in text

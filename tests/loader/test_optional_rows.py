@@ -1,0 +1,342 @@
+"""The optional rows: off unless given, in the loader, its file and its results; and what they ask of one another."""
+
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from forcefeel.errors import InputError
+from forcefeel.loader.built_in import elevator
+from forcefeel.loader.loader import Loader, load
+from forcefeel.loader.parameters import OFF, PARTS, REQUIRED, TABLE, is_switch, range_text
+from forcefeel.page.machine import parameters
+from forcefeel.units import UnitSystem
+from tests.optional_rows import companions
+
+TEN_DIGITS = 1e-9  # relative
+SYSTEMS = list(UnitSystem)
+EXAMPLE_IS_OFF = {key for key, off in OFF.items() if TABLE[key].default_si == off}
+
+
+def read(tmp_path: Path, text: str) -> Loader:
+    path = tmp_path / "my.toml"
+    path.write_text(text, encoding="utf-8")
+    return load(path)
+
+
+def complaints(tmp_path: Path, text: str) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        read(tmp_path, text)
+    return [line.removeprefix(f"{tmp_path / 'my.toml'}: ") for line in str(caught.value).splitlines()]
+
+
+def with_example(key: str) -> Loader:
+    """The elevator loader with one optional row, and what it needs to have an effect."""
+    return elevator().replace({**companions(key), key: TABLE[key].default_si})
+
+
+def added(part: str, *lines: str) -> str:
+    """The built-in loader's file with lines in a table."""
+    text = elevator().to_toml()
+    assert text.count(f"\n[{part}]\n") == 1
+    return text.replace(f"\n[{part}]\n", "\n".join(["", f"[{part}]", *lines, ""]))
+
+
+def test_every_row_is_required_or_optional() -> None:
+    assert {*REQUIRED, *OFF} == set(TABLE)
+    assert not {*REQUIRED} & {*OFF}
+    assert {
+        "actuator.relief_gain", "column.gravity_angle", "column.stop_stiffness", "column.stop_damping",
+        "feel.breakout_travel", "feel.hysteresis_travel", "feel.detent_travel", "feel.soft_stop_stiffness",
+        "feel.shaker_frequency",
+    } == EXAMPLE_IS_OFF  # fmt: skip
+
+
+def test_the_elevator_has_none() -> None:
+    loader = elevator()
+    assert loader.given == ()
+    assert all(loader[key] == off for key, off in OFF.items())
+
+
+@pytest.mark.parametrize("key", OFF)
+def test_a_row_is_given_and_switched_off_again(key: str) -> None:
+    loader = with_example(key)
+    expected = {*companions(key), key} - EXAMPLE_IS_OFF
+    assert set(loader.given) == expected
+    assert loader.given == tuple(name for name in TABLE if name in expected)
+    assert loader.replace(dict.fromkeys(expected)) == elevator()
+
+
+@pytest.mark.parametrize("units", SYSTEMS)
+@pytest.mark.parametrize("key", OFF)
+def test_a_given_row_stands_in_the_file_and_comes_back(tmp_path: Path, key: str, units: UnitSystem) -> None:
+    loader = with_example(key)
+    text = loader.to_toml(units)
+    once = read(tmp_path, text)
+    assert once.values == pytest.approx(loader.values, rel=TEN_DIGITS)
+    assert once.given == loader.given
+    assert read(tmp_path, once.to_toml(units)) == once
+    assert (f"\n{TABLE[key].name} = " in text.split(f"[{TABLE[key].part}]")[1]) or key in EXAMPLE_IS_OFF
+
+
+@pytest.mark.parametrize("units", SYSTEMS)
+def test_all_examples_go_together_with_the_hashes_taken_away(tmp_path: Path, units: UnitSystem) -> None:
+    names = "|".join(TABLE[key].name for key in OFF)
+    text = re.sub(rf"(?m)^# ((?:{names}) = )", r"\1", elevator().to_toml(units))
+    loader = read(tmp_path, text)
+    assert set(OFF) - set(loader.given) <= EXAMPLE_IS_OFF
+    for key in OFF:
+        assert loader[key] == pytest.approx(TABLE[key].default_si, rel=5e-4)  # four digits
+    again = read(tmp_path, loader.to_toml(units))
+    assert again.given == loader.given
+    assert again.values == pytest.approx(loader.values, rel=TEN_DIGITS)
+
+
+@pytest.mark.parametrize("part", ["column_sensor", "controller"])
+def test_a_part_with_optional_rows_only_may_be_absent(tmp_path: Path, part: str) -> None:
+    whole = elevator().to_toml()
+    text = whole.replace(f"\n[{part}]\n", "\n")
+    assert text != whole
+    assert read(tmp_path, text) == read(tmp_path, whole)
+    assert complaints(tmp_path, f"{part} = 5\n{text}") == [f"{part}: expected the table [{part}], got 5"]
+
+
+def test_every_other_part_may_not(tmp_path: Path) -> None:
+    for part in set(PARTS) - {"column_sensor", "controller"}:
+        text = re.sub(rf"\n\[{part}\]\n(?:.+\n)*", "\n", elevator().to_toml())
+        assert complaints(tmp_path, text)[0] == f"{part}: missing value; add the table [{part}]"
+
+
+# Switches
+
+
+def test_a_switch_is_true_or_false(tmp_path: Path) -> None:
+    assert read(tmp_path, added("valve", "orifice = true"))["valve.orifice"] == 1
+    assert read(tmp_path, added("valve", "orifice = false")) == read(tmp_path, elevator().to_toml())
+    for given in (True, 1, 1.0, np.float64(1)):
+        assert elevator().replace({"valve.orifice": given}).given == ("valve.orifice",)
+    for given in (False, 0, 0.0, None):
+        assert elevator().replace({"valve.orifice": given}) == elevator()
+    assert "\norifice = true " in elevator().replace({"valve.orifice": True}).to_toml()
+
+
+@pytest.mark.parametrize(
+    ("given", "shown"),
+    [
+        ("1", "1"),
+        ("0.5", "0.5"),
+        ('"true"', "'true'"),
+        ('"1 switch"', "'1 switch'"),
+        ("[true]", "an array"),
+        ("{}", "a table"),
+    ],
+)
+def test_anything_else_is_no_switch(tmp_path: Path, given: str, shown: str) -> None:
+    message = f"valve.orifice: expected true or false, got {shown}"
+    assert complaints(tmp_path, added("valve", f"orifice = {given}")) == [message]
+
+
+@pytest.mark.parametrize("given", ["true", "1", 0.5, 2, -1, math.nan, math.inf, [True], {}])
+def test_a_loader_takes_no_other_switch(given: str | float) -> None:
+    with pytest.raises(InputError, match=r"^valve\.orifice: expected true or false, got "):
+        elevator().replace({"valve.orifice": given})
+
+
+def test_true_is_no_number() -> None:
+    with pytest.raises(InputError, match=r"^column\.coulomb_friction: expected a number such as '3 lb', got true$"):
+        elevator().replace({"column.coulomb_friction": True})
+
+
+# Off values
+
+
+def test_the_value_of_a_row_that_is_off_always_stands_in_a_loader() -> None:
+    values = elevator().values
+    assert np.isinf(values).sum() == sum(map(math.isinf, OFF.values())) > 10
+    assert Loader("again", "", values).given == ()
+
+
+@pytest.mark.parametrize("key", [key for key, off in OFF.items() if math.isinf(off)])
+def test_endless_is_said_by_leaving_the_row_out(tmp_path: Path, key: str) -> None:
+    row = TABLE[key]
+    [message] = complaints(tmp_path, added(row.part, f'{row.name} = "inf {row.unit_us}"'))
+    assert message.endswith(", which is not finite")
+    with pytest.raises(InputError, match=r"which is not finite$"):
+        elevator().replace({key: OFF[key]})
+    values = elevator().values.copy()
+    values[list(TABLE).index(key)] = -OFF[key]
+    with pytest.raises(InputError, match=rf"^{key}: expected .+, got "):
+        Loader("bad", "", values)
+
+
+def test_a_period_of_zero_is_refused(tmp_path: Path) -> None:
+    said = "expected 0.01 to 100 ms, got"
+    [message] = complaints(tmp_path, added("controller", 'period = "0 ms"'))
+    assert message == f"controller.period: out of range: {said} '0 ms'; leave the row out for an analog controller"
+    for given in ("0 ms", 0.0):
+        with pytest.raises(InputError) as caught:
+            elevator().replace({"controller.period": given})
+        assert (
+            str(caught.value)
+            == f"controller.period: {said} 0 ms; give None, or off on the command line, for an analog controller"
+        )
+    assert elevator().replace({"controller.period": "1 ms"}).replace({"controller.period": None}) == elevator()
+
+
+@pytest.mark.parametrize("key", [key for key in OFF if "friction" in key])
+def test_negative_friction_is_refused(key: str) -> None:
+    with pytest.raises(InputError) as caught:
+        elevator().replace({key: -1.0})
+    assert str(caught.value).startswith(f"{key}: expected {range_text(TABLE[key])}, got -")
+
+
+@pytest.mark.parametrize("key", [key for key, row in REQUIRED.items() if not is_switch(row)])
+def test_a_required_row_cannot_be_switched_off(key: str) -> None:
+    with pytest.raises(InputError, match=rf"^{key}: expected a number such as .+, got None$"):
+        elevator().replace({key: None})
+
+
+# What rows ask of one another
+
+STOPS = "; leave one out where there is no such stop"
+SAME = "; leave it out where both are the same"
+
+
+@pytest.mark.parametrize(
+    ("changes", "messages"),
+    [
+        (
+            {"column.stop_low": "-5 deg", "column.stop_high": "5 deg"},
+            [],
+        ),
+        (
+            {"column.stop_low": "0 deg", "column.stop_high": "0 deg"},
+            [f"column.stop_low: expected less than column.stop_high, which is 0 deg, got 0 deg{STOPS}"],
+        ),
+        (
+            {"feel.soft_stop_low": "5 deg", "feel.soft_stop_high": "-5 deg"},
+            [f"feel.soft_stop_low: expected less than feel.soft_stop_high, which is -5 deg, got 5 deg{STOPS}"],
+        ),
+        (
+            {"feel.hard_stop_low": "5 deg", "feel.hard_stop_high": "5.0000000001 deg"},
+            [f"feel.hard_stop_low: expected less than feel.hard_stop_high, which is 5 deg, got 5 deg{STOPS}"],
+        ),
+        ({"feel.hard_stop_low": "-5 deg"}, []),
+        ({"column.coulomb_friction": "3 lb"}, []),
+        ({"column.static_friction": "3 lb"}, []),
+        ({"column.coulomb_friction": "3 lb", "column.static_friction": "3 lb"}, []),
+        ({"column.coulomb_friction": "3 lb", "column.static_friction": "13.34466485 N"}, []),
+        (
+            {"column.coulomb_friction": "3 lb", "column.static_friction": "2 lb"},
+            [f"column.static_friction: expected at least column.coulomb_friction, which is 3 lb, got 2 lb{SAME}"],
+        ),
+        (
+            {"feel.coulomb_friction": "3 lb", "feel.static_friction": "2 lb"},
+            [f"feel.static_friction: expected at least feel.coulomb_friction, which is 3 lb, got 2 lb{SAME}"],
+        ),
+        ({"controller.period": "1 ms"}, []),
+        ({"controller.period": "1 ms", "controller.input_range": "5 V", "controller.input_bits": 12}, []),
+        (
+            {"controller.period": "1 ms", "controller.input_range": "5 V"},
+            [
+                "controller.input_range: has no effect without controller.input_bits; "
+                "give controller.input_bits too, such as '16', or leave controller.input_range out"
+            ],
+        ),
+        (
+            {"controller.period": "1 ms", "controller.output_bits": 12},
+            [
+                "controller.output_bits: has no effect without controller.output_range; "
+                "give controller.output_range too, such as '10 V', or leave controller.output_bits out"
+            ],
+        ),
+        (
+            {"column.stop_damping": "5 lb in s/rad"},
+            [
+                "column.stop_damping: has no effect without column.stop_low or column.stop_high; "
+                "give column.stop_low too, such as '-20 deg', or leave column.stop_damping out"
+            ],
+        ),
+        ({"column.stop_damping": "5 lb in s/rad", "column.stop_high": "5 deg"}, []),
+    ],
+)
+def test_rows_that_do_not_go_together_are_named_with_what_to_do(
+    tmp_path: Path, changes: dict[str, str | float], messages: list[str]
+) -> None:
+    by_part: dict[str, list[str]] = {}
+    for key, value in changes.items():
+        by_part.setdefault(TABLE[key].part, []).append(f'{TABLE[key].name} = "{value}"')
+    [(part, lines)] = by_part.items()
+    if not messages:
+        loader = read(tmp_path, added(part, *lines))
+        assert loader == read(tmp_path, elevator().to_toml()).replace(changes)
+        return
+    assert complaints(tmp_path, added(part, *lines)) == messages
+    with pytest.raises(InputError) as caught:
+        elevator().replace(changes)
+    assert str(caught.value).splitlines() == messages
+
+
+SENSED = [
+    f"{sensor}.{name}" for sensor in ("load_cell", "potentiometer", "column_sensor") for name in ("noise", "resolution")
+]
+SAMPLED = [f"controller.{name}" for name in ("delay", "antiwindup", "input_bits", "output_range")]
+ALONE = [
+    *(("controller.period", key) for key in (*SENSED, *SAMPLED)),
+    ("actuator.relief_pressure", "actuator.relief_gain"),
+    ("column.gravity_torque", "column.gravity_angle"),
+    ("feel.breakout", "feel.breakout_travel"),
+    ("feel.hysteresis", "feel.hysteresis_travel"),
+    ("feel.detent_force", "feel.detent_angle"),
+    ("feel.detent_force", "feel.detent_travel"),
+    ("feel.soft_stop_low", "feel.soft_stop_stiffness"),
+    ("feel.soft_stop_low", "feel.soft_stop_damping"),
+    ("feel.shaker_force", "feel.shaker_frequency"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("needed", "key"), ALONE)
+def test_a_row_without_what_it_acts_with_is_refused(needed: str, key: str) -> None:
+    row = TABLE[key]
+    with pytest.raises(InputError) as caught:
+        elevator().replace({key: (row.default_si or row.maximum_si) * 0.9})
+    assert str(caught.value).startswith(f"{key}: has no effect without {needed}")
+    assert f"; give {needed} too, such as '" in str(caught.value)
+
+
+def test_a_loader_made_from_values_is_held_to_the_same() -> None:
+    values = elevator().values.copy()
+    values[list(TABLE).index("controller.delay")] = 1e-3
+    with pytest.raises(InputError, match=r"^controller\.delay: has no effect without controller\.period;"):
+        Loader("bad", "", values)
+
+
+# Results
+
+
+def test_results_hold_what_is_given_and_nothing_endless() -> None:
+    loader = elevator().replace({"feel.hard_stop_high": "18 deg", "valve.orifice": True})
+    for units in SYSTEMS:
+        found = loader.as_json(units)
+        json.dumps(found, allow_nan=False)
+        assert "infinite" not in json.dumps(found)
+        values = found["values"]
+        assert isinstance(values, dict)
+        assert list(values) == [key for key in TABLE if key in REQUIRED or key in loader.given]
+        assert values["feel.hard_stop_high"] == {"value": pytest.approx(18), "unit": "deg"}
+        assert values["valve.orifice"] == {"value": 1.0, "unit": ""}
+
+
+def test_the_reports_table_shows_what_is_given() -> None:
+    loader = elevator().replace({"feel.hard_stop_high": "18 deg", "valve.orifice": True})
+    loader = loader.with_tolerances({"column.stop_high": {"uniform": ["10 deg", "20 deg"]}})
+    rows = [[str(cell.text) for cell in row] for row in parameters(loader, UnitSystem.US).rows]
+    assert len(rows) == len(REQUIRED) + 3
+    assert ["18", "deg", "–", "–"] in [row[2:] for row in rows]
+    assert ["yes", "", "–", "–"] in [row[2:] for row in rows]
+    assert ["–", "", "10 deg to 20 deg", "–"] in [row[2:] for row in rows]
+    assert ["6107.86", "lb/in", "−20 % to +20 %", "the same (appendix)"] in [row[2:] for row in rows]
+    assert len(parameters(elevator(), UnitSystem.SI).rows) == len(REQUIRED)
