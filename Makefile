@@ -43,6 +43,7 @@ bench: $(VENV)/built
 
 docs: $(VENV)/built
 	$(BIN)/python docs/make.py
+	$(BIN)/python docs/house.py
 
 clean:
 	rm -rf $(VENV) target report

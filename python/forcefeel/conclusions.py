@@ -29,3 +29,8 @@ def share_text(share: float) -> str:
 def interval_text(low: float, high: float) -> str:
     """From one share to another in percent."""
     return f"{share_text(low).removesuffix(' %')} to {share_text(high)}"
+
+
+def capital(text: str) -> str:
+    """The text with a capital at its beginning."""
+    return text[:1].upper() + text[1:]

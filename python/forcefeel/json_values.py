@@ -1,5 +1,6 @@
 """Results for machines: every number with its unit, as values that JSON can hold."""
 
+import json
 import math
 from dataclasses import fields, is_dataclass
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
@@ -67,3 +68,8 @@ def _unit_of(hint: Any) -> Unit | None:
     if get_origin(hint) is Annotated:
         return next((extra for extra in get_args(hint)[1:] if isinstance(extra, Unit)), None)
     return next((found for arg in get_args(hint) if (found := _unit_of(arg)) is not None), None)
+
+
+def json_text(document: Json) -> str:
+    """The text of a results file; numbers that JSON does not have are refused."""
+    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"

@@ -8,7 +8,7 @@ import pytest
 
 from forcefeel.errors import InputError
 from forcefeel.page import staging
-from forcefeel.page.staging import OutputFolder
+from forcefeel.page.folder import OutputFolder
 
 FOLDER = OutputFolder("the test", ("page.html", "results.json", "extra.csv"), ("tables",))
 OLD = {"results.json": "old", "extra.csv": "old", "page.html": "old"}

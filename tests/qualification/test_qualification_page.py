@@ -236,7 +236,7 @@ def test_a_failure_leaves_what_was_there(made, tmp_path, monkeypatch):
 def test_a_folder_where_a_file_goes(tmp_path, name):
     (tmp_path / name).mkdir()
     with pytest.raises(InputError, match=f"{name}: is a folder; expected to write a file"):
-        qualification_folder.check_qualification_folder(tmp_path)
+        qualification_folder.FOLDER.check(tmp_path)
 
 
 def test_a_chromium_that_prints_nothing(made, tmp_path, monkeypatch):

@@ -212,7 +212,7 @@ def test_a_page_that_cannot_be_written_loses_no_run(run, tmp_path, monkeypatch):
         raise InputError("out: cannot be written (No space left on device)")
 
     with monkeypatch.context() as patched:
-        patched.setattr("forcefeel.page.staging.OutputFolder.write", fail)
+        patched.setattr("forcefeel.page.folder.OutputFolder.write", fail)
         status, _, err = run(*small("--replace"))
     assert status == 2
     assert "64 of 64 runs are kept in forcefeel-sweep; go on with: forcefeel sweep my.toml" in err

@@ -16,7 +16,7 @@ from forcefeel.simulation.inputs import StopToStop
 from forcefeel.sweep import Sweep, SweepResult, run_sweep
 from forcefeel.sweep.page import folder as sweep_folder
 from forcefeel.sweep.page import maps as sweep_maps
-from forcefeel.sweep.page.folder import check_sweep_folder, write_sweep
+from forcefeel.sweep.page.folder import FOLDER, RUNS_FOLDER, write_sweep
 from forcefeel.sweep.page.plots import histogram
 from forcefeel.sweep.summary import summarize
 from forcefeel.units import UnitSystem
@@ -169,8 +169,9 @@ def test_an_input_that_goes_on_has_its_own_measures(tmp_path):
 @pytest.mark.parametrize("name", [sweep_folder.PAGE, sweep_folder.SUMMARY, "plan.json", "runs.nc"])
 def test_a_folder_where_a_file_is_to_be_is_refused(tmp_path, name):
     (tmp_path / name).mkdir()
+    whose = FOLDER if name in FOLDER.files else RUNS_FOLDER
     with pytest.raises(InputError, match="is a folder; expected to write a file of that name"):
-        check_sweep_folder(tmp_path)
+        whose.check(tmp_path)
 
 
 # In a browser.

@@ -5,7 +5,7 @@ from math import degrees, inf, isfinite
 from forcefeel.choice.noise import FORCE, HOLDING, Noise
 from forcefeel.choice.rule import Choice, obstacles
 from forcefeel.choice.score import OverEnvelope, Score, Scored
-from forcefeel.conclusions import Conclusions, share_text
+from forcefeel.conclusions import Conclusions, capital, share_text
 from forcefeel.envelope.result import PASSES
 from forcefeel.envelope.tolerance_sentences import tolerance_sentences
 from forcefeel.linear.modes import feel_mode
@@ -28,7 +28,7 @@ def choice_conclusions(scored: Scored, choice: Choice, units: UnitSystem) -> Con
 def design_conclusions(scored: Scored, units: UnitSystem) -> Conclusions:
     """What one method does; ``good`` where it is stable at the loader's own setting."""
     score = scored.scores[0]
-    own, name = score.own, _capital(score.name)
+    own, name = score.own, capital(score.name)
     where = "at the loader's own setting"
     if not own.stable:
         return Conclusions(False, f"{name} is unstable {where}.", _caveats(scored))
@@ -134,7 +134,3 @@ def _caveats(scored: Scored) -> tuple[str, ...]:
     if plan.left_out:
         lines.append(f"Left out, because I, B and G alone are programmed: {', '.join(plan.left_out)}.")
     return tuple(lines)
-
-
-def _capital(name: str) -> str:
-    return name[:1].upper() + name[1:]

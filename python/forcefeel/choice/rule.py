@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from math import degrees, inf, radians
 
 from forcefeel.choice.score import Score, Scored
-from forcefeel.conclusions import share_text
+from forcefeel.conclusions import capital, share_text
 from forcefeel.units import to_text
 
 LEAST_GAIN = 2.0
@@ -67,7 +67,7 @@ def choose(scored: Scored) -> Choice:
     able = [score for score in scored.scores if not wrong[score.name]]
     best = _best(able)
     remarks = [
-        Remark(score.name, False, f"{_capital(score.name)} is not eligible: {'; '.join(wrong[score.name])}.")
+        Remark(score.name, False, f"{capital(score.name)} is not eligible: {'; '.join(wrong[score.name])}.")
         for score in scored.scores
         if wrong[score.name]
     ]
@@ -110,10 +110,10 @@ def _best(able: list[Score]) -> Score | None:
 
 def _why(best: Score, eligible: int) -> str:
     if best.over is None:
-        return f"{_capital(best.name)} is stable with the margins that are asked for."
+        return f"{capital(best.name)} is stable with the margins that are asked for."
     shares = best.over.shares
     what = (
-        f"{_capital(best.name)} renders {share_text(shares.passes_worst)} of the settings in every case and "
+        f"{capital(best.name)} renders {share_text(shares.passes_worst)} of the settings in every case and "
         f"{share_text(shares.passes)} with the nominal plant"
     )
     if eligible == 1:
@@ -123,7 +123,7 @@ def _why(best: Score, eligible: int) -> str:
 
 def _behind(score: Score, best: Score) -> str:
     """The first figure of the rule in which an eligible method falls behind."""
-    name = _capital(score.name)
+    name = capital(score.name)
     for key, where in (("passes_worst", "in every case"), ("passes", "with the nominal plant")):
         mine, its = _share(score, key), _share(best, key)
         if its - mine >= CLOSE:
@@ -152,7 +152,3 @@ def _share(score: Score, key: str) -> float:
 
 def _noise(score: Score) -> float:
     return score.own.noise.angle_rad if score.own.noise else inf
-
-
-def _capital(name: str) -> str:
-    return name[:1].upper() + name[1:]

@@ -1,7 +1,6 @@
 """What each command does."""
 
 import io
-import json
 import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,7 +12,7 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from forcefeel.cli import show
 from forcefeel.cli.options import Coupling
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.design import workflow
 from forcefeel.design.assessment import assess, peaks
 from forcefeel.design.findings import conclusions
@@ -76,7 +75,7 @@ def new(path: Path, built_in: str, units: UnitSystem, *, as_json: bool, force: b
     loader = BUILT_IN[built_in]()
     write_whole(path, loader.to_toml(units))
     if as_json:
-        _print_json({"loader_file": str(path), **loader.as_json(units)})
+        print_json({"loader_file": str(path), **loader.as_json(units)})
     else:
         print(f"wrote {path}")
 
@@ -93,7 +92,7 @@ def design(path: Path | None, options: Options, out: Path, units: UnitSystem, *,
         progress.step("report")
         page = write_report(found, out, units)
     if as_json:
-        _print_json({"report": str(page), "design": json_value(found, units)})
+        print_json({"report": str(page), "design": json_value(found, units)})
     else:
         show.conclusions(Terminal(), conclusions(found, units))
         print(f"report: {page}")
@@ -104,7 +103,7 @@ def analyze(path: Path | None, units: UnitSystem, *, as_json: bool) -> None:
     """Analyses the original system."""
     found = workflow.analyze(_loader(path))
     if as_json:
-        _print_json(json_value(found, units))
+        print_json(json_value(found, units))
     else:
         show.analysis(Terminal(), found, units)
     _exit(good=found.configuration("compliant").programmed.assessment.stable)
@@ -121,7 +120,7 @@ def compensate(loader: Loader, options: Options, units: UnitSystem, *, as_json: 
     demand = peaks(loader, law) if judged.stable else None
     if as_json:
         parts = {"loader": loader, "compensation": found, "assessment": judged, "peaks": demand}
-        _print_json(json_value(parts, units))
+        print_json(json_value(parts, units))
     else:
         show.compensation(Terminal(), loader, found, judged, demand, units)
     _exit(good=found.reached and judged.stable)
@@ -132,7 +131,7 @@ def reproduce(units: UnitSystem, *, as_json: bool, as_markdown: bool) -> None:
     with Steps(len(workflow.STEPS)) as progress:
         sections = run_reproduction(progress.step)
     if as_json:
-        _print_json(json_value(sections, units))
+        print_json(json_value(sections, units))
     elif as_markdown:
         print(markdown(sections), end="")
     else:
@@ -153,10 +152,6 @@ def _read_q(path: Path | None) -> tuple[tuple[float, ...], ...] | None:
 
 def _loader(path: Path | None) -> Loader:
     return open_loader(path)
-
-
-def _print_json(result: object) -> None:
-    print(json.dumps(result, indent=2, allow_nan=False))
 
 
 def _exit(*, good: bool) -> None:

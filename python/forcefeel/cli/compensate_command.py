@@ -1,6 +1,5 @@
 """What ``forcefeel compensate --method`` does; without it, recursion (22) as ``commands.compensate`` runs it."""
 
-import json
 from dataclasses import dataclass, fields
 from math import degrees, isfinite
 from pathlib import Path
@@ -16,7 +15,7 @@ from forcefeel.choice.score import COARSE, check_names
 from forcefeel.cli import commands
 from forcefeel.cli.given_loader import given_deviations
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION
@@ -113,7 +112,7 @@ def _run(loader: Loader, options: MethodOptions, units: UnitSystem, *, as_json: 
         bar.describe("report")
         page = write_choice(scored, choice, out, units, replace=options.replace)
     if as_json:
-        print(json.dumps({"page": str(page), **choice_json(scored, choice, units)}, indent=2, allow_nan=False))
+        print_json({"page": str(page), **choice_json(scored, choice, units)})
     else:
         _show(Terminal(), scored, choice, units)
         print(f"page: {page}")

@@ -1,6 +1,5 @@
 """What ``forcefeel envelope`` does."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +8,7 @@ from rich.table import Table
 
 from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.conclusions import share_text
 from forcefeel.envelope import Envelope
 from forcefeel.envelope.as_json import envelope_json
@@ -84,7 +83,7 @@ def run_envelope(path: Path | None, options: EnvelopeOptions, units: UnitSystem,
         bar.describe("report")
         page = write_envelope(found, options.out, units, replace=options.replace)
     if as_json:
-        print(json.dumps({"page": str(page), **envelope_json(found, units)}, indent=2, allow_nan=False))
+        print_json({"page": str(page), **envelope_json(found, units)})
     else:
         _show(Terminal(), found, units)
         print(f"page: {page}")

@@ -1,6 +1,5 @@
 """What ``forcefeel excite`` does."""
 
-import json
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +20,7 @@ from forcefeel.bench.identification.digits import percent
 from forcefeel.cli.given_loader import designed_law, given_loader
 from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.scenario_text import value
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE, with_unit
@@ -103,7 +102,7 @@ def run_excite(path: Path | None, options: ExciteOptions, units: UnitSystem, *, 
         raise typer.Exit(1) from None
     write_excitation(found, options.out, units, replace=options.replace)
     if as_json:
-        print(json.dumps({"file": str(options.out), **excitation_json(found, units)}, indent=2, allow_nan=False))
+        print_json({"file": str(options.out), **excitation_json(found, units)})
     else:
         _show(Terminal(), found, units)
         print(f"file: {options.out}")

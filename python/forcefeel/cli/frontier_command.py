@@ -1,6 +1,5 @@
 """What ``forcefeel frontier`` does."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +9,7 @@ from rich.table import Table
 from forcefeel.cli.envelope_command import release_angle
 from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.conclusions import share_text
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier import Frontier
@@ -69,7 +68,7 @@ def run_frontier(path: Path | None, options: FrontierOptions, units: UnitSystem,
         bar.describe("report")
         page = write_frontier(found, options.out, units, replace=options.replace)
     if as_json:
-        print(json.dumps({"page": str(page), **frontier_json(found, units)}, indent=2, allow_nan=False))
+        print_json({"page": str(page), **frontier_json(found, units)})
     else:
         _show(Terminal(), found, units)
         print(f"page: {page}")

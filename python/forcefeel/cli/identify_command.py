@@ -1,6 +1,5 @@
 """What ``forcefeel identify`` does."""
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,7 +23,7 @@ from forcefeel.cli.given_loader import designed_law, given_loader
 from forcefeel.cli.identify_options import IdentifyLoss
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_options import Law
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
 from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.loader import Loader
@@ -75,10 +74,10 @@ class IdentifyOptions:
 
 def run_identify(path: Path | None, options: IdentifyOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Identifies a loader and writes the folder."""
-    from forcefeel.bench.identification.page.folder import LOADER, check_identification_folder, write_identification  # noqa: PLC0415
+    from forcefeel.bench.identification.page.folder import FOLDER, LOADER, write_identification  # noqa: PLC0415
 
     inputs = [*_loader_file(path), *options.data.files]
-    check_identification_folder(options.out, inputs, replace=options.replace)  # before the work, not after it
+    FOLDER.check(options.out, replace=options.replace, inputs=inputs)  # before the work, not after it
     loader, data = given_loader(path, options.changes), options.data.read()
     law = options.fixed_law(loader, data)
     settings = options.settings
@@ -108,7 +107,7 @@ def run_identify(path: Path | None, options: IdentifyOptions, units: UnitSystem,
     written = None if found.loader is None else options.out / LOADER
     if as_json:
         paths = {"page": str(page), "loader_file": written and str(written)}
-        print(json.dumps({**paths, **identification_json(found, units, settings)}, indent=2, allow_nan=False))
+        print_json({**paths, **identification_json(found, units, settings)})
     else:
         _show(Terminal(), found, units)
         print(f"page: {page}")

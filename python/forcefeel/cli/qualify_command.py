@@ -1,6 +1,5 @@
 """What ``forcefeel qualify`` does."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +11,7 @@ from forcefeel.cli.bench_data import options_named
 from forcefeel.cli.given_loader import given_loader
 from forcefeel.cli.qualify_options import ControlAxis, Overdamped
 from forcefeel.cli.scenario_options import Law
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.setting_laws import names_for
 from forcefeel.loader.loader import Loader
@@ -78,15 +77,18 @@ class QualifyOptions:
 
 def run_qualify(path: Path | None, options: QualifyOptions, units: UnitSystem, *, as_json: bool) -> None:
     """Makes the tests, writes the folder and shows what came of them."""
-    from forcefeel.qualification.page.folder import check_qualification_folder, write_qualification  # noqa: PLC0415
+    from forcefeel.page.chromium import find_chromium  # noqa: PLC0415
+    from forcefeel.qualification.page.folder import FOLDER, write_qualification  # noqa: PLC0415
 
-    check_qualification_folder(options.out, pdf=options.pdf)  # before the work, not after it
+    FOLDER.check(options.out)  # before the work, not after it
+    if options.pdf:
+        find_chromium()
     loader = given_loader(path, options.changes)
     with options_named():
         found = qualify_loader(loader, options.setup(loader, units))
     page = write_qualification(found, options.out, pdf=options.pdf)
     if as_json:
-        print(json.dumps({"page": str(page), **qualification_json(found)}, indent=2, allow_nan=False))
+        print_json({"page": str(page), **qualification_json(found)})
     else:
         _show(Terminal(), found)
         print(f"page: {page}")

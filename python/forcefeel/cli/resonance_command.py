@@ -1,6 +1,5 @@
 """What ``forcefeel resonance`` does."""
 
-import json
 import math
 import re
 from pathlib import Path
@@ -16,7 +15,7 @@ from forcefeel.bench.resonance import Reading, Resonance, link_from_resonance, r
 from forcefeel.bench.responses import Response
 from forcefeel.cli.bench_data import BenchData
 from forcefeel.cli.given_loader import given_loader
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
 from forcefeel.json_values import Json, quantity
 from forcefeel.loader.loader import Loader
@@ -52,7 +51,7 @@ def run_resonance(
     response = _response(bench.read()[0], measured)
     found = read_resonance(response, band_hz)
     if as_json:
-        print(json.dumps(_resonance_json(response, found, loader, units), indent=2, allow_nan=False))
+        print_json(_resonance_json(response, found, loader, units))
     else:
         _show(Terminal(), response, found, loader, units)
     if found.frequency_hz is None:

@@ -1,6 +1,5 @@
 """What ``forcefeel schedule`` does."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +9,7 @@ from rich.table import Table
 
 from forcefeel.cli.given_loader import given_deviations, given_loader
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.flight_schedule import ScheduleCheck, check_schedule, design_schedule, read_knots
 from forcefeel.flight_schedule.as_json import schedule_json
 from forcefeel.flight_schedule.findings import schedule_conclusions
@@ -54,7 +53,7 @@ def run_schedule(path: Path | None, options: ScheduleCommandOptions, units: Unit
         bar.describe("report")
         page = write_schedule(found, options.out, units, replace=options.replace)
     if as_json:
-        print(json.dumps({"page": str(page), **schedule_json(found, units)}, indent=2, allow_nan=False))
+        print_json({"page": str(page), **schedule_json(found, units)})
     else:
         _show(Terminal(), found)
         print(f"page: {page}")

@@ -1,6 +1,5 @@
 """What ``forcefeel simulate`` does."""
 
-import json
 from pathlib import Path
 
 import typer
@@ -8,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.conclusions import Conclusions
 from forcefeel.loader.built_in import open_loader
 from forcefeel.simulation import Run, RunStatus, simulate
@@ -35,7 +34,7 @@ def run_simulate(
         page = write_simulation(run, out, units, law)
     if as_json:
         report = {} if page is None else {"page": str(page)}
-        print(json.dumps({**report, **run_json(run, units, law)}, indent=2, allow_nan=False))
+        print_json({**report, **run_json(run, units, law)})
     else:
         _show(Terminal(), run, units)
         if page is not None:

@@ -1,6 +1,5 @@
 """What ``forcefeel sweep`` does."""
 
-import json
 import shlex
 import sys
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ from rich.table import Table
 from forcefeel.cli.exit_status import INTERRUPTED
 from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_options import Law, ScenarioOptions
-from forcefeel.cli.terminal import Terminal
+from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.conclusions import share_text
 from forcefeel.errors import InputError
 from forcefeel.loader.built_in import open_loader
@@ -64,9 +63,10 @@ def run_sweep_command(
     path: Path | None, options: SweepOptions, scenario: ScenarioOptions, units: UnitSystem, *, as_json: bool
 ) -> None:
     """Carries out a sweep and writes its folder."""
-    from forcefeel.sweep.page.folder import check_sweep_folder, write_sweep  # noqa: PLC0415  Plotly
+    from forcefeel.sweep.page.folder import FOLDER, RUNS_FOLDER, write_sweep  # noqa: PLC0415  Plotly
 
-    check_sweep_folder(options.out)  # before the work, not after it
+    for part in (FOLDER, RUNS_FOLDER):  # before the work, not after it
+        part.check(options.out)
     sweep = options.sweep(path, scenario)
     law = str(scenario.law or Law.ORIGINAL)
     with Bar(silent=as_json) as bar:
@@ -90,7 +90,7 @@ def run_sweep_command(
         except InputError as error:
             raise InputError(f"{error}\n{_kept(bar, options.out)}" if bar.done else str(error)) from error
     if as_json:
-        print(json.dumps({"page": str(page), **sweep_json(result, summary, units)}, indent=2, allow_nan=False))
+        print_json({"page": str(page), **sweep_json(result, summary, units)})
     else:
         _show(Terminal(), result, summary, units)
         print(f"page: {page}")

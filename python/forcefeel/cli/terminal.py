@@ -1,5 +1,6 @@
 """The terminal: names and texts of others are printed as they are, neither as mark-up nor as control sequences."""
 
+import json
 from typing import Any
 
 from rich.console import Console
@@ -17,3 +18,8 @@ class Terminal(Console):
     def render_str(self, text: str, **options: Any) -> Text:
         """Text as it is to be printed."""
         return super().render_str(visible(text), **options)
+
+
+def print_json(document: object) -> None:
+    """What ``--json`` prints."""
+    print(json.dumps(document, indent=2, allow_nan=False))

@@ -1,4 +1,4 @@
-"""A command's folder: its files appear together or not at all, and those of others stay.
+"""Files of a folder are written so that they appear together or not at all, and those of others stay.
 
 A folder that holds nothing else is written anew beside and takes the old one's place in one step of the file system, so that even a
 run that is killed leaves the old folder or the new one. Where files of others lie in it, or the folder cannot be exchanged (it is
@@ -11,8 +11,7 @@ import os
 import re
 import secrets
 import shutil
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
 from forcefeel.errors import InputError
@@ -24,63 +23,23 @@ _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
 """Of Linux, ``renameat2(2)``."""
 
 
-@dataclass(frozen=True)
-class OutputFolder:
-    """The folder of a command.
+def put(out: Path, contents: Mapping[str, str | bytes], own: Collection[str]) -> None:
+    """Writes all files of a folder, or none.
 
-    Attributes:
-        what: What it is for, as a message names it: ``the envelope``.
-        files: Names of the files that the command writes, whether or not each time; one that a run does not write goes.
-        folders: Names of folders within, of files that differ from run to run; what else is in them stays.
+    Args:
+        out: The folder; made if it is not there.
+        contents: Each file's text or bytes by its name within the folder, in the order in which they move into place.
+        own: Names of files that are the command's: one that is there and not written goes.
+
+    Raises:
+        InputError: If the folder cannot be made or written.
     """
-
-    what: str
-    files: tuple[str, ...]
-    folders: tuple[str, ...] = ()
-
-    def check(self, out: Path, *, replace: bool = True) -> None:
-        """Refuses what would fail halfway, before any work: a file where a folder is wanted, or the other way round.
-
-        Args:
-            out: The folder.
-            replace: Whether the files may take the place of others.
-
-        Raises:
-            InputError: If so, or there is a file that is not to be replaced.
-        """
-        if out.exists() and not out.is_dir():
-            raise InputError(
-                f"{out}: is a file; expected a folder for {self.what}; name another one, or move the file away"
-            )
-        for name in self.files:
-            if (out / name).is_dir():
-                raise InputError(
-                    f"{out / name}: is a folder; expected to write a file of that name; move the folder away"
-                )
-            if (out / name).exists() and not replace:
-                raise InputError(
-                    f"{out}: holds {name} already; name another folder with --out, or --replace to replace it"
-                )
-        for name in self.folders:
-            if (out / name).exists() and not (out / name).is_dir():
-                raise InputError(f"{out / name}: is a file; expected a folder of that name; move the file away")
-
-    def write(self, out: Path, contents: Mapping[str, str | bytes]) -> None:
-        """Writes all files, or none.
-
-        Args:
-            out: The folder; made if it is not there.
-            contents: Each file's text or bytes by its name within the folder, in the order in which they move into place.
-
-        Raises:
-            InputError: If the folder cannot be made or written.
-        """
-        with _explained(out), _made(out) as folder:
-            for left in _left_by_killed_runs(folder):
-                shutil.rmtree(left, ignore_errors=True)
-            own = {*self.files, *contents}
-            if not (_is_free(folder, own) and _exchanged(folder, contents)):
-                _moved_in(folder, contents, own)
+    with _explained(out), _made(out) as folder:
+        for left in _left_by_killed_runs(folder):
+            shutil.rmtree(left, ignore_errors=True)
+        own = {*own, *contents}
+        if not (_is_free(folder, own) and _exchanged(folder, contents)):
+            _moved_in(folder, contents, own)
 
 
 def _left_by_killed_runs(folder: Path) -> list[Path]:

@@ -4,7 +4,7 @@ from math import isfinite
 
 import numpy as np
 
-from forcefeel.conclusions import Conclusions, interval_text, share_text
+from forcefeel.conclusions import Conclusions, capital, interval_text, share_text
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.simulation import RunStatus
 from forcefeel.simulation.limits import goes_to_a_place, keeps_moving
@@ -149,7 +149,7 @@ class _Words:
         of = ", ".join(f"{key} ({correlation_text(rho)})" for key, rho in ranking)
         goes = f" It goes with {of.replace('(', '(rank correlation ', 1)}." if of else ""
         spans = f"nominal {nominal}; {middle} for nine of ten, {whole} in all"
-        return f"{_capital(measure_name(name))}: {spans}.{self._none(name)}{goes}"
+        return f"{capital(measure_name(name))}: {spans}.{self._none(name)}{goes}"
 
     def _none(self, name: str) -> str:
         """How many runs that did not diverge have no such measure, and why."""
@@ -171,7 +171,7 @@ class _Words:
             )
             places.append(f"{what} with {value_with_unit(name, float(over.values[spot]), self._units)} at {at}")
         of = "" if self._result.sweep.machines == 1 else ", median of the machines at a setting"
-        return f"{_capital(measure_name(name))}{of}: {', '.join(places)}."
+        return f"{capital(measure_name(name))}{of}: {', '.join(places)}."
 
     def demand(self) -> str:
         """How far the valve is used, nine of ten and at most."""
@@ -207,7 +207,3 @@ class _Words:
 
 def _setting(key: str, value: float, units: UnitSystem) -> str:
     return f"{to_text(unit(TABLE[key]).from_si(value, units))} {unit(TABLE[key]).shown(units)}".rstrip()
-
-
-def _capital(text: str) -> str:
-    return f"{text[0].upper()}{text[1:]}"

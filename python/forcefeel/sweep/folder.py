@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.files import write_whole
+from forcefeel.json_values import json_text
 from forcefeel.simulation.outcome import MEASURES
 from forcefeel.sweep.identity import differences, digest, identity
 from forcefeel.sweep.plan import Sweep
@@ -80,7 +81,7 @@ class Folder:
         if not replace:
             self._check_empty()
         self._clear()
-        write_whole(self.path / PLAN, json.dumps(self.plan, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+        write_whole(self.path / PLAN, json_text(self.plan))
         (self.path / CHUNKS).mkdir(exist_ok=True)
 
     def _check(self, there: Mapping[str, Any], *, resume: bool) -> None:

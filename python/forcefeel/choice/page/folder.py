@@ -1,12 +1,12 @@
 """The folder of methods that were tried: the page and the results, whole or not at all."""
 
-import json
 from pathlib import Path
 
 from forcefeel.choice import Choice, Scored
 from forcefeel.choice.as_json import choice_json
 from forcefeel.choice.page.page import choice_page
-from forcefeel.page.staging import OutputFolder
+from forcefeel.json_values import json_text
+from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS = "compensate.html", "results.json"
@@ -35,6 +35,6 @@ def write_choice(scored: Scored, choice: Choice | None, out: Path, units: UnitSy
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
     """
     FOLDER.check(out, replace=replace)
-    results = json.dumps(choice_json(scored, choice, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    results = json_text(choice_json(scored, choice, units))
     FOLDER.write(out, {RESULTS: results, PAGE: choice_page(scored, choice, units)})
     return out / PAGE

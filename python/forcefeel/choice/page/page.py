@@ -1,13 +1,5 @@
 """The page of methods that were tried: the template filled with pictures, tables and words."""
 
-from functools import cache
-from importlib.metadata import version
-from typing import Any
-
-import jinja2
-from markupsafe import Markup
-from plotly.offline import get_plotlyjs
-
 from forcefeel.choice import Choice, Score, Scored
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.noise import HOLDING
@@ -16,9 +8,8 @@ from forcefeel.choice.page import tables as choice_tables
 from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PHASE_RAD
 from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.page import machine
-from forcefeel.page.canvas import html
-from forcefeel.page.typography import number_text, parameter_text, prose_html, quantity_text
-from forcefeel.templating import environment
+from forcefeel.page.render import drawing, render
+from forcefeel.page.typography import parameter_text, quantity_text
 from forcefeel.units import ANGLE, UnitSystem
 
 
@@ -27,40 +18,33 @@ def choice_page(scored: Scored, choice: Choice | None, units: UnitSystem) -> str
     plan = scored.plan
     shown = _shown(scored, choice)
     over = any(score.over for score in scored.scores)
-    return (
-        _environment()
-        .get_template("choice.html.j2")
-        .render(
-            loader=plan.given,
-            plan=plan,
-            version=version("forcefeel"),
-            conclusions=design_conclusions(scored, units)
-            if choice is None
-            else choice_conclusions(scored, choice, units),
-            scored=scored,
-            choice=choice,
-            over=over,
-            shown=shown,
-            shares=choice_tables.shares(scored, choice) if over else None,
-            methods=choice_tables.methods(scored),
-            trade_off=Markup(html(choice_plots.trade_off(scored, choice), "trade-off")) if over else "",
-            bars=Markup(html(choice_plots.bars(scored, units), "margins-and-noise")) if _some_stable(scored) else "",
-            margins=choice_tables.margins(scored),
-            demands=choice_tables.demands(scored, units),
-            release=Markup(html(choice_plots.release(scored, shown), "release-plot")),
-            poles=choice_tables.poles(shown[0]),
-            grid=choice_tables.grid(scored, units),
-            tolerances=tolerances(plan.deviations),
-            least={"gain": LEAST_GAIN, "phase": quantity_text(LEAST_PHASE_RAD, ANGLE, units, 3), "close": CLOSE},
-            holding=HOLDING,
-            angle=quantity_text(plan.release_rad, ANGLE, units, 3),
-            setting=[
-                (symbol, parameter_text(plan.loader, f"feel.{name}", units))
-                for symbol, name in (("I", "inertia"), ("B", "damping"), ("G", "stiffness"))
-            ],
-            parameters=machine.parameters(plan.given, units),
-            plotly_js=Markup(get_plotlyjs()),
-        )
+    return render(
+        "choice.html.j2",
+        loader=plan.given,
+        plan=plan,
+        conclusions=design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units),
+        scored=scored,
+        choice=choice,
+        over=over,
+        shown=shown,
+        shares=choice_tables.shares(scored, choice) if over else None,
+        methods=choice_tables.methods(scored),
+        trade_off=drawing(choice_plots.trade_off(scored, choice), "trade-off") if over else "",
+        bars=drawing(choice_plots.bars(scored, units), "margins-and-noise") if _some_stable(scored) else "",
+        margins=choice_tables.margins(scored),
+        demands=choice_tables.demands(scored, units),
+        release=drawing(choice_plots.release(scored, shown), "release-plot"),
+        poles=choice_tables.poles(shown[0]),
+        grid=choice_tables.grid(scored, units),
+        tolerances=tolerances(plan.deviations),
+        least={"gain": LEAST_GAIN, "phase": quantity_text(LEAST_PHASE_RAD, ANGLE, units, 3), "close": CLOSE},
+        holding=HOLDING,
+        angle=quantity_text(plan.release_rad, ANGLE, units, 3),
+        setting=[
+            (symbol, parameter_text(plan.loader, f"feel.{name}", units))
+            for symbol, name in (("I", "inertia"), ("B", "damping"), ("G", "stiffness"))
+        ],
+        parameters=machine.parameters(plan.given, units),
     )
 
 
@@ -73,16 +57,3 @@ def _shown(scored: Scored, choice: Choice | None) -> tuple[Score, ...]:
 
 def _some_stable(scored: Scored) -> bool:
     return any(score.own.stable for score in scored.scores)
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    templates = environment(html=True)
-    filters: dict[str, Any] = {
-        "prose": prose_html,
-        "capital": choice_tables.capital,
-        "number": number_text,
-        "percent": lambda share: f"{number_text(100 * share, 3)} %",
-    }
-    templates.filters.update(filters)
-    return templates

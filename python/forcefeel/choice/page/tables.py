@@ -5,7 +5,7 @@ from math import degrees, inf, isfinite
 from forcefeel.choice import Choice, Score, Scored
 from forcefeel.choice.demand import Demand
 from forcefeel.choice.noise import FORCE
-from forcefeel.conclusions import share_text
+from forcefeel.conclusions import capital, share_text
 from forcefeel.envelope.settings import AXES
 from forcefeel.linear.modes import Mode
 from forcefeel.loops.margins import LoopMargins
@@ -139,8 +139,3 @@ def grid(scored: Scored, system: UnitSystem) -> Table:
         shown = ", ".join(number_text(axis.unit.from_si(value, system), 3) for value in values)
         rows.append((words(prose_html(capital(axis.title))), words(shown), Cell(axis.unit.shown(system))))
     return Table((Cell("Axis"), Cell("Values"), Cell("Unit")), tuple(rows))
-
-
-def capital(text: str) -> str:
-    """The text with a capital at its beginning."""
-    return text[:1].upper() + text[1:]

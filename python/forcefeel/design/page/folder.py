@@ -7,7 +7,7 @@ from forcefeel.design.page.numbers import results_json
 from forcefeel.design.page.page import page
 from forcefeel.design.page.responses import csv, table
 from forcefeel.design.workflow import Design
-from forcefeel.page.staging import OutputFolder
+from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS, RESPONSES = "report.html", "results.json", "responses"

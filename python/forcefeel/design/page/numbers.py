@@ -1,6 +1,5 @@
 """``results.json``: every number of the design with its unit, and what stands in which table of values."""
 
-import json
 from collections.abc import Mapping
 from importlib.metadata import version
 
@@ -10,7 +9,7 @@ from forcefeel.design.figure_data import Figure
 from forcefeel.design.findings import conclusions
 from forcefeel.design.page.captions import MEANINGS
 from forcefeel.design.workflow import Design
-from forcefeel.json_values import json_value
+from forcefeel.json_values import json_text, json_value
 from forcefeel.units import UnitSystem
 
 
@@ -40,4 +39,4 @@ def results_json(design: Design, drawn: tuple[Figure, ...], tables: Mapping[str,
         "design": json_value(design, units),
         "figures": curves,
     }
-    return json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return json_text(document)

@@ -1,13 +1,9 @@
 """The page: the template filled with plots, tables and words."""
 
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import version
 from typing import Any
 
-import jinja2
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 from forcefeel.design.figure_data import Figure
 from forcefeel.design.findings import conclusions
@@ -20,19 +16,13 @@ from forcefeel.design.workflow import LOW_SHARE, Design
 from forcefeel.laws.recursion import GAIN_SYMBOLS, GAIN_UNITS, gains_in
 from forcefeel.loader.parameters import TABLE
 from forcefeel.page import machine
-from forcefeel.page.canvas import html
+from forcefeel.page.render import drawing, render
 from forcefeel.page.typography import (
-    change_text,
     number_text,
     parameter_text,
-    percent_text,
-    prose_html,
     quantity_text,
-    symbol_html,
-    symbol_svg,
     unit_text,
 )
-from forcefeel.templating import environment
 from forcefeel.units import HERTZ, UnitSystem
 
 
@@ -66,36 +56,30 @@ def page(design: Design, drawn: tuple[Figure, ...], files: tuple[str, ...], unit
         files: Names of the tables of values beside the page.
         units: The units of every number.
     """
-    return (
-        _environment()
-        .get_template("report.html.j2")
-        .render(
-            design=design,
-            loader=design.loader,
-            version=version("forcefeel"),
-            conclusions=conclusions(design, units),
-            plots={figure.key: _plot(figure, design, units) for figure in drawn},
-            planes=_planes(design),
-            tables=_tables(design, units),
-            files=files,
-            low_share=LOW_SHARE,
-            full=design.configuration("compensated").programmed.assessment,
-            worst=worst(design.deviations),
-            value=lambda key: parameter_text(design.loader, key, units),
-            low_value=lambda key: parameter_text(design.low_loader, key, units),
-            frequency=lambda value: quantity_text(value, HERTZ, units, 3),
-            symbols={key: row.symbol for key, row in TABLE.items()},
-            gains=_drawn_gains(design, units),
-            plotly_js=Markup(get_plotlyjs()),
-        )
+    return render(
+        "report.html.j2",
+        design=design,
+        loader=design.loader,
+        conclusions=conclusions(design, units),
+        plots={figure.key: _plot(figure, design, units) for figure in drawn},
+        planes=_planes(design),
+        tables=_tables(design, units),
+        files=files,
+        low_share=LOW_SHARE,
+        full=design.configuration("compensated").programmed.assessment,
+        worst=worst(design.deviations),
+        value=lambda key: parameter_text(design.loader, key, units),
+        low_value=lambda key: parameter_text(design.low_loader, key, units),
+        frequency=lambda value: quantity_text(value, HERTZ, units, 3),
+        symbols={key: row.symbol for key, row in TABLE.items()},
+        gains=_drawn_gains(design, units),
     )
 
 
 def _plot(figure: Figure, design: Design, units: UnitSystem) -> Plot:
     number = figure.key.removeprefix("figure-").removeprefix("0")
-    drawing = Markup(html(draw(figure, design, units), figure.key))
-    remarks = departures(figure, design)
-    return Plot(figure.key, f"Figure {number}", figure.title, MEANINGS[figure.key], remarks, drawing)
+    drawn, remarks = drawing(draw(figure, design, units), figure.key), departures(figure, design)
+    return Plot(figure.key, f"Figure {number}", figure.title, MEANINGS[figure.key], remarks, drawn)
 
 
 def _planes(design: Design) -> tuple[tuple[str, str, Markup], ...]:
@@ -105,7 +89,7 @@ def _planes(design: Design) -> tuple[tuple[str, str, Markup], ...]:
         ("The poles of the column on its linkage", "poles-link", splane.link(design)),
         (f"All poles up to {splane.OUT_OF_VIEW_HZ:g} Hz", "poles-all", splane.whole(design)),
     )
-    return tuple((title, name, Markup(html(picture, name))) for title, name, picture in drawings)
+    return tuple((title, name, drawing(picture, name)) for title, name, picture in drawings)
 
 
 def _tables(design: Design, units: UnitSystem) -> dict[str, Any]:
@@ -132,17 +116,3 @@ def _drawn_gains(design: Design, units: UnitSystem) -> tuple[tuple[str, str], ..
         (symbol, f"{number_text(float(value), 3)} {unit_text(unit.shown(units))}")
         for symbol, value, unit in zip(GAIN_SYMBOLS, shown, GAIN_UNITS, strict=False)
     )
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    templates = environment(html=True)
-    templates.filters.update(
-        symbol=symbol_html,
-        span=symbol_svg,
-        prose=prose_html,
-        number=number_text,
-        percent=percent_text,
-        change=change_text,
-    )
-    return templates

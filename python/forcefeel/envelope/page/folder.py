@@ -1,12 +1,12 @@
 """The folder of an envelope: its page, its results, its settings as a table and its maps, whole or not at all."""
 
-import json
 from pathlib import Path
 
 from forcefeel.envelope import Envelope
 from forcefeel.envelope.as_json import envelope_json, settings_csv
 from forcefeel.envelope.page.page import envelope_page
-from forcefeel.page.staging import OutputFolder
+from forcefeel.json_values import json_text
+from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS, SETTINGS, MAPS = "envelope.html", "results.json", "settings.csv", "envelope.nc"
@@ -37,7 +37,7 @@ def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bo
     contents: dict[str, str | bytes] = {
         MAPS: bytes(found.data.to_netcdf(engine="scipy")),
         SETTINGS: settings_csv(found, units),
-        RESULTS: json.dumps(envelope_json(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        RESULTS: json_text(envelope_json(found, units)),
         PAGE: envelope_page(found, units),
     }
     FOLDER.write(out, contents)

@@ -2,7 +2,7 @@
 
 from math import isfinite
 
-from forcefeel.conclusions import interval_text, share_text
+from forcefeel.conclusions import capital, interval_text, share_text
 from forcefeel.envelope.cases import Kind
 from forcefeel.envelope.passivity import ARM_HZ, HIGHEST_HZ
 from forcefeel.envelope.result import MOST, Envelope, Failure
@@ -163,11 +163,6 @@ def arms(found: Envelope) -> Table:
         if case.arm
     ]
     return Table((*heads("Arm", "Mass, kg", "Damper, N s/m", "Spring, N/m"), Cell("Verified")), tuple(rows))
-
-
-def capital(text: str) -> str:
-    """The text with a capital at its beginning."""
-    return text[:1].upper() + text[1:]
 
 
 def _heat(share: float) -> str:

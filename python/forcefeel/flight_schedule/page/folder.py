@@ -1,12 +1,12 @@
 """The folder of a flight schedule: its page, its results and every number of its laws, whole or not at all."""
 
-import json
 from pathlib import Path
 
 from forcefeel.flight_schedule.as_json import gains_csv, schedule_json
 from forcefeel.flight_schedule.page.page import schedule_page
 from forcefeel.flight_schedule.result import ScheduleCheck
-from forcefeel.page.staging import OutputFolder
+from forcefeel.json_values import json_text
+from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS, GAINS = "schedule.html", "results.json", "gains.csv"
@@ -34,6 +34,6 @@ def write_schedule(found: ScheduleCheck, out: Path, units: UnitSystem, *, replac
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
     """
     FOLDER.check(out, replace=replace)
-    results = json.dumps(schedule_json(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    results = json_text(schedule_json(found, units))
     FOLDER.write(out, {GAINS: gains_csv(found.schedule), RESULTS: results, PAGE: schedule_page(found, units)})
     return out / PAGE

@@ -1,59 +1,37 @@
 """The page of a flight schedule: the template filled with plots, tables and words."""
 
-from functools import cache
-from importlib.metadata import version
-from typing import Any
-
-import jinja2
-from markupsafe import Markup
-from plotly.offline import get_plotlyjs
-
 from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.flight_schedule.findings import schedule_conclusions
 from forcefeel.flight_schedule.page import plots as schedule_plots
 from forcefeel.flight_schedule.page import tables as schedule_tables
 from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.page import machine
-from forcefeel.page.canvas import html
-from forcefeel.page.typography import number_text, prose_html, quantity_text
-from forcefeel.templating import environment
+from forcefeel.page.render import drawing, render
+from forcefeel.page.typography import number_text, quantity_text
 from forcefeel.units import ANGLE, UnitSystem
 
 
 def schedule_page(found: ScheduleCheck, units: UnitSystem) -> str:
     """The whole page, numbers in ``units``."""
     schedule = found.schedule
-    return (
-        _environment()
-        .get_template("schedule.html.j2")
-        .render(
-            loader=schedule.loader,
-            schedule=schedule,
-            found=found,
-            version=version("forcefeel"),
-            conclusions=schedule_conclusions(found),
-            parts=schedule_tables.parts(found),
-            poles=Markup(html(schedule_plots.poles(found), "poles")),
-            gains=Markup(html(schedule_plots.gains(schedule, found.refine, units), "gains")),
-            knots=schedule_tables.knots(found, units),
-            more_knots=max(0, schedule.knots - schedule_tables.MOST_ROWS),
-            middle=schedule_tables.middle(found),
-            margins=schedule_tables.margins(found),
-            axes=schedule_tables.axes(schedule),
-            tolerances=tolerances(found.deviations),
-            several=len(schedule.axes) > 1,
-            period=f"{number_text(1e3 * schedule.laws.period_s)} ms",
-            delay=f"{number_text(1e3 * schedule.laws.delay_s)} ms",
-            angle=quantity_text(found.test.angle_rad, ANGLE, units, 3),
-            parameters=machine.parameters(schedule.loader, units),
-            plotly_js=Markup(get_plotlyjs()),
-        )
+    return render(
+        "schedule.html.j2",
+        loader=schedule.loader,
+        schedule=schedule,
+        found=found,
+        conclusions=schedule_conclusions(found),
+        parts=schedule_tables.parts(found),
+        poles=drawing(schedule_plots.poles(found), "poles"),
+        gains=drawing(schedule_plots.gains(schedule, found.refine, units), "gains"),
+        knots=schedule_tables.knots(found, units),
+        more_knots=max(0, schedule.knots - schedule_tables.MOST_ROWS),
+        middle=schedule_tables.middle(found),
+        margins=schedule_tables.margins(found),
+        axes=schedule_tables.axes(schedule),
+        tolerances=tolerances(found.deviations),
+        several=len(schedule.axes) > 1,
+        period=f"{number_text(1e3 * schedule.laws.period_s)} ms",
+        delay=f"{number_text(1e3 * schedule.laws.delay_s)} ms",
+        angle=quantity_text(found.test.angle_rad, ANGLE, units, 3),
+        parameters=machine.parameters(schedule.loader, units),
     )
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    templates = environment(html=True)
-    filters: dict[str, Any] = {"prose": prose_html, "commas": lambda number: f"{number:,}"}
-    templates.filters.update(filters)
-    return templates

@@ -1,12 +1,12 @@
 """The folder of a frontier: its page and its results, whole or not at all."""
 
-import json
 from pathlib import Path
 
 from forcefeel.frontier import Frontier
 from forcefeel.frontier.as_json import frontier_json
 from forcefeel.frontier.page.page import frontier_page
-from forcefeel.page.staging import OutputFolder
+from forcefeel.json_values import json_text
+from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS = "frontier.html", "results.json"
@@ -32,6 +32,6 @@ def write_frontier(found: Frontier, out: Path, units: UnitSystem, *, replace: bo
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
     """
     FOLDER.check(out, replace=replace)
-    results = json.dumps(frontier_json(found, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    results = json_text(frontier_json(found, units))
     FOLDER.write(out, {RESULTS: results, PAGE: frontier_page(found, units)})
     return out / PAGE

@@ -1,10 +1,10 @@
 """The folder of a qualification: its page, its numbers, and its PDF, whole or not at all."""
 
-import json
 from pathlib import Path
 
-from forcefeel.page.chromium import find_chromium, page_pdf
-from forcefeel.page.staging import OutputFolder
+from forcefeel.json_values import json_text
+from forcefeel.page.chromium import page_pdf
+from forcefeel.page.folder import OutputFolder
 from forcefeel.qualification.page.page import qualification_page
 from forcefeel.qualification.programme.as_json import qualification_json
 from forcefeel.qualification.programme.result import Qualification
@@ -32,22 +32,11 @@ def write_qualification(found: Qualification, out: Path, *, pdf: bool = False) -
     Raises:
         InputError: If ``out`` is a file or cannot be made or written, or the PDF cannot be printed.
     """
-    check_qualification_folder(out, pdf=pdf)
+    FOLDER.check(out)
     page = qualification_page(found, (NUMBERS, PDF) if pdf else (NUMBERS,))
-    numbers = json.dumps(qualification_json(found), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    numbers = json_text(qualification_json(found))
     contents: dict[str, str | bytes] = {NUMBERS: numbers, PAGE: page}
     if pdf:
         contents = {PDF: page_pdf(page), **contents}
     FOLDER.write(out, contents)
     return out / PAGE
-
-
-def check_qualification_folder(out: Path, *, pdf: bool = False) -> None:
-    """Refuses what would fail halfway: a file where a folder is wanted, a folder where a file is, no Chromium for a PDF.
-
-    Raises:
-        InputError: If so.
-    """
-    FOLDER.check(out)
-    if pdf:
-        find_chromium()

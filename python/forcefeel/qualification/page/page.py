@@ -1,22 +1,16 @@
 """The page of a qualification, in the manner of a qualification test guide."""
 
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import version
 
-import jinja2
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 from forcefeel.page import machine
-from forcefeel.page.canvas import html
+from forcefeel.page.render import drawing, render
 from forcefeel.page.table import Table
-from forcefeel.page.typography import prose_html
 from forcefeel.qualification.page import plots as qualification_plots
 from forcefeel.qualification.page import tables as qualification_tables
 from forcefeel.qualification.programme.result import Qualification, Result, Section
 from forcefeel.qualification.programme.sentences import conclusions, result_words, tally, unverified_tests
-from forcefeel.templating import environment
 
 _RELEASE = (
     "Position from each record's own steady state. Circles: the instants and overshoots that are judged; bars: tolerances "
@@ -67,22 +61,17 @@ def qualification_page(found: Qualification, beside: tuple[str, ...]) -> str:
         found: What to show.
         beside: Names of the files beside it.
     """
-    return (
-        _environment()
-        .get_template("qualification.html.j2")
-        .render(
-            found=found,
-            version=version("forcefeel"),
-            conclusions=conclusions(found),
-            summary=qualification_tables.summary(found),
-            sections=[_section(section, found) for section in found.sections],
-            conditions=qualification_tables.conditions(found),
-            provenance=qualification_tables.provenance(found),
-            unverified=unverified_tests(found),
-            parameters=machine.parameters(found.loader, found.system),
-            beside=beside,
-            plotly_js=Markup(get_plotlyjs()),
-        )
+    return render(
+        "qualification.html.j2",
+        found=found,
+        conclusions=conclusions(found),
+        summary=qualification_tables.summary(found),
+        sections=[_section(section, found) for section in found.sections],
+        conditions=qualification_tables.conditions(found),
+        provenance=qualification_tables.provenance(found),
+        unverified=unverified_tests(found),
+        parameters=machine.parameters(found.loader, found.system),
+        beside=beside,
     )
 
 
@@ -97,14 +86,7 @@ def _test(result: Result, section: Section, found: Qualification) -> ShownTest:
         key=key,
         result=result,
         words=result_words(result, found),
-        drawing=Markup("") if picture is None else Markup(html(picture, f"plot-{key}")),
+        drawing=Markup("") if picture is None else drawing(picture, f"plot-{key}"),
         meaning=_MEANINGS[result.trial.test.kind],
         figures=qualification_tables.figures(result, found.system) if result.verdicts else None,
     )
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    templates = environment(html=True)
-    templates.filters["prose"] = prose_html
-    return templates

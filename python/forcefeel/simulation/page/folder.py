@@ -2,10 +2,10 @@
 
 import csv
 import io
-import json
 from pathlib import Path
 
-from forcefeel.page.staging import OutputFolder
+from forcefeel.json_values import json_text
+from forcefeel.page.folder import OutputFolder
 from forcefeel.simulation import Run
 from forcefeel.simulation.page.page import simulation_page
 from forcefeel.simulation.tables import Column, columns, run_json
@@ -41,7 +41,7 @@ def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "origina
     document = run_json(run, units, law) | {"history": {"file": HISTORY, "columns": heads}}
     contents = {
         HISTORY: _csv(heads, found),
-        NUMBERS: json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        NUMBERS: json_text(document),
         SIMULATION: simulation_page(run, units, law),
     }
     FOLDER.write(out, contents)

@@ -1,23 +1,13 @@
 """The page of a run: the template filled with plots, tables and words."""
 
-from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import version
-
-import jinja2
-import plotly.graph_objects as go
-from markupsafe import Markup
-from plotly.offline import get_plotlyjs
-
 from forcefeel.page import machine
-from forcefeel.page.canvas import html
-from forcefeel.page.typography import prose_html
+from forcefeel.page.picture import Picture
+from forcefeel.page.render import render
 from forcefeel.simulation import Run, RunStatus
 from forcefeel.simulation.findings import input_in_words, run_conclusions
 from forcefeel.simulation.page import plots as simulation_plots
 from forcefeel.simulation.page import tables as simulation_tables
 from forcefeel.simulation.programmed_feel import has_arm, ideal_angle
-from forcefeel.templating import environment
 from forcefeel.units import UnitSystem
 
 _MOTION = (
@@ -31,21 +21,6 @@ _DEMAND = "What the valve must give. Red: ratings and limits, where the curve co
 _LOOP = "The way there and the way back are one line at rest; friction, hysteresis and motion part them."
 
 
-@dataclass(frozen=True)
-class Picture:
-    """A plot in the page.
-
-    Attributes:
-        key: Its anchor.
-        meaning: How to read it.
-        drawing: The plot as HTML.
-    """
-
-    key: str
-    meaning: str
-    drawing: Markup
-
-
 def simulation_page(run: Run, units: UnitSystem, law: str = "original") -> str:
     """The whole page.
 
@@ -54,21 +29,16 @@ def simulation_page(run: Run, units: UnitSystem, law: str = "original") -> str:
         units: The units of every number.
         law: What the law that drove the servo is called.
     """
-    return (
-        _environment()
-        .get_template("simulation.html.j2")
-        .render(
-            loader=run.loader,
-            version=version("forcefeel"),
-            subject=input_in_words(run.scenario.force, units),
-            conclusions=run_conclusions(run, units),
-            pictures=_pictures(run, units),
-            measures=simulation_tables.measured(run, units),
-            effects=simulation_tables.effects(run, units),
-            scenario=simulation_tables.scenario(run, units, law),
-            parameters=machine.parameters(run.loader, units),
-            plotly_js=Markup(get_plotlyjs()),
-        )
+    return render(
+        "simulation.html.j2",
+        loader=run.loader,
+        subject=input_in_words(run.scenario.force, units),
+        conclusions=run_conclusions(run, units),
+        pictures=_pictures(run, units),
+        measures=simulation_tables.measured(run, units),
+        effects=simulation_tables.effects(run, units),
+        scenario=simulation_tables.scenario(run, units, law),
+        parameters=machine.parameters(run.loader, units),
     )
 
 
@@ -78,20 +48,9 @@ def _pictures(run: Run, units: UnitSystem) -> dict[str, Picture]:
     dotted = _IDEAL_ARM if has_arm(run.loader) else _IDEAL
     remarks = (_MOTION, "" if ideal is None else dotted, _DIVERGED if diverged else "")
     found = [
-        _picture("motion", " ".join(filter(None, remarks)), simulation_plots.motion(run, ideal, units)),
-        _picture("demand", _DEMAND, simulation_plots.demand(run, units)),
+        Picture.of("motion", "", " ".join(filter(None, remarks)), simulation_plots.motion(run, ideal, units)),
+        Picture.of("demand", "", _DEMAND, simulation_plots.demand(run, units)),
     ]
     if simulation_plots.has_loop(run):
-        found.append(_picture("loop", _LOOP, simulation_plots.loop(run, units)))
+        found.append(Picture.of("loop", "", _LOOP, simulation_plots.loop(run, units)))
     return {picture.key: picture for picture in found}
-
-
-def _picture(key: str, meaning: str, drawn: go.Figure) -> Picture:
-    return Picture(key, meaning, Markup(html(drawn, key)))
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    templates = environment(html=True)
-    templates.filters["prose"] = prose_html
-    return templates

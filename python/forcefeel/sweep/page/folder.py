@@ -2,10 +2,10 @@
 
 import csv
 import io
-import json
 from pathlib import Path
 
-from forcefeel.page.staging import OutputFolder
+from forcefeel.json_values import json_text
+from forcefeel.page.folder import OutputFolder
 from forcefeel.sweep import SweepResult
 from forcefeel.sweep.as_json import sweep_json
 from forcefeel.sweep.folder import CHUNKS, PLAN, RUNS
@@ -19,7 +19,7 @@ PAGE, SUMMARY, ENVELOPE = "sweep.html", "summary.json", "envelope.csv"
 FOLDER = OutputFolder("the sweep", (PAGE, SUMMARY, ENVELOPE))
 """What the report writes."""
 
-_RUNS = OutputFolder("the sweep", (PLAN, RUNS), (CHUNKS,))
+RUNS_FOLDER = OutputFolder("the sweep", (PLAN, RUNS), (CHUNKS,))
 """What the runs leave."""
 
 
@@ -41,25 +41,15 @@ def write_sweep(result: SweepResult, summary: Summary, out: Path, units: UnitSys
     Raises:
         InputError: If ``out`` is a file, or cannot be made or written.
     """
-    check_sweep_folder(out)
+    FOLDER.check(out)
     contents = {
-        SUMMARY: json.dumps(sweep_json(result, summary, units), indent=1, ensure_ascii=False, allow_nan=False) + "\n",
+        SUMMARY: json_text(sweep_json(result, summary, units)),
         PAGE: sweep_page(result, summary, units, law),
     }
     if not result.sweep.axes:
         contents = {ENVELOPE: _envelope(result, units), **contents}
     FOLDER.write(out, contents)
     return out / PAGE
-
-
-def check_sweep_folder(out: Path) -> None:
-    """Refuses what would fail halfway: a file where a folder is wanted, or a folder where a file is.
-
-    Raises:
-        InputError: If so.
-    """
-    for part in (FOLDER, _RUNS):
-        part.check(out)
 
 
 def _envelope(result: SweepResult, units: UnitSystem) -> str:

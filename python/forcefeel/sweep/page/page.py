@@ -1,18 +1,10 @@
 """The page of a sweep: the template filled with plots, tables and words."""
 
-from dataclasses import dataclass, replace
-from functools import cache
-from importlib.metadata import version
-from typing import Any
-
-import jinja2
-import plotly.graph_objects as go
-from markupsafe import Markup
-from plotly.offline import get_plotlyjs
+from dataclasses import replace
 
 from forcefeel.page import machine
-from forcefeel.page.canvas import html
-from forcefeel.page.typography import prose_html
+from forcefeel.page.picture import Picture
+from forcefeel.page.render import render
 from forcefeel.simulation import Run, simulate
 from forcefeel.simulation.findings import input_in_words
 from forcefeel.simulation.page import tables as simulation_tables
@@ -26,7 +18,6 @@ from forcefeel.sweep.page import tables as sweep_tables
 from forcefeel.sweep.result import ENVELOPE_RUNS
 from forcefeel.sweep.stability import damping_map
 from forcefeel.sweep.summary import Spread, Summary, measure_unit
-from forcefeel.templating import environment
 from forcefeel.units import UnitSystem
 
 _TORNADOS = 4
@@ -36,25 +27,6 @@ _SLICED = 2
 """Measures that are drawn over the parameter that matters most for them."""
 
 _MAPPED = 5
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A plot in the page.
-
-    Attributes:
-        key: Its anchor.
-        title: What it shows.
-        meaning: How to read it; may be empty.
-        drawing: The plot as HTML.
-        remark: What the reader should know of these very runs; may be empty.
-    """
-
-    key: str
-    title: str
-    meaning: str
-    drawing: Markup
-    remark: str = ""
 
 
 def sweep_page(result: SweepResult, summary: Summary, units: UnitSystem, law: str = "original") -> str:
@@ -71,29 +43,24 @@ def sweep_page(result: SweepResult, summary: Summary, units: UnitSystem, law: st
     measures = main_measures(result, summary)
     over_grid = bool(sweep.axes)
     random = bool(sweep.varied)
-    return (
-        _environment()
-        .get_template("sweep.html.j2")
-        .render(
-            loader=sweep.loader,
-            sweep=sweep,
-            version=version("forcefeel"),
-            kind="Grid over settings" if over_grid else "Monte Carlo over tolerances",
-            subject=input_in_words(sweep.scenario.force, units),
-            conclusions=sweep_conclusions(result, summary, units),
-            statuses=sweep_tables.statuses(summary),
-            responses=None if over_grid else _responses(result, nominal, law),
-            distributions=() if over_grid else _distributions(result, summary, measures, units, law),
-            influences=() if over_grid else _influences(result, summary, measures, units, law),
-            maps=_maps(result, measures, units, law) if over_grid else (),
-            correlations=None if over_grid or not measures else sweep_tables.correlations(summary, measures, units),
-            spreads=sweep_tables.spreads(summary, measures, units),
-            tolerances=sweep_tables.tolerances(result, units) if random else None,
-            grid=sweep_tables.grid(result, units) if over_grid else None,
-            scenario=simulation_tables.scenario(replace(nominal, method="stepped"), units, law, whose_law(sweep)),
-            parameters=machine.parameters(sweep.loader, units),
-            plotly_js=Markup(get_plotlyjs()),
-        )
+    return render(
+        "sweep.html.j2",
+        loader=sweep.loader,
+        sweep=sweep,
+        kind="Grid over settings" if over_grid else "Monte Carlo over tolerances",
+        subject=input_in_words(sweep.scenario.force, units),
+        conclusions=sweep_conclusions(result, summary, units),
+        statuses=sweep_tables.statuses(summary),
+        responses=None if over_grid else _responses(result, nominal, law),
+        distributions=() if over_grid else _distributions(result, summary, measures, units, law),
+        influences=() if over_grid else _influences(result, summary, measures, units, law),
+        maps=_maps(result, measures, units, law) if over_grid else (),
+        correlations=None if over_grid or not measures else sweep_tables.correlations(summary, measures, units),
+        spreads=sweep_tables.spreads(summary, measures, units),
+        tolerances=sweep_tables.tolerances(result, units) if random else None,
+        grid=sweep_tables.grid(result, units) if over_grid else None,
+        scenario=simulation_tables.scenario(replace(nominal, method="stepped"), units, law, whose_law(sweep)),
+        parameters=machine.parameters(sweep.loader, units),
     )
 
 
@@ -114,7 +81,7 @@ def _responses(result: SweepResult, nominal: Run, law: str) -> Picture | None:
     meaning = f"{sample}, at each time by themselves: no single loader need follow an edge of the band."
     if ideal is not None:
         meaning += " Dotted: what I, B and G alone would do under the same force."
-    return _picture("responses", "Column angle over time", meaning, drawn)
+    return Picture.of("responses", "Column angle over time", meaning, drawn)
 
 
 def _distributions(
@@ -129,7 +96,7 @@ def _distributions(
         )
         remark = f"Not in view: {many}." if many else ""
         middle = _middle(summary.spreads[name], units)
-        found.append(_picture(f"spread-{name}", _name(name, units), middle, drawn, remark))
+        found.append(Picture.of(f"spread-{name}", _name(name, units), middle, drawn, remark))
     return tuple(found)
 
 
@@ -137,7 +104,7 @@ def _influences(
     result: SweepResult, summary: Summary, measures: tuple[str, ...], units: UnitSystem, law: str
 ) -> tuple[Picture, ...]:
     found = [
-        _picture(f"influence-{name}", _name(name, units), "", sweep_plots.tornado(name, summary, units))
+        Picture.of(f"influence-{name}", _name(name, units), "", sweep_plots.tornado(name, summary, units))
         for name in measures[:_TORNADOS]
     ]
     for name in measures[:_SLICED]:
@@ -146,7 +113,7 @@ def _influences(
             drawn = sweep_plots.slices(result, name, key, units, sweep_plots.color(law))
             title = f"{_name(name, units)} over {key}"
             found.append(
-                _picture(f"slices-{name}", title, "What matters most for it, while all others vary too.", drawn)
+                Picture.of(f"slices-{name}", title, "What matters most for it, while all others vary too.", drawn)
             )
     return tuple(found)
 
@@ -155,13 +122,13 @@ def _maps(result: SweepResult, measures: tuple[str, ...], units: UnitSystem, law
     hue = sweep_plots.color(law)
     if len(result.sweep.axes) == 1:
         lines = [
-            _picture(f"line-{name}", _name(name, units), "", sweep_maps.measure_line(result, name, units, hue))
+            Picture.of(f"line-{name}", _name(name, units), "", sweep_maps.measure_line(result, name, units, hue))
             for name in measures[:_MAPPED]
         ]
-        return (*lines, _picture("line-status", "How the runs ended", "", sweep_maps.status_lines(result, units)))
+        return (*lines, Picture.of("line-status", "How the runs ended", "", sweep_maps.status_lines(result, units)))
     damping = damping_map(result.sweep)
     found = [
-        _picture(f"map-{name}", _name(name, units), "", *sweep_maps.measure_map(result, name, damping, units))
+        Picture.of(f"map-{name}", _name(name, units), "", *sweep_maps.measure_map(result, name, damping, units))
         for name in measures[:_MAPPED]
     ]
     if damping is not None:
@@ -170,11 +137,12 @@ def _maps(result: SweepResult, measures: tuple[str, ...], units: UnitSystem, law
             "digital controller are left out, so that a run may end otherwise."
         )
         found.insert(
-            0, _picture("map-stability", "Linear stability", meaning, sweep_maps.stability_map(result, damping, units))
+            0,
+            Picture.of("map-stability", "Linear stability", meaning, sweep_maps.stability_map(result, damping, units)),
         )
     several = result.sweep.machines > 1
     drawn = (sweep_maps.share_map if several else sweep_maps.status_map)(result, units)
-    return (_picture("map-status", "Runs that settle" if several else "How the runs ended", "", drawn), *found)
+    return (Picture.of("map-status", "Runs that settle" if several else "How the runs ended", "", drawn), *found)
 
 
 def _middle(spread: Spread, units: UnitSystem) -> str:
@@ -188,15 +156,3 @@ def _middle(spread: Spread, units: UnitSystem) -> str:
 
 def _name(measure: str, units: UnitSystem) -> str:
     return sweep_plots.axis_title(measure, units).partition(",")[0]
-
-
-def _picture(key: str, title: str, meaning: str, drawn: go.Figure, remark: str = "") -> Picture:
-    return Picture(key, title, meaning, Markup(html(drawn, key)), remark)
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    templates = environment(html=True)
-    filters: dict[str, Any] = {"prose": prose_html, "commas": lambda number: f"{number:,}"}
-    templates.filters.update(filters)
-    return templates

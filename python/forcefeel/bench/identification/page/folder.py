@@ -1,6 +1,6 @@
 """The folder of an identification: page, results, the new loader file, responses estimated from records; whole or not at all."""
 
-import json
+import dataclasses
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,8 +9,8 @@ from forcefeel.bench.identification.as_json import FitSettings, identification_j
 from forcefeel.bench.identification.page.page import identification_page
 from forcefeel.bench.identification.result import Identification
 from forcefeel.bench.responses import Response
-from forcefeel.errors import InputError
-from forcefeel.page.staging import OutputFolder
+from forcefeel.json_values import json_text
+from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS, LOADER, RESPONSES = "identification.html", "results.json", "loader.toml", "responses"
@@ -55,37 +55,15 @@ def write_identification(
             name, or cannot be written.
     """
     tables = {f"{RESPONSES}/{name}": one for name, one in zip(_names(estimated), estimated, strict=True)}
-    check_identification_folder(out, inputs, replace=replace, names=(*FOLDER.files, *tables))
+    dataclasses.replace(FOLDER, files=(*FOLDER.files, *tables)).check(out, replace=replace, inputs=inputs)
     contents = {name: response_csv(one, units) for name, one in tables.items()}
     if found.loader is not None:
         contents[LOADER] = found.loader.to_toml(units)
     results = identification_json(found, units, settings)
-    contents[RESULTS] = json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    contents[RESULTS] = json_text(results)
     contents[PAGE] = identification_page(found, units, settings, tuple(tables))
     FOLDER.write(out, contents)
     return out / PAGE
-
-
-def check_identification_folder(
-    out: Path, inputs: Sequence[Path], *, replace: bool, names: Sequence[str] = FOLDER.files
-) -> None:
-    """Refuses what would fail halfway or overwrite what the identification is made from.
-
-    Args:
-        out: The folder.
-        inputs: The loader file and the data.
-        replace: Whether files may be replaced; never one of ``inputs``.
-        names: Files that are to be written.
-
-    Raises:
-        InputError: If ``out`` is a file, holds a folder of such a name, one of ``inputs``, or a file that may not be replaced.
-    """
-    for target in (out / name for name in names):
-        if target.exists() and any(given.exists() and given.samefile(target) for given in inputs):
-            raise InputError(
-                f"{target}: is what the identification is made from, and stays as it is; name another folder with --out"
-            )
-    OutputFolder(FOLDER.what, tuple(names), FOLDER.folders).check(out, replace=replace)
 
 
 def _names(estimated: Sequence[Response]) -> list[str]:

@@ -1,14 +1,8 @@
 """The page of an identification: the template filled with plots, tables and words."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import version
-from typing import Any
 
-import jinja2
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 from forcefeel.bench.identification.as_json import FitSettings
 from forcefeel.bench.identification.digits import title_of
@@ -19,27 +13,10 @@ from forcefeel.bench.identification.page import tables as identification_tables
 from forcefeel.bench.identification.result import Fitted, Identification, Status
 from forcefeel.bench.responses import Response
 from forcefeel.page import machine
-from forcefeel.page.canvas import html
-from forcefeel.page.typography import number_text, prose_html, symbol_html
-from forcefeel.templating import environment
+from forcefeel.page.picture import Picture
+from forcefeel.page.render import drawing, render
+from forcefeel.page.typography import number_text, prose_html
 from forcefeel.units import UnitSystem
-
-
-@dataclass(frozen=True)
-class Picture:
-    """One set of data drawn.
-
-    Attributes:
-        key: Its name in the page.
-        title: What it is.
-        meaning: A sentence more.
-        drawing: The plot.
-    """
-
-    key: str
-    title: str
-    meaning: Markup
-    drawing: Markup
 
 
 def identification_page(
@@ -54,40 +31,33 @@ def identification_page(
         estimated: Files beside the page that hold responses estimated from records.
     """
     responses = [one for one in found.fitted if isinstance(one.data, Response)]
-    return (
-        _environment()
-        .get_template("identification.html.j2")
-        .render(
-            loader=found.before,
-            found=found,
-            version=version("forcefeel"),
-            conclusions=identification_conclusions(found, units),
-            glance=identification_tables.glance(found),
-            estimates=identification_tables.estimates(found, units),
-            estimates_drawing=_estimates(found),
-            confusions=[
-                (one.sentence, identification_tables.confusion(one) if len(one.keys) > 1 else None)
-                for one in found.confusions
-            ],
-            advice=identification_tables.advice(found),
-            responses=[
-                _response(k, one, one.data, units) for k, one in enumerate(responses) if isinstance(one.data, Response)
-            ],
-            bars=any(stated_noise(one) for one in responses),
-            records=[
-                _record(k, one, units) for k, one in enumerate(one for one in found.fitted if one not in responses)
-            ],
-            several=len(found.estimates) > 1,
-            correlations=identification_tables.correlations(found),
-            rigid=found.rigid and identification_tables.rigid(found.rigid),
-            level=number_text(found.rigid.level) if found.rigid else "",
-            data=identification_tables.data(found, units),
-            estimated=estimated,
-            settings=settings and identification_tables.settings(settings),
-            ends=identification_tables.ends(found, units),
-            parameters=machine.parameters(found.loader or found.before, units),
-            plotly_js=Markup(get_plotlyjs()),
-        )
+    return render(
+        "identification.html.j2",
+        loader=found.before,
+        found=found,
+        conclusions=identification_conclusions(found, units),
+        glance=identification_tables.glance(found),
+        estimates=identification_tables.estimates(found, units),
+        estimates_drawing=_estimates(found),
+        confusions=[
+            (one.sentence, identification_tables.confusion(one) if len(one.keys) > 1 else None)
+            for one in found.confusions
+        ],
+        advice=identification_tables.advice(found),
+        responses=[
+            _response(k, one, one.data, units) for k, one in enumerate(responses) if isinstance(one.data, Response)
+        ],
+        bars=any(stated_noise(one) for one in responses),
+        records=[_record(k, one, units) for k, one in enumerate(one for one in found.fitted if one not in responses)],
+        several=len(found.estimates) > 1,
+        correlations=identification_tables.correlations(found),
+        rigid=found.rigid and identification_tables.rigid(found.rigid),
+        level=number_text(found.rigid.level) if found.rigid else "",
+        data=identification_tables.data(found, units),
+        estimated=estimated,
+        settings=settings and identification_tables.settings(settings),
+        ends=identification_tables.ends(found, units),
+        parameters=machine.parameters(found.loader or found.before, units),
     )
 
 
@@ -95,17 +65,17 @@ def _estimates(found: Identification) -> Markup:
     """The plot of the estimates; nothing where there is none to draw."""
     if all(one.status is Status.UNDETERMINED for one in found.estimates):
         return Markup("")
-    return Markup(html(identification_plots.estimates(found), "estimates-plot"))
+    return drawing(identification_plots.estimates(found), "estimates-plot")
 
 
 def _response(k: int, one: Fitted, data: Response, units: UnitSystem) -> Picture:
-    drawing = html(identification_plots.response(one, data, units), f"response-{k}")
-    return Picture(f"response-{k}", title_of(one), _meaning(one, units), Markup(drawing))
+    drawn = identification_plots.response(one, data, units)
+    return Picture.of(f"response-{k}", title_of(one), _meaning(one, units), drawn)
 
 
 def _record(k: int, one: Fitted, units: UnitSystem) -> Picture:
-    drawing = html(identification_plots.record(one, units), f"record-{k}")
-    return Picture(f"record-{k}", title_of(one), _meaning(one, units), Markup(drawing))
+    drawn = identification_plots.record(one, units)
+    return Picture.of(f"record-{k}", title_of(one), _meaning(one, units), drawn)
 
 
 def _meaning(one: Fitted, units: UnitSystem) -> Markup:
@@ -113,11 +83,3 @@ def _meaning(one: Fitted, units: UnitSystem) -> Markup:
     return prose_html(
         f"Experiment {experiment}; the fit leaves {size_text(one, one.residual_rms, units)} (root mean square)."
     )
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    templates = environment(html=True)
-    filters: dict[str, Any] = {"prose": prose_html, "symbol": symbol_html}
-    templates.filters.update(filters)
-    return templates

@@ -1,0 +1,68 @@
+"""The folder of a command: what it may hold, checked before the work, and written whole or not at all after it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from forcefeel.errors import InputError
+from forcefeel.page.staging import put
+
+
+@dataclass(frozen=True)
+class OutputFolder:
+    """The folder of a command.
+
+    Attributes:
+        what: What it is for, as a message names it: ``the envelope``.
+        files: Names of the files that the command writes, whether or not each time; one that a run does not write goes.
+        folders: Names of folders within, of files that differ from run to run; what else is in them stays.
+    """
+
+    what: str
+    files: tuple[str, ...]
+    folders: tuple[str, ...] = ()
+
+    def check(self, out: Path, *, replace: bool = True, inputs: Sequence[Path] = ()) -> None:
+        """Refuses what would fail halfway, before any work: a file where a folder is wanted, or the other way round.
+
+        Args:
+            out: The folder.
+            replace: Whether the files may take the place of others.
+            inputs: Files that the work is made from; none of them is ever replaced.
+
+        Raises:
+            InputError: If so, or there is a file that is not to be replaced.
+        """
+        for target in (out / name for name in self.files):
+            if target.exists() and any(given.exists() and given.samefile(target) for given in inputs):
+                raise InputError(
+                    f"{target}: is what {self.what} is made from, and stays as it is; name another folder with --out"
+                )
+        if out.exists() and not out.is_dir():
+            raise InputError(
+                f"{out}: is a file; expected a folder for {self.what}; name another one, or move the file away"
+            )
+        for name in self.files:
+            if (out / name).is_dir():
+                raise InputError(
+                    f"{out / name}: is a folder; expected to write a file of that name; move the folder away"
+                )
+            if (out / name).exists() and not replace:
+                raise InputError(
+                    f"{out}: holds {name} already; name another folder with --out, or --replace to replace it"
+                )
+        for name in self.folders:
+            if (out / name).exists() and not (out / name).is_dir():
+                raise InputError(f"{out / name}: is a file; expected a folder of that name; move the file away")
+
+    def write(self, out: Path, contents: Mapping[str, str | bytes]) -> None:
+        """Writes all files, or none.
+
+        Args:
+            out: The folder; made if it is not there.
+            contents: Each file's text or bytes by its name within the folder, in the order in which they move into place.
+
+        Raises:
+            InputError: If the folder cannot be made or written.
+        """
+        put(out, contents, self.files)

@@ -1,0 +1,67 @@
+"""The plan of the package, held against its imports: floors without a circle, and no wing that leans on its own page."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[1] / "docs"
+
+MOST_FLOORS = 12
+MOST_LOOSE = 12
+"""Modules that lie in the package itself."""
+
+
+@pytest.fixture(scope="module")
+def house():
+    """``docs/house.py``, which draws the picture."""
+    spec = importlib.util.spec_from_file_location("house", DOCS / "house.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where its data classes look for their module
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
+
+
+def test_no_modules_import_one_another_in_a_circle(house):
+    assert house.circles(house.House.of().imports) == []
+
+
+def test_rooms_stand_on_floors(house):
+    found = house.House.of()
+    assert house.circles(found.arrows) == []
+    assert len(found.floors) <= MOST_FLOORS
+    assert [] not in found.floors
+
+
+def test_few_modules_lie_loose(house):
+    loose = [path.name for path in house.PACKAGE.glob("*.py")]
+    assert len(loose) <= MOST_LOOSE
+
+
+def test_a_wing_does_not_import_its_own_page(house):
+    found = house.House.of()
+    own = [
+        (module, other)
+        for module, others in found.imports.items()
+        for other in others
+        if found.room(other) == f"{found.room(module)}/page"
+    ]
+    assert own == []
+
+
+def test_the_picture_is_the_one_that_the_imports_give(house):
+    assert house.PICTURE.read_text(encoding="utf-8") == house.drawing(house.House.of()), "make docs draws it anew"
+
+
+def test_circles_are_found(house):
+    assert house.circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
+
+
+def test_a_floor_is_above_all_that_it_imports(house):
+    found = house.House.of()
+    level = {room: k for k, rooms in enumerate(found.floors) for room in rooms}
+    assert all(level[room] > level[other] for room, others in found.arrows.items() for other in others)
+    assert level["cli"] == len(found.floors) - 1
+    assert level["errors"] == 0
