@@ -19,8 +19,8 @@ from forcefeel import _core
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.releases import Record, released
 from forcefeel.envelope.run import compute
-from forcefeel.laws.recursion import NAMED_DESIGNS
-from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.analog.recursion import NAMED_DESIGNS
+from forcefeel.laws.law import Law
 from forcefeel.linear.models import compliant_model
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import FEEL_SETTING
@@ -56,7 +56,7 @@ def parts():
         elevator(), ("published",), {"stiffness": "1..100 %:40:log", "frequency": "1, 2 Hz", "damping": GRID["damping"]}
     )
     feel = plan.settings.feel(plan.loader)
-    laws = SettingLaws.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
+    laws = Law.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
     which = np.flatnonzero(plan.settings.rows[:, 1] == plan.settings.frequency[0])
     record = Record.of(plan.settings.frequency[0], plan.settings.damping[0])
     some = laws.some(which)

@@ -21,12 +21,12 @@ import numpy as np
 from core_peak import peak_flops
 from schedule import random_settings
 
-from forcefeel.laws.gain_schedule import schedule_gains
+from forcefeel.laws.analog.gain_schedule import schedule_gains
+from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.laws.sampled.observer import observe
 from forcefeel.laws.sampled.plant import BASE, BASE_RATE, SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
-from forcefeel.laws.sampled.setting_laws import SettingLaws
 from forcefeel.laws.sampled.tuning import ROBUST
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.built_in import digital_elevator
@@ -95,7 +95,7 @@ def main():
     scenario = Scenario(Release(0.1), 2.0, 1e-3, 1e-3)
     gains = np.zeros((RUNS, len(DESIGN_STATES)))
     gains[:, :-1] = schedule_gains(loader, settings[:RUNS]).gains
-    laws = {"gains": gains, "observer": SettingLaws.of(METHODS["robust"], loader, settings[:RUNS]).found}
+    laws = {"gains": gains, "observer": Law.of(METHODS["robust"], loader, settings[:RUNS]).found}
     steps = RUNS * round(scenario.duration_s / loader["controller.period"])
     seconds = {
         name: median_seconds(lambda law=law: simulate_batch(loader, scenario, rows, law, threads=1))

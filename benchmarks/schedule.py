@@ -21,8 +21,8 @@ import control
 import numpy as np
 from core_peak import peak_flops
 
-from forcefeel.laws.gain_schedule import schedule_gains
-from forcefeel.laws.recursion import DesignSettings, SampledProblem
+from forcefeel.laws.analog.gain_schedule import schedule_gains
+from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem
 from forcefeel.linear.models import design_plant
 from forcefeel.loader.built_in import elevator
 

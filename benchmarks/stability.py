@@ -20,7 +20,7 @@ import numpy as np
 from core_peak import cpu_seconds, peak_flops
 
 from forcefeel import _core
-from forcefeel.laws.recursion import compensate
+from forcefeel.laws.analog.recursion import compensate
 from forcefeel.linear.models import state_feedback
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.parameters import INDEX, PLANT_PARAMETERS

@@ -17,7 +17,7 @@ from forcefeel.choice.own_setting import own_setting
 from forcefeel.choice.score import OverEnvelope, check_names
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.result import Shares
-from forcefeel.laws.sampled.setting_laws import SettingLaws, names_for
+from forcefeel.laws.law import Law, names_for
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.margins import LoopMargins
 from forcefeel.simulation import Scenario, simulate
@@ -63,7 +63,7 @@ def test_the_release_at_the_own_setting_is_the_simulation_s(scored):
 def test_the_demand_is_what_runs_peak_at():
     loader = ff.elevator()
     feel = np.array([[loader[key] for key in FEEL_SETTING]])
-    law = SettingLaws(None)
+    law = Law("original")
     angle = np.radians(10)
     found = largest_demand(loader, law, feel, angle)
     peaks = simulate(loader, Scenario(ff.Release(angle), 1.0)).measures

@@ -5,7 +5,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.choice.noise import HOLDING, NoisyLoop, hand_force_rms, noise_at_grip, sample_variance
-from forcefeel.laws.sampled.setting_laws import SettingLaws, named
+from forcefeel.laws.law import Law, named
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation import Scenario, simulate
@@ -26,7 +26,7 @@ BY_CHANCE = 0.1
 
 def _law(name, loader):
     own = np.array([[loader[key] for key in FEEL_SETTING]])
-    return SettingLaws.of(named((name,), loader)[name], loader, own).single(loader, 0)
+    return Law.of(named((name,), loader)[name], loader, own).single(loader, 0)
 
 
 def _run(loader, law, seed=7):
@@ -54,11 +54,12 @@ def test_the_covariance_satisfies_its_equation(name):
 def test_a_sample_enters_as_the_law_says(name):
     """On the law's nine states, the last of the loop, ``B_y + b_e c_y``; on the youngest command ``c_y``."""
     law = _law(name, DIGITAL)
-    on_command = law.command[0, law.states : law.states + 3]
-    expected = law.input[0, :, :3] + law.input[0, :, 3:] * on_command
+    numbers = law.sampled
+    on_command = numbers.command[0, numbers.states : numbers.states + 3]
+    expected = numbers.input[0, :, :3] + numbers.input[0, :, 3:] * on_command
     found = NoisyLoop.of(DIGITAL, law).by_sample
     rounding = 1e-9
-    assert found[-law.states :] == pytest.approx(expected, rel=rounding, abs=1e-12 * np.abs(expected).max())
+    assert found[-numbers.states :] == pytest.approx(expected, rel=rounding, abs=1e-12 * np.abs(expected).max())
     assert np.isclose(found, on_command, rtol=rounding, atol=0).all(axis=1).sum() == 1
 
 

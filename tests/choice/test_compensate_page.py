@@ -9,7 +9,7 @@ from playwright.sync_api import Page
 import forcefeel as ff
 from forcefeel.choice import choose, score_methods
 from forcefeel.choice.page.folder import write_choice
-from forcefeel.laws.sampled.setting_laws import names_for
+from forcefeel.laws.law import names_for
 from forcefeel.units import UnitSystem
 from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
     ROUNDING_PX,

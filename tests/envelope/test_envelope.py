@@ -12,8 +12,8 @@ from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.result import PASSES, UNSTABLE, Failure, failure_of
 from forcefeel.errors import InputError
-from forcefeel.laws.recursion import NAMED_DESIGNS, DesignSettings
-from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.analog.recursion import NAMED_DESIGNS, DesignSettings
+from forcefeel.laws.law import Law
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import INDEX
@@ -82,7 +82,7 @@ def test_stability_is_that_of_numpys_poles(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
     for compensator in found.compensators:
-        laws = SettingLaws.of(NAMED_DESIGNS[compensator](plan.loader), plan.loader, feel)
+        laws = Law.of(NAMED_DESIGNS[compensator](plan.loader), plan.loader, feel)
         for place, case in enumerate(plan.cases):
             if case.kind is Kind.PLANT and case.parameter not in {
                 "linkage.ratio",
@@ -121,7 +121,7 @@ def _with_arm(a, values, arm):
 def test_passivity_is_that_of_the_frequency_response(found, compensator):
     grip = found.passivity[compensator]
     loader = ff.elevator()
-    law = SettingLaws.of(NAMED_DESIGNS[compensator](loader), loader, np.array([[loader[key] for key in FEEL_SETTING]]))
+    law = Law.of(NAMED_DESIGNS[compensator](loader), loader, np.array([[loader[key] for key in FEEL_SETTING]]))
     model = ff.compliant_model(loader, law.single(loader, 0))[0, 0]
     grid = np.geomspace(0.1, 300.0, 2000)
     s = 2j * np.pi * grid
@@ -143,7 +143,7 @@ def test_the_survey_of_passive_settings_is_that_of_one_by_one(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
     law = NAMED_DESIGNS["converged"](plan.loader)
-    laws = SettingLaws.of(law, plan.loader, feel)
+    laws = Law.of(law, plan.loader, feel)
     frequency = np.geomspace(passivity.LOWEST_HZ, passivity.HIGHEST_HZ, 60)
     good = 0
     for setting, row in enumerate(feel):
@@ -173,7 +173,7 @@ def test_the_numbers_do_not_depend_on_threads_or_pieces(found, monkeypatch):
 def test_a_release_has_the_same_bits_in_any_company(found):
     plan = found.plan
     feel = plan.settings.feel(plan.loader)
-    laws = SettingLaws.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
+    laws = Law.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
     record = releases.Record(2e-3, 333)
     case = plan.cases[-1]
     stable, angles = releases.released(plan, case, feel, laws, record, 2)
@@ -250,7 +250,7 @@ def test_a_loader_with_optional_rows_is_stepped():
     place, case = next((k, case) for k, case in enumerate(plan.cases) if case.name == "linkage.ratio -20 %")
     record = releases.Record.of(plan.settings.rows[0, 1], plan.settings.damping[0])
     which = np.flatnonzero(plan.settings.rows[:, 1] == plan.settings.frequency[0])
-    laws = SettingLaws.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
+    laws = Law.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
     stable, angles = releases.released(plan, case, feel[which], laws.some(which), record, 1)
     np.testing.assert_array_equal(stable, found.stable("published")[place, which])
     for k in np.flatnonzero(stable):

@@ -17,9 +17,9 @@ from forcefeel.envelope.page.folder import MAPS, PAGE, RESULTS
 from forcefeel.envelope.releases import Record
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
-from forcefeel.laws.gain_schedule import schedule_gains
-from forcefeel.laws.recursion import NAMED_DESIGNS
-from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.analog.gain_schedule import schedule_gains
+from forcefeel.laws.analog.recursion import NAMED_DESIGNS
+from forcefeel.laws.law import Law
 from forcefeel.loader.tolerances import Distribution, Tolerance
 from tests import witness
 from tests.command_line import runner
@@ -155,7 +155,7 @@ def test_the_lever_of_several_parts_that_are_off():
     """A feel computer that hears a torque 1.1 * 0.95 times too large, and has I, B, G so much larger, moves as it should."""
     off = Case("", Kind.DRAWN, {"linkage.ratio": 0.1, "column.base_arm": -0.05})
     feel = np.array([[1.0, 2.0, 3.0]])
-    row = machines(ff.elevator(), off, feel, SettingLaws(np.zeros((1, 7))))[0]
+    row = machines(ff.elevator(), off, feel, Law("none", np.zeros((1, 7))))[0]
     assert row[:3] == pytest.approx(feel[0] * 1.1 * 0.95)
 
 

@@ -11,8 +11,8 @@ from forcefeel.envelope.grip import Grips
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.releases import Record, released
 from forcefeel.errors import InputError
+from forcefeel.laws.law import Law, names_for
 from forcefeel.laws.sampled.methods import METHODS
-from forcefeel.laws.sampled.setting_laws import SettingLaws, names_for, own_law
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.qualification.programme import QualificationSetup, qualify_loader
@@ -72,7 +72,7 @@ def exact(loader, law, values, setting):
 def test_verdicts_and_releases_are_those_of_the_exact_plant(loader: ff.Loader, name: str) -> None:
     plan = make_plan(loader, (name,), GRID)
     feel = plan.settings.feel(plan.loader)
-    laws = SettingLaws.of(METHODS[name], plan.loader, feel)
+    laws = Law.of(METHODS[name], plan.loader, feel)
     draw = np.random.default_rng(4)
     record = Record(1e-3, 1500)
     followed = 0
@@ -82,7 +82,7 @@ def test_verdicts_and_releases_are_those_of_the_exact_plant(loader: ff.Loader, n
         values |= dict(zip(ARM_ROWS, case.arm.values, strict=True)) if case.arm else {}
         stable, angles = released(plan, case, feel, laws, record, 1)
         for k in draw.choice(len(feel), 5, replace=False):
-            loop, state, row = exact(plan.loader, laws.single(plan.loader, k), values, feel[k])
+            loop, state, row = exact(plan.loader, laws.single(plan.loader, k).sampled, values, feel[k])
             largest = np.abs(np.linalg.eigvals(loop)).max()
             if abs(largest - 1) > EDGE:
                 assert stable[k] == (largest < 1), (case.name, k, largest)
@@ -110,10 +110,10 @@ def test_trust_in_the_potentiometer_is_what_a_softer_link_takes_away(loader: ff.
 def test_grip_tends_to_the_analog_one_as_the_period_goes_to_zero() -> None:
     frequency = np.array([0.3, 2.0, 11.0])
     own = np.array([[ff.elevator()[key] for key in FEEL_SETTING]])
-    analog = Grips.of(ff.elevator(), SettingLaws(None), own).admittance(0, frequency)
+    analog = Grips.of(ff.elevator(), Law("original"), own).admittance(0, frequency)
     errors = []
     for period in ("0.4 ms", "0.1 ms"):
-        grips = Grips.of(ff.elevator().replace({"controller.period": period}), SettingLaws(None), own)
+        grips = Grips.of(ff.elevator().replace({"controller.period": period}), Law("original"), own)
         errors.append(float(np.abs(grips.admittance(0, frequency) / analog - 1).max()))
     assert errors[0] < 0.1
     assert errors[1] < 0.3 * errors[0]  # of the first order in the period
@@ -121,7 +121,7 @@ def test_grip_tends_to_the_analog_one_as_the_period_goes_to_zero() -> None:
 
 def test_residues_are_the_admittance(loader: ff.Loader) -> None:
     feel = make_plan(loader, ("robust",), GRID).settings.feel(loader)[[2, 11]]
-    grips = Grips.of(loader, SettingLaws.of(METHODS["robust"], loader, feel), feel)
+    grips = Grips.of(loader, Law.of(METHODS["robust"], loader, feel), feel)
     frequency = np.geomspace(0.1, 300, 20)
     poles, residues = grips.poles_and_residues()
     for k in range(len(feel)):
@@ -150,6 +150,6 @@ def test_analog_loader_takes_the_laws_of_the_report_alone(loader: ff.Loader) -> 
     assert names_for(ff.elevator()) == ("original", "published", "converged")
     assert set(METHODS) < set(names_for(loader))
     with pytest.raises(InputError, match=r"controller\.period: expected a sample period, got none"):
-        own_law("robust", ff.elevator())
+        Law.of("robust", ff.elevator())
     with pytest.raises(InputError, match="compensator: expected original, published"):
-        own_law("best", loader)
+        Law.of("best", loader)

@@ -13,7 +13,7 @@ from forcefeel.envelope.deviations import Deviation, Origin, chosen_deviations, 
 from forcefeel.envelope.machines import feel_json, full_rows
 from forcefeel.envelope.plan import make_plan
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.law import Law
 from forcefeel.loader.parameters import INDEX
 from forcefeel.loader.tolerances import Distribution, Tolerance
 from tests.command_line import runner
@@ -54,7 +54,7 @@ def test_cases_stand_at_the_ends_of_the_stated_tolerance(stated, low, high):
     plan = make_plan(stating(ff.elevator(), inertia=stated), ("original",), GRID)
     cases = [case for case in plan.cases if case.parameter == INERTIA]
     feel = plan.settings.feel(plan.loader)[:1]
-    built = [full_rows(plan.loader, case, feel, SettingLaws(None))[0, INDEX[INERTIA]] for case in cases]
+    built = [full_rows(plan.loader, case, feel, Law("original"))[0, INDEX[INERTIA]] for case in cases]
     nominal = ff.elevator()[INERTIA]
     assert built == pytest.approx([low * nominal, high * nominal], rel=ROUNDING)
 

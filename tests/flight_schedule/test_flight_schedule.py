@@ -16,7 +16,7 @@ from forcefeel.flight_schedule import (
     second_order_feel,
 )
 from forcefeel.laws.sampled.methods import METHODS
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.units import factor
 
 PRESSURE = ScheduleAxis("dynamic pressure", "lb/ft^2", (50, 100, 200, 400))

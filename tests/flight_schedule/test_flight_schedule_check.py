@@ -21,7 +21,7 @@ from forcefeel.flight_schedule.findings import schedule_conclusions
 from forcefeel.flight_schedule.result import Part
 from forcefeel.flight_schedule.transitions import Transitions, blended_feel
 from forcefeel.laws.sampled.methods import METHODS
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.sampled_loop import sampled_loops
 

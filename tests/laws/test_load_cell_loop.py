@@ -8,7 +8,7 @@ import forcefeel as ff
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled import load_cell_loop
 from forcefeel.laws.sampled.load_cell_loop import design
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING
 
 PERIOD = 0.5e-3

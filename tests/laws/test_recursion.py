@@ -10,7 +10,7 @@ import scipy.linalg
 
 from forcefeel import _core
 from forcefeel.errors import InputError
-from forcefeel.laws.recursion import DesignSettings, SampledProblem, compensate, gains_in, published_settings
+from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, compensate, gains_in, published_settings
 from forcefeel.linear.models import design_plant
 from forcefeel.loader.built_in import elevator
 from forcefeel.units import UnitSystem

@@ -5,7 +5,7 @@ import pytest
 
 from forcefeel import _core
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled_compensator import MOST_STATES, SAMPLED, SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import MOST_STATES, SAMPLED, SampledCompensator
 
 PERIOD, DELAY = 5e-4, 2e-4
 ROUNDING = 1e-12

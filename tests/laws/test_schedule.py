@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from forcefeel.errors import InputError
-from forcefeel.laws.gain_schedule import schedule_gains
-from forcefeel.laws.recursion import DesignSettings, SampledProblem, compensate, published_settings
+from forcefeel.laws.analog.gain_schedule import schedule_gains
+from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, compensate, published_settings
 from forcefeel.linear.models import design_plant
 from forcefeel.loader.built_in import elevator
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.linalg import expm
 
 import forcefeel as ff
-from forcefeel.laws.sampled.setting_laws import SettingLaws, named
+from forcefeel.laws.law import Law, named
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.command_loop import CommandLoop, command_loops
 from forcefeel.loops.margins import least_margins, loop_margins
@@ -29,7 +29,7 @@ METHODS = ("load-cell", "observer", "recovered", "h-infinity", "robust")
 @pytest.fixture(scope="module", params=METHODS)
 def loops(request):
     law = named((request.param,), DIGITAL)[request.param]
-    return command_loops(DIGITAL, SettingLaws.of(law, DIGITAL, SETTINGS), SETTINGS)
+    return command_loops(DIGITAL, Law.of(law, DIGITAL, SETTINGS), SETTINGS)
 
 
 def _radius(loop, gain):
@@ -75,7 +75,7 @@ def test_the_phase_margin_is_where_a_turned_command_reaches_the_circle(loops):
 def test_the_delay_margin_by_whole_periods_more():
     """A loader whose controller is slower by whole periods, under the same gains."""
     loader = DIGITAL.replace({"controller.delay": None})
-    gains = SettingLaws.of(named(("published",), loader)["published"], loader, SETTINGS[:1]).single(loader, 0)
+    gains = Law.of(named(("published",), loader)["published"], loader, SETTINGS[:1]).single(loader).fixed
     periods = loop_margins(_gains_loop(loader, gains, 0)).delay_s / loader["controller.period"]
     assert 1 < periods < 7
     stable = [_gains_loop(loader, gains, more).stable for more in (int(periods), int(periods) + 1)]
@@ -84,7 +84,7 @@ def test_the_delay_margin_by_whole_periods_more():
 
 def _gains_loop(loader, gains, periods):
     late = loader.replace({"controller.delay": f"{0.5 * periods} ms"} if periods else {})
-    return command_loops(late, SettingLaws(gains), SETTINGS[:1])[0]
+    return command_loops(late, Law.of(gains, late), SETTINGS[:1])[0]
 
 
 def test_the_disk_holds_gain_and_phase_together(loops):
@@ -103,10 +103,11 @@ def test_the_disk_holds_gain_and_phase_together(loops):
 
 def test_the_analog_loop_opened_at_its_command():
     loader = ff.elevator()
-    law = SettingLaws.of(named(("published",), loader)["published"], loader, SETTINGS[:1])
+    law = Law.of(named(("published",), loader)["published"], loader, SETTINGS[:1])
     loop = command_loops(loader, law, SETTINGS[:1])[0]
-    gains = np.array(law.single(loader, 0).gains)
-    labels = ff.compliant_model(loader, law.single(loader, 0)).state_labels
+    single = law.single(loader).fixed
+    gains = np.array(single.gains)
+    labels = ff.compliant_model(loader, single).state_labels
     expected = np.zeros(len(labels))
     names = ["piston_position_m", "load_pressure_pa", "feel_position_rad", "feel_velocity_rad_per_s", "base_position_m"]
     for name, gain in zip([*names, "base_velocity_m_per_s"], gains, strict=False):

@@ -7,8 +7,8 @@ import scipy.linalg
 import forcefeel as ff
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled.setting_laws import own_law
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law import Law
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.command_loop import CommandLoop
 from forcefeel.loops.margins import loop_margins
@@ -26,8 +26,8 @@ def loader() -> ff.Loader:
 
 
 def own(loader: ff.Loader, name: str) -> SampledCompensator:
-    law = own_law(name, loader)
-    assert isinstance(law, SampledCompensator)
+    law = Law.of(name, loader).sampled
+    assert law is not None
     return law
 
 
@@ -104,7 +104,7 @@ def test_delay_margin_is_where_more_delay_turns_it_unstable(loader: ff.Loader) -
 @pytest.mark.parametrize("name", ["original", "published", *LAWS])
 def test_period_map_runs_as_the_engine_does(loader: ff.Loader, name: str) -> None:
     """A push that stays: samples of the engine's run against powers of the map, whose steps are five times as short."""
-    law = own_law(name, loader)
+    law = Law.of(name, loader)
     loops = sampled_loops(loader, law)
     force = 10.0
     state, angles = np.zeros(loops.matrix.shape[1]), [0.0]

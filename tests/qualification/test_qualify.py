@@ -14,7 +14,7 @@ from forcefeel.linear.models import compliant_model
 from forcefeel.qualification import Outcome, Record, load_rules
 from forcefeel.qualification.programme import QualificationSetup, Standing, qualify_loader
 from forcefeel.qualification.programme.feel_alone import FeelAlone
-from forcefeel.qualification.programme.laws import named_laws
+from forcefeel.qualification.programme.law_names import named_laws
 from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
 from forcefeel.qualification.programme.programme import trials
 from forcefeel.qualification.programme.sentences import conclusions, result_words

@@ -9,10 +9,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from forcefeel.laws.sampled.setting_laws import names_for
+from forcefeel.laws.law import names_for
 from forcefeel.loader.built_in import BUILT_IN, open_loader
 from forcefeel.qualification import Outcome, Record, judge_release, load_rules, measure_release, overall
-from forcefeel.qualification.programme.laws import named_laws
+from forcefeel.qualification.programme.law_names import named_laws
 from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
 
 ANGLE = math.radians(5.0)

@@ -10,7 +10,7 @@ from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, Spacin
 from forcefeel.cli.scenario_options import MOST_STEPS, Law, ScenarioOptions
 from forcefeel.cli.scenario_text import assignments, over_time, seconds
 from forcefeel.errors import InputError
-from forcefeel.laws import recursion as compensation
+from forcefeel.laws.analog import recursion as compensation
 from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm, arm_of
 from forcefeel.loader.parameters import TABLE, in_range
 from forcefeel.simulation.inputs import StopToStop

@@ -9,7 +9,7 @@ import pytest
 from distributed import LocalCluster
 
 from forcefeel.errors import InputError
-from forcefeel.laws.recursion import published_settings
+from forcefeel.laws.analog.recursion import published_settings
 from forcefeel.sweep import Sweep, cluster, run_sweep
 from tests.sweeps import PUSH, nonlinear, small
 

@@ -7,7 +7,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.laws.recursion import published_settings
+from forcefeel.laws.analog.recursion import published_settings
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.outcome import MEASURES
@@ -88,7 +88,7 @@ def test_grid_of_settings_and_of_a_plant():
     sweep = Sweep(
         loader, PUSH, published_settings(loader), grids={"feel.stiffness": STIFFNESS, "column.inertia": [2.0, 3.0]}
     )
-    law = sweep.law(sweep.values(range(6)))
+    law = sweep.law(sweep.values(range(6))).gains
     assert law.shape == (6, 7)
     assert np.array_equal(law[0::2], law[1::2])  # the inertia varies fastest, and the law does not see it
     assert len(np.unique(law, axis=0)) == 3
@@ -110,8 +110,8 @@ def test_the_nominal_law_is_the_one_designed_for_the_nominal_loader():
     loader = nonlinear()
     sweep = Sweep(loader, PUSH, published_settings(loader), grids=GRID)
     want = ff.compensate(loader).compensator(loader)
-    assert np.allclose(sweep.nominal_law.gains, want.gains, rtol=1e-11, atol=0)
-    assert sweep.nominal_law.load_cell_arm == want.load_cell_arm
+    assert np.allclose(sweep.nominal_law.fixed.gains, want.gains, rtol=1e-11, atol=0)
+    assert sweep.nominal_law.fixed.load_cell_arm == want.load_cell_arm
 
 
 def test_a_sweep_goes_on_with_the_same_design_only(tmp_path):

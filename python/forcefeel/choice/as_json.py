@@ -9,7 +9,8 @@ from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_
 from forcefeel.choice.score import Score, Scored
 from forcefeel.envelope.as_json import deviations_json, grid_json
 from forcefeel.json_values import Json, json_value, quantity
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law_file import Numbers
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import ANGLE, SECONDS, UnitSystem
@@ -52,22 +53,22 @@ def choice_json(scored: Scored, choice: Choice | None, units: UnitSystem) -> dic
         }
     for score in scored.scores:
         if score.name == taken:
-            found["law"] = law_json(score.own.law)
+            found["law"] = law_json(score.own.law.numbers)
     return found
 
 
-def law_json(law: Compensator | SampledCompensator | None) -> Json:
+def law_json(numbers: Numbers) -> Json:
     """A law's numbers in SI units; ``None`` for the original loop."""
-    if law is None:
-        return None
-    if isinstance(law, Compensator):
-        return {
-            "gains": list(law.gains),
-            "load_cell_arm": law.load_cell_arm,
-            "displacement_unit": law.displacement_unit,
-        }
-    matrices = {name: getattr(law, name)[0].tolist() for name in ("transition", "input", "command", "torque")}
-    return {"period_s": law.period_s, "delay_s": law.delay_s, **matrices}
+    match numbers:
+        case Compensator():
+            gains, arm, unit = numbers.__getnewargs__()
+            return {"gains": gains, "load_cell_arm": arm, "displacement_unit": unit}
+        case SampledCompensator():
+            matrices = {
+                name: getattr(numbers, name)[0].tolist() for name in ("transition", "input", "command", "torque")
+            }
+            return {"period_s": numbers.period_s, "delay_s": numbers.delay_s, **matrices}
+    return None
 
 
 def _score(score: Score, units: UnitSystem) -> dict[str, Json]:

@@ -7,7 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.law import Law
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.simulation import Scenario, simulate_batch
 from forcefeel.simulation.inputs import Release
@@ -35,7 +35,7 @@ class Demand:
     pressure: Annotated[float, PERCENT]
 
 
-def largest_demand(loader: Loader, laws: SettingLaws, feel: NDArray[np.float64], angle_rad: float) -> Demand:
+def largest_demand(loader: Loader, laws: Law, feel: NDArray[np.float64], angle_rad: float) -> Demand:
     """The largest peaks over releases at settings I, B, G, a row each, of equal natural frequency.
 
     Args:
@@ -47,7 +47,7 @@ def largest_demand(loader: Loader, laws: SettingLaws, feel: NDArray[np.float64],
     slowest = 2 * pi * float(np.sqrt(feel[:, 0] / feel[:, 2]).max())
     duration = ceil(_PERIODS * slowest / _SAMPLE_S) * _SAMPLE_S
     scenario = Scenario(Release(angle_rad), duration, sample_s=_SAMPLE_S)
-    runs = simulate_batch(loader, scenario, loader.rows(FEEL_SETTING, feel), laws.found)
+    runs = simulate_batch(loader, scenario, loader.rows(FEEL_SETTING, feel), laws)
     peaks = np.array([runs[name].values for name in _PEAKS])
     known = np.isfinite(peaks).all(axis=0)
     shares = peaks[:, known] / limits(loader)[:, None]

@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.envelope.cases import REFERENCE_ARMS, PilotArm
+from forcefeel.laws.law import Law
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.timing import controller_steps
 from forcefeel.loops.sampled_loop import sampled_loops
-from forcefeel.simulation.engine import Law, engine_law
 from forcefeel.units import ANGLE, Unit
 
 FORCE = Unit("N", "N", "lb", "n")
@@ -153,7 +153,7 @@ def _by_sample(loader: Loader, law: Law) -> tuple[list[int], NDArray[np.float64]
     step_s, timing = controller_steps(loader, _STEP_S)
     keys = [f"{sensor}.bandwidth" for sensor in _SENSORS]
     lagging = loader.replace({key: 1 / step_s for key in keys if np.isinf(loader[key])})
-    keywords = engine_law(loader, law)
+    keywords = law.engine(loader)
     states, _ = _core.sampled_loops(loader.values[np.newaxis], step_s, timing, **keywords)
     wide, found = _core.sampled_loops(lagging.values[np.newaxis], step_s, timing, **keywords)
     columns = np.zeros((len(states), len(keys)))

@@ -5,15 +5,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import Compensator
 from forcefeel.choice.demand import Demand, largest_demand
 from forcefeel.choice.noise import Noise, noise_at_grip
 from forcefeel.envelope.ideal import frequency_and_damping, ideal_releases
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.releases import Record, measured, released
 from forcefeel.envelope.result import PASSES, UNSTABLE
-from forcefeel.laws.sampled.setting_laws import Law, SettingLaws
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law import Law, LawLike
 from forcefeel.linear.modes import Mode
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.command_loop import command_loops
@@ -41,7 +39,7 @@ class OwnSetting:
     """What a law does at the loader's own setting, hands off.
 
     Attributes:
-        law: The law; ``None`` for the original loop.
+        law: The law.
         stable: Whether it is stable there.
         outcome: ``passes``, ``unstable``, or the figure of the rule's release test that fails first.
         margins: What the loop bears at its command.
@@ -51,7 +49,7 @@ class OwnSetting:
         release: The release.
     """
 
-    law: Compensator | SampledCompensator | None = field(repr=False)
+    law: Law = field(repr=False)
     stable: bool
     outcome: str
     margins: LoopMargins
@@ -61,7 +59,7 @@ class OwnSetting:
     release: Released = field(repr=False)
 
 
-def own_setting(plan: Plan, law: Law, threads: int) -> OwnSetting:
+def own_setting(plan: Plan, law: LawLike, threads: int) -> OwnSetting:
     """A law at the own setting of the plan's loader, with the plan's rule and angle.
 
     Raises:
@@ -69,7 +67,7 @@ def own_setting(plan: Plan, law: Law, threads: int) -> OwnSetting:
     """
     loader = plan.loader
     feel = np.array([[loader[key] for key in FEEL_SETTING]])
-    laws = SettingLaws.of(law, loader, feel)
+    laws = Law.of(law, loader, feel)
     loop = command_loops(loader, laws, feel)[0]
     stable, outcome, release = _released(plan, laws, feel, threads)
     stable = stable and loop.stable
@@ -86,7 +84,7 @@ def own_setting(plan: Plan, law: Law, threads: int) -> OwnSetting:
     )
 
 
-def _released(plan: Plan, laws: SettingLaws, feel: NDArray[np.float64], threads: int) -> tuple[bool, str, Released]:
+def _released(plan: Plan, laws: Law, feel: NDArray[np.float64], threads: int) -> tuple[bool, str, Released]:
     """Whether it is stable, the outcome of the release test, and the release, as the envelope has them."""
     (frequency,), (damping,) = (values.tolist() for values in frequency_and_damping(feel))
     record = Record.of(frequency, damping)

@@ -14,8 +14,9 @@ from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.result import CaseShares, Envelope, Shares
 from forcefeel.envelope.run import Progress, compute
 from forcefeel.errors import InputError
+from forcefeel.laws.law import NAMED_LAWS, Law, names_for
+from forcefeel.laws.law_file import LAW_FILE
 from forcefeel.laws.sampled.methods import METHODS
-from forcefeel.laws.sampled.setting_laws import NAMED_LAWS, SettingLaws, names_for
 from forcefeel.loader.loader import Loader
 from forcefeel.loops.command_loop import command_loops
 from forcefeel.loops.margins import LoopMargins, least_margins, loop_margins
@@ -102,7 +103,7 @@ def score_methods(
 
     Args:
         loader: The loader. Its own setting is where single laws are looked at; optional rows of the feel and an arm are left out.
-        names: Methods, names of ``setting_laws.NAMED_LAWS``; all that the loader can run if not given.
+        names: Methods, names of ``law.NAMED_LAWS``; all that the loader can run if not given.
         grid: Settings, as ``envelope`` takes them.
         over_envelope: Whether to try each over the grid too, which takes most of the time.
         threads: How many; all cores if not given.
@@ -136,12 +137,14 @@ def check_names(loader: Loader, names: Sequence[str]) -> None:
                 f"controller.delay, for example 0.5 ms each, or take the built-in loader elevator-2khz; without them there are "
                 f"{', '.join(able)}"
             )
-        if name not in able:
+        if name not in able and not name.endswith(LAW_FILE):
             raise InputError(f"method: expected {', '.join(able)}, got {show(name)}")
 
 
 def summary_of(name: str) -> str:
     """What a method is, in a line."""
+    if name.endswith(LAW_FILE):
+        return "the law of a file, as it is"
     return METHODS[name].summary if name in METHODS else _OF_THE_REPORT[name]
 
 
@@ -152,7 +155,7 @@ def _score(plan: Plan, name: str, found: Envelope | None, threads: int) -> Score
 
 def _over(plan: Plan, name: str, found: Envelope, own: OwnSetting) -> OverEnvelope:
     feel = plan.settings.feel(plan.loader)
-    laws = SettingLaws.of(plan.compensators[name], plan.loader, feel)
+    laws = Law.of(plan.compensators[name], plan.loader, feel, name)
     lost = max(found.case_shares(name), key=lambda row: row.lost if row.lost > 0 else 0.0)
     corners = _corners(plan)
     loops = command_loops(plan.loader, laws.some(corners), feel[corners])
@@ -164,7 +167,7 @@ def _over(plan: Plan, name: str, found: Envelope, own: OwnSetting) -> OverEnvelo
     )
 
 
-def _demand(plan: Plan, laws: SettingLaws, feel: NDArray[np.float64], stable: NDArray[np.bool_]) -> Demand:
+def _demand(plan: Plan, laws: Law, feel: NDArray[np.float64], stable: NDArray[np.bool_]) -> Demand:
     """The largest over the stable settings, those of one frequency together."""
     frequency = plan.settings.rows[:, 1]
     pieces = [np.flatnonzero(stable & (frequency == one)) for one in plan.settings.frequency]

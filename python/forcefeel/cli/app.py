@@ -13,6 +13,7 @@ from forcefeel.cli.compensate_options import (
     CompensateOut,
     CompensateReplace,
     CompensateRule,
+    CompensateSaveLaw,
     CompensateThreads,
 )
 from forcefeel.cli.envelope_options import (
@@ -203,6 +204,7 @@ def compensate(
     out: CompensateOut = None,
     replace: CompensateReplace = False,
     threads: CompensateThreads = None,
+    save_law: CompensateSaveLaw = None,
     horizon: Horizon = None,
     converge: Converge = False,
     step: Step = None,
@@ -224,7 +226,9 @@ def compensate(
 
     recursion = commands.Options(horizon, converge, step, tolerance, position_weight, r1, r2, pilot_coupling, q)
     chosen = compensate_command.MethodOptions(method, envelope, grid, rule, off, out, replace, threads)
-    compensate_command.run_compensate(given_loader(loader, set_), recursion, chosen, units, as_json=json)
+    compensate_command.run_compensate(
+        given_loader(loader, set_), recursion, chosen, units, save_law=save_law, as_json=json
+    )
 
 
 @app.command(epilog="Example: `forcefeel simulate my.toml --input release --angle '10 deg' --out run`")

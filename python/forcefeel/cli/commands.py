@@ -19,8 +19,9 @@ from forcefeel.design.findings import conclusions
 from forcefeel.errors import InputError, shortened
 from forcefeel.files import MOST_TEXT_BYTES, read_input, write_whole
 from forcefeel.json_values import json_value
-from forcefeel.laws.recursion import PUBLISHED_HORIZON_S, DesignSettings, published_settings
-from forcefeel.laws.recursion import compensate as run_recursion
+from forcefeel.laws.analog.recursion import PUBLISHED_HORIZON_S, DesignSettings, published_settings
+from forcefeel.laws.analog.recursion import compensate as run_recursion
+from forcefeel.laws.law import Law
 from forcefeel.loader.built_in import BUILT_IN, open_loader
 from forcefeel.loader.loader import Loader
 from forcefeel.reproduction import Verdict, markdown
@@ -109,8 +110,8 @@ def analyze(path: Path | None, units: UnitSystem, *, as_json: bool) -> None:
     _exit(good=found.configuration("compliant").programmed.assessment.stable)
 
 
-def compensate(loader: Loader, options: Options, units: UnitSystem, *, as_json: bool) -> None:
-    """Computes gains and closes the loop."""
+def compensate(loader: Loader, options: Options, units: UnitSystem, *, save_law: Path | None, as_json: bool) -> None:
+    """Computes gains and closes the loop; gains that the recursion reached go to their file."""
     settings = options.settings(loader)
     with Steps(1) as progress:
         progress.step("recursion (22)")
@@ -118,11 +119,17 @@ def compensate(loader: Loader, options: Options, units: UnitSystem, *, as_json: 
     law = found.compensator(loader)
     judged = assess(loader, law, found.settings)
     demand = peaks(loader, law) if judged.stable else None
+    saved = save_law if found.reached else None
+    if saved:
+        Law.of(settings, loader, name="recursion (22)").save(saved)
     if as_json:
         parts = {"loader": loader, "compensation": found, "assessment": judged, "peaks": demand}
-        print_json(json_value(parts, units))
+        files = {"law_file": str(saved)} if saved else {}
+        print_json(json_value({**files, **parts}, units))
     else:
         show.compensation(Terminal(), loader, found, judged, demand, units)
+        if saved:
+            print(f"law file: {saved}")
     _exit(good=found.reached and judged.stable)
 
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, fields
 from math import degrees, isfinite
 from pathlib import Path
 
+import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
@@ -17,7 +18,9 @@ from forcefeel.cli.given_loader import given_deviations
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
-from forcefeel.loader.loader import Loader
+from forcefeel.laws.law import Law
+from forcefeel.laws.law_file import check_law_file
+from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.units import UnitSystem, to_text
@@ -69,16 +72,24 @@ class MethodOptions:
 
 
 def run_compensate(
-    loader: Loader, recursion: commands.Options, chosen: MethodOptions, units: UnitSystem, *, as_json: bool
+    loader: Loader,
+    recursion: commands.Options,
+    chosen: MethodOptions,
+    units: UnitSystem,
+    *,
+    save_law: Path | None,
+    as_json: bool,
 ) -> None:
-    """Tries methods, or designs one, and writes the folder; without ``--method``, recursion (22)."""
+    """Tries methods, or designs one, and writes the folder; without ``--method``, recursion (22). The law goes to its file."""
+    if save_law is not None:
+        check_law_file(save_law)  # before the work, not after it
     if chosen.method is None:
         chosen.refuse_alone()
-        commands.compensate(loader, recursion, units, as_json=as_json)
+        commands.compensate(loader, recursion, units, save_law=save_law, as_json=as_json)
         return
     _refuse_recursion(recursion)
     chosen.check()
-    _run(loader, chosen, units, as_json=as_json)
+    _run(loader, chosen, units, save_law=save_law, as_json=as_json)
 
 
 def _refuse_recursion(recursion: commands.Options) -> None:
@@ -88,7 +99,7 @@ def _refuse_recursion(recursion: commands.Options) -> None:
             raise InputError(f"--{option}: is for recursion (22) alone; leave it out, or leave out --method")
 
 
-def _run(loader: Loader, options: MethodOptions, units: UnitSystem, *, as_json: bool) -> None:
+def _run(loader: Loader, options: MethodOptions, units: UnitSystem, *, save_law: Path | None, as_json: bool) -> None:
     from forcefeel.choice.page.folder import FOLDER, write_choice  # noqa: PLC0415  Plotly
 
     out = options.out or _FOLDER
@@ -111,13 +122,31 @@ def _run(loader: Loader, options: MethodOptions, units: UnitSystem, *, as_json: 
         choice = choose(scored) if names is None else None
         bar.describe("report")
         page = write_choice(scored, choice, out, units, replace=options.replace)
+        law = _law(loader, scored, choice) if save_law else None
+        if save_law and law:
+            law.save(save_law)
+    files = {"page": str(page), **({"law_file": str(save_law)} if law else {})}
     if as_json:
-        print_json({"page": str(page), **choice_json(scored, choice, units)})
+        print_json({**files, **choice_json(scored, choice, units)})
     else:
         _show(Terminal(), scored, choice, units)
-        print(f"page: {page}")
+        for what, path in files.items():
+            print(f"{what.replace('_', ' ')}: {path}")
     if not (scored.scores[0].own.stable if choice is None else choice.chosen):
         raise typer.Exit(1)
+
+
+def _law(loader: Loader, scored: Scored, choice: Choice | None) -> Law | None:
+    """The law that was chosen or asked for, at the loader's own setting and those it was tried at; ``None`` where there is none."""
+    score = scored.scores[0]
+    if choice is not None:
+        if choice.chosen is None:
+            return None
+        (score,) = (one for one in scored.scores if one.name == choice.chosen)
+    if score.over is None:
+        return Law.of(score.name, loader)
+    own = np.array([[loader[key] for key in FEEL_SETTING]])
+    return Law.of(score.name, loader, np.unique(np.vstack([own, scored.plan.settings.feel(loader)]), axis=0))
 
 
 def _show(console: Console, scored: Scored, choice: Choice | None, units: UnitSystem) -> None:

@@ -66,6 +66,16 @@ CompensateOut = Annotated[
         show_default=False,
     ),
 ]
+CompensateSaveLaw = Annotated[
+    Path | None,
+    typer.Option(
+        "--save-law",
+        help="File (.json) for the law, which --compensator of other commands takes in a name's place: that of the loader's own "
+        "setting; with --envelope or --method auto those of the grid's settings too. Nothing is saved where none is found.",
+        metavar="FILE.json",
+        show_default=False,
+    ),
+]
 CompensateReplace = Annotated[
     bool,
     typer.Option("--replace", help="Replace what is in the folder.", rich_help_panel=_METHOD, show_default=False),

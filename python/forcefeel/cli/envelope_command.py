@@ -18,7 +18,7 @@ from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.result import MOST
 from forcefeel.envelope.run import compute
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled.setting_laws import names_for
+from forcefeel.laws.law import names_for
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.units import ANGLE, UnitSystem, parse

@@ -17,8 +17,8 @@ from forcefeel.bench.excitation.limits import KINDS
 from forcefeel.bench.excitation.plan import Kind
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification.digits import percent
-from forcefeel.cli.given_loader import designed_law, given_loader
-from forcefeel.cli.scenario_options import Law
+from forcefeel.cli.given_loader import given_law, given_loader
+from forcefeel.cli.law_option import ORIGINAL
 from forcefeel.cli.scenario_text import value
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
@@ -27,7 +27,7 @@ from forcefeel.loader.parameters import TABLE, with_unit
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
-    from forcefeel.bench.identification.linear import Law as FixedLaw
+    from forcefeel.laws.law import Law
 
 _EXAMPLES = {"current": "12 mA", "travel": "8 deg", "force": "1500 lb"}
 _DRIVE_EXAMPLES = {Drive.TEST_SIGNAL: "5 V", Drive.COMMAND_SIGNAL: "5 V", Drive.PILOT_FORCE: "50 lb"}
@@ -49,24 +49,24 @@ class ExciteOptions:
     span: tuple[float, float]
     band: tuple[float | None, float | None]
     limits: dict[str, str | None]
-    law: Law | None
+    law: str | None
     changes: list[str] | None
     out: Path
     replace: bool
 
-    def fixed_law(self, loader: Loader, experiment: Experiment) -> "FixedLaw":
+    def fixed_law(self, loader: Loader, experiment: Experiment) -> "Law | None":
         """The law of the whole loader; ``None`` is the original one.
 
         Raises:
             InputError: If it is of no use to this experiment or cannot be designed.
         """
-        if self.law is None or self.law is Law.ORIGINAL:
+        if self.law in (None, ORIGINAL):
             return None
         if experiment.loop is not Loop.LOADER:  # first: what its design lacks is no matter then
             raise InputError(
                 f"--compensator: is the law of the whole loader, and {experiment} is of the servo alone; leave it out"
             )
-        return designed_law(self.law, loader)
+        return given_law(self.law, loader)
 
     def plan(self, drive: Drive) -> ExcitationPlan:
         """What is wanted, SI units.

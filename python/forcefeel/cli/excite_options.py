@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from forcefeel.cli.scenario_options import Law
+from forcefeel.cli.law_option import METAVAR, law_name
 
 _WHAT = "What is asked"
 _SIGNAL = "The signal"
@@ -56,9 +56,11 @@ ExciteNoise = Annotated[
     ),
 ]
 ExciteLaw = Annotated[
-    Law | None,
+    str | None,
     typer.Option(
         "--compensator",
+        parser=law_name,
+        metavar=METAVAR,
         help="The law of the whole loader, for the experiment loader.  [default: original]",
         rich_help_panel=_WHAT,
         show_default=False,

@@ -9,9 +9,8 @@ from forcefeel.errors import InputError
 from forcefeel.units import parse
 
 if TYPE_CHECKING:
-    from forcefeel._core import Compensator
     from forcefeel.envelope.deviations import Deviation
-    from forcefeel.laws.sampled_compensator import SampledCompensator
+    from forcefeel.laws.law import Law
     from forcefeel.loader.loader import Loader
 
 
@@ -58,15 +57,15 @@ def _share_off(key: str, given: str) -> float | None:
         raise InputError(f"--off: {key}: {error}") from error
 
 
-def designed_law(law: str, loader: "Loader") -> "Compensator | SampledCompensator | None":
-    """The law of ``--compensator``, designed for ``loader``.
+def given_law(law: str | None, loader: "Loader") -> "Law":
+    """The law of ``--compensator`` for a loader's own setting: designed for it, or read from its file; the original if not given.
 
     Raises:
-        InputError: Naming the option, if it cannot be designed.
+        InputError: Naming the option, if it cannot be designed or read, or is for another controller.
     """
-    from forcefeel.laws.sampled.setting_laws import own_law  # noqa: PLC0415
+    from forcefeel.laws.law import Law  # noqa: PLC0415
 
     try:
-        return own_law(law, loader)
+        return Law.of(law, loader)
     except InputError as error:
         raise InputError(f"--compensator: {str(error).removeprefix('compensator: ')}") from error

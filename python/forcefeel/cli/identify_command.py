@@ -19,10 +19,10 @@ from forcefeel.bench.identification.result import Estimate, Identification, Stat
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.cli.bench_data import BenchData
-from forcefeel.cli.given_loader import designed_law, given_loader
+from forcefeel.cli.given_loader import given_law, given_loader
 from forcefeel.cli.identify_options import IdentifyLoss
+from forcefeel.cli.law_option import ORIGINAL
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
 from forcefeel.loader.built_in import BUILT_IN
@@ -30,7 +30,7 @@ from forcefeel.loader.loader import Loader
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
-    from forcefeel.bench.identification.linear import Law as FixedLaw
+    from forcefeel.laws.law import Law
 
 _NONE = "-"
 _DATA = Sequence[Response | BenchRecord]
@@ -46,7 +46,7 @@ class IdentifyOptions:
     loss: IdentifyLoss
     no_priors: bool
     as_responses: bool
-    law: Law | None
+    law: str | None
     changes: list[str] | None
     out: Path
     replace: bool
@@ -54,22 +54,22 @@ class IdentifyOptions:
     @property
     def settings(self) -> FitSettings:
         """How the fit is to be made."""
-        law = str(self.law or Law.ORIGINAL)
+        law = str(self.law or ORIGINAL)
         return FitSettings(str(self.loss), self.starts, not self.no_priors, self.as_responses, law)
 
-    def fixed_law(self, loader: Loader, data: _DATA) -> "FixedLaw":
+    def fixed_law(self, loader: Loader, data: _DATA) -> "Law | None":
         """The law of the whole loader in the data; ``None`` is the original one.
 
         Raises:
             InputError: If it is of no use to these data or cannot be designed.
         """
-        if self.law is None or self.law is Law.ORIGINAL:
+        if self.law in (None, ORIGINAL):
             return None
         if all(one.experiment.loop is not Loop.LOADER for one in data):
             raise InputError(
                 "--compensator: is the law of the whole loader, and all data are of the servo alone; leave it out"
             )
-        return designed_law(self.law, loader)
+        return given_law(self.law, loader)
 
 
 def run_identify(path: Path | None, options: IdentifyOptions, units: UnitSystem, *, as_json: bool) -> None:

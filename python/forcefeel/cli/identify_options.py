@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from forcefeel.cli.scenario_options import Law
+from forcefeel.cli.law_option import METAVAR, law_name
 
 
 class IdentifyLoss(StrEnum):
@@ -121,9 +121,11 @@ AsResponses = Annotated[
     ),
 ]
 IdentifyLaw = Annotated[
-    Law | None,
+    str | None,
     typer.Option(
         "--compensator",
+        parser=law_name,
+        metavar=METAVAR,
         help="The law of the whole loader in the data, designed for the loader as its file has it.  [default: original]",
         rich_help_panel=_LOADER,
         show_default=False,

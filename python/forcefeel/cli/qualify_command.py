@@ -9,11 +9,11 @@ from rich.table import Table
 
 from forcefeel.cli.bench_data import options_named
 from forcefeel.cli.given_loader import given_loader
+from forcefeel.cli.law_option import ORIGINAL
 from forcefeel.cli.qualify_options import ControlAxis, Overdamped
-from forcefeel.cli.scenario_options import Law
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled.setting_laws import names_for
+from forcefeel.laws.law import names_for
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, Outcome
 from forcefeel.qualification.programme import Qualification, QualificationSetup, qualify_loader
@@ -36,7 +36,7 @@ class QualifyOptions:
     records: list[str] | None
     columns: list[str] | None
     units: list[str] | None
-    laws: list[Law] | None
+    laws: list[str] | None
     compare: bool
     changes: list[str] | None
     out: Path
@@ -58,7 +58,7 @@ class QualifyOptions:
         if self.laws and self.compare:
             raise InputError("--compare: takes every law, and --compensator some; leave one out")
         return QualificationSetup(
-            laws=names_for(loader) if self.compare else tuple(map(str, self.laws or [Law.ORIGINAL])),
+            laws=names_for(loader) if self.compare else tuple(self.laws or [ORIGINAL]),
             rule=self.rule or DEFAULT_EDITION,
             axis=self.axis.value,
             throw_rad=_value("--throw", self.throw, "rad", "18 deg"),

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from forcefeel.cli.scenario_options import Law
+from forcefeel.cli.law_option import METAVAR, law_name
 
 
 class ControlAxis(StrEnum):
@@ -127,11 +127,14 @@ RecordUnits = Annotated[
     ),
 ]
 Laws = Annotated[
-    list[Law] | None,
+    list[str] | None,
     typer.Option(
         "--compensator",
-        help="The law: the original position loop, or feedback gains of recursion (22) designed for this loader, over the "
-        "published or an endless horizon. Given again, a section each.  [default: original]",
+        help="The law: the original position loop, or one that is designed for this loader: feedback gains of recursion (22), over "
+        "the published or an endless horizon, or a sampled law; or the file of one, from `compensate --save-law`. Given again, a "
+        "section each.  [default: original]",
+        parser=law_name,
+        metavar=METAVAR,
         rich_help_panel=_LOADER,
         show_default=False,
     ),

@@ -13,7 +13,6 @@ and asks, in this order, ``nominal = scenario.changed(load(path))``, ``scenario.
 import inspect
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from enum import StrEnum
 from functools import wraps
 from math import floor, isfinite
 from pathlib import Path
@@ -22,7 +21,8 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from forcefeel.cli.bench_data import options_named
-from forcefeel.cli.given_loader import designed_law
+from forcefeel.cli.given_loader import given_law
+from forcefeel.cli.law_option import METAVAR, law_name
 from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, InputOptions, Spacing
 from forcefeel.cli.scenario_text import assignments, over_time, seconds
 from forcefeel.errors import InputError
@@ -31,25 +31,10 @@ from forcefeel.tables.column_names import ColumnNames
 from forcefeel.units import show
 
 if TYPE_CHECKING:
-    from forcefeel._core import Compensator
-    from forcefeel.laws.recursion import DesignSettings
-    from forcefeel.laws.sampled_compensator import SampledCompensator
+    from forcefeel.laws.law import Law
     from forcefeel.loader.loader import Loader
     from forcefeel.simulation import FeelChange, Scenario
     from forcefeel.simulation.inputs import Recorded, Schedule
-
-
-class Law(StrEnum):
-    """The law that drives the servo."""
-
-    ORIGINAL = "original"
-    PUBLISHED = "published"
-    CONVERGED = "converged"
-    LOAD_CELL = "load-cell"
-    OBSERVER = "observer"
-    RECOVERED = "recovered"
-    H_INFINITY = "h-infinity"
-    ROBUST = "robust"
 
 
 STEP_S, SAMPLE_S, FADE_S = 1e-3, 1e-3, 0.5
@@ -62,6 +47,7 @@ ROUNDING = 1e-6
 
 
 _METAVARS = {
+    "--compensator": METAVAR,
     "--force": "FORCE",
     "--angle": "ANGLE",
     "--from": "FREQUENCY",
@@ -78,13 +64,12 @@ _METAVARS = {
     "--input": None,
     "--spacing": None,
     "--arm": None,
-    "--compensator": None,
 }
 
 
-def _option(name: str, help: str, panel: str) -> Any:  # noqa: A002  Typer's word
+def _option(name: str, help: str, panel: str, **more: Any) -> Any:  # noqa: A002  Typer's word
     metavar = _METAVARS.get(name, "TIME")
-    return typer.Option(name, help=help, metavar=metavar, rich_help_panel=panel, show_default=False)
+    return typer.Option(name, help=help, metavar=metavar, rich_help_panel=panel, show_default=False, **more)
 
 
 _INPUT, _SCENARIO, _LOADER = "Pilot's input", "Scenario", "Loader and law"
@@ -229,12 +214,14 @@ class ScenarioOptions:
         ),
     ] = None
     law: Annotated[
-        Law | None,
+        str | None,
         _option(
             "--compensator",
-            "The law: the original position loop, or feedback gains of recursion (22) designed for this loader, over the "
-            "published or an endless horizon.  [default: original]",
+            "The law: the original position loop, or one that is designed for this loader: feedback gains of recursion (22), over "
+            "the published or an endless horizon, or a sampled law; or the file of one, from `compensate --save-law`.  "
+            "[default: original]",
             _LOADER,
+            parser=law_name,
         ),
     ] = None
 
@@ -252,23 +239,13 @@ class ScenarioOptions:
             changes |= dict(zip(ARM_ROWS, ARMS[self.arm], strict=True))
         return loader.replace(changes) if changes else loader
 
-    def design(self, loader: "Loader") -> "DesignSettings | None":
-        """How the gains of the law are designed; ``None`` is the original position loop."""
-        if self.law is None:
-            return None
-        from forcefeel.laws.recursion import NAMED_DESIGNS  # noqa: PLC0415
-
-        return NAMED_DESIGNS[self.law](loader)
-
-    def compensator(self, loader: "Loader") -> "Compensator | SampledCompensator | None":
-        """The law, designed for ``loader``; ``None`` is the original position loop.
+    def law_of(self, loader: "Loader") -> "Law":
+        """The law, designed for ``loader`` or read from its file.
 
         Raises:
-            InputError: If it cannot be designed.
+            InputError: If it cannot be designed or read, or is for another controller.
         """
-        if self.law is None:
-            return None
-        return designed_law(self.law, loader)
+        return given_law(self.law, loader)
 
     def scenario(self, loader: "Loader") -> "Scenario":
         """What is done to ``loader``.

@@ -9,7 +9,7 @@ from rich.text import Text
 from forcefeel.conclusions import Conclusions
 from forcefeel.design.assessment import Assessment, Peaks
 from forcefeel.design.workflow import Analysis
-from forcefeel.laws.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation
 from forcefeel.linear.frequency import Margins
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.linear.modes import Mode, least_damped

@@ -6,7 +6,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from forcefeel.cli.scenario_options import Law, ScenarioOptions
+from forcefeel.cli.scenario_options import ScenarioOptions
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.conclusions import Conclusions
 from forcefeel.loader.built_in import open_loader
@@ -25,8 +25,9 @@ def run_simulate(
 
         FOLDER.check(out)  # before the work, not after it
     loader = options.changed(open_loader(path))
-    run = simulate(loader, options.scenario(loader), options.compensator(loader))
-    law = str(options.law or Law.ORIGINAL)
+    scenario, driven_by = options.scenario(loader), options.law_of(loader)
+    run = simulate(loader, scenario, driven_by)
+    law = driven_by.name
     page = None
     if out is not None:
         from forcefeel.simulation.page.folder import write_simulation  # noqa: PLC0415

@@ -11,10 +11,11 @@ from rich.table import Table
 
 from forcefeel.cli.exit_status import INTERRUPTED
 from forcefeel.cli.progress import Bar
-from forcefeel.cli.scenario_options import Law, ScenarioOptions
+from forcefeel.cli.scenario_options import ScenarioOptions
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.conclusions import share_text
 from forcefeel.errors import InputError
+from forcefeel.laws.law import named
 from forcefeel.loader.built_in import open_loader
 from forcefeel.simulation import RunStatus
 from forcefeel.sweep import Sweep, SweepResult, run_sweep, text
@@ -22,6 +23,9 @@ from forcefeel.sweep.as_json import sweep_json
 from forcefeel.sweep.findings import main_measures, number_of, sweep_conclusions
 from forcefeel.sweep.summary import Summary, measure_name, measure_unit, summarize
 from forcefeel.units import UnitSystem
+
+REDESIGNED = ("published", "converged")
+"""Laws of which --redesign makes one for each setting."""
 
 
 @dataclass(frozen=True)
@@ -46,12 +50,12 @@ class SweepOptions:
         """
         loader = scenario.changed(open_loader(path))
         found = scenario.scenario(loader)
-        if self.redesign and scenario.law not in {Law.PUBLISHED, Law.CONVERGED}:
+        if self.redesign and scenario.law not in REDESIGNED:
             raise InputError("--redesign: is about designed gains; add --compensator published or converged")
         return Sweep(
             loader,
             found,
-            (scenario.design if self.redesign else scenario.compensator)(loader),
+            named((str(scenario.law),), loader)[str(scenario.law)] if self.redesign else scenario.law_of(loader),
             self.runs,
             found.seed,
             text.assignments("--vary", self.vary, "linkage.stiffness=20 %"),
@@ -68,7 +72,7 @@ def run_sweep_command(
     for part in (FOLDER, RUNS_FOLDER):  # before the work, not after it
         part.check(options.out)
     sweep = options.sweep(path, scenario)
-    law = str(scenario.law or Law.ORIGINAL)
+    law = str(scenario.law) if options.redesign else sweep.nominal_law.name
     with Bar(silent=as_json) as bar:
         try:
             result = run_sweep(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.laws.recursion import DesignSettings
+from forcefeel.laws.analog.recursion import DesignSettings
 from forcefeel.linear.models import DESIGN_STATES, OUTPUTS, Linkage, ideal_feel, loader_model
 from forcefeel.linear.modes import feel_mode, is_stable, modes, spectral_abscissa
 from forcefeel.linear.step import DURATION_S, equilibrium, gramian, step_response

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from forcefeel.design.assessment import Assessment, assess
 from forcefeel.errors import InputError
-from forcefeel.laws.recursion import GAIN_SYMBOLS, DesignSettings
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, DesignSettings
 from forcefeel.linear.boundary import StabilityBoundary, smallest_stable_stiffness
 from forcefeel.linear.models import state_feedback
 from forcefeel.loader.loader import Loader

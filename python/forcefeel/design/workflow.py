@@ -7,7 +7,7 @@ from typing import Annotated
 from forcefeel._core import Compensator, feel_frequency
 from forcefeel.design.assessment import Assessment, Peaks, assess, peaks
 from forcefeel.design.studies import Deviation, DroppedPaths, drop_paths, sensitivity
-from forcefeel.laws.recursion import Compensation, DesignSettings, compensate
+from forcefeel.laws.analog.recursion import Compensation, DesignSettings, compensate
 from forcefeel.linear.boundary import StabilityBoundary, smallest_stable_stiffness
 from forcefeel.linear.frequency import Margins, Peak, margins, resonance
 from forcefeel.linear.models import Linkage, loader_model, overall_open_loop, servo

@@ -18,7 +18,7 @@ from scipy.linalg import matrix_balance
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.law import Law
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import INDEX
 from forcefeel.loops.sampled_loop import sampled_loops
@@ -41,12 +41,14 @@ class Grips:
     period_s: float | None
 
     @classmethod
-    def of(cls, loader: Loader, laws: SettingLaws, feel: NDArray[np.float64]) -> "Grips":
+    def of(cls, loader: Loader, laws: Law, feel: NDArray[np.float64]) -> "Grips":
         """The grips of a loader at settings I, B, G, a row each."""
         rows = loader.rows(FEEL_SETTING, feel)
         if not loader["controller.period"]:
-            return cls(*_balanced([_analog(values, laws.single(loader, k)) for k, values in enumerate(rows)]), None)
-        loops = sampled_loops(loader, laws.found, rows)
+            return cls(
+                *_balanced([_analog(values, laws.single(loader, k).fixed) for k, values in enumerate(rows)]), None
+            )
+        loops = sampled_loops(loader, laws, rows)
         place = np.zeros(loops.matrix.shape[1])
         place[loops.base] = loader["column.grip_arm"] / loader["column.base_arm"]
         models = [(m, b, place) for m, b in zip(loops.matrix, loops.by_force, strict=True)]
@@ -86,9 +88,9 @@ class Grips:
 _Model = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
-def _analog(values: NDArray[np.float64], law: object) -> _Model:
+def _analog(values: NDArray[np.float64], law: Compensator | None) -> _Model:
     """``A`` of eq. (17), the column for the pilot's force and the row for the velocity at the grip."""
-    a, b, c, _ = _core.compliant(values, law if isinstance(law, Compensator) else Compensator.original(values))
+    a, b, c, _ = _core.compliant(values, law or Compensator.original(values))
     row = np.zeros(len(a))
     # v = R_p theta', theta' the same row on the velocity as theta on the position
     row[_BASE_RATE] = values[INDEX["column.grip_arm"]] * c[0, _BASE]

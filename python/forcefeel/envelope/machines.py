@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import Case
-from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.law import Law
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 
@@ -38,7 +38,7 @@ def columns(case: Case) -> list[str]:
     return [*FEEL_SETTING, *ARM_ROWS, *case.off]
 
 
-def machines(loader: Loader, case: Case, feel: NDArray[np.float64], laws: SettingLaws) -> NDArray[np.float64]:
+def machines(loader: Loader, case: Case, feel: NDArray[np.float64], laws: Law) -> NDArray[np.float64]:
     """SI values of ``columns(case)`` for settings I, B, G, a row each."""
     scale = prod(1 + case.off.get(key, 0.0) for key in _GEOMETRY) if laws.gains is not None else 1.0
     arm = case.arm.values if case.arm else (0.0, 0.0, 0.0)
@@ -46,6 +46,6 @@ def machines(loader: Loader, case: Case, feel: NDArray[np.float64], laws: Settin
     return np.column_stack([feel * scale, np.tile(rest, (len(feel), 1))])
 
 
-def full_rows(loader: Loader, case: Case, feel: NDArray[np.float64], laws: SettingLaws) -> NDArray[np.float64]:
+def full_rows(loader: Loader, case: Case, feel: NDArray[np.float64], laws: Law) -> NDArray[np.float64]:
     """The same as whole rows of the parameter table."""
     return loader.rows(columns(case), machines(loader, case, feel, laws))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from forcefeel.envelope.grip import Grips
-from forcefeel.laws.sampled.setting_laws import Law, SettingLaws
+from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.units import PERCENT
 
@@ -64,7 +64,7 @@ class Passivity:
         return np.asarray(np.degrees(np.angle(self.impedance)))
 
 
-def passivity(loader: Loader, law: Law, laws: SettingLaws, feel: NDArray[np.float64]) -> Passivity:
+def passivity(loader: Loader, law: LawLike, laws: Law, feel: NDArray[np.float64]) -> Passivity:
     """The passivity at the loader's own setting, and how many of the settings are passive.
 
     Args:
@@ -74,7 +74,7 @@ def passivity(loader: Loader, law: Law, laws: SettingLaws, feel: NDArray[np.floa
         feel: I, B, G of the settings, a row each.
     """
     own = np.array([[loader[key] for key in FEEL_SETTING]])
-    grip = Grips.of(loader, SettingLaws.of(law, loader, own), own)
+    grip = Grips.of(loader, Law.of(law, loader, own), own)
     frequency = np.geomspace(LOWEST_HZ, HIGHEST_HZ, POINTS)
     admittance = grip.admittance(0, frequency)
     return Passivity(
@@ -103,7 +103,7 @@ def _bands(
     return tuple(zip(edges[::2], edges[1::2], strict=True))
 
 
-def _survey(loader: Loader, laws: SettingLaws, feel: NDArray[np.float64]) -> tuple[float, float]:
+def _survey(loader: Loader, laws: Law, feel: NDArray[np.float64]) -> tuple[float, float]:
     """Shares of the settings that are stable and passive: everywhere, and up to ``ARM_HZ``."""
     frequency = np.geomspace(LOWEST_HZ, HIGHEST_HZ, _SURVEY)
     found = np.zeros((2, len(feel)), dtype=bool)

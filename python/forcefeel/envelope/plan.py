@@ -6,16 +6,13 @@ from math import isfinite, radians
 from types import MappingProxyType
 from typing import Annotated
 
-from forcefeel._core import Compensator
 from forcefeel.envelope.cases import REFERENCE_ARMS, Case, PilotArm, make_cases
 from forcefeel.envelope.deviations import Deviation, chosen_deviations
 from forcefeel.envelope.draws import NO_DRAWS, Draws
 from forcefeel.envelope.machines import feel_json
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
-from forcefeel.laws.recursion import DesignSettings
-from forcefeel.laws.sampled.methods import Method
-from forcefeel.laws.sampled.setting_laws import NAMED_LAWS, Law, named
+from forcefeel.laws.law import NAMED_LAWS, LawLike, named
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, Rules, Test, load_rules
 from forcefeel.qualification.throw import Throw
@@ -30,7 +27,7 @@ class Plan:
 
     Attributes:
         given: The loader as it was given. Its own feel and arm are not used.
-        compensators: The laws by name: names of ``setting_laws.NAMED_LAWS``, or laws of one's own.
+        compensators: The laws by name: names of ``law.NAMED_LAWS``, or laws of one's own.
         settings: The grid of settings.
         rule: Edition of the rule whose release test it must pass.
         changes: How far each parameter of the plant is off: shares to either side, or deviations; ``deviations_of`` the loader if
@@ -52,7 +49,7 @@ class Plan:
     """
 
     given: Loader
-    compensators: Mapping[str, Law]
+    compensators: Mapping[str, LawLike]
     settings: Settings
     rule: str = DEFAULT_EDITION
     changes: Mapping[str, float | Deviation] | None = None
@@ -112,7 +109,7 @@ class Plan:
 
 def make_plan(
     loader: Loader,
-    compensators: Sequence[str] | Mapping[str, Law] = ("original", "published", "converged"),
+    compensators: Sequence[str] | Mapping[str, LawLike] = ("original", "published", "converged"),
     grid: Mapping[str, str | Sequence[float]] | None = None,
     **options: object,
 ) -> Plan:
@@ -120,7 +117,7 @@ def make_plan(
 
     Args:
         loader: The loader.
-        compensators: Names of ``setting_laws.NAMED_LAWS``, or laws by name.
+        compensators: Names of ``law.NAMED_LAWS``, or laws by name.
         grid: Axes as ``Settings.of`` takes them.
         options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws`` of ``Plan``.
 
@@ -129,13 +126,5 @@ def make_plan(
     """
     if isinstance(compensators, str):
         raise InputError(f"compensators: expected a list of names or laws by name, got {show(compensators)}")
-    if isinstance(compensators, Mapping):
-        for name, law in compensators.items():
-            if law is not None and not isinstance(law, DesignSettings | Method | Compensator):
-                raise InputError(
-                    f"compensators: {name}: expected DesignSettings, a Method, a Compensator or None, got {show(law)}"
-                )
-        chosen = dict(compensators)
-    else:
-        chosen = named(tuple(compensators), loader)
+    chosen = dict(compensators) if isinstance(compensators, Mapping) else named(tuple(compensators), loader)
     return Plan(loader, chosen, Settings.of(grid or {}), **options)  # type: ignore[arg-type]

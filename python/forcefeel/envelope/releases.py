@@ -16,7 +16,7 @@ from forcefeel import _core
 from forcefeel.envelope.cases import Case, PilotArm
 from forcefeel.envelope.machines import columns, full_rows, machines
 from forcefeel.envelope.plan import Plan
-from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
 from forcefeel.loops.sampled_loop import sampled_loops
@@ -97,7 +97,7 @@ def carrying(loader: Loader, feel: NDArray[np.float64], arm: PilotArm | None) ->
 
 
 def released(
-    plan: Plan, case: Case, feel: NDArray[np.float64], laws: SettingLaws, record: Record, threads: int
+    plan: Plan, case: Case, feel: NDArray[np.float64], laws: Law, record: Record, threads: int
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
     """Whether each setting's loop is stable, and its column's angle (settings, samples) after the release.
 
@@ -111,7 +111,7 @@ def released(
     """
     if plan.loader["controller.period"]:
         rows = full_rows(plan.loader, case, feel, laws)
-        stable = sampled_loops(plan.loader, laws.found, rows, threads=threads).stable
+        stable = sampled_loops(plan.loader, laws, rows, threads=threads).stable
         return _stepped(plan, rows, laws, record, threads, stable)
     columns_ = [INDEX[key] for key in columns(case)]
     values = machines(plan.loader, case, feel, laws)
@@ -131,7 +131,7 @@ _STABLE, _STABLE_BY_POLES = 1, 3
 def _stepped(
     plan: Plan,
     rows: NDArray[np.float64],
-    laws: SettingLaws,
+    laws: Law,
     record: Record,
     threads: int,
     stable: NDArray[np.bool_],
@@ -143,7 +143,7 @@ def _stepped(
         return stable, angles
     step = min(record.step_s, LONGEST_STEP_S)
     scenario = Scenario(Release(plan.release_rad), record.duration_s, step, record.step_s)
-    law = laws.some(which).found
+    law = laws.some(which)
     runs = simulate_batch(plan.loader, scenario, rows[which], law, keep=["column_angle_rad"], threads=threads)
     angles[which] = runs["column_angle_rad"].values
     stable = stable.copy()

@@ -14,7 +14,7 @@ from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.releases import carrying, measured, pieces, released
 from forcefeel.envelope.result import PASSES, UNSTABLE, Envelope
 from forcefeel.envelope.settings import AXES
-from forcefeel.laws.sampled.setting_laws import Law, SettingLaws
+from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import ReleaseBatch, judge_releases
 from forcefeel.threads import threads_or_cores
@@ -41,8 +41,9 @@ def envelope(
 
     Args:
         loader: The loader. Its programmed feel is replaced by the settings; optional rows of the feel and an arm are left out.
-        compensators: Names of ``setting_laws.NAMED_LAWS``, or laws by name: ``DesignSettings`` and ``Method`` design a law for
-            each setting and the nominal plant, a ``Compensator`` is one law for all, ``None`` the original loop.
+        compensators: Names of ``law.NAMED_LAWS``, or laws by name: ``DesignSettings`` and ``Method`` design a law for
+            each setting and the nominal plant, a file or a ``Law`` has one for each, a ``Compensator`` is one law for all, ``None``
+            the original loop.
         grid: Values by axis, ``stiffness`` (shares of G_max), ``frequency`` (rad/s), ``damping``, as numbers or as text such as
             ``"1..100 %:40:log"``, ``"0.5..4 Hz:25"``, ``"0.1..1.5:20"``.
         threads: How many; all cores if not given. The numbers do not depend on it.
@@ -63,7 +64,7 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
     """Computes a planned envelope; arguments as ``envelope``."""
     threads = threads_or_cores(threads)
     feel = plan.settings.feel(plan.loader)
-    laws = {name: SettingLaws.of(law, plan.loader, feel) for name, law in plan.compensators.items()}
+    laws = {name: Law.of(law, plan.loader, feel, name) for name, law in plan.compensators.items()}
     cases = (*plan.cases, *plan.machines)
     shape = len(laws), len(cases), len(feel)
     outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)

@@ -1,6 +1,6 @@
 """Laws over the settings an aircraft runs through: designed at knots, interpolated between them, checked on a refined grid.
 
-Not ``forcefeel.laws.gain_schedule``, which is the report's gains for many settings.
+Not ``forcefeel.laws.analog.gain_schedule``, which is the report's gains for many settings.
 """
 
 from forcefeel.flight_schedule.axes import ScheduleAxis

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import Case
 from forcefeel.envelope.machines import full_rows
-from forcefeel.laws.sampled.setting_laws import SettingLaws
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law import Law
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import Loader
 from forcefeel.loops.sampled_loop import SampledLoops, sampled_loops
 
@@ -78,5 +78,5 @@ def loops_of(
     loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator, case: Case, *, threads: int
 ) -> SampledLoops:
     """The loops of a case, one for each law with its feel (loops, 3)."""
-    rows = full_rows(loader, case, feel, SettingLaws(laws))
+    rows = full_rows(loader, case, feel, Law.of(laws, loader))
     return sampled_loops(loader, laws, rows, threads=threads)

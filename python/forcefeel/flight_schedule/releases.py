@@ -10,8 +10,8 @@ from forcefeel.envelope.ideal import frequency_and_damping, ideal_releases
 from forcefeel.envelope.machines import full_rows
 from forcefeel.envelope.releases import Record
 from forcefeel.envelope.settings import AXES
-from forcefeel.laws.sampled.setting_laws import SettingLaws
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law import Law
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import Rules, judge_releases, measure_releases
 from forcefeel.qualification.throw import Throw
@@ -63,7 +63,7 @@ class ReleaseTest:
     def _judged(
         self, loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator, record: Record, threads: int
     ) -> list[str]:
-        rows = full_rows(loader, NOMINAL, feel, SettingLaws(laws))
+        rows = full_rows(loader, NOMINAL, feel, Law.of(laws, loader))
         step = min(record.step_s, LONGEST_STEP_S)
         scenario = Scenario(Release(self.angle_rad), record.duration_s, step, record.step_s)
         runs = simulate_batch(loader, scenario, rows, laws, keep=["column_angle_rad"], threads=threads)

@@ -15,7 +15,7 @@ from scipy.interpolate import RegularGridInterpolator
 from forcefeel.errors import InputError
 from forcefeel.flight_schedule.axes import ScheduleAxis, check_axes, mesh, place_text, point_of
 from forcefeel.laws.sampled.methods import method as method_of
-from forcefeel.laws.sampled_compensator import SAMPLED, SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import SAMPLED, SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import TABLE, in_range, range_text, value_text
 from forcefeel.simulation import FeelChange

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.flight_schedule.schedule import FlightSchedule
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,10 +16,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import Compensator
 from forcefeel.envelope.plan import Plan
-from forcefeel.laws.sampled.setting_laws import Law, SettingLaws
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law import Law
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.qualification.programme.sweep_force import SweepForce
@@ -64,7 +62,7 @@ def smallest_friction(plan: Plan) -> SmallestFriction:
     per_rad = loader["feel.stiffness"] / loader["column.grip_arm"]  # force at the grip per radian
     force = per_rad * plan.release_rad
     scenario = Scenario(SweepForce(-force, force).over(SWEEP_S), SWEEP_S, _STEP_S, _SAMPLE_S)
-    run = simulate(loader, scenario, own_law(plan, plan.compensators[name]))
+    run = simulate(loader, scenario, _own_law(plan, name))
     if run.status is RunStatus.DIVERGED:
         return SmallestFriction(np.nan, np.nan, loader["column.coulomb_friction"], force)
     apart = run.history["column_angle_rad"].values - ideal_response(loader, scenario)
@@ -78,10 +76,10 @@ def smallest_friction(plan: Plan) -> SmallestFriction:
     )
 
 
-def own_law(plan: Plan, law: Law) -> Compensator | SampledCompensator | None:
+def _own_law(plan: Plan, name: str) -> Law:
     """The law that is designed for the loader's own setting."""
     own = np.array([[plan.loader[key] for key in FEEL_SETTING]])
-    return SettingLaws.of(law, plan.loader, own).single(plan.loader, 0)
+    return Law.of(plan.compensators[name], plan.loader, own, name).single(plan.loader)
 
 
 def _window(values: NDArray[np.float64], about_s: float) -> NDArray[np.float64]:

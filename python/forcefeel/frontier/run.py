@@ -12,6 +12,7 @@ from forcefeel.frontier.result import Frontier
 from forcefeel.frontier.rungs import FACTORS, Rungs, climb, rung_releases
 from forcefeel.frontier.tightening import INERTIA, tightening
 from forcefeel.frontier.valve_limits import valve_limits
+from forcefeel.laws.law_file import LAW_FILE
 from forcefeel.loader.loader import Loader
 
 Progress = Callable[[str, int, int], None]
@@ -39,7 +40,7 @@ def find_frontier(
 
     Args:
         loader: The loader, as ``envelope`` takes it.
-        compensator: Name of a law of ``setting_laws.NAMED_LAWS``; ``robust`` if not given, ``published`` for a loader without a
+        compensator: Name of a law of ``law.NAMED_LAWS``; ``robust`` if not given, ``published`` for a loader without a
             digital controller.
         grid: Axes as ``envelope`` takes them; ``DEFAULT_GRID`` where not given.
         threads: How many; all cores if not given. The numbers do not depend on it.
@@ -63,6 +64,10 @@ def frontier_plan(
 ) -> Plan:
     """The envelope that a frontier is about; arguments as ``find_frontier``."""
     name = compensator or ("robust" if loader["controller.period"] else "published")
+    if name.endswith(LAW_FILE):
+        raise InputError(
+            f"compensator: is designed anew for each changed machine, and {name} is one law; give a design's name"
+        )
     plan = make_plan(loader, (name,), {**DEFAULT_GRID, **(grid or {})}, **options)
     if INERTIA not in plan.deviations:
         raise InputError(f"{INERTIA}: expected a tolerance, which the bound is about; add it, for example 20 %")

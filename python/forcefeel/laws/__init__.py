@@ -1,1 +1,1 @@
-"""What drives a loader: recursion (22) and its gain schedule, sampled laws and their designs."""
+"""What drives a loader: one type of law, made by a design, by hand, or read from its file."""

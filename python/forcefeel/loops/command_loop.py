@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
-from forcefeel.laws.sampled.setting_laws import SettingLaws
+from forcefeel.laws.law import Law
 from forcefeel.linear.models import INPUTS, compliant_model
 from forcefeel.linear.modes import Mode, is_stable
 from forcefeel.loader.loader import FEEL_SETTING, Loader
@@ -83,16 +83,15 @@ class CommandLoop:
         return tuple(Mode(s.real, s.imag, abs(s), -s.real / abs(s) if s else 0.0) for s in found)
 
 
-def command_loops(loader: Loader, laws: SettingLaws, feel: NDArray[np.float64]) -> Sequence[CommandLoop]:
+def command_loops(loader: Loader, laws: Law, feel: NDArray[np.float64]) -> Sequence[CommandLoop]:
     """The loops of a loader at settings I, B, G, a row each."""
     if loader["controller.period"]:
-        found = sampled_loops(loader, laws.found, loader.rows(FEEL_SETTING, feel))
+        found = sampled_loops(loader, laws, loader.rows(FEEL_SETTING, feel))
         return [CommandLoop.sampled(found, loop) for loop in range(len(feel))]
     return [_analog_at(loader, laws, feel, setting) for setting in range(len(feel))]
 
 
-def _analog_at(loader: Loader, laws: SettingLaws, feel: NDArray[np.float64], setting: int) -> CommandLoop:
-    law = laws.single(loader, setting)
-    if law is not None and not isinstance(law, Compensator):
-        raise TypeError("a sampled law has no analog loop")  # designed for a controller that the loader has not
+def _analog_at(loader: Loader, laws: Law, feel: NDArray[np.float64], setting: int) -> CommandLoop:
+    laws.check(loader)
+    law = laws.single(loader, setting).fixed
     return CommandLoop.analog(loader.replace(dict(zip(FEEL_SETTING, feel[setting].tolist(), strict=True))), law)

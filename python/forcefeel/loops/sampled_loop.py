@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError
+from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.timing import controller_steps
-from forcefeel.simulation.engine import Law, engine_law
 from forcefeel.threads import threads_or_cores
 
 
@@ -53,7 +53,7 @@ class SampledLoops:
 
 
 def sampled_loops(
-    loader: Loader, law: Law, values: NDArray[np.float64] | None = None, *, threads: int | None = None
+    loader: Loader, law: LawLike, values: NDArray[np.float64] | None = None, *, threads: int | None = None
 ) -> SampledLoops:
     """The loops of a loader, or of many that share its controller, under a law.
 
@@ -74,7 +74,7 @@ def sampled_loops(
     step_s, timing = controller_steps(loader, _LONGEST_STEP_S)
     rows = loader.values[np.newaxis] if values is None else np.ascontiguousarray(values, dtype=np.float64)
     states, found = _core.sampled_loops(
-        rows, step_s, timing, **engine_law(loader, law), threads=threads_or_cores(threads)
+        rows, step_s, timing, **Law.of(law, loader).engine(loader), threads=threads_or_cores(threads)
     )
     n = len(states)
     return SampledLoops(

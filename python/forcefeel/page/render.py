@@ -11,14 +11,7 @@ from plotly.offline import get_plotlyjs
 
 from forcefeel.conclusions import capital
 from forcefeel.page.canvas import html
-from forcefeel.page.typography import (
-    change_text,
-    number_text,
-    percent_text,
-    prose_html,
-    symbol_html,
-    symbol_svg,
-)
+from forcefeel.page.typography import change_text, number_text, percent_text, prose_html, symbol_html, symbol_svg
 from forcefeel.templating import environment
 
 

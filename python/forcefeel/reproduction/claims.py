@@ -7,7 +7,7 @@ from forcefeel.design.assessment import assess
 from forcefeel.design.findings import SMALL_ERROR
 from forcefeel.design.studies import CHANGES, droppable, worst
 from forcefeel.design.workflow import Design
-from forcefeel.laws.recursion import GAIN_UNITS, DesignSettings, compensate
+from forcefeel.laws.analog.recursion import GAIN_UNITS, DesignSettings, compensate
 from forcefeel.linear.models import Linkage, design_plant, state_feedback
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX

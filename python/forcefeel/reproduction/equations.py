@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.laws.recursion import DesignSettings
+from forcefeel.laws.analog.recursion import DesignSettings
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX

@@ -3,7 +3,7 @@
 import numpy as np
 
 from forcefeel.design.workflow import Design
-from forcefeel.laws.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation, DesignSettings, compensate, gains_in
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation, DesignSettings, compensate, gains_in
 from forcefeel.reproduction.appendix import printed
 from forcefeel.reproduction.table import Reason, Row, Section, cut, number
 from forcefeel.units import ROTARY_STIFFNESS, UnitSystem, factor, to_text

@@ -1,7 +1,6 @@
 """The Rust engine, asked for one run or for many."""
 
 from collections.abc import Sequence
-from math import isclose
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import linear
@@ -32,18 +31,15 @@ from forcefeel.threads import threads_or_cores
 _SINGLE = 1
 
 
-Law = Compensator | SampledCompensator | NDArray[np.float64] | None
-"""One law for all runs, a sampled one for all or for each, gains c_1 .. c_7 (runs, 7), or the original position loop."""
-
-
-def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | SampledCompensator | None = None) -> Run:
+def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) -> Run:
     """Runs a loader through a scenario.
 
     Args:
         loader: The loader, with whatever effects its rows give it.
         scenario: What is done to it. The run begins at rest: hands off, under the first value of a recorded force, or held at the
             angle of a release.
-        compensator: The law; the original position loop, eq. (13), if not given. A sampled one goes with the loader's controller.
+        compensator: The law, as ``Law.of`` takes it: a law, its name or its file; the original position loop, eq. (13), if not
+            given.
 
     Returns:
         The run. A loader without any optional row is linear, and its run is exact at the samples; any other is stepped, to
@@ -54,8 +50,8 @@ def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | Samp
         InputError: If a time does not fall on a step, the loader asks for an input that is not given, or a sampled law was made
             for another controller.
     """
-    law = Compensator.original(loader.values) if compensator is None else compensator
-    units = outputs(_displacement_unit(law))
+    law = Law.of(compensator, loader)
+    units = outputs(law.displacement_unit)
     exact = _exact(loader, law, scenario)
     values, measured = exact or _stepped(loader, law, scenario, len(units))
     status = RunStatus(statuses(measured[np.newaxis])[0])
@@ -74,10 +70,10 @@ def simulate(loader: Loader, scenario: Scenario, compensator: Compensator | Samp
 
 def _exact(loader: Loader, law: Law, scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
     """Outputs and measures of the linear model; ``None`` where it does not apply, or rounding leaves no equilibrium of it."""
-    if not isinstance(law, Compensator) or not linear.applies(loader, scenario):
+    if law.gains is not None or law.sampled or not linear.applies(loader, scenario):
         return None
     try:
-        return linear.run(loader, law, scenario)
+        return linear.run(loader, law.fixed or Compensator.original(loader.values), scenario)
     except np.linalg.LinAlgError:
         return None
 
@@ -88,7 +84,7 @@ def _stepped(
     """Outputs and measures of the engine."""
     engine = prepared(loader, scenario, range(outputs), law)
     measured, histories = engine.run(
-        loader.values[np.newaxis], **engine_law(loader, law), seed=scenario.seed, threads=_SINGLE
+        loader.values[np.newaxis], **law.engine(loader), seed=scenario.seed, threads=_SINGLE
     )
     return histories[0], measured[0]
 
@@ -97,7 +93,7 @@ def simulate_batch(
     loader: Loader,
     scenario: Scenario,
     values: NDArray[np.float64],
-    compensator: Law = None,
+    compensator: LawLike = None,
     *,
     keep: Sequence[str] = (),
     first_run: int = 0,
@@ -109,8 +105,8 @@ def simulate_batch(
         loader: The nominal loader: its curves, controller and force hold for all.
         scenario: What is done to each.
         values: SI values, one row per run in the order of ``parameters.TABLE``; ``pilot.force`` scales the scenario's force.
-        compensator: One law for all, state-feedback gains c_1 .. c_7 (runs, 7), or a sampled law for all or for each. Not given,
-            each run has the original position loop of its own parameters.
+        compensator: The law, as ``Law.of`` takes it: one for all, or one for each run (gains c_1 .. c_7 (runs, 7), or a sampled
+            law). Not given, each run has the original position loop of its own parameters.
         keep: Names of outputs whose histories are kept, such as ``column_angle_rad``.
         first_run: Index of the first run, for the noise: a batch cut in pieces gives the same numbers.
         threads: How many; all cores if not given. The numbers do not depend on it.
@@ -123,12 +119,13 @@ def simulate_batch(
     """
     values = np.ascontiguousarray(values, dtype=np.float64)
     _check(loader, values)
-    units = outputs(_displacement_unit(compensator))
+    law = Law.of(compensator, loader)
+    units = outputs(law.displacement_unit)
     for name in keep:
         if name not in units:
             raise InputError(f"keep: expected names of outputs ({', '.join(units)}), got {name!r}")
     order = list(units)
-    engine = prepared(loader, scenario, [order.index(name) for name in keep], compensator)
+    engine = prepared(loader, scenario, [order.index(name) for name in keep], law)
     samples = round(scenario.duration_s / scenario.sample_s) + 1
     if len(values) * len(keep) * samples * 8 > MOST_HISTORY_BYTES:
         raise InputError(
@@ -136,7 +133,7 @@ def simulate_batch(
         )
     measured, histories = engine.run(
         values,
-        **engine_law(loader, compensator),
+        **law.engine(loader),
         force_scale=values[:, list(TABLE).index("pilot.force")] / loader["pilot.force"],
         seed=scenario.seed,
         first_run=first_run,
@@ -157,41 +154,9 @@ def simulate_batch(
     return xr.Dataset(data, coordinates, {"loader": loader.name})
 
 
-def engine_law(loader: Loader, law: Law) -> dict[str, Any]:
-    """A law as the keywords by which the engine takes it.
-
-    Raises:
-        InputError: If a sampled law was made for another period or delay than the loader's controller has.
-    """
-    if isinstance(law, SampledCompensator):
-        check_controller(loader, law)
-        return {"observers": law.rows()}
-    if isinstance(law, np.ndarray):
-        return {"gains": np.ascontiguousarray(law, dtype=np.float64)}
-    return {"law": law}
-
-
-def check_controller(loader: Loader, law: SampledCompensator) -> None:
-    """Refuses a law that was made for another controller than the loader's."""
-    for key, made_for in (("controller.period", law.period_s), ("controller.delay", law.delay_s)):
-        if not isclose(loader[key], made_for, rel_tol=_SAME):
-            raise InputError(
-                f"compensator: made for a {key} of {1e3 * made_for:.6g} ms, the loader has {1e3 * loader[key]:.6g} ms; "
-                "design it for this loader"
-            )
-
-
-_SAME = 1e-9
-"""Relative; periods that went through a file are still the same."""
-
-
-def _displacement_unit(law: Law) -> str:
-    return "V" if law is None else law.displacement_unit if isinstance(law, Compensator) else "rad"
-
-
-def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: Law = None) -> _core.Simulation:
+def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: LawLike = None) -> _core.Simulation:
     """The engine, ready to run loaders through a scenario; ``law`` is the one that the scenario's changes follow."""
-    steps = Steps.of(scenario, loader)
+    steps, first = Steps.of(scenario, loader), Law.of(law, loader)
     curve = loader.force_curve
     return _core.Simulation(
         steps.inputs,
@@ -203,27 +168,27 @@ def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: 
         timing=steps.timing,
         curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
         changes=[
-            (*change, _next_law(loader, law, way.compensator))
+            (*change, _next_law(loader, first, way.compensator))
             for change, way in zip(steps.changes, scenario.feel_changes, strict=True)
         ],
     )
 
 
-def _next_law(loader: Loader, law: Law, following: SampledCompensator | None) -> NDArray[np.float64] | None:
+def _next_law(loader: Loader, law: Law, following: LawLike) -> NDArray[np.float64] | None:
     """The law after a change of the feel, as the engine takes it."""
     if following is None:
         return None
-    if not isinstance(law, SampledCompensator):
+    after = Law.of(following, loader).sampled
+    if law.sampled is None or after is None:
         raise InputError(
             "feel change: a sampled law can only follow a sampled law; give one as the compensator of the run"
         )
-    check_controller(loader, following)
-    if (following.settings, following.states) != (1, law.states):
+    if (after.settings, after.states) != (1, law.sampled.states):
         raise InputError(
-            f"feel change: expected one law of {law.states} states, as the one before, got {following.settings} laws of "
-            f"{following.states}"
+            f"feel change: expected one law of {law.sampled.states} states, as the one before, got {after.settings} laws of "
+            f"{after.states}"
         )
-    row: NDArray[np.float64] = following.rows()[0]
+    row: NDArray[np.float64] = after.rows()[0]
     return row
 
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law import Law
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.timing import WHOLE, controller_steps
 from forcefeel.simulation.inputs import Force, HandsOff, Recorded, Release, Sampled, Schedule
@@ -46,7 +47,7 @@ class FeelChange:
     at_s: float
     changes: Mapping[str, str | float | bool | None]
     over_s: float = 0.5
-    compensator: SampledCompensator | None = None
+    compensator: Law | SampledCompensator | None = None
 
 
 @dataclass(frozen=True)

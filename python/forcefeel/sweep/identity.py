@@ -42,7 +42,7 @@ def identity(sweep: Sweep) -> dict[str, Any]:
             **loader.curves,
         },
         "scenario": sweep.scenario,
-        "law": sweep.compensator or "original",
+        "law": (sweep.compensator if sweep.redesigned else sweep.nominal_law.numbers) or "original",
         "runs": {"total": sweep.total, "machines": sweep.machines, "chunk": len(sweep.chunks[0])},
         "seed": sweep.seed,
         "varied": sweep.varied,

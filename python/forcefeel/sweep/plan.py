@@ -10,19 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import Compensator
 from forcefeel.errors import InputError
-from forcefeel.laws.gain_schedule import schedule_gains
-from forcefeel.laws.recursion import GAIN_SYMBOLS, DesignSettings
-from forcefeel.laws.sampled_compensator import SampledCompensator
-from forcefeel.linear.models import state_feedback
+from forcefeel.laws.analog.gain_schedule import schedule_gains
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, DesignSettings
+from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.consistency import without_effect
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import INDEX, TABLE
 from forcefeel.loader.tolerances import Tolerance, beyond
 from forcefeel.seeded_numbers import shares
 from forcefeel.simulation import Scenario
-from forcefeel.simulation.engine import Law
 from forcefeel.simulation.scenario import LARGEST_SEED, Steps
 from forcefeel.sweep import text
 from forcefeel.units import show
@@ -76,7 +73,7 @@ class Sweep:
 
     loader: Loader
     scenario: Scenario
-    compensator: Compensator | SampledCompensator | DesignSettings | None = None
+    compensator: LawLike = None
     runs: int | None = None
     seed: int = 0
     vary: Mapping[str, Any] = field(default_factory=dict)
@@ -152,14 +149,14 @@ class Sweep:
         return Sweep, (*given, dict(self.vary), dict(self.axes))
 
     def law(self, values: NDArray[np.float64]) -> Law:
-        """The law of machines with these values (SI, a row each), as ``simulate_batch`` takes it."""
+        """The law of machines with these values (SI, a row each)."""
         if not isinstance(self.compensator, DesignSettings):
-            return self.compensator
+            return Law.of(self.compensator, self.loader)
         feel = values[:, [INDEX[key] for key in FEEL_SETTING]]
         settings, which = np.unique(feel, axis=0, return_inverse=True)
         gains = np.zeros((len(values), len(GAIN_SYMBOLS)))
         gains[:, :-1] = schedule_gains(self.loader, settings, self.compensator).gains[which]
-        return gains
+        return Law.of(gains, self.loader)
 
     @property
     def redesigned(self) -> bool:
@@ -167,10 +164,9 @@ class Sweep:
         return isinstance(self.compensator, DesignSettings)
 
     @cached_property
-    def nominal_law(self) -> Compensator | SampledCompensator | None:
-        """The law of the nominal loader; ``None`` for the original position loop."""
-        law = self.law(self.loader.values[np.newaxis])
-        return state_feedback(self.loader, law[0]) if isinstance(law, np.ndarray) else law
+    def nominal_law(self) -> Law:
+        """The law of the nominal loader."""
+        return self.law(self.loader.values[np.newaxis]).single(self.loader)
 
     @property
     def machines(self) -> int:

@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX, REQUIRED, TABLE, did_you_mean
 from forcefeel.loops.sampled_loop import sampled_loops
@@ -91,11 +90,11 @@ def _poles(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> NDArray
     """Poles of the loops; under a sampled law ``ln z / T`` of those of the sampled loop."""
     values = sweep.loader.rows(keys, table)
     law = sweep.law(values)
-    if isinstance(law, SampledCompensator):
+    if law.sampled:
         loops = sampled_loops(sweep.loader, law, values)
         with np.errstate(divide="ignore"):  # a pole at zero is gone within the period
             return np.asarray(np.log(loops.poles) / loops.period_s)
-    parts = _loops(sweep.loader.values, keys, table, law).poles(cores())
+    parts = _loops(sweep.loader.values, keys, table, law.gains if law.fixed is None else law.fixed).poles(cores())
     return np.asarray(parts[..., 0] + 1j * parts[..., 1])
 
 

@@ -201,7 +201,7 @@ def test_a_law_is_that_of_the_whole_loader(identify, found, tmp_path):
     assert asked["law"] is None
     other = [word.replace("servo-closed", "loader test_signal") for word in GOOD]
     assert identify(*other, "--compensator", "published", "--replace")[0] == 0
-    assert isinstance(asked["law"], ff.Compensator)
+    assert isinstance(asked["law"].fixed, ff.Compensator)
     results = json.loads((tmp_path / "forcefeel-identified" / RESULTS).read_text())
     assert results["settings"]["law"] == "published"
 

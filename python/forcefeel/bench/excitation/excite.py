@@ -14,9 +14,9 @@ from forcefeel.bench.excitation.rehearsal import Bench, fit_to_limits
 from forcefeel.bench.excitation.result import EVEN_SHARE, Excitation, LimitUse
 from forcefeel.bench.excitation.waves import Wave, chirps, multisine
 from forcefeel.bench.experiments import Drive, Experiment, Loop
-from forcefeel.bench.identification.linear import Law
 from forcefeel.bench.identification.unknowns import parameter_keys, unknowns_of
 from forcefeel.errors import InputError
+from forcefeel.laws.law import LawLike
 from forcefeel.loader.loader import Loader
 
 _IN_BAND = 1e-3
@@ -28,7 +28,7 @@ def excite(
     fit: str | Sequence[str],
     experiment: str | Experiment = "servo-closed",
     plan: ExcitationPlan | None = None,
-    law: Law = None,
+    law: LawLike = None,
 ) -> Excitation:
     """The excitation that determines chosen parameters best within the limits of the bench.
 

@@ -12,8 +12,9 @@ from forcefeel.bench.excitation.limits import Limit
 from forcefeel.bench.excitation.optimal_power import PowerProblem
 from forcefeel.bench.excitation.plan import ExcitationPlan
 from forcefeel.bench.experiments import Experiment
-from forcefeel.bench.identification.linear import Law, channel_responses
+from forcefeel.bench.identification.linear import channel_responses
 from forcefeel.errors import InputError
+from forcefeel.laws.law import LawLike
 from forcefeel.loader.loader import Loader
 
 CREST = 2.0
@@ -55,7 +56,7 @@ def lines_of(
     experiment: Experiment,
     plan: ExcitationPlan,
     frequency_hz: NDArray[np.float64],
-    law: Law,
+    law: LawLike,
     limits: Sequence[Limit],
 ) -> Lines:
     """Every line's responses, checked to determine the parameters.

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from forcefeel._core import Compensator
 from forcefeel.bench.excitation.limits import Limit
 from forcefeel.bench.experiments import Drive, Experiment, Loop
-from forcefeel.bench.identification.linear import Law
 from forcefeel.bench.identification.record_run import driven, engine_step_s
 from forcefeel.errors import InputError
+from forcefeel.laws.law import LawLike
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.timing import WHOLE
 from forcefeel.simulation import RunStatus, Scenario, simulate
@@ -46,7 +46,7 @@ class Bench:
 
     loader: Loader
     experiment: Experiment
-    law: Law
+    law: LawLike
     rate_hz: float
 
     def peaks(self, signal: NDArray[np.float64], limits: Sequence[Limit]) -> tuple[float, ...]:
@@ -75,7 +75,7 @@ class Bench:
             run = driven(self.experiment.drive, Schedule(tuple(times.tolist()), tuple(values.tolist()), "excitation"))
         return replace(run, duration_s=steps * step_s, step_s=step_s, sample_s=step_s)
 
-    def _law(self) -> Law:
+    def _law(self) -> LawLike:
         match self.experiment.loop:
             case Loop.SERVO_OPEN:
                 return Compensator.none(self.loader.values)

@@ -13,9 +13,10 @@ from forcefeel.bench.channels import OUTPUTS
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification.confidence import half_widths
 from forcefeel.bench.identification.inseparable import DETERMINED
-from forcefeel.bench.identification.linear import Law, LinearModel
+from forcefeel.bench.identification.linear import LinearModel
 from forcefeel.bench.identification.result import Advice
 from forcefeel.bench.identification.unknowns import Unknown
+from forcefeel.laws.law import LawLike
 from forcefeel.loader.loader import Loader
 
 _LINES_HZ = np.geomspace(0.2, 50.0, 60)
@@ -30,7 +31,7 @@ _MOST = 3
 
 
 def advice_of(
-    loader: Loader, law: Law, unknowns: Sequence[Unknown], information: NDArray[np.float64], *, recorded: bool
+    loader: Loader, law: LawLike, unknowns: Sequence[Unknown], information: NDArray[np.float64], *, recorded: bool
 ) -> tuple[Advice, ...]:
     """The experiments that would determine all unknowns, the best first; if none would alone, the best pair of them.
 
@@ -56,7 +57,7 @@ def advice_of(
 
 
 def _candidates(
-    loader: Loader, law: Law, keys: Sequence[str], scale: NDArray[np.float64]
+    loader: Loader, law: LawLike, keys: Sequence[str], scale: NDArray[np.float64]
 ) -> Iterator[tuple[str, NDArray[np.float64]]]:
     for loop in Loop:
         responses = LinearModel(loader, loop, law).responses(loader.values, keys, _lines(loader))

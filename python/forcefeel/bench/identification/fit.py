@@ -13,7 +13,7 @@ from forcefeel.bench.identification.advice import advice_of
 from forcefeel.bench.identification.confidence import Confidence, half_widths
 from forcefeel.bench.identification.fitted_loader import fitted_loader
 from forcefeel.bench.identification.inseparable import DETERMINED, confusions_of
-from forcefeel.bench.identification.linear import Law, LinearModel, model_response
+from forcefeel.bench.identification.linear import LinearModel, model_response
 from forcefeel.bench.identification.losses import Loss
 from forcefeel.bench.identification.misfit import explained
 from forcefeel.bench.identification.observations import Observation
@@ -29,6 +29,7 @@ from forcefeel.bench.plausibility import CLEAR, FAR, distance, suspicions
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
+from forcefeel.laws.law import LawLike
 from forcefeel.loader.loader import Loader
 
 _HALF_RATE = 0.499
@@ -43,7 +44,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     data: Sequence[Response | BenchRecord],
     fit: str | Sequence[str],
     *,
-    law: Law = None,
+    law: LawLike = None,
     starts: int = 5,
     loss: Loss = "huber",
     priors: bool = True,
@@ -141,7 +142,7 @@ def _response_of(record: BenchRecord, channel: str, loader: Loader) -> Response:
     return replace(found, frequency_hz=lines, value=value, coherence=coherence, deviation=deviation)
 
 
-def _suspect(loader: Loader, law: Law, data: Response | BenchRecord, responses: Sequence[Response]) -> None:
+def _suspect(loader: Loader, law: LawLike, data: Response | BenchRecord, responses: Sequence[Response]) -> None:
     """Refuses data that are not what their responses are said to be, as far as the loader file's model can tell."""
     for response in responses:
         asked = loader, response.experiment, response.input, response.output, response.frequency_hz
@@ -175,7 +176,7 @@ def _seen_in(record: BenchRecord, loader: Loader) -> list[Response]:
     return found
 
 
-def _observe(data: Response | BenchRecord, loader: Loader, keys: Sequence[str], law: Law) -> Observation:
+def _observe(data: Response | BenchRecord, loader: Loader, keys: Sequence[str], law: LawLike) -> Observation:
     if isinstance(data, Response):
         return ResponseObservation(data, LinearModel(loader, data.experiment.loop, law), keys)
     return RecordObservation(RecordRun(data, loader, law), keys)
@@ -242,7 +243,10 @@ def _fitted(problem: Problem, place: Place) -> tuple[Fitted, ...]:
 
 
 def _rigid(
-    loader: Loader, law: Law, unknowns: Sequence[Unknown], seen: Sequence[tuple[Response | BenchRecord, list[Response]]]
+    loader: Loader,
+    law: LawLike,
+    unknowns: Sequence[Unknown],
+    seen: Sequence[tuple[Response | BenchRecord, list[Response]]],
 ) -> tuple[RigidTest | None, tuple[str, ...]]:
     """The test of the link on what was given and what was seen in records under a signal; and why there is none."""
     responses = [

@@ -20,20 +20,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
 from forcefeel.bench.channels import INPUTS, OUTPUTS
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law import Law, LawLike
 from forcefeel.linear.models import Linkage
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
 from forcefeel.loader.timing import controller_steps
-from forcefeel.simulation.engine import check_controller
 from forcefeel.simulation.scenario import LONGEST_STEP_S
-
-Law = Compensator | SampledCompensator | None
-"""The law of the whole loader; the original one of its own parameters if not given."""
 
 _LAWS = {Loop.SERVO_OPEN: "open", Loop.SERVO_CLOSED: "position", Loop.LOADER: "original"}
 _INPUTS, _OUTPUTS = list(INPUTS), list(OUTPUTS)
@@ -85,7 +80,7 @@ class LinearModel:
 
     loader: Loader
     loop: Loop
-    law: Law = None
+    law: LawLike = None
     linkage: Linkage = Linkage.COMPLIANT
 
     def __post_init__(self) -> None:
@@ -101,7 +96,7 @@ class LinearModel:
             InputError: If a line is at or above half the rate of the loader's controller.
         """
         columns = [INDEX[key] for key in keys]
-        given = engine_law(self.loader, self.loop, self.law)
+        given = loop_law(self.loader, self.loop, self.law)
         omega = 2 * np.pi * frequency_hz
         if period := self.loader["controller.period"]:
             _below_half_rate(frequency_hz, period)
@@ -115,7 +110,7 @@ class LinearModel:
 
 
 def channel_responses(
-    loader: Loader, loop: Loop, keys: Sequence[str], frequency_hz: NDArray[np.float64], law: Law = None
+    loader: Loader, loop: Loop, keys: Sequence[str], frequency_hz: NDArray[np.float64], law: LawLike = None
 ) -> ChannelResponses:
     """Responses of a loader with a compliant link and their derivatives by the parameters ``keys``, as ``LinearModel``."""
     return LinearModel(loader, loop, law).responses(loader.values, keys, np.asarray(frequency_hz, dtype=np.float64))
@@ -128,25 +123,21 @@ def model_response(
     target: str,
     frequency_hz: NDArray[np.float64],
     *,
-    law: Law = None,
+    law: LawLike = None,
 ) -> NDArray[np.complex128]:
     """The response that the loader's linear model has from one channel to another, SI units, (lines,)."""
     found = channel_responses(loader, experiment.loop, (), frequency_hz, law=law)
     return found.between(source, target, experiment.drive)[0]
 
 
-def engine_law(loader: Loader, loop: Loop, law: Law) -> dict[str, Any]:
+def loop_law(loader: Loader, loop: Loop, law: LawLike) -> dict[str, Any]:
     """The law of a loop as the keywords by which the engine takes it.
 
     Raises:
-        InputError: If a sampled law was made for another controller.
+        InputError: If it was made for another controller.
     """
-    if loop is Loop.LOADER and isinstance(law, SampledCompensator):
-        check_controller(loader, law)
-        return {"observers": law.rows()}
-    if loop is Loop.LOADER and law is not None:
-        return {"law": law}
-    return {"law": _LAWS[loop]}
+    whole = Law.of(law, loader)
+    return {"law": _LAWS[loop]} if loop is not Loop.LOADER or whole.numbers is None else whole.engine(loader)
 
 
 def _below_half_rate(frequency_hz: NDArray[np.float64], period: float) -> None:

@@ -13,9 +13,10 @@ from scipy.interpolate import CubicSpline
 from forcefeel import _core
 from forcefeel.bench.channels import OUTPUTS
 from forcefeel.bench.experiments import Drive
-from forcefeel.bench.identification.linear import Law, engine_law
+from forcefeel.bench.identification.linear import loop_law
 from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
+from forcefeel.laws.law import LawLike
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
 from forcefeel.loader.timing import controller_steps
@@ -69,7 +70,7 @@ class RecordRun:
 
     record: BenchRecord
     loader: Loader
-    law: Law
+    law: LawLike
     longest_step_s: float = FINE_STEP_S
 
     @cached_property
@@ -120,7 +121,7 @@ class RecordRun:
 
     @cached_property
     def _law(self) -> dict[str, Any]:
-        return engine_law(self.loader, self.record.experiment.loop, self.law)
+        return loop_law(self.loader, self.record.experiment.loop, self.law)
 
     @cached_property
     def _step_s(self) -> float:

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import f as fisher
 
-from forcefeel.bench.identification.linear import Law, LinearModel
+from forcefeel.bench.identification.linear import LinearModel
 from forcefeel.bench.identification.problem import Problem
 from forcefeel.bench.identification.response_observation import ResponseObservation, line_deviation
 from forcefeel.bench.identification.result import RigidTest
 from forcefeel.bench.identification.unknowns import Unknown
 from forcefeel.bench.responses import Response
+from forcefeel.laws.law import LawLike
 from forcefeel.linear.models import Linkage
 from forcefeel.loader.loader import Loader
 
@@ -25,7 +26,7 @@ _LEVEL = 0.001
 """Probability of F below which the rigid link is refused."""
 
 
-def rigid_test(loader: Loader, law: Law, unknowns: Sequence[Unknown], responses: Sequence[Response]) -> RigidTest:
+def rigid_test(loader: Loader, law: LawLike, unknowns: Sequence[Unknown], responses: Sequence[Response]) -> RigidTest:
     """Fits both models and compares what is left.
 
     Args:
@@ -60,7 +61,7 @@ def rigid_test(loader: Loader, law: Law, unknowns: Sequence[Unknown], responses:
 
 
 def _problem(
-    loader: Loader, law: Law, unknowns: Sequence[Unknown], responses: Sequence[Response], linkage: Linkage
+    loader: Loader, law: LawLike, unknowns: Sequence[Unknown], responses: Sequence[Response], linkage: Linkage
 ) -> Problem:
     """Plain least squares without priors."""
     keys = [it.key for it in unknowns]

@@ -9,7 +9,7 @@ from forcefeel.design.page.glance import edge, smallest
 from forcefeel.design.page.heat import heat
 from forcefeel.design.studies import CHANGES, Deviation, DroppedPaths, best_of_each_count
 from forcefeel.design.workflow import Design
-from forcefeel.laws.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation, gains_in
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation, gains_in
 from forcefeel.linear.boundary import StabilityBoundary
 from forcefeel.loader.parameters import TABLE
 from forcefeel.page.table import Cell, Table, heads, number, words

@@ -13,16 +13,11 @@ from forcefeel.design.page.plots import draw
 from forcefeel.design.page.stability import departures
 from forcefeel.design.studies import worst
 from forcefeel.design.workflow import LOW_SHARE, Design
-from forcefeel.laws.recursion import GAIN_SYMBOLS, GAIN_UNITS, gains_in
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, gains_in
 from forcefeel.loader.parameters import TABLE
 from forcefeel.page import machine
 from forcefeel.page.render import drawing, render
-from forcefeel.page.typography import (
-    number_text,
-    parameter_text,
-    quantity_text,
-    unit_text,
-)
+from forcefeel.page.typography import number_text, parameter_text, quantity_text, unit_text
 from forcefeel.units import HERTZ, UnitSystem
 
 

@@ -27,8 +27,8 @@ from forcefeel.laws.sampled.observer_law import Gains, assemble, feel_rows, foll
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
 from forcefeel.laws.sampled.riccati import residual, stationary
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.laws.sampled.tuning import OBSERVER, Power, Tuning
-from forcefeel.laws.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import Loader
 
 ABOVE_LEAST = 1.05

@@ -17,12 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.laws.recursion import DesignSettings
 from forcefeel.laws.sampled.feedforward import feel_moves
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import Scale, delayed, period_and_delay
 from forcefeel.laws.sampled.riccati import stationary
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.linear.models import design_plant
 from forcefeel.loader.loader import Loader
 
@@ -32,24 +31,26 @@ _PRESSURE, _BASE, _HELD, _FEEL = 1, 2, 4, [5, 6]  # among x
 _LEAST_LEFT = 1e-6
 """Of the column's inertia: a programmed one that is nearer to it leaves the computer nothing to run."""
 
+_COMMAND_WEIGHT = 0.1 / 100.0
+"""R_2 over the weight of ``(delta - theta)^2`` in rad²/V², the report's numbers (appendix, below eq. (21))."""
 
-def design(loader: Loader, feel: ArrayLike, weights: DesignSettings | None = None) -> SampledCompensator:
+
+def design(loader: Loader, feel: ArrayLike) -> SampledCompensator:
     """The laws for many settings of one loader, with the report's weights.
 
     Args:
         loader: The loader, with ``controller.period``; its own feel is not used.
         feel: I, B, G in SI units, a row per setting.
-        weights: ``position_weight`` and ``r2``; the report's if not given.
 
     Raises:
         InputError: If the loader has no period, a row is bad, or a programmed inertia is the column's own.
     """
-    rows, weights = feel_rows(feel), weights or DesignSettings()
+    rows = feel_rows(feel)
     loop = _Loop(loader, rows)
     scale, (period, delay) = loop.scale, loop.timing
     q = np.zeros((7, 7))
     q[np.ix_([_BASE, _FEEL[0]], [_BASE, _FEEL[0]])] = [[1.0, -1.0], [-1.0, 1.0]]
-    r = np.array([[weights.r2 / weights.position_weight * scale.command_v**2]])
+    r = np.array([[_COMMAND_WEIGHT * scale.command_v**2]])
     try:
         gains = np.array([_gains(a, loop.input, q, r) for a in loop.transition])
     except np.linalg.LinAlgError as error:

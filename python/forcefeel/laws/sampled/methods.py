@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled import h_infinity, load_cell_loop
 from forcefeel.laws.sampled import observer_law as laws
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, ROBUST, Tuning
-from forcefeel.laws.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import Loader
 from forcefeel.units import show
 

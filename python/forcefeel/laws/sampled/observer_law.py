@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.laws.gain_schedule import setting_rows
 from forcefeel.laws.sampled.feedforward import feed_forward
 from forcefeel.laws.sampled.observer import DISTURBANCE, HELD, STATES, TORQUE, observe, observed, readings
 from forcefeel.laws.sampled.plant import PLANT_STATES, SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
+from forcefeel.laws.sampled.sampled_compensator import SAMPLED, SampledCompensator
 from forcefeel.laws.sampled.tuning import Tuning
-from forcefeel.laws.sampled_compensator import SAMPLED, SampledCompensator
+from forcefeel.loader.feel_settings import setting_rows
 from forcefeel.loader.loader import Loader
 
 _ON_PLANT = [*range(len(PLANT_STATES)), HELD]

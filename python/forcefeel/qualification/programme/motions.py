@@ -7,9 +7,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import Compensator, feel_frequency
+from forcefeel._core import feel_frequency
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import Record
 from forcefeel.qualification.programme.sweep_force import SweepForce
@@ -57,7 +57,7 @@ class SimulatedLoader:
     """
 
     loader: Loader
-    law: Compensator | SampledCompensator | None
+    law: Law
 
     def move(self, scenario: Scenario) -> NDArray[np.float64]:
         """The column's angle at the samples, rad.

@@ -4,15 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from forcefeel._core import Compensator
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled_compensator import SampledCompensator
+from forcefeel.laws.law import ORIGINAL, Law, LawLike
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
 from forcefeel.qualification.judge_release import Overdamped
 from forcefeel.qualification.programme.feel_alone import FeelAlone
-from forcefeel.qualification.programme.laws import LAW_WORDS, ORIGINAL, named_laws
+from forcefeel.qualification.programme.law_names import LAW_WORDS, named_laws
 from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
 from forcefeel.qualification.programme.programme import Trial, programme_of, trials
 from forcefeel.qualification.programme.records_given import Given, Recognition, given_files
@@ -32,7 +31,7 @@ class QualificationSetup:
     """How a loader is qualified.
 
     Attributes:
-        laws: Names of ``setting_laws.NAMED_LAWS``, or laws by name, ``None`` being the original loop; a section each.
+        laws: Names of ``law.NAMED_LAWS``, or laws by name, ``None`` being the original loop; a section each.
         rule: Edition of the rule.
         axis: Which control of the rule.
         throw_rad: Throw to either side; the loader's or its feel's stops, or a usual one if not given.
@@ -47,7 +46,7 @@ class QualificationSetup:
         simulator, operator: For the page: which was tested, and by whom.
     """
 
-    laws: Sequence[str] | Mapping[str, Compensator | SampledCompensator | None] = (ORIGINAL,)
+    laws: Sequence[str] | Mapping[str, LawLike] = (ORIGINAL,)
     rule: str = DEFAULT_EDITION
     axis: Axis = "pitch"
     throw_rad: Annotated[float, ANGLE] | None = None
@@ -125,7 +124,7 @@ def law_words(name: str) -> str:
     return LAW_WORDS.get(name, name)
 
 
-def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Compensator | SampledCompensator | None]:
+def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Law]:
     given = setup.laws
     if isinstance(given, str):
         raise InputError(f"laws: expected a list of names or laws by name, got {show(given)}")
@@ -133,7 +132,7 @@ def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Compensator
         return named_laws(loader, given)
     if not given:
         raise InputError("laws: expected at least one")
-    return given
+    return {name: Law.of(law, loader, name=name) for name, law in given.items()}
 
 
 def _given(setup: QualificationSetup, recognition: Recognition) -> tuple[dict[str, Given], dict[str, Given]]:

@@ -1,0 +1,273 @@
+"""The law: what drives a loader, analog or sampled, named or given, for one setting of the feel or for many.
+
+Laws are designed for the nominal plant and each setting I, B, G of the feel; a perturbed plant meets the law of the nominal one.
+Time is part of a law: one that was made for a controller's period and delay runs on no other, and an analog one on an analog
+loader alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from math import isclose
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel._core import Compensator
+from forcefeel.errors import InputError
+from forcefeel.laws.analog.gain_schedule import schedule_gains
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, compensate
+from forcefeel.laws.law_file import LAW_FILE, Numbers, check_law_file, read_law, write_law
+from forcefeel.laws.sampled.methods import METHODS, Method
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.linear.models import state_feedback
+from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.units import show
+
+NAMED_LAWS = (*NAMED_DESIGNS, *METHODS)
+"""The names of laws: the report's, then those that are made for a digital controller."""
+
+ORIGINAL = "original"
+"""The loader's own position loop, eq. (13)."""
+
+_SAME = 1e-9
+"""Relative; a number that went through a file or another unit is still the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """What drives a loader.
+
+    Attributes:
+        name: What it is called.
+        numbers: Gains c_1 .. c_7 in SI units, (settings, 7); a ``SampledCompensator`` of one setting or many; a ``Compensator``,
+            gains with their own scale of the load cell; ``None``, the original loop of each loader's own parameters, eq. (13).
+        period_s: Sample period of the controller that it was made for; ``None`` for an analog one.
+        delay_s: From the sample to its command.
+        feel: Settings I, B, G in SI units that the numbers belong to, (settings, 3); ``None`` where they hold for any.
+        loader: Name of the loader that it was made for; empty where that is not known.
+        loader_hash: ``Loader.fingerprint`` of it.
+    """
+
+    name: str
+    numbers: Numbers = field(default=None, repr=False)
+    period_s: float | None = None
+    delay_s: float = 0.0
+    feel: NDArray[np.float64] | None = field(default=None, repr=False)
+    loader: str = ""
+    loader_hash: str = field(default="", repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        given: "LawLike",
+        loader: Loader,
+        feel: NDArray[np.float64] | None = None,
+        name: str | None = None,
+    ) -> "Law":
+        """The law that ``given`` means for a loader.
+
+        Args:
+            given: A law; a name of ``NAMED_LAWS``, or ``DesignSettings`` or a ``Method``, which design one; the file of a law;
+                numbers; ``None`` for the original loop, eq. (13).
+            loader: The loader; its controller's period and delay are the law's, unless it has its own.
+            feel: Settings I, B, G in SI units, (settings, 3), each of which gets a law; the loader's own if not given.
+            name: What to call it; by itself if not given.
+
+        Raises:
+            InputError: If the name is unknown, the file is none of a law, the design fails, or the law was made for another
+                controller or for other settings.
+        """
+        if isinstance(given, Law):
+            given.check(loader)
+            return given if feel is None else given.at(feel)
+        if isinstance(given, str | Path) and str(given).endswith(LAW_FILE):
+            law = cls(**read_law(Path(given)))
+            named_so = name or f"{law.name} ({Path(given).name})"
+            return cls.of(replace(law, name=named_so), loader, _own(loader) if feel is None else feel)
+        if isinstance(given, str | Path):
+            name = name or str(given)
+            given = named((str(given),), loader)[str(given)]
+        designed = isinstance(given, DesignSettings | Method)
+        numbers = _designed(given, loader, feel, name or ORIGINAL)
+        made_for = (_own(loader) if feel is None else feel) if designed else None
+        law = cls._made(numbers, loader, made_for, name or _called(given))
+        law.check(loader)
+        return law
+
+    @classmethod
+    def _made(cls, numbers: Numbers, loader: Loader, feel: NDArray[np.float64] | None, name: str) -> "Law":
+        """A law with the time of its own numbers, or the loader's."""
+        period, delay = loader["controller.period"] or None, loader["controller.delay"]
+        if isinstance(numbers, SampledCompensator):
+            period, delay = numbers.period_s, numbers.delay_s
+        return cls(name, numbers, period, delay if period else 0.0, feel, loader.name, loader.fingerprint)
+
+    def check(self, loader: Loader) -> None:
+        """Refuses a loader whose time is another than the law's; the original loop has each loader's own.
+
+        Raises:
+            InputError: If so.
+        """
+        if self.numbers is None:
+            return
+        period, delay = loader["controller.period"], loader["controller.delay"]
+        if self.period_s is None:
+            if period:
+                raise InputError(
+                    f"compensator: {self.name} is an analog law, the loader has a controller.period of {1e3 * period:.6g} ms; "
+                    "design it for this loader"
+                )
+            return
+        for key, made_for, own in (
+            ("controller.period", self.period_s, period),
+            ("controller.delay", self.delay_s, delay),
+        ):
+            if not isclose(own, made_for, rel_tol=_SAME):
+                raise InputError(
+                    f"compensator: made for a {key} of {1e3 * made_for:.6g} ms, the loader has {1e3 * own:.6g} ms; "
+                    "design it for this loader"
+                )
+
+    def engine(self, loader: Loader) -> dict[str, Any]:
+        """The law as the keywords by which the engine takes it.
+
+        Raises:
+            InputError: As ``check``.
+        """
+        self.check(loader)
+        if isinstance(self.numbers, SampledCompensator):
+            return {"observers": self.numbers.rows()}
+        if isinstance(self.numbers, np.ndarray):
+            return {"gains": np.ascontiguousarray(self.numbers, dtype=np.float64)}
+        return {"law": self.numbers}
+
+    @property
+    def sampled(self) -> SampledCompensator | None:
+        """The numbers of a sampled law; ``None`` of any other."""
+        return self.numbers if isinstance(self.numbers, SampledCompensator) else None
+
+    @property
+    def gains(self) -> NDArray[np.float64] | None:
+        """The gains of each setting; ``None`` where it is not gains that differ."""
+        return self.numbers if isinstance(self.numbers, np.ndarray) else None
+
+    @property
+    def fixed(self) -> Compensator | None:
+        """The gains that hold for all; ``None`` where there are none, or it is the original loop."""
+        return self.numbers if isinstance(self.numbers, Compensator) else None
+
+    @property
+    def displacement_unit(self) -> str:
+        """Unit of the feel computer's displacement delta: ``rad``, or ``V`` in a loop as the report's."""
+        if isinstance(self.numbers, Compensator):
+            return self.numbers.displacement_unit
+        return "V" if self.numbers is None else "rad"
+
+    def some(self, which: slice | Sequence[int] | NDArray[np.intp]) -> "Law":
+        """The laws of some settings; itself where one holds for all."""
+        feel = None if self.feel is None else self.feel[which]
+        if isinstance(self.numbers, np.ndarray):
+            return replace(self, numbers=np.ascontiguousarray(self.numbers[which]), feel=feel)
+        return self if self.sampled is None else replace(self, numbers=self.sampled.some(which), feel=feel)
+
+    def at(self, feel: NDArray[np.float64]) -> "Law":
+        """The laws of these settings I, B, G, a row each; itself where one holds for any.
+
+        Raises:
+            InputError: If it has none for one of them.
+        """
+        if self.feel is None:
+            return self
+        if self.feel.shape == feel.shape and np.array_equal(self.feel, feel):
+            return self
+        near = np.all(np.isclose(feel[:, np.newaxis], self.feel[np.newaxis], rtol=_SAME, atol=0.0), axis=2)
+        known = np.any(near, axis=1)
+        if not np.all(known):
+            missing = ", ".join(f"{value:.6g}" for value in feel[int(np.argmin(known))])
+            raise InputError(
+                f"compensator: {self.name} has laws for {len(self.feel)} setting{'s'[: len(self.feel) - 1]} of the feel, none for "
+                f"I, B, G = {missing} (SI units); save it for the settings that are asked for, or give the name of a design"
+            )
+        return self.some(np.argmax(near, axis=1))
+
+    def single(self, loader: Loader, setting: int = 0) -> "Law":
+        """The law of one setting, its gains with the load cell's scale of ``loader``."""
+        feel = None if self.feel is None else self.feel[[setting]]
+        if isinstance(self.numbers, np.ndarray):
+            return replace(self, numbers=state_feedback(loader, self.numbers[setting]), feel=feel)
+        return self if self.sampled is None else replace(self, numbers=self.sampled.some(setting), feel=feel)
+
+    def save(self, path: str | Path) -> None:
+        """Writes the law to a file that ``Law.of`` reads: numbers, settings, time, units and the loader that it was made for.
+
+        Raises:
+            InputError: If the file cannot be written, or its name does not end with ``.json``.
+        """
+        check_law_file(Path(path))
+        write_law(Path(path), **vars(self))
+
+
+LawLike = Law | str | Path | DesignSettings | Method | Compensator | SampledCompensator | NDArray[np.float64] | None
+"""What ``Law.of`` makes a law of."""
+
+
+def names_for(loader: Loader) -> tuple[str, ...]:
+    """The names of all laws that a loader can run: the sampled ones need a digital controller."""
+    return NAMED_LAWS if loader["controller.period"] else tuple(NAMED_DESIGNS)
+
+
+def named(names: Sequence[str], loader: Loader) -> dict[str, LawLike]:
+    """What these names of designs, or files of laws, mean for a loader.
+
+    Raises:
+        InputError: If a name is unknown, given twice, or there is none.
+    """
+    for name in names:
+        if name not in NAMED_LAWS and not str(name).endswith(LAW_FILE):
+            raise InputError(
+                f"compensator: expected {', '.join(NAMED_LAWS)} or the file of a law ({LAW_FILE}), got {show(name)}"
+            )
+    if not names or len(set(names)) < len(names):
+        raise InputError(f"compensator: expected different ones of {', '.join(NAMED_LAWS)}, got {show(list(names))}")
+    return {name: _design(name, loader) for name in names}
+
+
+def _design(name: str, loader: Loader) -> LawLike:
+    if name in METHODS:
+        return METHODS[name]
+    return NAMED_DESIGNS[name](loader) if name in NAMED_DESIGNS else Path(name)
+
+
+def _called(given: object) -> str:
+    return given.name if isinstance(given, Method) else ORIGINAL if given is None else "given"
+
+
+def _own(loader: Loader) -> NDArray[np.float64]:
+    return np.array([[loader[key] for key in FEEL_SETTING]])
+
+
+def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, name: str) -> Numbers:
+    """The numbers of a design, or those that are given."""
+    if isinstance(given, Method):
+        return given.design(loader, _own(loader) if feel is None else feel)
+    if isinstance(given, DesignSettings):
+        return _gains(given, loader, name) if feel is None else _scheduled(given, loader, feel)
+    if given is None or isinstance(given, Compensator | SampledCompensator | np.ndarray):
+        return given
+    raise InputError(f"compensator: expected a law, its name, its file or its numbers, got {show(given)}")
+
+
+def _gains(design: DesignSettings, loader: Loader, name: str) -> Compensator:
+    """Gains for the loader's own setting, by the recursion itself."""
+    found = compensate(loader, design)
+    if not found.reached:
+        raise InputError(f"compensator: the recursion does not give the {name} gains for this loader: {found.note}")
+    return found.compensator(loader)
+
+
+def _scheduled(design: DesignSettings, loader: Loader, feel: NDArray[np.float64]) -> NDArray[np.float64]:
+    gains = np.zeros((len(feel), len(GAIN_SYMBOLS)))
+    gains[:, :-1] = schedule_gains(loader, feel, design).gains
+    return gains

@@ -1,0 +1,228 @@
+"""The file of a law: JSON, every number in SI units and to the last bit, with its settings, its time and whom it was made for.
+
+| kind | numbers |
+|---|---|
+| original | none: the loader's own position loop, eq. (13) |
+| state feedback | gains c_1 .. c_7 for each setting |
+| compensator | gains c_1 .. c_7 and the load cell's scale, for any setting |
+| sampled | transition, input, command and torque for each setting, as ``SampledCompensator`` has them |
+"""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel._core import Compensator
+from forcefeel.errors import InputError
+from forcefeel.files import read_input, write_whole
+from forcefeel.json_values import json_text
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.units import show
+
+Numbers = Compensator | SampledCompensator | NDArray[np.float64] | None
+"""What the engine runs; see ``Law.numbers``."""
+
+LAW_FILE = ".json"
+"""How the name of a law's file ends."""
+
+FORMAT = 1
+"""Version of the file; a new one where its keys change."""
+
+MOST_BYTES = 2**28
+"""Largest file: laws for some 50,000 settings."""
+
+_FEEL_UNITS = ("N m s^2/rad", "N m s/rad", "N m/rad")
+_SAMPLED = ("transition", "input", "command", "torque")
+_ON = ["xi, in coordinates of its own", "load cell force in N", "piston displacement in m", "column angle in rad"]
+_SAMPLED_UNITS = {
+    "transition": "xi on xi",
+    "input": ["xi on", *_ON[1:], "command in V"],
+    "command": ["V on", *_ON, "feel displacement in rad", "its rate in rad/s"],
+    "torque": ["N m on", *_ON, "feel displacement in rad", "its rate in rad/s"],
+}
+
+
+def check_law_file(path: Path) -> None:
+    """Refuses a name that is not one of a law's file.
+
+    Raises:
+        InputError: If it does not end with ``.json``, is a folder, or lies in none.
+    """
+    if not path.name.endswith(LAW_FILE):
+        raise InputError(f"{path}: expected a file whose name ends with {LAW_FILE}, by which a law's file is known")
+    if path.is_dir() or not path.parent.is_dir():
+        raise InputError(f"{path}: expected a file in a folder that is there, such as law{LAW_FILE}")
+
+
+def write_law(path: Path, **law: Any) -> None:
+    """Writes the fields of a ``Law``.
+
+    Raises:
+        InputError: If the file cannot be written.
+    """
+    period, feel = law["period_s"], law["feel"]
+    document = {
+        "forcefeel": version("forcefeel"),
+        "format": FORMAT,
+        "law": law["name"],
+        "made_for": {"loader": law["loader"], "sha256": law["loader_hash"]},
+        "time": None if period is None else {"unit": "s", "period": period, "delay": law["delay_s"]},
+        "settings": None
+        if feel is None
+        else {"units": list(_FEEL_UNITS), "inertia, damping, stiffness": feel.tolist()},
+        **_numbers_json(law["numbers"]),
+    }
+    write_whole(path, json_text(document))
+
+
+def _numbers_json(numbers: Numbers) -> dict[str, Any]:
+    gain_units = {symbol: unit.si for symbol, unit in zip(GAIN_SYMBOLS, GAIN_UNITS, strict=True)}
+    match numbers:
+        case None:
+            return {"kind": "original"}
+        case SampledCompensator():
+            rows = {name: getattr(numbers, name).tolist() for name in _SAMPLED}
+            return {"kind": "sampled", "units": _SAMPLED_UNITS, **rows}
+        case Compensator():
+            gains, arm, displacement = numbers.__getnewargs__()
+            about = {"displacement_unit": displacement, "load_cell_arm": arm}
+            return {"kind": "compensator", "units": gain_units, "gains": list(gains), **about}
+    return {"kind": "state feedback", "units": gain_units, "gains": numbers.tolist()}
+
+
+def read_law(path: Path) -> dict[str, Any]:
+    """The fields of the ``Law`` in a file.
+
+    Raises:
+        InputError: If the file cannot be read, or is none of a law.
+    """
+    data = read_input(path, MOST_BYTES, "the file of a law, as --save-law writes it")
+    try:
+        document = json.loads(data)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: expected the file of a law: JSON, as --save-law writes it ({error})") from error
+    try:
+        return _fields(_Keys(document))
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _fields(keys: "_Keys") -> dict[str, Any]:
+    if (found := keys.get("format", int)) != FORMAT:
+        raise InputError(f"format: expected {FORMAT}, got {show(found)}; save the law anew with this forcefeel")
+    time, made_for, settings = keys.part("time"), keys.part("made_for"), keys.part("settings")
+    kind = keys.get("kind", str)
+    if kind not in _READ:
+        raise InputError(f"kind: expected {', '.join(_READ)}, got {show(kind)}")
+    if kind == "sampled" and time is None:
+        raise InputError("time: expected period and delay of a sampled law, got none")
+    period = None if time is None else time.positive("period")
+    delay = 0.0 if time is None else time.get("delay", float)
+    numbers = _READ[kind](keys, period, delay)
+    return {
+        "name": keys.get("law", str),
+        "numbers": numbers,
+        "period_s": period,
+        "delay_s": delay,
+        "feel": None if settings is None else _feel(settings, numbers),
+        "loader": "" if made_for is None else made_for.get("loader", str),
+        "loader_hash": "" if made_for is None else made_for.get("sha256", str),
+    }
+
+
+def _feel(settings: "_Keys", numbers: Numbers) -> NDArray[np.float64]:
+    feel = settings.array("inertia, damping, stiffness", 2)
+    count = (
+        numbers.settings
+        if isinstance(numbers, SampledCompensator)
+        else len(numbers)
+        if isinstance(numbers, np.ndarray)
+        else 1
+    )
+    if feel.shape != (count, 3):
+        raise InputError(f"settings: expected I, B, G for each of {count} laws, got the shape {feel.shape}")
+    return feel
+
+
+def _state_feedback(keys: "_Keys", *_: float | None) -> NDArray[np.float64]:
+    gains = keys.array("gains", 2)
+    if gains.shape[1] != len(GAIN_SYMBOLS) or not len(gains):
+        raise InputError(f"gains: expected {len(GAIN_SYMBOLS)} for each setting, got the shape {gains.shape}")
+    return gains
+
+
+def _compensator(keys: "_Keys", *_: float | None) -> Compensator:
+    gains = keys.array("gains", 1)
+    if len(gains) != len(GAIN_SYMBOLS):
+        raise InputError(f"gains: expected {len(GAIN_SYMBOLS)}, got {len(gains)}")
+    unit = keys.get("displacement_unit", str)
+    if unit not in {"rad", "V"}:
+        raise InputError(f"displacement_unit: expected rad or V, got {show(unit)}")
+    return Compensator(gains.tolist(), keys.get("load_cell_arm", float), unit)
+
+
+def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> SampledCompensator:
+    dimensions = (3, 3, 2, 2)
+    arrays = (keys.array(name, count) for name, count in zip(_SAMPLED, dimensions, strict=True))
+    return SampledCompensator(period or 0.0, delay or 0.0, *arrays)
+
+
+_READ: Mapping[str, Callable[["_Keys", float | None, float | None], Numbers]] = {
+    "original": lambda *_: None,
+    "state feedback": _state_feedback,
+    "compensator": _compensator,
+    "sampled": _sampled,
+}
+
+
+class _Keys:
+    """A JSON object whose values are asked for by key and kind."""
+
+    def __init__(self, given: object) -> None:
+        if not isinstance(given, dict):
+            raise InputError(f"expected a JSON object, got {show(given)}")
+        self._given = given
+
+    def get(self, key: str, kind: type[Any]) -> Any:
+        """The value of a key, of this kind; a whole number is a number."""
+        if key not in self._given:
+            raise InputError(f"{key}: missing; save the law anew with --save-law")
+        value: Any = self._given[key]
+        if kind is float and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        good = isinstance(value, kind) and not isinstance(value, bool)
+        if not good or (kind is float and not math.isfinite(float(value))):
+            raise InputError(
+                f"{key}: expected {'a finite number' if kind is float else kind.__name__}, got {show(value)}"
+            )
+        return value
+
+    def positive(self, key: str) -> float:
+        """A number above 0."""
+        value: float = self.get(key, float)
+        if value <= 0:
+            raise InputError(f"{key}: expected a number above 0, got {show(value)}")
+        return value
+
+    def part(self, key: str) -> "_Keys | None":
+        """The object of a key; ``None`` where it is null."""
+        if key not in self._given:
+            raise InputError(f"{key}: missing; save the law anew with --save-law")
+        return None if self._given[key] is None else _Keys(self._given[key])
+
+    def array(self, key: str, dimensions: int) -> NDArray[np.float64]:
+        """The finite numbers of a key."""
+        try:
+            found = np.array(self.get(key, list), dtype=np.float64)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"{key}: expected numbers in rows of one length ({error})") from error
+        if found.ndim != dimensions or not np.all(np.isfinite(found)):
+            raise InputError(f"{key}: expected finite numbers in {dimensions} dimensions, got the shape {found.shape}")
+        return found

@@ -1,0 +1,25 @@
+"""Settings I, B, G of the feel computer, many at once."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from forcefeel.errors import InputError
+
+
+def setting_rows(given: ArrayLike, name: str = "settings") -> NDArray[np.float64]:
+    """Settings I, B, G as an array, a row each; ``name`` is what messages call them.
+
+    Raises:
+        InputError: If one is not three finite numbers with I > 0, B >= 0, G > 0.
+    """
+    try:
+        rows = np.ascontiguousarray(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: expected rows of I, B, G ({error})") from error
+    if rows.ndim != 2 or rows.shape[1] != 3:
+        raise InputError(f"{name}: expected rows of I, B, G, got shape {rows.shape}")
+    good = np.isfinite(rows).all(axis=1) & (rows[:, 0] > 0) & (rows[:, 1] >= 0) & (rows[:, 2] > 0)
+    if not good.all():
+        bad = int(np.argmin(good))
+        raise InputError(f"{name}: expected finite I > 0, B >= 0, G > 0, got {rows[bad].tolist()} in row {bad}")
+    return rows

@@ -1,0 +1,227 @@
+"""The one law: its time, its settings, its file, and that every consumer takes it in the same place."""
+
+import json
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.cli.law_option import LAWS
+from forcefeel.errors import InputError
+from forcefeel.laws.law import NAMED_LAWS, Law
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loops.sampled_loop import sampled_loops
+from forcefeel.qualification.programme.run import QualificationSetup, qualify_loader
+from tests.command_line import runner
+
+ANALOG, DIGITAL = ff.elevator(), ff.digital_elevator()
+SLOWER = DIGITAL.replace({"controller.period": "1 ms"})
+LATER = DIGITAL.replace({"controller.delay": "0.25 ms"})
+GRID = {"stiffness": "10, 20 %", "frequency": "1, 2 Hz", "damping": "0.3, 0.7"}
+PUSH = ff.Scenario(ff.Step(50.0, 0.0), 0.2)
+
+
+def settings(loader, *stiffness):
+    inertia, damping, _ = (loader[key] for key in FEEL_SETTING)
+    return np.array([[inertia, damping, g] for g in stiffness])
+
+
+def laws():
+    """A law of every kind of numbers, with the loader that it is for."""
+    feel = settings(DIGITAL, 500.0, 900.0, 1500.0)
+    return {
+        "original": (Law.of("original", ANALOG), ANALOG),
+        "compensator": (Law.of("published", ANALOG), ANALOG),
+        "state feedback": (Law.of("published", DIGITAL, feel), DIGITAL),
+        "sampled": (Law.of("robust", DIGITAL), DIGITAL),
+        "sampled, many": (Law.of("observer", DIGITAL, feel), DIGITAL),
+    }
+
+
+def test_the_command_line_lists_the_names_that_there_are():
+    assert LAWS == NAMED_LAWS
+
+
+@pytest.mark.parametrize("kind", laws())
+def test_a_law_comes_back_from_its_file_to_the_last_bit(kind, tmp_path):
+    law, loader = laws()[kind]
+    law.save(tmp_path / "law.json")
+    feel = law.feel if law.feel is not None and len(law.feel) > 1 else None
+    back = Law.of(tmp_path / "law.json", loader, feel)
+    assert (back.period_s, back.delay_s, back.loader_hash) == (law.period_s, law.delay_s, loader.fingerprint)
+    assert back.name == f"{law.name} (law.json)"
+    for key, given in law.engine(loader).items():
+        found = back.engine(loader)[key]
+        assert np.array_equal(found, given) if isinstance(given, np.ndarray) else found == given
+
+
+@pytest.mark.parametrize(("name", "loader"), [("published", ANALOG), ("robust", DIGITAL), ("original", DIGITAL)])
+def test_a_run_under_a_laws_file_is_the_one_under_its_name(name, loader, tmp_path):
+    Law.of(name, loader).save(tmp_path / "law.json")
+    named, read = (ff.simulate(loader, PUSH, law).history for law in (name, tmp_path / "law.json"))
+    assert named.equals(read)
+
+
+def consumers(loader, law):
+    """Everything that runs or judges a law, as calls."""
+    values = np.tile(loader.values, (2, 1))
+    experiment = Experiment(Loop.LOADER, Drive.TEST_SIGNAL)
+    hz = np.array([1.0, 2.0])
+    found = {
+        "simulate": lambda: ff.simulate(loader, PUSH, law),
+        "simulate_batch": lambda: ff.simulate_batch(loader, PUSH, values, law),
+        "sweep": lambda: ff.Sweep(loader, PUSH, law, runs=2, vary={"linkage.stiffness": "5 %"}).nominal_law,
+        "envelope": lambda: ff.envelope(loader, {"law": law}, GRID, changes={}, arms=()),
+        "qualify": lambda: qualify_loader(loader, QualificationSetup(laws={"law": law})),
+        "identify": lambda: ff.model_response(loader, experiment, "test_signal", "column_angle", hz, law=law),
+    }
+    return found | ({"loops": lambda: sampled_loops(loader, law)} if loader["controller.period"] else {})
+
+
+TIMES = {
+    "2 kHz law at 1 kHz": ("robust", DIGITAL, SLOWER, r"made for a controller\.period of 0\.5 ms, the loader has 1 ms"),
+    "another delay": ("robust", DIGITAL, LATER, r"made for a controller\.delay of 0\.5 ms, the loader has 0\.25 ms"),
+    "sampled law, analog loader": ("robust", DIGITAL, ANALOG, r"made for a controller\.period of 0\.5 ms"),
+    "analog law, digital loader": ("published", ANALOG, DIGITAL, "published is an analog law"),
+}
+
+
+@pytest.mark.parametrize("times", TIMES)
+def test_a_law_of_another_time_is_refused_by_all_in_the_same_words(times):
+    name, made_for, used_on, message = TIMES[times]
+    law = Law.of(name, made_for)
+    for what, call in consumers(used_on, law).items():
+        with pytest.raises(InputError, match=message) as refused:
+            call()
+        assert str(refused.value).endswith("design it for this loader"), what
+
+
+def test_a_law_designed_for_a_digital_loader_has_its_time():
+    for name in NAMED_LAWS:
+        law = Law.of(name, DIGITAL)
+        assert (law.period_s, law.delay_s) == (0.5e-3, 0.5e-3)
+    assert Law.of("published", ANALOG).period_s is None
+
+
+def test_laws_are_found_by_their_setting():
+    feel = settings(DIGITAL, 500.0, 900.0, 1500.0)
+    law = Law.of("robust", DIGITAL, feel)
+    turned = law.at(feel[[2, 0]])
+    assert np.array_equal(turned.sampled.command, law.sampled.command[[2, 0]])
+    assert np.array_equal(turned.feel, feel[[2, 0]])
+    with pytest.raises(InputError, match=r"laws for 3 settings of the feel, none for I, B, G = .*, 700 \(SI units\)"):
+        law.at(settings(DIGITAL, 900.0, 700.0))
+
+
+def test_one_law_for_any_setting_stays_as_it_is():
+    law = Law.of(ff.Compensator.original(ANALOG.values), ANALOG)
+    assert law.at(settings(ANALOG, 500.0, 900.0)) is law
+
+
+def test_a_loader_is_known_by_its_numbers_alone():
+    assert ff.elevator().fingerprint == ANALOG.fingerprint
+    assert ANALOG.replace({"linkage.stiffness": "7000 lb/in"}).fingerprint != ANALOG.fingerprint
+    assert DIGITAL.fingerprint != ANALOG.fingerprint
+
+
+def damaged():
+    """What may be wrong with a file, and what is said of it."""
+    return {
+        "not JSON": (lambda _: "gains", "expected the file of a law: JSON"),
+        "a list": (lambda _: "[]", "expected a JSON object"),
+        "empty": (lambda _: "{}", "format: missing"),
+        "another format": (lambda law: law | {"format": 2}, "format: expected 1, got 2"),
+        "no kind": (
+            lambda law: law | {"kind": "magic"},
+            "kind: expected original, state feedback, compensator, sampled",
+        ),
+        "no time": (lambda law: law | {"time": None}, "time: expected period and delay"),
+        "negative period": (
+            lambda law: law | {"time": {"period": -1, "delay": 0}},
+            "period: expected a number above 0",
+        ),
+        "endless period": (
+            lambda law: law | {"time": {"period": float("inf"), "delay": 0}},
+            "period: expected a finite number",
+        ),
+        "ragged": (
+            lambda law: law | {"command": [[1.0], [1.0, 2.0]]},
+            "command: expected numbers in rows of one length",
+        ),
+        "flat": (lambda law: law | {"command": [1.0]}, "command: expected finite numbers in 2 dimensions"),
+        "text": (lambda law: law | {"transition": "A"}, "transition: expected list, got"),
+        "too few": (lambda law: law | {"command": [[1.0]]}, "command: expected the shape"),
+        "settings": (
+            lambda law: law | {"settings": {"inertia, damping, stiffness": [[1.0, 2.0]]}},
+            "settings: expected I, B, G",
+        ),
+        "name": (lambda law: law | {"law": 7}, "law: expected str, got 7"),
+    }
+
+
+@pytest.mark.parametrize("what", damaged())
+def test_a_damaged_file_is_refused_in_words(what, tmp_path):
+    path = tmp_path / "law.json"
+    Law.of("robust", DIGITAL).save(path)
+    change, message = damaged()[what]
+    changed = change(json.loads(path.read_text()))
+    path.write_text(changed if isinstance(changed, str) else json.dumps(changed))
+    with pytest.raises(InputError, match=message) as refused:
+        Law.of(path, DIGITAL)
+    assert "law.json: " in str(refused.value)
+
+
+def test_what_is_no_law_is_refused():
+    with pytest.raises(InputError, match="expected original, published, converged"):
+        Law.of("best", DIGITAL)
+    with pytest.raises(InputError, match="expected a law, its name, its file or its numbers, got 7"):
+        Law.of(7, DIGITAL)
+    with pytest.raises(InputError, match="cannot be read"):
+        Law.of("nowhere.json", DIGITAL)
+
+
+# On the command line.
+
+AXES = [part for axis, values in GRID.items() for part in ("--grid", f"{axis}={values}")]
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    return lambda command, *words: runner(monkeypatch, capsys, tmp_path, command)(*words)
+
+
+def test_a_saved_law_takes_a_names_place(run, tmp_path):
+    status, out, _ = run("compensate", "elevator-2khz", "--method", "robust", "--save-law", "law.json")
+    assert (status, "law file: law.json" in out) == (0, True)
+    by_name, by_file = (run("simulate", "elevator-2khz", "--compensator", law)[1] for law in ("robust", "law.json"))
+    assert by_name == by_file
+    assert run("compensate", "elevator", "--save-law", "gains.json")[0] == 0
+    status, _, err = run("simulate", "elevator-2khz", "--compensator", "gains.json")
+    assert status == 2
+    assert "is an analog law" in err
+
+
+def test_the_laws_of_an_envelope_are_saved_with_it(run):
+    assert run("compensate", "elevator", "--method", "published", "--envelope", *AXES, "--save-law", "law.json")[0] == 0
+    common = ("--draws", "0", *AXES, "--json", "--replace")
+    by_name, by_file = (
+        json.loads(run("envelope", "elevator", "--compensator", law, *common)[1]) for law in ("published", "law.json")
+    )
+    assert by_name["compensators"]["published"]["shares"] == by_file["compensators"]["law.json"]["shares"]
+    status, _, err = run("envelope", "elevator", "--compensator", "law.json", "--grid", "stiffness=10, 30 %", *AXES[2:])
+    assert status == 2
+    assert "has laws for 9 settings of the feel, none for I, B, G" in err
+
+
+def test_bad_names_of_law_files(run, tmp_path):
+    for command in (["simulate"], ["qualify"], ["identify", "--data", "x.csv", "--fit", "k"]):
+        status, _, err = run(*command, "--compensator", "best")
+        assert status == 2
+        assert "nor the file of a law" in " ".join(err.replace("│", " ").split())
+    status, _, err = run("compensate", "elevator", "--save-law", "law.txt")
+    assert (status, "whose name ends with .json" in err) == (2, True)
+    status, _, err = run("compensate", "elevator", "--save-law", "none/law.json")
+    assert (status, "expected a file in a folder that is there" in err) == (2, True)
+    status, _, err = run("frontier", "elevator", "--compensator", "law.json")
+    assert (status, "is designed anew for each changed machine" in err) == (2, True)
