@@ -1,8 +1,36 @@
 """What an engineer should conclude from a result, in sentences."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from forcefeel.units import to_text
+
+Result = TypeVar("Result")
+Found = TypeVar("Found")
+Others = ParamSpec("Others")
+
+_KEPT = "_found"
+
+
+def of_result(findings: Callable[Concatenate[Result, Others], Found]) -> Callable[Concatenate[Result, Others], Found]:
+    """What follows from a frozen result, worked out once and kept with it: terminal, JSON and page are handed the same.
+
+    Args:
+        findings: A function of a result and of arguments that can be keys, such as the units. Two results never share what it
+            gives, and a result that ``dataclasses.replace`` makes begins without.
+    """
+
+    @wraps(findings)
+    def kept(result: Result, /, *args: Others.args, **options: Others.kwargs) -> Found:
+        known: dict[Any, Found] = vars(result).setdefault(_KEPT, {})
+        key = (findings.__module__, findings.__qualname__, args, tuple(options.items()))
+        if key not in known:
+            known[key] = findings(result, *args, **options)
+        return known[key]
+
+    return kept
 
 
 @dataclass(frozen=True)

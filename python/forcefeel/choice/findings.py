@@ -5,7 +5,7 @@ from math import degrees, inf, isfinite
 from forcefeel.choice.noise import FORCE, HOLDING, Noise
 from forcefeel.choice.rule import Choice, obstacles
 from forcefeel.choice.score import OverEnvelope, Score, Scored
-from forcefeel.conclusions import Conclusions, capital, share_text
+from forcefeel.conclusions import Conclusions, capital, of_result, share_text
 from forcefeel.envelope.result import PASSES
 from forcefeel.envelope.tolerance_sentences import tolerance_sentences
 from forcefeel.linear.modes import feel_mode
@@ -14,6 +14,7 @@ from forcefeel.loops.margins import LoopMargins
 from forcefeel.units import ANGLE, HERTZ, UnitSystem, to_text
 
 
+@of_result
 def choice_conclusions(scored: Scored, choice: Choice, units: UnitSystem) -> Conclusions:
     """What to take, why, why not the others, and what the choice does not promise; ``good`` where a method is eligible."""
     lines = [remark.sentence for remark in choice.remarks if remark.name != choice.chosen]
@@ -25,6 +26,7 @@ def choice_conclusions(scored: Scored, choice: Choice, units: UnitSystem) -> Con
     return Conclusions(True, verdict, (*_about(scored, best, units), *lines, *_caveats(scored)))
 
 
+@of_result
 def design_conclusions(scored: Scored, units: UnitSystem) -> Conclusions:
     """What one method does; ``good`` where it is stable at the loader's own setting."""
     score = scored.scores[0]

@@ -5,7 +5,7 @@ from math import isfinite, isnan
 import numpy as np
 
 from forcefeel._core import feel_frequency
-from forcefeel.conclusions import Conclusions
+from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.design.assessment import Assessment
 from forcefeel.design.studies import CHANGES, VISIBLE_LOSS, droppable, worst
 from forcefeel.design.workflow import Configuration, Design
@@ -28,6 +28,7 @@ SAME_MODE = 0.02
 """Relative difference in frequency below which two models' modes are called the same: what one can read off a plot."""
 
 
+@of_result
 def conclusions(design: Design, units: UnitSystem) -> Conclusions:
     """The conclusions of ``design``, with numbers in ``units``."""
     return Conclusions(

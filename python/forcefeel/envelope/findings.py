@@ -6,7 +6,7 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.conclusions import Conclusions, interval_text, share_text
+from forcefeel.conclusions import Conclusions, interval_text, of_result, share_text
 from forcefeel.envelope.cases import Kind
 from forcefeel.envelope.result import MOST, Envelope
 from forcefeel.envelope.settings import AXES, Axis
@@ -18,6 +18,7 @@ WHOLE_NOMINAL, WHOLE_WORST = 0.95, 0.90
 """Shares from which on a compensator is said to render the envelope: nominally, and in every case."""
 
 
+@of_result
 def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
     """The conclusions, with numbers in ``units``; ``good`` where a compensator renders the envelope."""
     shares = [found.shares(name) for name in found.compensators]

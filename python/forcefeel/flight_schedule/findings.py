@@ -1,6 +1,6 @@
 """What the check of a flight schedule says, in sentences."""
 
-from forcefeel.conclusions import Conclusions
+from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.envelope.tolerance_sentences import tolerance_sentences
 from forcefeel.flight_schedule.result import CheckedRelease, Part, PartFound, ScheduleCheck
 from forcefeel.units import to_text
@@ -14,6 +14,7 @@ LEAK = (
 )
 
 
+@of_result
 def schedule_conclusions(found: ScheduleCheck) -> Conclusions:
     """The conclusions; ``good`` where every loop that was checked is stable."""
     verdict = _stable(found) if found.stable else _unstable(found)

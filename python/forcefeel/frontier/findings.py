@@ -2,7 +2,7 @@
 
 from math import isclose, isfinite
 
-from forcefeel.conclusions import Conclusions, share_text
+from forcefeel.conclusions import Conclusions, of_result, share_text
 from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST, caveats, name_text
 from forcefeel.frontier.hardware import Gain
 from forcefeel.frontier.result import Frontier, Limit
@@ -19,6 +19,7 @@ _POINTS = 0.5e-2
 """Gain of a share from which on a sentence calls it one."""
 
 
+@of_result
 def frontier_conclusions(found: Frontier, units: UnitSystem) -> Conclusions:
     """The conclusions, with numbers in ``units``; ``good`` where the goal is reached at the full tolerances."""
     tight = found.tightening

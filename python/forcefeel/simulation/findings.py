@@ -3,7 +3,7 @@
 from math import isfinite, isnan, pi
 
 from forcefeel._core import feel_frequency
-from forcefeel.conclusions import Conclusions
+from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.loader.arms import UNVERIFIED, arm_of
 from forcefeel.loader.beyond_linear import beyond_linear
 from forcefeel.loader.parameters import INDEX
@@ -28,6 +28,7 @@ _LITTLE = 1e-3
 """Share of the time that is not worth a word."""
 
 
+@of_result
 def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
     """The conclusions of a run, with numbers in ``units``."""
     found = limits(run)

@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.conclusions import of_result
 from forcefeel.simulation import Measures, Run, RunStatus
 from forcefeel.simulation.inputs import Chirp, Force, Multisine, Release, Step, StopToStop
 from forcefeel.units import PERCENT, SECONDS
@@ -44,6 +45,7 @@ class Limits:
     stuck_at_end: bool
 
 
+@of_result
 def limits(run: Run) -> Limits:
     """What held the machine back, from the samples of the run; up to where it diverged."""
     loader, history, sample_s = run.loader, run.history, run.scenario.sample_s
@@ -84,6 +86,7 @@ def limits(run: Run) -> Limits:
     )
 
 
+@of_result
 def known_measures(run: Run) -> Measures:
     """The measures that mean something: of a run that diverged only when it did.
 

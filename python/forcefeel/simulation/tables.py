@@ -9,6 +9,7 @@ from typing import Any, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.conclusions import of_result
 from forcefeel.json_values import Json, json_value
 from forcefeel.simulation import Measures, Run
 from forcefeel.simulation.findings import input_in_words, run_conclusions
@@ -76,7 +77,8 @@ class Column:
     values: NDArray[np.float64]
 
 
-def measure_rows(run: Run, units: UnitSystem) -> list[tuple[str, str, str]]:
+@of_result
+def measure_rows(run: Run, units: UnitSystem) -> tuple[tuple[str, str, str], ...]:
     """Name, value and unit of each measure that there is; a dash for an overshoot that there cannot be, and why."""
     found, hints = known_measures(run), get_type_hints(Measures, include_extras=True)
     rows = []
@@ -89,7 +91,7 @@ def measure_rows(run: Run, units: UnitSystem) -> list[tuple[str, str, str]]:
         if key == "overshoot":
             measured_in = PERCENT
         rows.append((name, to_text(measured_in.from_si(value, units)), measured_in.shown(units)))
-    return rows
+    return tuple(rows)
 
 
 def columns(run: Run, units: UnitSystem) -> tuple[Column, ...]:

@@ -4,7 +4,7 @@ from math import isfinite
 
 import numpy as np
 
-from forcefeel.conclusions import Conclusions, capital, interval_text, share_text
+from forcefeel.conclusions import Conclusions, capital, interval_text, of_result, share_text
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.simulation import RunStatus
 from forcefeel.simulation.limits import goes_to_a_place, keeps_moving
@@ -49,6 +49,7 @@ def _differs(spread: Spread) -> bool:
     return spread.runs > 1 and width > _FEW * max(abs(spread.lowest), abs(spread.highest))
 
 
+@of_result
 def sweep_conclusions(result: SweepResult, summary: Summary, units: UnitSystem) -> Conclusions:
     """The conclusions of a sweep, with numbers in ``units``."""
     measures = main_measures(result, summary)

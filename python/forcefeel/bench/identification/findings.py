@@ -7,7 +7,7 @@ from forcefeel.bench.identification.digits import error, estimated, nominal, per
 from forcefeel.bench.identification.misfit import UNEXPLAINED, model_error, size_text, unexplained
 from forcefeel.bench.identification.result import Ended, Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.bench.responses import Response
-from forcefeel.conclusions import Conclusions
+from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.loader.beyond_linear import beyond_linear
 from forcefeel.loader.consistency import AT_LEAST
 from forcefeel.loader.parameters import TABLE, limits_si
@@ -38,6 +38,7 @@ _LEAST_PROBABILITY = 1e-16
 """A smaller one is not worth its digits."""
 
 
+@of_result
 def identification_conclusions(found: Identification, units: UnitSystem) -> Conclusions:
     """The conclusions, with numbers in ``units``; ``good`` where the data determine all and the model explains them."""
     lines = (

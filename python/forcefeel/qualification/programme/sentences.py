@@ -2,7 +2,7 @@
 
 from math import isfinite
 
-from forcefeel.conclusions import Conclusions
+from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.qualification import Figure, Outcome, ReleaseFeatures, Verdict
 from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
@@ -30,6 +30,7 @@ def quantity(value: float, unit: str, system: UnitSystem, digits: int = 3) -> st
     return f"{to_text(measured_in.from_si(value, system), digits)} {measured_in.shown(system)}".strip()
 
 
+@of_result
 def conclusions(found: Qualification) -> Conclusions:
     """What to conclude of the whole: good if it qualifies, or passed what was asked for where only some tests were."""
     if len(found.sections) == 1:

@@ -1,0 +1,139 @@
+"""Every command on every built-in loader, its JSON kept: so that a change of the structure can be shown to change no number.
+
+    python benchmarks/same_results.py make BEFORE      with the package as it was
+    python benchmarks/same_results.py make AFTER       with the package as it is
+    python benchmarks/same_results.py compare BEFORE AFTER
+
+The package is the one that this Python imports. Exit status 1 where a result differs, to the last digit.
+"""
+
+import io
+import json
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+
+from forcefeel.cli import main
+
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+LOADERS = ("elevator", "elevator-2khz")
+GRID = ("--grid", "stiffness=5, 20, 60 %", "--grid", "frequency=1, 2 Hz", "--grid", "damping=0.2, 0.7")
+KNOTS = """\
+dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio
+50,2000,1.2,0.4
+200,6000,1.8,0.3
+400,9600,2.0,0.2
+"""
+BENCH = ("--data", f"{EXAMPLES}/bench/multisine.parquet", "--data", f"{EXAMPLES}/bench/sweep.csv")
+ROUGH = ("--set", "column.coulomb_friction=2 lb", "--set", "feel.breakout=3 lb", "--set", "linkage.backlash=0.002 in")
+
+
+def commands() -> Iterator[tuple[str, tuple[str, ...]]]:
+    """A name and the words of each call."""
+    for loader in LOADERS:
+        laws = (
+            "original",
+            "published",
+            "converged",
+            *(("load-cell", "h-infinity", "robust") if "2khz" in loader else ()),
+        )
+        yield f"new-{loader}", ("new", f"{loader}.toml", "--built-in", loader)
+        yield f"analyze-{loader}", ("analyze", loader)
+        yield f"design-{loader}", ("design", loader)
+        yield f"compensate-{loader}", ("compensate", loader)
+        yield f"compensate-converge-{loader}", ("compensate", loader, "--converge", "--units", "si")
+        for law in laws:
+            yield f"simulate-{loader}-{law}", ("simulate", loader, "--compensator", law)
+        yield f"simulate-rough-{loader}", ("simulate", loader, *ROUGH, "--input", "release", "--angle", "10 deg")
+        yield f"simulate-chirp-{loader}", ("simulate", loader, "--input", "chirp", "--units", "si")
+        yield f"sweep-{loader}", ("sweep", loader, "--runs", "64", "--compensator", laws[-1])
+        yield f"sweep-grid-{loader}", ("sweep", loader, "--grid", "feel.stiffness=1000..9000 lb in/rad:8")
+        yield f"qualify-{loader}", ("qualify", loader, "--compare")
+        yield f"qualify-rough-{loader}", ("qualify", loader, "--compensator", laws[-1], *ROUGH)
+        yield f"envelope-{loader}", ("envelope", loader, "--compare", "--draws", "8", *GRID)
+        yield f"choice-{loader}", ("compensate", loader, "--method", "auto", *GRID)
+        yield f"frontier-{loader}", ("frontier", loader, *GRID)
+        yield (
+            f"excite-{loader}",
+            ("excite", loader, "--fit", "linkage.stiffness,column.inertia", "--out", f"{loader}.csv", "--time", "20"),
+        )
+    yield "schedule", ("schedule", LOADERS[1], "--knots", "knots.csv")
+    yield "identify", ("identify", f"{EXAMPLES}/bench/loader.toml", *BENCH, "--fit", "k,c,J,C_i")
+    yield "resonance", ("resonance", *BENCH[:2])
+    yield "reproduce", ("reproduce",)
+
+
+def make(folder: Path) -> None:
+    """Runs each command in a folder and keeps what it prints."""
+    folder.mkdir(parents=True, exist_ok=True)
+    os.chdir(folder)
+    Path("knots.csv").write_text(KNOTS)
+    for name, words in commands():
+        takes_out = words[0] not in {"new", "analyze", "reproduce", "resonance", "excite"} and (
+            words[0] != "compensate" or "--method" in words
+        )
+        out = ("--out", name) if takes_out else ()
+        status, text = _called((*words, *out, "--json"))
+        Path(f"{name}.txt").write_text(f"{status}\n{text}")
+        print(name, status, flush=True)
+
+
+def _called(words: tuple[str, ...]) -> tuple[object, str]:
+    printed, errors, status = io.StringIO(), io.StringIO(), 0
+    sys.argv = ["forcefeel", *words]
+    with redirect_stdout(printed), redirect_stderr(errors):
+        try:
+            main()
+        except SystemExit as ended:
+            status = ended.code
+    return status, printed.getvalue() or errors.getvalue()
+
+
+def compare(before: Path, after: Path) -> int:
+    """The results that differ, by their place; how many files do."""
+    wrong = 0
+    names = sorted({path.name for folder in (before, after) for path in folder.glob("*.txt")})
+    for name in names:
+        there, here = ((folder / name) for folder in (before, after))
+        if not (there.exists() and here.exists()):
+            print(f"{name}: only in {before if there.exists() else after}")
+            wrong += 1
+            continue
+        found = list(_differences(*(_read(path) for path in (there, here))))
+        wrong += bool(found)
+        for line in found[:5]:
+            print(f"{name}: {line}")
+    print(f"{len(names)} results, {wrong} differ")
+    return wrong
+
+
+def _read(path: Path) -> object:
+    status, _, text = path.read_text().partition("\n")
+    try:
+        return [status, json.loads(text)]
+    except ValueError:
+        return [status, text]
+
+
+def _differences(there: object, here: object, place: str = "") -> Iterator[str]:
+    if isinstance(there, dict) and isinstance(here, dict):
+        for key in {**there, **here}:
+            if key in there and key in here:
+                yield from _differences(there[key], here[key], f"{place}.{key}")
+            else:
+                yield f"{place}.{key}: only {'before' if key in there else 'after'}"
+    elif isinstance(there, list) and isinstance(here, list) and len(there) == len(here):
+        for k, (one, two) in enumerate(zip(there, here, strict=True)):
+            yield from _differences(one, two, f"{place}[{k}]")
+    elif there != here:
+        yield f"{place}: {str(there)[:80]} before, {str(here)[:80]} after"
+
+
+if __name__ == "__main__":
+    what, *folders = sys.argv[1:]
+    if what == "make":
+        make(Path(folders[0]))
+    else:
+        sys.exit(1 if compare(*map(Path, folders)) else 0)

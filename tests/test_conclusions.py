@@ -1,0 +1,65 @@
+"""What follows from a result is worked out once, kept with it, and handed to terminal, JSON and page alike."""
+
+import dataclasses
+from importlib import import_module
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.conclusions import of_result
+from tests.command_line import runner
+
+US, SI = ff.UnitSystem.US, ff.UnitSystem.SI
+
+
+@dataclasses.dataclass(frozen=True)
+class Result:
+    number: int
+
+
+@pytest.fixture
+def counted():
+    """A finding that tells how often it was worked out."""
+    calls = []
+
+    @of_result
+    def finding(result, units):
+        calls.append((result.number, units))
+        return object()
+
+    return finding, calls
+
+
+def test_a_finding_is_worked_out_once_for_each_result_and_units(counted):
+    finding, calls = counted
+    one, same = Result(1), Result(1)
+    assert finding(one, US) is finding(one, US)
+    assert finding(one, SI) is not finding(one, US)
+    assert finding(same, US) is not finding(one, US)
+    assert calls == [(1, US), (1, SI), (1, US)]
+
+
+def test_a_changed_result_begins_without(counted):
+    finding, calls = counted
+    one = Result(1)
+    finding(one, US)
+    finding(dataclasses.replace(one, number=2), US)
+    assert calls == [(1, US), (2, US)]
+
+
+COMMANDS = {
+    "simulate": ("forcefeel.simulation.findings", ("simulate", "elevator")),
+    "design": ("forcefeel.design.findings", ("design", "elevator")),
+    "qualify": ("forcefeel.qualification.programme.sentences", ("qualify", "elevator")),
+}
+
+
+@pytest.mark.parametrize("printed", [(), ("--json",)], ids=["terminal", "json"])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command_works_its_conclusions_out_once(command, printed, tmp_path, monkeypatch, capsys):
+    where, words = COMMANDS[command]
+    module = import_module(where)
+    original, calls = module._verdict, []
+    monkeypatch.setattr(module, "_verdict", lambda *given, **options: calls.append(1) or original(*given, **options))
+    runner(monkeypatch, capsys, tmp_path, words[0])(*words[1:], "--out", "out", *printed)
+    assert len(calls) == 1
