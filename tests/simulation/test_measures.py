@@ -7,6 +7,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel import _core
+from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import Scenario, simulate, simulate_batch
 from forcefeel.simulation.inputs import Doublet, Pulse, Release, Step
 from forcefeel.simulation.limits import known_measures, why_no_overshoot
@@ -94,7 +95,7 @@ def test_lanes_of_a_batch_choose_by_themselves():
     """Pushes of all sizes side by side: dry friction holds some columns away from where they began."""
     loader = ff.elevator().replace({"feel.coulomb_friction": "10 lb", "valve.orifice": True})
     values = np.tile(loader.values, (17, 1))
-    values[:, list(ff.parameters.TABLE).index("pilot.force")] *= np.linspace(0.1, 1.0, 17)
+    values[:, list(TABLE).index("pilot.force")] *= np.linspace(0.1, 1.0, 17)
     found = simulate_batch(loader, Scenario(Pulse(150.0, 0.1, 0.3), 3.0), values, keep=["column_angle_rad"])
     for k, angle in enumerate(found.column_angle_rad.values):
         alone = measures(angle)

@@ -11,6 +11,7 @@ from forcefeel.bench.excitation import ExcitationPlan, NotSeparableError, excite
 from forcefeel.bench.excitation.information import line_information, relative_errors
 from forcefeel.bench.experiments import Loop
 from forcefeel.bench.identification.linear import channel_responses
+from forcefeel.linear import models
 from forcefeel.simulation.scenario import Scenario
 
 FIT = ("linkage.stiffness", "linkage.damping", "column.inertia", "valve.current_gain")
@@ -29,7 +30,7 @@ def in_time(loader, found):
     """The measured channels over the samples, (channels, samples), by runs of the loader; nothing of the frequency domain."""
     step = 1 / found.plan.rate_hz
     steps = len(found.time_s) - 1
-    drive = ff.inputs.Schedule(tuple(found.time_s), tuple(found.signal))
+    drive = ff.Schedule(tuple(found.time_s), tuple(found.signal))
     run = ff.simulate(
         loader,
         Scenario(test_signal_v=drive, duration_s=steps * step, step_s=step, sample_s=step),
@@ -84,7 +85,7 @@ def test_slopes_of_lines_against_the_report_s_servo():
     loader, line = ff.elevator(), np.array([0.5, 5.0, 12.0, 30.0])
 
     def angle(of):
-        servo = ff.models.servo(of, ff.Linkage.COMPLIANT, closed=True)
+        servo = models.servo(of, ff.Linkage.COMPLIANT, closed=True)
         return servo(2j * np.pi * line)[1, 0]
 
     h = 1e-4
