@@ -876,7 +876,7 @@ class March:
 
         for t in (start, *(start + (end - start) * np.array([1e-6, 1e-3, 0.03, 0.1, 0.25, 0.5, 0.75]))):
             if guard(t) > 0:
-                return brentq(guard, t, end, xtol=1e-16, rtol=1e-15)
+                return brentq(guard, t, end, xtol=1e-16, rtol=1e-15)  # a few bits of the time
         return start
 
 
@@ -1045,7 +1045,7 @@ def release(machine, held_angle, neutral=0.0, dynamic_pressure=0.0):
     middle, width = feel.per_angle * held_angle, 0.1 * feel.per_angle * (abs(held_angle) + 1e-3)
     while excess(middle - width) * excess(middle + width) > 0:
         width *= 1.5
-    delta = brentq(excess, middle - width, middle + width, xtol=1e-15, rtol=1e-15)
+    delta = brentq(excess, middle - width, middle + width, xtol=1e-15, rtol=1e-15)  # a few bits
     p = pressure(delta)
     x_p = piston(p)
     if abs(excess(delta)) > 1e-6:  # the jump over the gap of the backlash: the piston stands inside it

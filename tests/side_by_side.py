@@ -111,7 +111,9 @@ def schedule(steps):
 
 def at_rest(machine, signals=None):
     """The witness's state at rest hands off, as the engine starts: its hysteresis relaxed."""
-    angle = brentq(lambda angle: held(machine, angle, signals)["force"], -0.05, 0.05, xtol=1e-15, rtol=1e-14)
+    angle = brentq(
+        lambda angle: held(machine, angle, signals)["force"], -0.05, 0.05, xtol=1e-15, rtol=1e-14
+    )  # some bits
     return held(machine, angle, signals)
 
 

@@ -10,6 +10,12 @@ from forcefeel.design.studies import CHANGES, best_of_each_count, droppable, wor
 from forcefeel.loader.parameters import PLANT_PARAMETERS, REQUIRED
 
 US_STIFFNESS = 4.4482216152605 * 0.0254  # N m/rad in a lb in/rad
+FREE = 3e-4
+"""Of the tracking error, 0.19: what the path of the pressure changes of it. Measured: 3e-5."""
+WHOLE = 0.5
+"""lb in/rad: the independent figures are whole numbers."""
+TRAPEZOIDS = 1e-8
+"""Relative: trapezoids of 0.1 ms. Measured: 8e-11."""
 
 
 @pytest.fixture(scope="module")
@@ -40,13 +46,12 @@ def test_tracking_error_and_cost_are_the_integrals_over_the_sampled_response(loa
     ideal = ff.step_response(ff.ideal_feel(loader), force, samples=20001)
     deviation = column.column_angle_rad - ideal.column_angle_rad
     wanted = 31.375 * 96 / 9600
-    tolerance = 1e-5  # trapezoids of 0.1 ms
     assert found.tracking_error == pytest.approx(
-        np.sqrt(float((deviation**2).integrate("time_s")) / 2) / wanted, rel=tolerance
+        np.sqrt(float((deviation**2).integrate("time_s")) / 2) / wanted, rel=TRAPEZOIDS
     )
     e = column.valve_current_a / loader["amplifier.admittance"]
     integrand = 100 * (column.feel_position_rad - column.column_angle_rad) ** 2 + 0.1 * e**2
-    assert found.cost == pytest.approx(float(integrand.integrate("time_s")), rel=tolerance)
+    assert found.cost == pytest.approx(float(integrand.integrate("time_s")), rel=TRAPEZOIDS)
 
 
 def test_static_angle_is_where_the_response_ends(loader, gains):
@@ -90,7 +95,7 @@ def test_dropping_the_position_path_is_fatal_and_dropping_pressure_is_free(dropp
     by_path = {row.paths: row for row in dropped}
     full = ff.assess(loader, ff.state_feedback(loader, gains[:6]))
     assert not by_path["c_1",].assessment.stable
-    assert by_path["c_2",].assessment.tracking_error == pytest.approx(full.tracking_error, abs=0.002)
+    assert by_path["c_2",].assessment.tracking_error == pytest.approx(full.tracking_error, abs=FREE)
     assert by_path["c_4",].cost_increase > 0.3
 
 
@@ -133,9 +138,9 @@ def test_worst_is_the_largest_tracking_error_and_an_unstable_loop_before_any(loa
 def test_dropping_a_path_may_cost_stability_though_the_feel_stays(dropped):
     edge = {row.paths: row.boundary.stiffness_n_m_per_rad / US_STIFFNESS for row in dropped}
     # Independent figures, in lb in/rad.
-    assert edge["c_2", "c_6"] == pytest.approx(1682, abs=1)
-    assert edge["c_4",] == pytest.approx(2720, abs=1)
-    assert edge["c_4", "c_6"] == pytest.approx(3028, abs=1)
+    assert edge["c_2", "c_6"] == pytest.approx(1682, abs=WHOLE)
+    assert edge["c_4",] == pytest.approx(2720, abs=WHOLE)
+    assert edge["c_4", "c_6"] == pytest.approx(3028, abs=WHOLE)
 
 
 def test_what_can_be_dropped_keeps_fidelity_and_stability(loader, gains, dropped):

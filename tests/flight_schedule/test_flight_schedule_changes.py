@@ -12,6 +12,9 @@ import forcefeel as ff
 from forcefeel.flight_schedule import FlightSchedule, ScheduleAxis, design_schedule, second_order_feel
 from forcefeel.simulation.inputs import Force
 
+WITNESSED = {"rtol": 1e-8, "atol": 1e-11}
+"""Of the integrator that the column is compared with to OFF: a millionth of that."""
+
 STEP_S = 5e-4
 """The controller's period: every command is seen."""
 
@@ -114,7 +117,7 @@ def ideal(schedule: FlightSchedule, start: float, end: float, force_n: NDArray[n
         damping, stiffness = (inertia * ((1 - s) * one / i_0 + s * two / i_1) for one, two in ((b_0, b_1), (g_0, g_1)))
         return [x[1], (arm * np.interp(t, time, force_n) - damping * x[1] - stiffness * x[0]) / inertia]
 
-    found = solve_ivp(slope, time[[0, -1]], [0.0, 0.0], t_eval=time, rtol=1e-8, atol=1e-11, max_step=0.01)
+    found = solve_ivp(slope, time[[0, -1]], [0.0, 0.0], t_eval=time, **WITNESSED, max_step=0.01)
     return np.asarray(found.y[0])
 
 

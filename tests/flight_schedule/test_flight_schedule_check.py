@@ -27,6 +27,10 @@ from forcefeel.loops.sampled_loop import sampled_loops
 
 AXIS = ScheduleAxis("dynamic pressure", "lb/ft^2", (50, 100, 200))
 REFINE = 4
+ROUNDING = 1e-12
+"""Of numbers near one: some ten operations, poles of matrices that differ in signs only. Measured: 1e-15."""
+IN_COMPANY = 1e-12
+"""Of the largest number: a setting's law has the same sums in whatever company. Measured: 0."""
 FINE = 1e-5
 """Of a pole that swings with the feel: what steps of 0.1 ms and the slaved oil leave of the exact plant."""
 
@@ -165,7 +169,7 @@ def test_the_same_coordinates_turned_everywhere_change_nothing(schedule: FlightS
     """The schedule of the test before is bad for its mixed signs alone."""
     both = flipped(schedule, 0, 1, 2)
     one, two = (check_schedule(each, REFINE, changes={}, arms=()) for each in (schedule, both))
-    np.testing.assert_allclose(two.poles.largest, one.poles.largest, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(two.poles.largest, one.poles.largest, rtol=0, atol=ROUNDING)
 
 
 def test_a_change_from_end_to_end_that_is_not_stable_is_found(loader: ff.Loader) -> None:
@@ -202,7 +206,7 @@ def test_a_change_held_is_the_blend_of_two_accelerations() -> None:
         return (torque - feel[:, 1] * v - feel[:, 2] * x) / feel[:, 0]
 
     expected = (1 - s) * acceleration(start) + s * acceleration(end)
-    np.testing.assert_allclose(acceleration(blended_feel(start, end, s)), expected, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(acceleration(blended_feel(start, end, s)), expected, rtol=ROUNDING, atol=ROUNDING)
 
 
 def test_changes_go_between_neighbours_and_corners() -> None:
@@ -226,4 +230,5 @@ def test_a_thousand_knots_are_one_design(loader: ff.Loader) -> None:
     feel = np.column_stack([np.full(count, inertia), 0.6 * 2 * np.sqrt(stiffness * inertia), stiffness])
     schedule = design_schedule(loader, [axis], feel)
     alone = METHODS["robust"].design(loader, feel[[617]])
-    np.testing.assert_allclose(schedule.laws.command[617], alone.command[0], rtol=1e-9, atol=1e-9)
+    close = IN_COMPANY * np.abs(alone.command[0]).max()
+    np.testing.assert_allclose(schedule.laws.command[617], alone.command[0], rtol=0, atol=close)

@@ -13,6 +13,8 @@ from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import Release
 
 GRID = {"stiffness": "1, 10, 100 %", "frequency": "1, 4 Hz", "damping": "0.2, 1"}
+ROUNDING = 1e-12  # relative; one product
+WITNESSED = {"rtol": 1e-11, "atol": 1e-13}  # of a path that is then differenced twice over 1/40 000 of its period
 SAMPLED = 2e-3  # relative; the largest of the samples beside that of a fine integration
 FOLLOWED = 0.1  # relative; a law follows the ideal so well
 
@@ -32,8 +34,7 @@ def _demand(loader, feel, angle):
         (0, end),
         [angle, 0.0],
         t_eval=time,
-        rtol=1e-11,
-        atol=1e-13,
+        **WITNESSED,
     )
     theta = found.y[0]
     pressure = loader["column.inertia"] * np.gradient(found.y[1], time) / _lever(loader)
@@ -78,7 +79,7 @@ def test_it_is_all_or_nothing_with_the_limit(plan):
     slow = plan.given.replace({"valve.flow_limit": "0.5 in^3/s"})
     found = valve_limits(make_plan(slow, ("robust",), GRID), threads=1)
     assert found.flow_m3_per_s == pytest.approx(none.flow_m3_per_s / 200)
-    np.testing.assert_allclose(found.demand, 200 * none.demand, rtol=1e-12)
+    np.testing.assert_allclose(found.demand, 200 * none.demand, rtol=ROUNDING)
     assert found.forbidden_share == 1
     assert np.all(found.least <= found.demand)
 

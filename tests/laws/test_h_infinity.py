@@ -15,7 +15,7 @@ from forcefeel.laws.sampled.observer import observe, observed, readings
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
 from tests.laws.test_designs_gains import RATIOS, RICCATI, assert_close, noises
-from tests.laws.test_designs_laws import DOUBLE, FEELS, NOMINAL, POLES, Loop, apart, ideal
+from tests.laws.test_designs_laws import DOUBLE, FEELS, NOMINAL, POLES, REST, Loop, apart, ideal
 from tests.laws.test_designs_plant import PERIOD, sampled
 
 TUNINGS = {"h-infinity": H_INFINITY, "all sensors": OBSERVER, "searched": ROBUST}
@@ -155,7 +155,7 @@ def test_a_held_column_is_where_the_feel_says():
         rest = loop.at_rest(loop.by_torque * 50.0)
         force, _, angle = loop.y @ rest
         heard = -loader["linkage.ratio"] * loader["column.base_arm"] * force
-        assert (loop.torque @ rest, heard, angle) == pytest.approx((50.0, 50.0, 50.0 / feel[2]), rel=1e-9)
+        assert (loop.torque @ rest, heard, angle) == pytest.approx((50.0, 50.0, 50.0 / feel[2]), rel=REST)
 
 
 @pytest.mark.parametrize("share", [0.8, 1.2])

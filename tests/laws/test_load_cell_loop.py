@@ -12,6 +12,8 @@ from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING
 
 PERIOD = 0.5e-3
+WEIGHED = 0.05
+"""Of a period: what the weight on the command leaves. Measured: 0.024."""
 SOLVED = 1e-6
 """Of a pole: two solvers of one Riccati equation; two poles near zero are all but double, and known to the root of rounding."""
 
@@ -89,13 +91,13 @@ def test_computer_runs_what_the_column_leaves_to_it(loader: ff.Loader, feel: np.
 
 
 def test_release_swings_at_the_programmed_frequency(loader: ff.Loader) -> None:
-    """What the report's laws miss by 20 % for the column's own inertia; what is left is the weight on the command."""
+    """What the report's laws miss by 20 % for the column's own inertia."""
     own = np.array([[loader[key] for key in FEEL_SETTING]])
     run = ff.simulate(loader, ff.Scenario(ff.Release(0.1), 3.0), design(loader, own))
     programmed = (
         2 * np.pi * np.sqrt(own[0, 0] / own[0, 2]) / np.sqrt(1 - (own[0, 1] / 2) ** 2 / (own[0, 0] * own[0, 2]))
     )
-    assert run.measures.period_s == pytest.approx(programmed, rel=0.05)
+    assert run.measures.period_s == pytest.approx(programmed, rel=WEIGHED)
     report = ff.simulate(loader, ff.Scenario(ff.Release(0.1), 3.0), ff.compensate(loader).compensator(loader))
     assert report.measures.period_s > 1.15 * programmed
 

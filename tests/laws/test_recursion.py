@@ -58,7 +58,7 @@ def test_published_gain_of_the_computer_is_one_unit_of_the_last_digit_off(publis
     # -4.93; steps twice as long give 22.007, and 0.509 for the fifth, printed 0.506.
     third = gains_in(UnitSystem.US, published.gains)[2]
     assert third == pytest.approx(PRINTED[2], rel=0, abs=0.015)  # one unit, and half a one for the rounding of ours
-    assert third == pytest.approx(22.03, rel=0, abs=0.005)
+    assert third == pytest.approx(22.03, rel=0, abs=0.005)  # half a unit of the last digit
 
 
 def test_weights_are_the_printed_matrix(loader):
@@ -136,7 +136,9 @@ def test_rate_weight_enters_as_eq_21_says(loader):
     weight = 40 * np.outer(error, error) + 0.3 * np.outer(rate, rate)
     np.testing.assert_allclose(settings.weight(loader), weight, rtol=1e-14, atol=0)  # a few products
     problem = SampledProblem.of(loader, settings)
-    np.testing.assert_allclose(problem.q, weight * np.outer(problem.scale, problem.scale), rtol=1e-14, atol=0)
+    np.testing.assert_allclose(
+        problem.q, weight * np.outer(problem.scale, problem.scale), rtol=1e-14, atol=0
+    )  # a few products
     gains = compensate(loader, settings).gains
     np.testing.assert_allclose(gains, riccati_gains(problem), rtol=RICCATI)
     assert np.all(np.abs(gains / compensate(loader, DesignSettings(position_weight=40.0)).gains - 1) > 0.01)

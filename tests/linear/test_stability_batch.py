@@ -23,6 +23,8 @@ KEYS = (
     *(key for key in PLANT_PARAMETERS if key != "column.grip_arm"),  # of the force alone
     *("load_cell.gain", "potentiometer.gain", "feel.inertia", "feel.damping", "feel.stiffness"),
 )
+NUMPYS = 1e-9
+"""Relative, and a hundredth of it beside zero: eigenvalues of two solvers, over five decades. Measured: 1e-11 and 6e-13."""
 TRUSTED = 1e-10
 """Distance from the axis, as a share of the largest pole, from which double precision's eigenvalues settle the sign."""
 
@@ -178,7 +180,9 @@ def test_damping_map_is_that_of_numpys_poles(law):
         for key, k in zip(grids, place, strict=True):
             values[INDEX[key]] = grids[key][k]
         poles = np.linalg.eigvals(matrix(values, law and law_of(law)))
-        assert math.isclose(found.values[place], np.min(-poles.real / np.abs(poles)), rel_tol=1e-6, abs_tol=1e-9)
+        assert math.isclose(
+            found.values[place], np.min(-poles.real / np.abs(poles)), rel_tol=NUMPYS, abs_tol=NUMPYS / 100
+        )
 
 
 def test_damping_map_of_a_law_designed_for_each_setting():
@@ -191,4 +195,4 @@ def test_damping_map_of_a_law_designed_for_each_setting():
         values = row({"feel.stiffness": stiffness}, k)
         gains = sweep.law(values[np.newaxis])[0]
         poles = np.linalg.eigvals(matrix(values, ff.state_feedback(LOADER, gains)))
-        assert math.isclose(found.values[k], np.min(-poles.real / np.abs(poles)), rel_tol=1e-6), value
+        assert math.isclose(found.values[k], np.min(-poles.real / np.abs(poles)), rel_tol=NUMPYS), value

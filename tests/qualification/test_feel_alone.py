@@ -24,6 +24,7 @@ from forcefeel.units import factor
 LB = factor("lb", "N")
 DEG = math.pi / 180
 STEP = 1e-4
+ROUNDING = 1e-12  # of the angle; the same spring by way of two curves
 NEAR = 1e-3  # of the largest angle: what moves at 2 Hz covers that in a step, and in a step it meets a stop or a limit
 ANGLE = 10 * DEG
 RELEASED_S = 0.1
@@ -117,6 +118,8 @@ def rest(rows):
 
 SWEEP_S = 4.0
 SWEEP_LB = 90.0
+SWINGS_LB, FRICTION_SWINGS_LB = 0.5, 0.1
+"""What swings after the knee of a breakout, in the knee's own force and in the friction of all the sweep. Measured: 0.41, 0.07."""
 
 
 @pytest.fixture(scope="module")
@@ -156,7 +159,7 @@ def test_curves_of_the_feel_are_part_of_it(built_in):
     same = replace(loader, force_curve=twice, stiffness_factor=Curve((0.0, 5e3), (0.25, 0.75)))
     released = Scenario(ff.Release(ANGLE, RELEASED_S), 2.0)
     pressed = Scenario(ff.Release(ANGLE, RELEASED_S), 2.0, dynamic_pressure_pa=Schedule((0.0,), (2.5e3,)))
-    np.testing.assert_allclose(FeelAlone(same).move(pressed), FeelAlone(loader).move(released), atol=1e-9 * ANGLE)
+    np.testing.assert_allclose(FeelAlone(same).move(pressed), FeelAlone(loader).move(released), atol=ROUNDING * ANGLE)
 
 
 @pytest.mark.parametrize("built_in", BUILT_IN)
@@ -167,8 +170,8 @@ def test_a_nonlinear_feel_on_any_loader_has_a_reference(built_in):
     results = {result.trial.key: result for result in found.sections[0].results}
     assert all(results[key].outcome is not Outcome.NOT_EVALUATED for key in ("static", "release-50-positive", "medium"))
     reference = results["static"].reference.features
-    # 100 s of sweep: the damping takes 0.14 lb, and what swings after the knee some more.
+    # In 100 s of sweep the damping takes 0.14 lb.
     for figure in (reference.breakout_low, reference.breakout_high):
-        assert figure.value == pytest.approx(13.0 * LB, abs=0.5 * LB)
-    assert reference.friction.value == pytest.approx(1.14 * LB, abs=0.1 * LB)
+        assert figure.value == pytest.approx(13.0 * LB, abs=SWINGS_LB * LB)
+    assert reference.friction.value == pytest.approx(1.14 * LB, abs=FRICTION_SWINGS_LB * LB)
     assert "feel.breakout" in found.reference

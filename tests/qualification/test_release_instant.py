@@ -79,9 +79,8 @@ def test_a_recorded_release_is_found_within_a_sample(name, law, noisy, rate):
         # wander the control's way when it is let go, it shows a start that is earlier by as much and more.
         wander = float(np.ptp(record.position[record.time_s <= HELD_S]))
         hidden = math.sqrt(2 * wander / ANGLE * loader["feel.inertia"] / loader["feel.stiffness"])
-        assert found.release_s.value == pytest.approx(
-            HELD_S, abs=1 / rate + (3 * hidden if wander > 1e-3 * ANGLE else 0.0)
-        )
+        within = 1 / rate + (3 * hidden if wander > 1e-3 * ANGLE else 0.0)
+        assert found.release_s.value == pytest.approx(HELD_S, abs=within)
 
 
 @pytest.mark.parametrize("damping", [None, OVERDAMPED["feel.damping"]])

@@ -36,6 +36,20 @@ COLUMN = replace(FEEL, ratio=1e-30)
 """The column alone."""
 FAST = Solver("LSODA", 1e-10)
 
+INTEGRATED_RAD, INTEGRATED_V, INTEGRATED_PSI = 1e-9, 1e-8, 1e-5
+"""What the solver's 1e-10 a step leaves over some hundred steps of an angle of 0.3 rad and its rate, a feel of 10 V, a pressure of
+300 psi. Measured: 1e-10, 2e-9, 1e-6."""
+INTEGRATED = 1e-8
+"""The same as a share of the largest value. Measured: 7e-10."""
+SWUNG_RAD, SWUNG_LONG_RAD = 1e-11, 1e-10
+"""The same of swings of 0.2 rad alone, without oil. Measured: 6e-12, and 9e-11 of those between stops."""
+OIL_IN3 = 2e-7
+"""Of 0.1 in^3: Simpson's rule over steps of 1 us, about the root of the flow where it turns. Measured: 2e-8."""
+ROUNDING = 1e-12
+"""Of numbers up to 100; of motions in closed form whose pieces are polynomials, which the solver has exactly. Measured: 2e-14."""
+METHODS_RAD, METHODS_V = 5e-10, 1e-8
+"""Of an angle of 0.2 rad and a feel of 10 V by two methods, or with other steps, at 1e-10 to 1e-11. Measured: 2e-11, 3e-10."""
+
 deg = math.radians
 FULL = Machine(
     orifice=True,
@@ -125,9 +139,9 @@ def test_all_effects_off_is_the_linear_witness(gains):
     run = simulate(Machine(gains=gains), [(0.1, 96.0)], 0.6, times(0.6))
     for name, column in {"x_p": 0, "p": 1, "q_i": 2, "q_i_rate": 3, "delta": 4, "delta_rate": 5}.items():
         scale = np.abs(expected[:, column]).max()
-        np.testing.assert_allclose(run[name][100:], expected[:, column], rtol=0, atol=1e-8 * scale)
-    np.testing.assert_allclose(run["theta"][100:], expected[:, 6] / witness.RB, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(run["theta_rate"][100:], expected[:, 7] / witness.RB, rtol=0, atol=1e-8)
+        np.testing.assert_allclose(run[name][100:], expected[:, column], rtol=0, atol=INTEGRATED * scale)
+    np.testing.assert_allclose(run["theta"][100:], expected[:, 6] / witness.RB, rtol=0, atol=INTEGRATED_RAD)
+    np.testing.assert_allclose(run["theta_rate"][100:], expected[:, 7] / witness.RB, rtol=0, atol=INTEGRATED_RAD)
     assert not np.any(run["theta"][:101])
 
 
@@ -146,8 +160,8 @@ def test_linear_additions_are_the_linear_witness_with_another_column():
 
     expected = exponential(witness.jacobian(derivative, 9), derivative(np.zeros(9), 96.0), np.zeros(9), 1e-3, 300)
     run = simulate(m, [(0.0, 96.0)], 0.3, times(0.3))
-    np.testing.assert_allclose(run["theta"], expected[:, 6] / witness.RB, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(run["delta"], expected[:, 4], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(run["theta"], expected[:, 6] / witness.RB, rtol=0, atol=INTEGRATED_RAD)
+    np.testing.assert_allclose(run["delta"], expected[:, 4], rtol=0, atol=INTEGRATED_V)
 
 
 @pytest.mark.parametrize("gains", [None, GAINS])
@@ -177,16 +191,16 @@ def test_digital_controller_is_the_exact_recursion(gains, delay):
         states.append(x)
     states = np.array(states)
     run = simulate(m, [(0.0, 96.0)], count * period, times(count * period))
-    np.testing.assert_allclose(run["theta"], states[:, 6] / witness.RB, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(run["delta"], states[:, 4], rtol=0, atol=1e-8)
-    np.testing.assert_allclose(run["p"], states[:, 1], rtol=0, atol=1e-5)
+    np.testing.assert_allclose(run["theta"], states[:, 6] / witness.RB, rtol=0, atol=INTEGRATED_RAD)
+    np.testing.assert_allclose(run["delta"], states[:, 4], rtol=0, atol=INTEGRATED_V)
+    np.testing.assert_allclose(run["p"], states[:, 1], rtol=0, atol=INTEGRATED_PSI)
 
 
 def test_converters_round_to_steps_of_their_range_and_clip():
     m = Machine(period=2e-3, input_range=10.0, input_bits=10, output_range=0.5, output_bits=8)
     run = simulate(m, [(0.0, 96.0)], 0.3, times(0.3, 2e-3), solver=FAST)
     steps = run["e"] / (2 * 0.5 / 2**8)
-    np.testing.assert_allclose(steps, np.round(steps), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(steps, np.round(steps), rtol=0, atol=ROUNDING)
     assert np.abs(run["e"]).max() == 0.5
 
 
@@ -213,7 +227,7 @@ def test_column_with_dry_friction_decelerates_and_rests():
     t = times(0.4)
     run = simulate(m, [], 0.4, t, {"theta_rate": 0.5})
     s = np.minimum(t, rest)
-    np.testing.assert_allclose(run["theta"], 0.5 * s - 0.5 * deceleration * s**2, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run["theta"], 0.5 * s - 0.5 * deceleration * s**2, rtol=0, atol=ROUNDING)
     assert np.all(run["theta_rate"][t > rest] == 0)
     assert len(set(run["theta"][t > rest])) == 1
 
@@ -235,7 +249,7 @@ def test_spring_with_dry_friction_loses_4_f_k_per_cycle_and_rests_in_the_dead_zo
         expected[later] = sign * (zone + (amplitude - zone) * np.cos(w * (t[later] - start)))
         amplitude -= 2 * zone
     run = simulate(m, [], 2.0, t, {"theta": 0.2})
-    np.testing.assert_allclose(run["theta"], expected, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(run["theta"], expected, rtol=0, atol=SWUNG_RAD)
     assert abs(run["theta"][-1]) * stiffness <= static * m.grip_arm
     assert np.all(run["theta_rate"][t > start + 1e-9] == 0)
 
@@ -246,7 +260,7 @@ def test_column_breaks_away_at_the_static_and_slides_at_the_coulomb_level():
     run = simulate(m, (lambda t: 10.0 * t, []), 0.8, t)  # breaks away at 0.5 s
     s = np.maximum(t - 0.5, 0.0)
     expected = m.grip_arm / m.column_inertia * (3.0 * s**2 / 2 + 10.0 * s**3 / 6)
-    np.testing.assert_allclose(run["theta"], expected, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run["theta"], expected, rtol=0, atol=ROUNDING)
     assert np.all(run["theta_rate"][t <= 0.5] == 0)
 
 
@@ -271,7 +285,7 @@ def test_feel_has_the_same_friction():
     )
     feel = simulate(m, [], 2.5, times(2.5), {"delta": 0.2})
     column = simulate(twin, [], 2.5, times(2.5), {"theta": 0.2})
-    np.testing.assert_allclose(feel["delta"], column["theta"], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(feel["delta"], column["theta"], rtol=0, atol=INTEGRATED_RAD)
     assert np.count_nonzero(feel["delta_rate"] == 0) > 200
 
 
@@ -297,7 +311,7 @@ def test_flow_reverses_beyond_supply_pressure_and_oil_is_conserved():
     relief = 0.02 * np.maximum(run["p"] - 1300.0, 0.0)
     stored = m.area * run["x_p"] + m.oil_volume / (4 * m.bulk_modulus) * run["p"]
     through = cumulative_simpson(run["flow"] - relief, x=t, initial=0.0)
-    np.testing.assert_allclose(stored - stored[0], through, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(stored - stored[0], through, rtol=0, atol=OIL_IN3)
 
 
 def test_stall_at_supply_pressure_converges_with_its_smoothing():
@@ -309,7 +323,7 @@ def test_stall_at_supply_pressure_converges_with_its_smoothing():
     changes = [np.abs(a["x_p"] - b["x_p"]).max() for a, b in pairwise(pistons)]
     assert changes[1] < 0.15 * changes[0]  # in proportion to the width
     assert changes[1] < 2e-8
-    assert pistons[-1]["p"][-1] == pytest.approx(1200.0, abs=1e-6)
+    assert pistons[-1]["p"][-1] == pytest.approx(1200.0, rel=FAST.rtol)
 
 
 # Backlash.
@@ -337,6 +351,7 @@ def test_backlash_is_the_limit_of_a_small_damper_in_the_gap():
             return [x_p_rate, p_rate, q_i_rate, -w_n * w_n * q_i - 2 * zeta * w_n * q_i_rate]
 
         y = [0.0, 0.0, start["q_i"], 0.0]
+        # Far below the 1e-6 in that is asked of it.
         return solve_ivp(derivative, (0, 0.03), y, "Radau", t, rtol=1e-7, atol=[1e-11, 1e-8, 1e-8, 1e-6]).y[0]
 
     errors = [np.abs(smooth(epsilon) - run["x_p"]).max() for epsilon in (0.1, 0.01)]
@@ -367,11 +382,11 @@ def test_column_rebounds_from_its_stop_as_a_damped_oscillator():
         math.exp(-sigma * gone) * math.sin(w * gone) / w,
         math.exp(-sigma * gone) * (math.cos(w * gone) - sigma / w * math.sin(w * gone)),
     )
-    assert k * depth + d * rate == pytest.approx(0, abs=1e-9)
+    assert k * depth + d * rate == pytest.approx(0, abs=1e-15 * k)  # rounding of a spring's force
     s = t - 0.1
     inside = 0.1 + np.exp(-sigma * s) * np.sin(w * s) / w
     expected = np.where(s < 0, t, np.where(s < gone, inside, 0.1 + depth + rate * (s - gone)))
-    np.testing.assert_allclose(run["theta"], expected, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(run["theta"], expected, rtol=0, atol=SWUNG_LONG_RAD)
 
 
 def held_torque(torque, **effects):
@@ -392,7 +407,7 @@ def test_feel_stays_at_its_hard_stop_and_at_its_velocity_limit():
     run = simulate(m, [], 1.0, t)
     capped = 0.5 / acceleration
     expected = np.where(t < capped, acceleration * t**2 / 2, 0.5 * (t - capped) + acceleration * capped**2 / 2)
-    np.testing.assert_allclose(run["delta"], np.minimum(expected, 0.3), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run["delta"], np.minimum(expected, 0.3), rtol=0, atol=ROUNDING)
     np.testing.assert_array_equal(run["delta_rate"][expected > 0.3], 0.0)
 
 
@@ -404,7 +419,7 @@ def test_feel_leaves_its_hard_stop_when_pulled_off():
     s = np.maximum(t - hit, 0.0)
     expected = np.where(t < hit, 0.2 * np.cos(w * t), -0.1 * np.cos(w * s))
     run = simulate(m, [], 2.0, t, {"delta": 0.2})
-    np.testing.assert_allclose(run["delta"], expected, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(run["delta"], expected, rtol=0, atol=SWUNG_LONG_RAD)
 
 
 def test_soft_stop_and_breakout_are_springs_in_pieces():
@@ -416,12 +431,12 @@ def test_soft_stop_and_breakout_are_springs_in_pieces():
         s < math.pi / low, -0.1 * np.sin(low * s), 0.1 * low / high * np.sin(high * (s - math.pi / low))
     )
     run = simulate(soft, [], 0.6, t, {"delta_rate": -0.1 * low})
-    np.testing.assert_allclose(run["delta"], expected, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run["delta"], expected, rtol=0, atol=INTEGRATED_RAD)
     # Within the travel the breakout adds to the stiffness.
     breakout = held_torque(50.0, feel_breakout=5.0, feel_breakout_travel=0.1)
     twin = held_torque(50.0, feel_stiffness=9600.0 + 31.375 * 5.0 / 0.1)
     runs = [simulate(m, [], 0.4, times(0.4))["delta"] for m in (breakout, twin)]
-    np.testing.assert_allclose(*runs, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(*runs, rtol=0, atol=ROUNDING)
 
 
 def test_equivalent_springs_are_one():
@@ -439,7 +454,7 @@ def test_equivalent_springs_are_one():
         )
         for one, other in pairs:
             runs = [simulate(m, STEP, 0.25, times(0.25), signals=quick, solver=FAST)["theta"] for m in (one, other)]
-            np.testing.assert_allclose(*runs, rtol=0, atol=2e-9)
+            np.testing.assert_allclose(*runs, rtol=0, atol=METHODS_RAD)
 
 
 def test_hysteresis_slider_is_a_play_operator():
@@ -449,9 +464,9 @@ def test_hysteresis_slider_is_a_play_operator():
     for phi in run["delta"][1:]:
         slider.append(min(max(slider[-1], phi - 0.02), phi + 0.02))
     # At a turn between two samples the play misses at most an eighth of the curvature.
-    np.testing.assert_allclose(run["slider"], slider, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(run["slider"], slider, rtol=0, atol=1e-7)  # rad; measured: 2e-8
     force = 9600.0 / 31.375 * run["delta"] + 10.0 * np.clip((run["delta"] - run["slider"]) / 0.02, -1, 1)
-    np.testing.assert_allclose(run["feel_force"], force, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(run["feel_force"], force, rtol=0, atol=ROUNDING)
 
 
 def test_trim_follows_its_command_at_its_rate():
@@ -462,7 +477,7 @@ def test_trim_follows_its_command_at_its_rate():
         command = 0.1 if now < 1 else 0.5 if now < 2 else -0.2 if now < 2.5 else 0.4
         brute.append(n)
         n += np.clip(command - n, -0.25e-3, 0.25e-3)
-    np.testing.assert_allclose([neutral.over(0, 8)(now) for now in t], brute, rtol=0, atol=3e-4)
+    np.testing.assert_allclose([neutral.over(0, 8)(now) for now in t], brute, rtol=0, atol=ROUNDING)
     assert neutral.breaks == [0.0, 0.0, 1.0, 2.0, 2.0, 2.5, 2.5, pytest.approx(3.2)]
 
 
@@ -577,7 +592,7 @@ def test_released_state_is_at_rest():
             signals = Signals(trim=[(0.0, 0.01)], dynamic_pressure=[(0.0, 120.0)])
             held = simulate(m, [(0.0, start["force"])], 0.05, times(0.05), start, signals=signals, solver=FAST)
             for name in ("theta", "delta", "x_p"):
-                np.testing.assert_allclose(held[name], start[name], rtol=0, atol=1e-9)
+                np.testing.assert_allclose(held[name], start[name], rtol=0, atol=ROUNDING)
 
 
 def test_release_lets_go_of_the_column():
@@ -633,5 +648,5 @@ def test_tighter_tolerances_and_other_methods_give_the_same(nominal, solver, dur
 def test_full_machine_gives_the_same_by_another_method(full):
     run, _ = full
     other = simulate(FULL, STEP, 0.6, times(0.6), signals=SIGNALS)
-    np.testing.assert_allclose(run["theta"][::100], other["theta"], rtol=0, atol=2e-9)
-    np.testing.assert_allclose(run["delta"][::100], other["delta"], rtol=0, atol=1e-7)
+    np.testing.assert_allclose(run["theta"][::100], other["theta"], rtol=0, atol=METHODS_RAD)
+    np.testing.assert_allclose(run["delta"][::100], other["delta"], rtol=0, atol=METHODS_V)

@@ -88,7 +88,7 @@ def test_a_digital_controller_gets_times_on_its_steps():
     loader = ScenarioOptions(set_=["controller.period=0.3 ms"]).changed(ff.elevator())
     found = scenario(loader, input=InputKind.DOUBLET)
     steps = [time / 3e-4 for time in (found.duration_s, found.sample_s, found.force.start_s, found.force.width_s)]
-    assert steps == pytest.approx([round(step) for step in steps], abs=1e-9)
+    assert steps == pytest.approx([round(step) for step in steps], **EXACT)
     assert found.duration_s == pytest.approx(2.0, abs=found.sample_s)
     assert ff.simulate(loader, found).history.sizes["time_s"] == round(found.duration_s / found.sample_s) + 1
 

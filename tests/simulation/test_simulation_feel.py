@@ -49,6 +49,8 @@ def test_change_does_not_bump_and_then_is_the_new_feel(name):
 PER_ANGLE = LOADER["potentiometer.gain"] * LOADER["linkage.ratio"] * LOADER["column.base_arm"]
 LIMIT, STOP = 0.1, 0.02
 TAKES_HOLD_S = 0.02
+LAG_RAD = 1e-4
+"""A column lags a neutral that moves on at 0.001 rad/s by B / G, 0.03 s of it. Measured: 3e-5."""
 ROUNDING = 1e-12  # effects that are in play only later may round otherwise
 
 
@@ -85,8 +87,8 @@ def test_a_stop_programmed_behind_the_control_lets_it_come_back():
     assert angle[1700] < -2 * STOP
     back = int(np.flatnonzero(angle[1700:] >= -STOP)[0]) + 1700
     np.testing.assert_allclose(angle[: back + 1], freely[: back + 1], rtol=0, atol=ROUNDING)
-    assert (angle[back:] >= -STOP - 1e-12).all()
-    assert (angle[back:] <= STOP + 1e-12).all()
+    assert (angle[back:] >= -STOP - ROUNDING).all()
+    assert (angle[back:] <= STOP + ROUNDING).all()
 
 
 def test_a_stop_never_throws_the_control():
@@ -126,7 +128,7 @@ def test_a_trim_rate_programmed_while_the_neutral_moves_does_not_bump(before, af
     per_radian = LOADER["feel.stiffness"] / LOADER["feel.inertia"]  # of the neutral, 160 rad/s^2: at once it would be 9
     assert jump < natural + per_radian * 1e-3 * abs(after - (before or 0.0)) + 0.02
     reached = 0.1 if before is None else min(0.02 * 1.2 + after * 5.8, 0.1)
-    assert angle[-1] == pytest.approx(reached, abs=2e-3)
+    assert angle[-1] == pytest.approx(reached, abs=LAG_RAD)
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
@@ -135,12 +137,12 @@ def test_grip_is_held_until_it_is_let_go(angle, gains):
     machine = Machine(gains=gains, orifice=True, coulomb_friction=2.0, backlash=0.002, gravity_torque=50.0)
     run = simulate(loader_of(machine), Scenario(Release(angle, 0.1), 1.0), law_of(machine))
     theta = run.history.column_angle_rad.values
-    np.testing.assert_allclose(theta[:101], angle, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(theta[:101], angle, rtol=0, atol=ROUNDING)
     assert abs(theta[150] - angle) > 0.005
     at_once = simulate(
         loader_of(machine), Scenario(Release(angle), 0.9), law_of(machine)
     ).history.column_angle_rad.values
-    np.testing.assert_allclose(theta[100:], at_once, rtol=0, atol=2e-5)
+    np.testing.assert_allclose(theta[100:], at_once, rtol=0, atol=ROUNDING)
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])

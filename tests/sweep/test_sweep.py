@@ -226,7 +226,7 @@ def test_quantiles_and_correlations_are_scipy_s(result):
         assert spread.quantiles == pytest.approx(np.quantile(runs[name].values, QUANTILES), rel=ROUNDING)
         for key in ("load_cell.gain", "linkage.stiffness", "column.inertia"):
             want = scipy.stats.spearmanr(runs[name].values, runs[key].values).statistic
-            assert float(summary.correlations.sel(measure=name, parameter=key)) == pytest.approx(want, abs=1e-12)
+            assert float(summary.correlations.sel(measure=name, parameter=key)) == pytest.approx(want, abs=ROUNDING)
     noise = scipy.stats.norm.ppf(0.975) / math.sqrt(1499)
     assert summary.chance == pytest.approx(noise, rel=ROUNDING)
 
@@ -234,7 +234,7 @@ def test_quantiles_and_correlations_are_scipy_s(result):
 def test_shares_have_wilson_s_interval(result):
     for share in summarize(result).shares:
         want = scipy.stats.binomtest(share.runs, 1500).proportion_ci(method="wilson")
-        assert (share.low, share.high) == pytest.approx((want.low, want.high), abs=1e-12)
+        assert (share.low, share.high) == pytest.approx((want.low, want.high), abs=ROUNDING)
         assert share.share == share.runs / 1500
 
 
@@ -243,7 +243,7 @@ def test_a_force_that_varies_scales_a_linear_loader(result):
     loader = ff.elevator().with_tolerances({**dict.fromkeys(ff.elevator().tolerances), "pilot.force": "10 %"})
     found = run_sweep(Sweep(loader, PUSH, runs=50))
     per_force = found.runs["final_angle_rad"] / found.runs["pilot.force"]
-    assert per_force.values == pytest.approx([found.nominal.final_angle_rad / loader["pilot.force"]] * 50, rel=1e-6)
+    assert per_force.values == pytest.approx([found.nominal.final_angle_rad / loader["pilot.force"]] * 50, rel=ROUNDING)
     assert summarize(found).ranking("final_angle_rad") == [("pilot.force", pytest.approx(1.0))]
 
 

@@ -137,7 +137,8 @@ def test_the_band_is_a_table_too(pages, results):
     rows = np.genfromtxt(pages["tolerances"].parent / "envelope.csv", delimiter=",", names=True)
     assert len(rows) == 501
     assert rows["median_deg"][-1] == pytest.approx(
-        np.degrees(float(results["tolerances"].envelope["column_angle_rad"].sel(edge="median")[-1])), rel=1e-8
+        np.degrees(float(results["tolerances"].envelope["column_angle_rad"].sel(edge="median")[-1])),
+        rel=1e-8,  # written with nine digits
     )
 
 

@@ -29,7 +29,10 @@ ROUGH = ff.elevator().replace(
 )
 LOADERS = {"linear": ff.elevator(), "rough": ROUGH, "digital": ff.digital_elevator()}
 FITS = {"linear": "k,c,J,C_i", "rough": "k,c,J,C_i", "digital": "k,c,J,q_r"}
-ROUNDING = 1e-9
+ROUNDING = 1e-12
+"""Of a signal of 10 V and lines of 20 V^2: sums of 65 lines, and a transform of a thousand points. Measured: 1e-14."""
+SAMPLED = 1e-3
+"""Of a peak: the run here ends on another step and has another step, so that it meets a peak between two samples elsewhere."""
 
 
 def played(found):
@@ -63,14 +66,13 @@ def test_every_limit_holds_on_the_nonlinear_loader(name, kind, experiment):
         "drive": np.abs(found.signal).max(),
     }
     shares = {use.limit.name: peaks[use.limit.name] / use.limit.value for use in found.uses}
-    # The run here ends on another step and has another step: 1e-3 of a peak between two samples.
-    assert all(share <= 1 + 1e-3 for share in shares.values())
-    assert max(shares.values()) >= NEAR - 1e-3
+    assert all(share <= 1 + SAMPLED for share in shares.values())
+    assert max(shares.values()) >= NEAR - SAMPLED
     assert (
         max(shares, key=shares.__getitem__) == found.binding.limit.name
-        or found.binding.share - max(shares.values()) < 1e-3
+        or found.binding.share - max(shares.values()) < SAMPLED
     )
-    assert {use.limit.name: use.share for use in found.uses} == pytest.approx(shares, rel=0.02)
+    assert {use.limit.name: use.share for use in found.uses} == pytest.approx(shares, rel=SAMPLED)
 
 
 def test_defaults_are_the_loader_s_and_a_limit_that_is_given_binds():
@@ -238,7 +240,7 @@ def test_a_law_goes_with_the_whole_loader():
     ):
         excite(ff.elevator(), "J", "servo-closed", PLAN, law)
     with_law, without = (excite(ff.elevator(), "J", "loader", PLAN, it) for it in (law, None))
-    np.testing.assert_allclose(with_law.signal, without.signal, rtol=1e-6, atol=1e-6 * without.peak)
+    np.testing.assert_allclose(with_law.signal, without.signal, rtol=0, atol=ROUNDING * without.peak)
 
 
 def test_a_loader_that_leaves_its_limits_by_itself_is_refused():

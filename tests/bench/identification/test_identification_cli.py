@@ -24,6 +24,14 @@ from tests.identifications import bounded, determined, secrets_in, undetermined
 from tests.pages import words
 
 NOISE = 0.01
+TEN_DIGITS = 1e-9
+"""Relative: a loader file has ten significant digits."""
+NINE_DIGITS = 1e-8
+"""Relative: records are written with nine here."""
+SIX_DIGITS = 5e-6
+"""Relative: the report's numbers have six, and so has its pi. Measured: 2e-6."""
+CIRCLE, CIRCLE_DAMPING = 1e-4, 1e-3
+"""Relative, of a mode without noise whose lines are 0.25 Hz apart, its half-power points 1 Hz. Measured: 2e-6, 8e-5."""
 """Relative, of gain and phase of each line."""
 
 TRUTH = {"linkage.stiffness": 1.08, "linkage.damping": 0.93, "column.inertia": 0.94}
@@ -96,7 +104,7 @@ def test_a_loader_is_identified_from_a_response(identify, tmp_path):
         assert abs(one["estimate"]["value"] - truth) < 4 * one["standard_error"]["value"]
         assert one["standard_error"]["value"] < 0.03 * truth
         assert after[one["parameter"]] / file[one["parameter"]] == pytest.approx(
-            one["estimate"]["value"] / one["file"]["value"], rel=1e-8
+            one["estimate"]["value"] / one["file"]["value"], rel=TEN_DIGITS
         )
     assert re.search(r"k linkage\.stiffness +│ +6108", out)
     assert "loader: found/loader.toml" in out
@@ -269,7 +277,7 @@ def test_a_record_says_everything_by_options(identify, found, tmp_path):
     assert isinstance(record, BenchRecord)
     assert record.experiment == Experiment(Loop.LOADER, Drive.RELEASE)
     assert record.hold == "staircase"
-    np.testing.assert_allclose(record.channels["column_angle"], np.radians(angle), rtol=1e-7)
+    np.testing.assert_allclose(record.channels["column_angle"], np.radians(angle), rtol=NINE_DIGITS)
 
 
 @pytest.mark.parametrize(
@@ -429,8 +437,8 @@ def test_a_resonance_and_its_link(resonance):
         # k goes with w^2 and c with zeta w.
         k = 6107.86 * (w / (2 * np.pi * 12)) ** 2
         c = 16.2016 * (zeta / 0.1) * w / (2 * np.pi * 12)
-        assert reading["linkage.stiffness"]["value"] == pytest.approx(k, rel=1e-5)  # printed with six digits
-        assert reading["linkage.damping"]["value"] == pytest.approx(c, rel=1e-5)
+        assert reading["linkage.stiffness"]["value"] == pytest.approx(k, rel=SIX_DIGITS)
+        assert reading["linkage.damping"]["value"] == pytest.approx(c, rel=SIX_DIGITS)
         assert reading["linkage.stiffness"]["unit"] == "lb/in"
     assert set(found["loader_file"]) == {"resonance_frequency", "resonance_damping_ratio"}
     assert loader["linkage.stiffness"] > 0
@@ -448,8 +456,8 @@ def test_the_lines_for_the_loader_file_are_accepted_by_it(resonance, tmp_path):
     (tmp_path / "new.toml").write_text(text)
     loader = ff.load(tmp_path / "new.toml")
     frequency = float(re.search(r'"([\d.]+) Hz"', lines[0])[1])
-    # 6107.86 lb/in at 12 Hz are 1069650 N/m, printed with six digits.
-    assert loader["linkage.stiffness"] == pytest.approx(1069650 * (frequency / 12) ** 2, rel=1e-5)
+    # 6107.86 lb/in at 12 Hz are 1069650 N/m.
+    assert loader["linkage.stiffness"] == pytest.approx(1069650 * (frequency / 12) ** 2, rel=SIX_DIGITS)
     assert "forcefeel identify fits the whole servo" in " ".join(out.split())
 
 
@@ -482,9 +490,8 @@ def test_a_record_is_turned_into_a_response(resonance, tmp_path):
     assert (status, err) == (0, "")
     found = json.loads(out)
     assert found["output"] == "column_angle"
-    # Lines are 0.25 Hz apart where the half-power points are 1 Hz apart.
-    assert found["circle"]["frequency"]["value"] == pytest.approx(5.0, rel=0.01)
-    assert found["circle"]["damping_ratio"] == pytest.approx(0.1, rel=0.05)
+    assert found["circle"]["frequency"]["value"] == pytest.approx(5.0, rel=CIRCLE)
+    assert found["circle"]["damping_ratio"] == pytest.approx(0.1, rel=CIRCLE_DAMPING)
     assert resonance("elevator", "--data", "sweep.csv", "--channel", "load_pressure")[0] == 2
 
 
