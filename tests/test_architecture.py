@@ -65,3 +65,9 @@ def test_a_floor_is_above_all_that_it_imports(house):
     assert all(level[room] > level[other] for room, others in found.arrows.items() for other in others)
     assert level["cli"] == len(found.floors) - 1
     assert level["errors"] == 0
+
+
+def test_every_room_is_explained(house):
+    page = (DOCS / "architecture.md").read_text(encoding="utf-8")
+    rooms = [room for room in house.House.of().arrows if not room.endswith("/page")]
+    assert [room for room in rooms if f"`{room}`" not in page] == []
