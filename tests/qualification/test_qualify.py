@@ -394,4 +394,4 @@ def test_sweep_forces_have_no_corner():
     assert at == pytest.approx([0.0, 50.0, -30.0, 0.0], abs=50 * ROUNDING)
     slopes = np.diff(force.force_n) / np.diff(force.time_s)
     steepest = max(abs(one - other) for one, other in pairwise(slopes))
-    assert steepest < 0.01 * float(np.max(np.abs(slopes)))
+    assert steepest < 0.01 * float(np.max(np.abs(slopes)))  # a sine's is 2 pi / 1000 of it, from sample to sample
