@@ -79,7 +79,7 @@ def test_the_response_is_that_to_the_drive_between_its_samples(hold):
         2 * np.sum(folded * (found.frequency_hz / images) ** order, axis=0) / np.abs(exact)
     )  # 2: the images after these
     assert np.all(np.abs(found.value / exact - 1) < bound)
-    assert np.max(bound) < 0.01
+    assert np.max(bound) < 1e-3  # the bound asks for something; measured: 3e-5
 
 
 def test_a_measured_input_is_taken_as_sampled():

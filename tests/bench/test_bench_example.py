@@ -33,7 +33,7 @@ def test_records_come_out_the_same(anew, name):
     np.testing.assert_allclose(made.time_s, kept.time_s, rtol=ROUNDING)
     for channel, values in kept.channels.items():
         steps = np.unique(np.round(np.abs(np.diff(values)), 12))
-        assert np.abs(made.channels[channel] - values).max() < ONE_STEP * steps[steps > 0].min() + 1e-9
+        assert np.abs(made.channels[channel] - values).max() < ONE_STEP * steps[steps > 0].min() + 1e-9  # rounding
 
 
 @pytest.mark.parametrize("name", ["servo-closed.csv", "servo-open.csv"])

@@ -180,7 +180,7 @@ def test_engine_follows_the_ideal_on_the_digital_elevator():
     run = ff.simulate(loader, ff.Scenario(ff.Release(0.1), 2.0), design(loader, own))
     angle = run.history.column_angle_rad
     expected = np.interp(angle.time_s.values, np.arange(4001) * PERIOD, ideal(own[0], 0.1, 4001))
-    assert np.abs(angle.values - expected).max() < 0.05 * 0.1
+    assert np.abs(angle.values - expected).max() < 0.05 * 0.1  # what passing the torque on takes; measured: 0.005 * 0.1
 
 
 def test_a_setting_has_the_same_law_in_whatever_company():

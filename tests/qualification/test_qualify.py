@@ -146,7 +146,7 @@ def test_the_reference_of_a_sweep_is_the_programmed_spring(elevator):
     loader = ff.elevator()
     swept = _by(elevator.sections[0].results)["static"].reference.features
     assert swept.gradient.value == pytest.approx(loader["feel.stiffness"] / loader["column.grip_arm"], rel=SLOW)
-    assert swept.stops[1] == pytest.approx(0.97 * THROW, rel=ROUNDING)
+    assert swept.stops[1] == pytest.approx(0.97 * THROW, rel=10 * ROUNDING)
 
 
 def test_a_nonlinear_feel_is_judged_too():
@@ -394,4 +394,4 @@ def test_sweep_forces_have_no_corner():
     assert at == pytest.approx([0.0, 50.0, -30.0, 0.0], abs=50 * ROUNDING)
     slopes = np.diff(force.force_n) / np.diff(force.time_s)
     steepest = max(abs(one - other) for one, other in pairwise(slopes))
-    assert steepest < 0.01 * float(np.max(np.abs(slopes)))
+    assert steepest < 0.01 * float(np.max(np.abs(slopes)))  # a sine's is 2 pi / 1000 of it, from sample to sample

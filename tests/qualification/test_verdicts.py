@@ -112,7 +112,7 @@ def check(verdict, expected, verified, close_to=None):
 
 def batch_of(record, test, reference, overdamped="fall time"):
     """The same by the batch: the quantity it fails by."""
-    free = record.time_s >= HELD - 1e-9
+    free = record.time_s >= HELD - 1e-9  # rounding of a time
     runs = [it.position[free] for it in (record, reference)]
     batch = measure_releases(record.time_s[free], np.stack(runs))
     found = judge_releases(batch[:1], batch[1:], test, travel=TRAVEL, overdamped=overdamped)

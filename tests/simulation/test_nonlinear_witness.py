@@ -214,7 +214,7 @@ def test_fast_digital_controller_tends_to_the_analog_one():
         for t in (1e-3, 5e-4)
     ]
     assert errors[1] < 0.6 * errors[0]  # first order
-    assert errors[0] < 5e-3
+    assert errors[0] < 5e-3  # measured: 2e-3
 
 
 # Dry friction.
@@ -251,7 +251,7 @@ def test_spring_with_dry_friction_loses_4_f_k_per_cycle_and_rests_in_the_dead_zo
     run = simulate(m, [], 2.0, t, {"theta": 0.2})
     np.testing.assert_allclose(run["theta"], expected, rtol=0, atol=SWUNG_RAD)
     assert abs(run["theta"][-1]) * stiffness <= static * m.grip_arm
-    assert np.all(run["theta_rate"][t > start + 1e-9] == 0)
+    assert np.all(run["theta_rate"][t > start + 1e-9] == 0)  # rounding of half a cycle
 
 
 def test_column_breaks_away_at_the_static_and_slides_at_the_coulomb_level():
@@ -269,7 +269,7 @@ def test_stuck_column_is_at_rest_exactly_and_below_the_static_level(nominal):
     stuck = (run["theta_rate"] == 0) & (run["time_s"] != 0.1)  # not where the force has just come on
     torque = 31.375 * run["force"] + 5.9 * run["link_force"]
     assert np.count_nonzero(stuck) > 300
-    assert np.all(np.abs(torque[stuck]) <= 31.375 * 3.0 * (1 + 1e-9))
+    assert np.all(np.abs(torque[stuck]) <= 31.375 * 3.0 * (1 + 1e-9))  # of a guard that is zero
     both = stuck[1:] & stuck[:-1]
     assert np.count_nonzero(np.diff(run["theta"])[both]) < 5  # only where it moved in between
 
@@ -322,7 +322,7 @@ def test_stall_at_supply_pressure_converges_with_its_smoothing():
     ]
     changes = [np.abs(a["x_p"] - b["x_p"]).max() for a, b in pairwise(pistons)]
     assert changes[1] < 0.15 * changes[0]  # in proportion to the width
-    assert changes[1] < 2e-8
+    assert changes[1] < 2e-8  # a fifth of the width; measured: 1e-8
     assert pistons[-1]["p"][-1] == pytest.approx(1200.0, rel=FAST.rtol)
 
 
@@ -362,7 +362,7 @@ def test_backlash_is_the_limit_of_a_small_damper_in_the_gap():
 def test_small_backlash_tends_to_none():
     runs = [simulate(replace(CASE, backlash=b), STEP, 0.5, times(0.5), solver=FAST)["theta"] for b in (0.0, 1e-5, 1e-4)]
     near, far = (np.abs(run - runs[0]).max() for run in runs[1:])
-    assert near < 1e-5
+    assert near < 1e-5  # measured: 2e-6
     assert near < 0.2 * far
 
 
@@ -532,7 +532,7 @@ def feel_acceleration(m, run, trim, pressure, shaker):
     at_column = m.grip_arm * forces + soft + m.feel_quadratic_damping * phi_rate * np.abs(phi_rate)
     given = -m.load_cell_arm * (run["load_cell"] + m.load_cell_offset)
     net = given - m.feel_damping * run["delta_rate"] - m.torque_scale * at_column
-    held = (phi_rate == 0) | (np.abs(phi_rate) >= m.feel_velocity_limit * (1 - 1e-12))
+    held = (phi_rate == 0) | (np.abs(phi_rate) >= m.feel_velocity_limit * (1 - 1e-12))  # rounding
     return np.where(held, 0.0, net) / m.feel_inertia
 
 
@@ -599,7 +599,7 @@ def test_release_lets_go_of_the_column():
     start = release(CASE, 0.1)
     run = simulate(CASE, [], 1.0, times(1.0), start, solver=FAST)
     assert run["theta"][0] == 0.1
-    assert abs(run["theta"][-1]) < 0.02
+    assert abs(run["theta"][-1]) < 0.02  # a fifth of it; measured: 2e-3
 
 
 def test_energy_is_conserved_and_dissipated():
@@ -627,7 +627,7 @@ def test_energy_is_conserved_and_dissipated():
     assert audit["dissipated"][-1] > 70
     # Each event costs the quadrature about the jump of the power times the step.
     assert np.abs(balance).max() < 0.02
-    assert np.diff(audit["dissipated"]).min() > -1e-3
+    assert np.diff(audit["dissipated"]).min() > -1e-6  # rounding beside 70; measured: -7e-9
 
 
 @pytest.mark.parametrize(

@@ -145,7 +145,7 @@ def test_step_is_of_fourth_order(gains):
     errors = [np.abs(angles(stepped, step)[1] - truth).max() / TRAVEL for step in STEPS]
     slopes = [np.log2(a / b) for a, b in pairwise(errors)]
     assert min(slopes) > 3.7
-    assert errors[1] < 5e-8
+    assert errors[1] < 5e-8  # measured: 2e-8
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
@@ -157,7 +157,7 @@ def test_smooth_nonlinear_step_is_of_fourth_order_where_it_matters(gains):
     _, finest = angles(machine, 2e-5)
     errors = [np.abs(angles(machine, step)[1] - finest).max() / TRAVEL for step in STEPS]
     assert np.log2(errors[0] / errors[1]) > 3.5
-    assert errors[2] < 5e-7
+    assert errors[2] < 5e-7  # measured: 2e-7
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
@@ -165,5 +165,5 @@ def test_slaving_costs_a_millionth_at_any_step(gains):
     exact = Machine(gains=gains)
     _, truth = angles(exact, 2e-3)
     errors = [np.abs(angles(replace(exact, current_limit=1e4), h)[1] - truth).max() / TRAVEL for h in (*STEPS, 2e-5)]
-    assert max(errors) < 1e-6
+    assert max(errors) < 1e-6  # measured: 4e-7
     assert min(errors) > 1e-8  # it is there

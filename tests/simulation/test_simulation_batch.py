@@ -11,6 +11,8 @@ from forcefeel.simulation.inputs import Step
 from forcefeel.simulation.outcome import MEASURES, outputs
 from tests.side_by_side import LB
 
+ROUNDING_S = 1e-9
+"""Of times that are whole steps of a millisecond."""
 SUMMED = 1e-12
 """Relative, and of numbers about one: sums in another order, and times k h of one product or another. Measured: 4e-15."""
 
@@ -82,8 +84,8 @@ def test_member_that_diverges_leaves_the_others_alone(batch, values):
     assert found.status.values[5] == "diverged"
     at = found.diverged_at_s.values[5]
     angle = found.column_angle_rad.values[5]
-    assert np.all(np.isfinite(angle[found.time_s.values < at - 1e-9]))
-    assert np.all(np.isnan(angle[found.time_s.values > at + 1e-9]))
+    assert np.all(np.isfinite(angle[found.time_s.values < at - ROUNDING_S]))
+    assert np.all(np.isnan(angle[found.time_s.values > at + ROUNDING_S]))
     assert np.abs(angle[round(at * 1000) - 1]) < 10
 
 

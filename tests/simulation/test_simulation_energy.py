@@ -80,9 +80,9 @@ def test_balance_closes_with_the_square_of_the_step(name):
     for step in (1e-3, 2.5e-4, 1e-4):
         made, work = audit(machine, step)
         errors.append(np.abs(made).max() / work)
-    assert errors[0] < 3e-4
+    assert errors[0] < 3e-4  # measured: 5e-5
     assert errors[1] < errors[0] / 4 + 2e-5  # the slaving's share
-    assert errors[2] < 4e-5
+    assert errors[2] < 1e-5  # measured: 1e-6
 
 
 @pytest.mark.parametrize("name", ["backlash", "stops"])
@@ -91,7 +91,7 @@ def test_contact_makes_no_energy(name):
     machine = Machine(**CLOSED | PASSIVE[name])
     for step in (1e-3, 2.5e-4):
         made, work = audit(machine, step)
-        assert made.max() < 0.02 * work * step / 1e-3
+        assert made.max() < 0.02 * work * step / 1e-3  # of the first order in the step
 
 
 @pytest.mark.parametrize(

@@ -159,4 +159,4 @@ def test_nobody_at_the_grip_is_rest(gains):
     )
     theta = simulate(loader_of(machine), Scenario(HandsOff(), 2.0), law_of(machine)).history.column_angle_rad.values
     assert abs(theta[0]) > 1e-4
-    assert np.ptp(theta) < 1e-12
+    assert np.ptp(theta) < ROUNDING

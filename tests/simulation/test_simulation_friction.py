@@ -46,7 +46,7 @@ def test_column_breaks_away_at_the_static_and_slides_at_the_coulomb_level():
             assert np.all(rate_of[t <= breaks] == 0)
             assert np.all(rate_of[t > breaks + step] > 0)  # within the step, not the sample
             errors.append(np.abs(theta - expected).max() / theta.max())
-        assert max(errors) < 1e-5
+        assert max(errors) < 1e-5  # measured: 6e-6
         assert errors[2] < errors[0] + LINK  # no worse with smaller steps: what is left is the link
 
 
@@ -106,8 +106,8 @@ def test_hunting_of_a_stuck_column_is_the_witness_s(gains):
     reference = case.witness(replace(WITNESS, events=events))
     assert [name for _, name in events].count("break-away") > 10
     coarse, fine = case.errors(reference, 1e-3, 2.5e-4)
-    assert coarse < 1e-5
-    assert fine < 5e-6
+    assert coarse < 1e-5  # measured: 2e-6
+    assert fine < 5e-6  # measured: 5e-7
 
 
 @given(
@@ -130,7 +130,7 @@ def test_friction_law_holds_at_every_step(coulomb, extra, amplitude, step_s):
     torque += machine_arm * machine.area * history.load_pressure_pa.values / PSI
     stuck = rate == 0
     level = machine.grip_arm * (coulomb + extra)
-    assert np.all(np.abs(torque[stuck]) <= level * (1 + 1e-9))
+    assert np.all(np.abs(torque[stuck]) <= level * (1 + 1e-9))  # rounding of pressures of a thousand lb/in^2
     both = stuck[1:] & stuck[:-1]
     # Between two samples at rest it may have slipped within one step and stuck again, by less than that step allows.
     assert np.abs(np.diff(theta)[both]).max(initial=0.0) < 1.0 * step_s**2
@@ -147,4 +147,4 @@ def test_released_column_ends_where_friction_holds_it(coulomb, angle):
     machine = replace(COLUMN, arm_stiffness=6.0, coulomb_friction=coulomb, viscous_friction=100.0)
     theta, rate = angle_and_velocity(run_of(machine, Release(angle), 3.0, 1e-3, 1e-2))
     assert rate[-1] == 0
-    assert abs(theta[-1]) * 6.0 * machine.grip_arm <= coulomb * (1 + 1e-6) + 1e-3
+    assert abs(theta[-1]) * 6.0 * machine.grip_arm <= coulomb * (1 + 1e-6) + 1e-3  # lb in

@@ -53,6 +53,8 @@ RELEASED = 1e-3
 """What 0.2 % of noise leaves of the link of a release, all else being known. Measured: 8e-5."""
 QUIET_FRICTION, QUIET_BREAKAWAY = 2e-3, 0.01
 """What 0.3 % of noise leaves of a friction and of a breakaway force, which tells by single jumps. Measured: 2e-4, 6e-4."""
+SPARSE = 0.05
+"""Of a value where every third sample is missing."""
 SOFTER = 5e-4
 """What 0.2 % of noise leaves of a stiffness alone. Measured: 3e-5."""
 STEPS = 1e-3
@@ -192,9 +194,9 @@ def test_uneven_samples_are_compared_where_they_are(loader):
     data = push_record(noise=0.01)
     kept = np.arange(len(data.time_s)) % 3 != 1
     sparse = replace(data, time_s=data.time_s[kept], channels={k: v[kept] for k, v in data.channels.items()})
-    # Where a sample is missing the force is taken as straight, which it is to some 1 % at 10 Hz.
+    # Where a sample is missing the force is taken as straight, which it is to some 1 % at 10 Hz. Measured: 5e-3.
     found = identify(loader, [sparse], "k,c,J,C_i,F_c", starts=1)
-    assert max(error for symbol, error in errors(found).items() if symbol != "F_c") < 0.05
+    assert max(error for symbol, error in errors(found).items() if symbol != "F_c") < SPARSE
 
 
 def test_what_a_record_does_not_excite_is_not_reported(loader):
