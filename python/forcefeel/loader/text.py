@@ -49,7 +49,7 @@ def write(contents: Contents, units: UnitSystem) -> str:
     values, curves, tolerances = contents.values, contents.curves, contents.tolerances
     templates = environment(html=False)
     templates.filters["toml"] = _toml_string
-    return templates.get_template("loader.toml.j2").render(
+    return templates.get_template("loader/loader.toml.j2").render(
         name=contents.name,
         source=contents.source,
         parts=PARTS,

@@ -52,9 +52,9 @@ def sweep_json(result: SweepResult, summary: Summary, units: UnitSystem) -> dict
 
 def whose_law(sweep: Sweep) -> str:
     """Which machines have the same law."""
-    if sweep.compensator is None:
-        return "by each machine's own parameters"
-    return "designed anew for each setting of the feel" if sweep.redesigned else "one for all machines"
+    if sweep.redesigned:
+        return "designed anew for each setting of the feel"
+    return "by each machine's own parameters" if sweep.nominal_law.numbers is None else "one for all machines"
 
 
 def _without_unknown(share: Json) -> Json:

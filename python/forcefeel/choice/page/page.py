@@ -19,7 +19,7 @@ def choice_page(scored: Scored, choice: Choice | None, units: UnitSystem) -> str
     shown = _shown(scored, choice)
     over = any(score.over for score in scored.scores)
     return render(
-        "choice.html.j2",
+        "choice/page/choice.html.j2",
         loader=plan.given,
         plan=plan,
         conclusions=design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units),

@@ -52,7 +52,7 @@ def page(design: Design, drawn: tuple[Figure, ...], files: tuple[str, ...], unit
         units: The units of every number.
     """
     return render(
-        "report.html.j2",
+        "design/page/report.html.j2",
         design=design,
         loader=design.loader,
         conclusions=conclusions(design, units),

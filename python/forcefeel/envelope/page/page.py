@@ -18,7 +18,7 @@ def envelope_page(found: Envelope, units: UnitSystem) -> str:
     plan = found.plan
     shares = [(name, found.shares(name)) for name in found.compensators]
     return render(
-        "envelope.html.j2",
+        "envelope/page/envelope.html.j2",
         loader=plan.given,
         plan=plan,
         conclusions=envelope_conclusions(found, units),

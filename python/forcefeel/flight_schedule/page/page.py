@@ -15,7 +15,7 @@ def schedule_page(found: ScheduleCheck, units: UnitSystem) -> str:
     """The whole page, numbers in ``units``."""
     schedule = found.schedule
     return render(
-        "schedule.html.j2",
+        "flight_schedule/page/schedule.html.j2",
         loader=schedule.loader,
         schedule=schedule,
         found=found,

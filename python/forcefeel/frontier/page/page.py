@@ -17,7 +17,7 @@ def frontier_page(found: Frontier, units: UnitSystem) -> str:
     """The whole page, numbers in ``units``."""
     plan = found.plan
     return render(
-        "frontier.html.j2",
+        "frontier/page/frontier.html.j2",
         loader=plan.given,
         plan=plan,
         law=name_text(found.compensator),

@@ -62,7 +62,7 @@ def qualification_page(found: Qualification, beside: tuple[str, ...]) -> str:
         beside: Names of the files beside it.
     """
     return render(
-        "qualification.html.j2",
+        "qualification/page/qualification.html.j2",
         found=found,
         conclusions=conclusions(found),
         summary=qualification_tables.summary(found),

@@ -30,7 +30,7 @@ def simulation_page(run: Run, units: UnitSystem, law: str = "original") -> str:
         law: What the law that drove the servo is called.
     """
     return render(
-        "simulation.html.j2",
+        "simulation/page/simulation.html.j2",
         loader=run.loader,
         subject=input_in_words(run.scenario.force, units),
         conclusions=run_conclusions(run, units),

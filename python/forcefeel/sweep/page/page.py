@@ -44,7 +44,7 @@ def sweep_page(result: SweepResult, summary: Summary, units: UnitSystem, law: st
     over_grid = bool(sweep.axes)
     random = bool(sweep.varied)
     return render(
-        "sweep.html.j2",
+        "sweep/page/sweep.html.j2",
         loader=sweep.loader,
         sweep=sweep,
         kind="Grid over settings" if over_grid else "Monte Carlo over tolerances",

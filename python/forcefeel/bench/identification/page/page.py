@@ -32,7 +32,7 @@ def identification_page(
     """
     responses = [one for one in found.fitted if isinstance(one.data, Response)]
     return render(
-        "identification.html.j2",
+        "bench/identification/page/identification.html.j2",
         loader=found.before,
         found=found,
         conclusions=identification_conclusions(found, units),
