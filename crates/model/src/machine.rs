@@ -17,7 +17,7 @@ mod slow;
 mod touch;
 
 pub use digital::Memory;
-pub use rest::{Rest, SEARCH_RAD};
+pub use rest::{REST_NUMBERS, Rest, SEARCH_RAD};
 
 use crate::Scalar;
 use crate::column_motion::ColumnMotion;
@@ -354,7 +354,7 @@ impl<S: Scalar> Machine<S> {
         let k_2 = self.stage(shared, state, inputs, begun, &start.moved(&k_1, half, analog), Moment::Half);
         let k_3 = self.stage(shared, state, inputs, begun, &start.moved(&k_2, half, analog), Moment::Half);
         let k_4 = self.stage(shared, state, inputs, begun, &start.moved(&k_3, h, analog), Moment::End);
-        let total = Slow::weighted(&k_1, &k_2, &k_3, &k_4);
+        let total = Slow::weighted(&[k_1, k_2, k_3, k_4]);
         state.slow = start.moved(&total, self.step.times(1.0 / 6.0), analog);
         self.touch(shared, state, inputs, &start, begun);
         if analog {

@@ -1,4 +1,4 @@
-//! Many runs: sixteen side by side in vector lanes, groups of sixteen over the cores.
+//! Many runs: side by side in vector lanes, groups of sixteen over the cores.
 //!
 //! A run's numbers depend on its own parameters, its seed and its index alone, never on its neighbours or on the number of
 //! threads. A last group that is not full is filled up with copies of its last run.
@@ -7,7 +7,7 @@ use crate::lanes::{LANES, Lanes, Wide, return_on_vectors};
 use crate::measures::{MEASURES, Peaks, measure};
 use crate::noise::Noise;
 use crate::pair::Pair;
-use crate::simulate::{FeelChange, Middles, Record, Start, run};
+use crate::simulate::{Beginning, FeelChange, Middles, Record, Start, run};
 use crate::threads::pool;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
@@ -175,7 +175,11 @@ impl Job<'_> {
     /// A group on the widest instructions that the machine has; a run alone needs none.
     fn dispatch(&self, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
         if self.values.len() > 1 {
-            return_on_vectors!(level, simd => self.vectorized(simd, first, measures, histories));
+            return_on_vectors!(
+                level,
+                simd => self.vectorized::<_, Pair<Lanes<_>>>(simd, first, measures, histories),
+                simd => self.in_eights(simd, first, measures, histories)
+            );
         }
         let size = self.outputs.len() * self.samples();
         for (k, measures) in measures.iter_mut().enumerate() {
@@ -184,27 +188,54 @@ impl Job<'_> {
         }
     }
 
-    #[inline(always)]
-    fn vectorized<S: Simd>(&self, simd: S, first: usize, measures: &mut [Values], histories: &mut [f64]) {
-        simd.vectorize(
-            #[inline(always)]
-            || self.group::<Pair<Lanes<S>>>(simd, first, measures, histories),
-        );
+    /// Eight and eight: numbers that take several registers have company enough in one another.
+    fn in_eights<S: Simd>(&self, simd: S, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+        let size = self.outputs.len() * self.samples();
+        for (part, measures) in measures.chunks_mut(LANES).enumerate() {
+            let from = part * LANES;
+            let histories = &mut histories[from * size..(from + measures.len()) * size];
+            self.vectorized::<_, Lanes<S>>(simd, first + from, measures, histories);
+        }
     }
 
     #[inline(always)]
-    fn group<T: Wide>(&self, token: T::Token, first: usize, measures: &mut [Values], histories: &mut [f64]) {
-        let member = |lane: usize| (first + lane).min(self.values.len() - 1);
-        let wide = |of: &dyn Fn(usize) -> f64| T::gather(token, |lane| of(member(lane)));
+    fn vectorized<S: Simd, T: Wide<Token = S>>(
+        &self,
+        simd: S,
+        first: usize,
+        measures: &mut [Values],
+        histories: &mut [f64],
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.group::<T>(simd, first, measures, histories),
+        );
+    }
+
+    /// The loaders of a group of runs, and their parameters.
+    #[inline(always)]
+    fn machines<T: Scalar>(&self, wide: impl Fn(&dyn Fn(usize) -> f64) -> T + Copy) -> (Parameters<T>, Machine<T>) {
         let parameters = Parameters::from_values(&core::array::from_fn(|k| wide(&|run| self.values[run][k])));
-        let law = self.law.compensator(&parameters, wide);
-        let mut machine = Machine::new(&parameters, law, &self.shared);
+        let mut machine = Machine::new(&parameters, self.law.compensator(&parameters, wide), &self.shared);
         if let Some(observer) = self.law.observer(wide) {
             machine = machine.with_observer(observer);
         }
         if let Some(scale) = self.force_scale {
             machine = machine.with_force_scale(wide(&|run| scale[run]));
         }
+        (parameters, machine)
+    }
+
+    /// Where a run begins, found for it alone: a search in lanes would be compiled for each of the vector instructions.
+    fn beginning(&self, run: usize) -> Beginning<f64> {
+        self.start.of(&self.machines(|of| of(run)).1, &self.shared, self.inputs)
+    }
+
+    #[inline(always)]
+    fn group<T: Wide>(&self, token: T::Token, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+        let member = |lane: usize| (first + lane).min(self.values.len() - 1);
+        let wide = |of: &dyn Fn(usize) -> f64| T::gather(token, |lane| of(member(lane)));
+        let (parameters, mut machine) = self.machines(wide);
         let changes: Vec<FeelChange<T>> = self.changes.iter().map(|change| change.of(&parameters)).collect();
         let (seed, first_run) = self.noise;
         let mut noise = Noise::new(seed, (0..T::RUNS).map(|lane| first_run + member(lane) as u64));
@@ -217,7 +248,10 @@ impl Job<'_> {
             angles: Vec::with_capacity(self.samples()),
             kept: Vec::with_capacity(self.samples() * self.outputs.len()),
         };
-        run(&mut machine, &self.shared, self.start, self.inputs, &changes, || noise.next(token), &mut recorder);
+        let runs = first..(first + T::RUNS).min(self.values.len());
+        let beginnings: Vec<_> = runs.map(|run| self.beginning(run)).collect();
+        let beginning = Beginning::gathered(token, &beginnings);
+        run(&mut machine, &self.shared, &beginning, self.inputs, &changes, || noise.next(token), &mut recorder);
         recorder.write(histories);
         let Recorder { peaks, angles, .. } = recorder;
         let dt = match self.sampling {

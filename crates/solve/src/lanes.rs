@@ -174,18 +174,22 @@ impl<S: Simd> Scalar for Lanes<S> {
     }
 }
 
-/// Returns what `$run` gives with `$simd`, the widest vector instructions that the machine has; goes on where it has none.
+/// Returns what `$run` gives with `$simd`, the widest vector instructions that the machine has; goes on where it has none. Those whose
+/// registers hold a number of eight runs, and those that need several, may be given different things to do.
 macro_rules! return_on_vectors {
     ($level:expr, $simd:ident => $run:expr) => {
+        return_on_vectors!($level, $simd => $run, $simd => $run);
+    };
+    ($level:expr, $whole:ident => $in_one:expr, $parted:ident => $in_several:expr) => {
         #[cfg(target_arch = "x86_64")]
-        if let Some($simd) = $level.as_avx512() {
-            return $run;
-        } else if let Some($simd) = $level.as_avx2() {
-            return $run;
+        if let Some($whole) = $level.as_avx512() {
+            return $in_one;
+        } else if let Some($parted) = $level.as_avx2() {
+            return $in_several;
         }
         #[cfg(target_arch = "aarch64")]
-        if let Some($simd) = $level.as_neon() {
-            return $run;
+        if let Some($parted) = $level.as_neon() {
+            return $in_several;
         }
         let _ = $level;
     };

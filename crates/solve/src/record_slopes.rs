@@ -75,7 +75,8 @@ impl SlopeJob<'_> {
         let changes: Vec<FeelChange<Dual>> = job.changes.iter().map(|change| change.of(&parameters)).collect();
         let none = || [Dual::constant(0.0); SENSORS];
         let mut recorder = Recorder { job: self, parameters: &parameters, sample: 0, slopes, values };
-        run(&mut machine, &shared, job.start, job.inputs, &changes, none, &mut recorder);
+        let beginning = job.start.of(&machine, &shared, job.inputs);
+        run(&mut machine, &shared, &beginning, job.inputs, &changes, none, &mut recorder);
     }
 }
 

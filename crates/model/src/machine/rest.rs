@@ -6,6 +6,9 @@
 //! stretch of the link and so the piston, and the law the command. `delta` is where the flow that the command asks for is the
 //! one that is lost; for a given pilot force, `theta` is where that force holds the column. A feel computer that is deaf stays at
 //! neutral; then it is `p` at which the flows agree.
+//!
+//! A search is thousands of evaluations in a row, once a run: it is left to the compiler what of it is inlined, and vector lanes
+//! find their states of rest one by one.
 
 use super::{Machine, Shared, State};
 use crate::Scalar;
@@ -15,6 +18,9 @@ use crate::feel_law::Surroundings;
 use crate::machine::slow::Slow;
 use crate::observer::SAMPLED;
 use crate::transducers::Seen;
+
+/// Numbers of a [`Rest`].
+pub const REST_NUMBERS: usize = 7;
 
 /// A loader at rest, from which a run starts.
 #[derive(Debug, Clone, Copy)]
@@ -36,11 +42,21 @@ impl<S: Scalar> Rest<S> {
     pub(super) fn neutral(zero: S) -> Self {
         Self { base: zero, piston: zero, delta: zero, neutral: zero, pressure: zero, command: zero, pilot_force: zero }
     }
+
+    /// What makes it out.
+    pub fn numbers(&self) -> [S; REST_NUMBERS] {
+        [self.base, self.piston, self.delta, self.neutral, self.pressure, self.command, self.pilot_force]
+    }
+
+    /// The one that these make out.
+    #[inline(always)]
+    pub fn from_numbers(&[base, piston, delta, neutral, pressure, command, pilot_force]: &[S; REST_NUMBERS]) -> Self {
+        Self { base, piston, delta, neutral, pressure, command, pilot_force }
+    }
 }
 
 impl<S: Scalar> Machine<S> {
     /// The loader at rest with the column held at the angle `theta` and the neutral trimmed to `trim`, both in rad.
-    #[inline(always)]
     pub fn held_at(&self, shared: &Shared, theta: S, trim: S, stiffness_factor: S) -> Rest<S> {
         let x_b = theta / self.per_base;
         let neutral = trim * self.feel.per_angle;
@@ -66,7 +82,6 @@ impl<S: Scalar> Machine<S> {
     }
 
     /// The loader at rest under the pilot's force.
-    #[inline(always)]
     pub fn held_by(&self, shared: &Shared, force: S, trim: S, stiffness_factor: S) -> Rest<S> {
         let reach = force.constant(SEARCH_RAD);
         bisect((-reach, reach), Rest::neutral(reach.zero()), |theta| {
@@ -76,21 +91,18 @@ impl<S: Scalar> Machine<S> {
     }
 
     /// Whether the feel computer hears nothing of the load cell, as in a servo on its own.
-    #[inline(always)]
     fn is_deaf(&self) -> bool {
         let arm = self.law.load_cell_arm;
         !S::any(arm.zero().less(arm.abs()))
     }
 
     /// Whether nothing brings the piston back: the amplifier is open.
-    #[inline(always)]
     pub fn drifts(&self) -> bool {
         let follows = self.law.gains[0];
         self.is_deaf() && !S::any(follows.zero().less(follows.abs()))
     }
 
     /// Load pressure at which the feel computer hears what its spring asks for at a programmed displacement, and the link's stretch.
-    #[inline(always)]
     fn heard(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, S) {
         let effects = &shared.effects;
         // S(delta) = T                                                                            eq. (11) at rest
@@ -101,7 +113,6 @@ impl<S: Scalar> Machine<S> {
 
     /// What holds at rest for a base, a programmed displacement and its neutral, and a load pressure with the link's stretch, and the flow
     /// that is then left over.
-    #[inline(always)]
     fn standing(&self, shared: &Shared, [x_b, delta, neutral]: [S; 3], (p, stretch): (S, S)) -> (S, Rest<S>) {
         let effects = &shared.effects;
         let zero = delta.zero();
@@ -122,7 +133,6 @@ impl<S: Scalar> Machine<S> {
     }
 
     /// Load pressure at which the load cell is heard as the torque `T`, `T = -r (F_c + F_0)`, and the link's stretch.
-    #[inline(always)]
     fn heard_rest(&self, torque: S) -> (S, S) {
         let p = (-torque / self.law.load_cell_arm - self.transducers.offset[0]) * self.per_area;
         (p, self.balance.stretch_at_rest(p))
@@ -131,7 +141,6 @@ impl<S: Scalar> Machine<S> {
     /// Load pressure and stretch at which an observer hears the torque `T` at rest, `T = t_F F_c + t_x x_p + t_theta theta + t_delta delta`.
     ///
     /// Where the piston hangs free within the link's play, there is no pressure, and the law says where it hangs.
-    #[inline(always)]
     fn observed_rest(&self, x_b: S, delta: S, torque: S) -> (S, S) {
         let [per_force, per_piston, per_angle, per_delta] = self.observer.torque_at_rest();
         let [force, piston, angle] = self.sampled_at_rest(x_b, self.balance.ratio * x_b, x_b.zero());
