@@ -3,12 +3,13 @@
 //! A run's numbers depend on its own parameters, its seed and its index alone, never on its neighbours or on the number of
 //! threads. A last group that is not full is filled up with copies of its last run.
 
-use crate::lanes::{LANES, Lanes, Wide, return_on_vectors};
+use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::measures::{MEASURES, Peaks, measure};
 use crate::noise::Noise;
 use crate::pair::Pair;
 use crate::simulate::{Beginning, FeelChange, Middles, Record, Start, run};
 use crate::threads::pool;
+use crate::wide::Wide;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;

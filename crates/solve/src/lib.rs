@@ -9,7 +9,7 @@
 //! | gains for many feel settings of one plant | [`schedule`] |
 //! | a run in time | [`simulate`] |
 //! | the programmed feel alone, in time | [`feel_alone`](mod@feel_alone) |
-//! | many runs, in vector lanes over the cores | [`batch`], [`lanes`] |
+//! | many runs, in vector lanes over the cores | [`batch`], [`lanes`], [`wide`] |
 //! | runs and their slopes along parameters | [`record_slopes`] |
 //! | what is asked of a run | [`measures`] |
 //! | stability of many loops, proved | [`stability`], [`bounded`] |
@@ -25,7 +25,6 @@ pub mod batch;
 pub mod bounded;
 pub mod discretize;
 pub mod feel_alone;
-pub mod fused;
 pub mod lanes;
 pub mod linear_batch;
 pub mod linearize;
@@ -46,6 +45,7 @@ pub mod slopes;
 pub mod stability;
 mod threads;
 pub mod transition;
+pub mod wide;
 
 pub use discretize::discretize;
 pub use linearize::{StateSpace, linearize};

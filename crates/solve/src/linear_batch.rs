@@ -8,12 +8,12 @@
 //! which takes nine products a sample and output instead of the seventy-two of a step, none of which waits for another.
 
 use crate::balance::balance;
-use crate::fused::Fused;
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::simulate::Start;
 use crate::threads::pool;
 use crate::transition::{Transition, Vector, combined, dot, plus_times, product, solve, times_vector, transposed};
+use crate::wide::Fused;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::loader::{Compliant, System};
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! Records of a bench and their slopes: how a run's channels change with a parameter, exactly.
 //!
-//! Every run goes once for each parameter, on dual numbers along it; these pairs of run and parameter go over the threads. The rest that
+//! Every run goes once for each parameter, on dual numbers along it; these pairs of run and parameter go over the threads. The equilibrium that
 //! a run begins from moves with the parameters, too. Dry friction, orifice, stops and limits stay as they are: between two
 //! switches a run is smooth.
 //!

@@ -11,12 +11,12 @@
 //! `x_{k+16} = Phi^16 x_k`, `Phi = exp(A h)`. The state at the start is the one at rest under the hand that holds the grip.
 
 use crate::balance::balance;
-use crate::fused::Fused;
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::stability::{Verdict, hurwitz, verdict};
 use crate::threads::pool;
 use crate::transition::{Transition, Vector, combined, dot, product, solve, transposed};
+use crate::wide::Fused;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::loader::{Compliant, System};
 use rayon::prelude::*;

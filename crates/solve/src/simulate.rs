@@ -1,8 +1,8 @@
 //! Runs in time: one loader, or several side by side, through the steps of their inputs.
 
-use crate::lanes::Wide;
+use crate::wide::Wide;
 use forcefeel_model::Scalar;
-use forcefeel_model::machine::{Begun, Inputs, Machine, Now, Rest, Shared};
+use forcefeel_model::machine::{Begun, Equilibrium, Inputs, Machine, Now, Shared};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
@@ -10,17 +10,17 @@ use forcefeel_model::transducers::SENSORS;
 /// Where a run begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Start {
-    /// At rest under this pilot force in N; at neutral where the amplifier is open and there is no rest.
+    /// At rest under this pilot force in N; at neutral where the amplifier is open and there is no equilibrium.
     Under(f64),
-    /// At rest, the grip held at this angle in rad up to the start of this step.
+    /// In equilibrium, the grip held at this angle in rad up to the start of this step.
     Held(f64, usize),
 }
 
 /// Where a run begins, found.
 #[derive(Debug, Clone, Copy)]
 pub struct Beginning<S> {
-    /// The loader at rest.
-    pub rest: Rest<S>,
+    /// The loader in equilibrium.
+    pub equilibrium: Equilibrium<S>,
     /// Up to which step a hand holds the grip.
     pub held_until: usize,
 }
@@ -29,29 +29,29 @@ impl<T: Wide> Beginning<T> {
     /// Those of several runs side by side; the last one again where there are no more.
     #[inline(always)]
     pub fn gathered(token: T::Token, runs: &[Beginning<f64>]) -> Self {
-        let numbers: Vec<_> = runs.iter().map(|run| run.rest.numbers()).collect();
+        let numbers: Vec<_> = runs.iter().map(|run| run.equilibrium.numbers()).collect();
         let last = runs.len() - 1;
-        let rest = core::array::from_fn(|k| T::gather(token, |lane| numbers[lane.min(last)][k]));
-        Self { rest: Rest::from_numbers(&rest), held_until: runs[last].held_until }
+        let equilibrium = core::array::from_fn(|k| T::gather(token, |lane| numbers[lane.min(last)][k]));
+        Self { equilibrium: Equilibrium::from_numbers(&equilibrium), held_until: runs[last].held_until }
     }
 }
 
 impl Start {
-    /// The loader at rest, under the first of `inputs`.
+    /// The loader in equilibrium, under the first of `inputs`.
     pub fn of<S: Scalar>(self, machine: &Machine<S>, shared: &Shared, inputs: &[Inputs]) -> Beginning<S> {
         let first = inputs.first().unwrap_or(&Inputs::NONE);
         let like = machine.per_base();
         let [trim, factor] = [first.trim[0], first.stiffness_factor[0]].map(|value| like.constant(value));
         let held_at = |angle: f64| machine.held_at(shared, like.constant(angle), trim, factor);
         match self {
-            Self::Held(angle, step) => Beginning { rest: held_at(angle), held_until: step },
+            Self::Held(angle, step) => Beginning { equilibrium: held_at(angle), held_until: step },
             // Where the amplifier is open nothing brings the column back, so it begins at neutral.
             Self::Under(force)
                 if (shared.effects.biased || force != 0.0 || first.trim[0] != 0.0) && !machine.drifts() =>
             {
-                Beginning { rest: machine.held_by(shared, machine.force(force), trim, factor), held_until: 0 }
+                Beginning { equilibrium: machine.held_by(shared, machine.force(force), trim, factor), held_until: 0 }
             }
-            Self::Under(_) => Beginning { rest: held_at(0.0), held_until: 0 },
+            Self::Under(_) => Beginning { equilibrium: held_at(0.0), held_until: 0 },
         }
     }
 }
@@ -105,10 +105,10 @@ pub fn run<S: Scalar>(
     if inputs.is_empty() {
         return;
     }
-    let &Beginning { ref rest, held_until } = beginning;
-    let (mut state, mut memory) = (machine.start(shared, rest), machine.remember(rest));
+    let &Beginning { ref equilibrium, held_until } = beginning;
+    let (mut state, mut memory) = (machine.start(shared, equilibrium), machine.remember(equilibrium));
     let mut changes = changes.iter().peekable();
-    Machine::hold(&mut state, rest);
+    Machine::hold(&mut state, equilibrium);
     if held_until == 0 {
         Machine::let_go(&mut state);
     }

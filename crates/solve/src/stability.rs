@@ -22,11 +22,11 @@
 
 use crate::balance::balance;
 use crate::bounded::Bounded;
-use crate::fused::Fused;
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix};
 use crate::poles::poles;
 use crate::threads::pool;
+use crate::wide::Fused;
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 

@@ -1,6 +1,7 @@
 //! The feel computer's share of a step.
 
-use super::{Inputs, Machine, Moment, Shared, State};
+use super::inputs::{Inputs, Moment};
+use super::{Machine, Shared, State};
 use crate::Scalar;
 use crate::effects::Effects;
 use crate::feel_computer::FeelComputer;
