@@ -11,7 +11,7 @@ use crate::contact::Push;
 use crate::curve::Curve;
 use crate::dry_friction::{DryFriction, Grip};
 use crate::effects::Effects;
-use crate::feel_law::{FeelLaw, Surroundings};
+use crate::feel::{FeelLaw, Surroundings};
 use crate::machine::SEARCH_RAD;
 
 /// A feel, or two while the one is changed into the other.

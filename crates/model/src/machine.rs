@@ -27,18 +27,18 @@ pub use equilibrium::{EQUILIBRIUM_NUMBERS, Equilibrium, SEARCH_RAD};
 pub use inputs::Inputs;
 
 use crate::Scalar;
-use crate::column_motion::ColumnMotion;
+use crate::column::ColumnMotion;
 use crate::compensator::Compensator;
 use crate::controller::{Converters, Timing};
 use crate::curve::Curve;
 use crate::dry_friction::Grip;
 use crate::effects::Effects;
-use crate::feel_law::FeelLaw;
+use crate::feel::FeelLaw;
 use crate::observer::Observer;
 use crate::parameters::Parameters;
 use crate::pressure::{Balance, Flow, Side};
 use crate::transducers::{Seen, Transducers};
-use crate::valve_motion::ValveMotion;
+use crate::valve::ValveMotion;
 use slow::Slow;
 
 /// What all runs of a batch share.

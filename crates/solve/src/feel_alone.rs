@@ -4,8 +4,8 @@
 
 use crate::simulate::Start;
 use forcefeel_model::compensator::Compensator;
+use forcefeel_model::feel::{FeelLaw, Surroundings};
 use forcefeel_model::feel_computer::{FeelComputer, FeelMotion};
-use forcefeel_model::feel_law::{FeelLaw, Surroundings};
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::parameters::Parameters;
 

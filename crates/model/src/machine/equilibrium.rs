@@ -14,7 +14,7 @@ use super::{Machine, Shared, State};
 use crate::Scalar;
 use crate::bisect::bisect;
 use crate::dry_friction::Grip;
-use crate::feel_law::Surroundings;
+use crate::feel::Surroundings;
 use crate::machine::slow::Slow;
 use crate::observer::SAMPLED;
 use crate::transducers::Seen;
