@@ -17,12 +17,14 @@ __all__ = [
     "PERIOD_BASE",
     "PERIOD_COMMAND",
     "PERIOD_SHOWN",
+    "ArgumentError",
     "Compensator",
     "Loops",
     "Parameter",
     "Recursion",
     "ReleaseMeasuring",
     "Simulation",
+    "ThreadsError",
     "channels",
     "compliant",
     "design_plant",
@@ -65,6 +67,12 @@ BOUND_RAD: float
 _Matrices: TypeAlias = tuple[_Array, _Array, _Array, _Array]
 _Sloped: TypeAlias = tuple[_Array, _Array, _Array, _Array, _Array, _Array, _Array, _Array]
 _Law: TypeAlias = Compensator | Literal["open", "position", "original"]
+
+class ArgumentError(ValueError):
+    """An argument has no meaning; the message names it."""
+
+class ThreadsError(RuntimeError):
+    """The system gives no threads."""
 
 @final
 class Parameter:

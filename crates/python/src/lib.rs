@@ -2,6 +2,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
 mod arrays;
+mod errors;
 mod laws;
 mod limits;
 mod loops;
@@ -16,6 +17,9 @@ use pyo3::prelude::*;
 
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add("ArgumentError", py.get_type::<errors::ArgumentError>())?;
+    module.add("ThreadsError", py.get_type::<errors::ThreadsError>())?;
     module.add_class::<model::Parameter>()?;
     module.add_class::<model::Compensator>()?;
     module.add_class::<solve::Recursion>()?;

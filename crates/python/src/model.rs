@@ -1,13 +1,13 @@
 //! The parameter table and the models.
 
 use crate::arrays::{Matrix, to_numpy, vector};
+use crate::errors::refused;
 use forcefeel_model::compensator::{Compensator as Law, Displacement};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::{Compliant, DesignPlant, IdealFeel, Rigid, System};
 use forcefeel_model::parameters::{ALTERNATIVES, COUNT, Feel, Linkage, PARTS, Parameter as Row, Parameters, TABLE};
 use forcefeel_solve::linearize as jacobians;
 use numpy::{PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// One row of the parameter table.
@@ -97,7 +97,7 @@ impl Compensator {
             "V" => Displacement::Volts,
             "rad" => Displacement::Radians,
             other => {
-                return Err(PyValueError::new_err(format!("displacement_unit: expected 'V' or 'rad', got {other:?}")));
+                return Err(refused(format!("displacement_unit: expected 'V' or 'rad', got {other:?}")));
             }
         };
         Ok(Self(Law { gains, load_cell_arm, displacement }))

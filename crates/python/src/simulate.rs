@@ -1,6 +1,7 @@
 //! Runs in time.
 
 use crate::arrays::{rows, vector};
+use crate::errors::{refused, threads as answered};
 use crate::laws::{Laws, NamedLaw, check_runs, effects_of};
 use crate::limits::{at_most, rising, step, timing as in_steps};
 use crate::slopes::check_keys;
@@ -20,7 +21,6 @@ use forcefeel_solve::simulate::Start;
 use numpy::{
     PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
 };
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 type Names = Vec<(&'static str, &'static str)>;
@@ -51,11 +51,7 @@ pub fn simulation_measure<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let outputs = outputs.as_array();
     if outputs.nrows() != OUTPUTS.len() || outputs.ncols() < 2 {
-        return Err(PyValueError::new_err(format!(
-            "outputs: expected {} rows, got {:?}",
-            OUTPUTS.len(),
-            outputs.dim()
-        )));
+        return Err(refused(format!("outputs: expected {} rows, got {:?}", OUTPUTS.len(), outputs.dim())));
     }
     let row = |name: &str| outputs.row(OUTPUTS.iter().position(|(output, _)| *output == name).unwrap_or(0));
     let angle = row("column_angle").to_vec();
@@ -109,9 +105,7 @@ impl Simulation {
         let mut done = 0;
         let changes = changes.iter().map(|(begin, end, values, observer)| {
             if *begin < done || end <= begin {
-                return Err(PyValueError::new_err(
-                    "changes: expected each to begin where the one before is done, and to last",
-                ));
+                return Err(refused("changes: expected each to begin where the one before is done, and to last"));
             }
             done = *end;
             let observer = observer.as_ref().map(|numbers| vector::<NUMBERS>("changes", numbers)).transpose()?;
@@ -163,7 +157,7 @@ impl Simulation {
         let histories = PyArray3::zeros(py, [runs, self.outputs.len(), job.samples()], false);
         let mut writable = histories.readwrite();
         let into = writable.as_slice_mut()?;
-        let measures = py.detach(|| job.run(threads, into));
+        let measures = answered(py.detach(|| job.run(threads, into)))?;
         drop(writable);
         Ok((PyArray1::from_vec(py, measures.into_flattened()).reshape([runs, MEASURES.len()])?, histories))
     }
@@ -185,10 +179,10 @@ impl Simulation {
         let values = rows::<COUNT>("values", &values)?;
         check_keys(&keys)?;
         if keys.is_empty() {
-            return Err(PyValueError::new_err("keys: expected one at least; run gives the histories alone"));
+            return Err(refused("keys: expected one at least; run gives the histories alone"));
         }
         if let Some(channel) = channels.iter().find(|&&channel| channel >= CHANNELS.len()) {
-            return Err(PyValueError::new_err(format!(
+            return Err(refused(format!(
                 "channels: expected places of channels below {}, got {channel}",
                 CHANNELS.len()
             )));
@@ -199,7 +193,7 @@ impl Simulation {
         let slopes = PyArray4::zeros(py, [shape[0], keys.len(), shape[1], shape[2]], false);
         let mut writable = slopes.readwrite();
         let into = writable.as_slice_mut()?;
-        let histories = py.detach(|| job.run(threads, into));
+        let histories = answered(py.detach(|| job.run(threads, into)))?;
         drop(writable);
         Ok((PyArray1::from_vec(py, histories).reshape(shape)?, slopes))
     }
@@ -214,7 +208,7 @@ impl Simulation {
         let values = vector::<COUNT>("values", &values)?;
         let parts = (self.step_s / longest_s).ceil();
         if !(1.0..=MOST_PARTS).contains(&parts) {
-            return Err(PyValueError::new_err(format!(
+            return Err(refused(format!(
                 "longest_s: expected the {} s of a step or less, down to a {MOST_PARTS}th, got {longest_s}",
                 self.step_s
             )));
@@ -274,7 +268,7 @@ pub fn sampled_loops<'py>(
     let shared =
         Shared { effects: effects_of(values.iter(), &law).smooth(), step_s, timing: Some(timing), curve: None };
     let loops = SampledLoops { shared, timing, values: &values, law };
-    let Periods { states, matrices } = py.detach(|| loops.periods(threads));
+    let Periods { states, matrices } = answered(py.detach(|| loops.periods(threads)))?;
     let shape = [values.len(), states.len(), states.len() + INPUTS];
     Ok((states, PyArray1::from_vec(py, matrices).reshape(shape)?))
 }
@@ -283,7 +277,7 @@ fn steps(inputs: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<Inputs>> {
     let inputs = inputs.as_array();
     let (count, signals, ends) = inputs.dim();
     if count == 0 || (signals, ends) != (7, 2) {
-        return Err(PyValueError::new_err(format!(
+        return Err(refused(format!(
             "inputs: expected shape (steps, 7, 2), one step at least, got {:?}",
             inputs.dim()
         )));
@@ -307,5 +301,5 @@ fn spring_curve(knots: &PyReadonlyArray1<'_, f64>, coefficients: &PyReadonlyArra
     let knots: Vec<f64> = knots.as_array().iter().copied().collect();
     rising("curve", &knots)?;
     let coefficients = rows::<4>("curve", coefficients)?;
-    Curve::new(&knots, &coefficients).ok_or_else(|| PyValueError::new_err("curve: knots and coefficients do not fit"))
+    Curve::new(&knots, &coefficients).ok_or_else(|| refused("curve: knots and coefficients do not fit"))
 }

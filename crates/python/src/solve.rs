@@ -1,13 +1,13 @@
 //! The solvers.
 
 use crate::arrays::{Matrix, matrix, to_numpy, vector};
+use crate::errors::refused;
 use crate::limits::at_most;
 use forcefeel_model::parameters::{Feel, Parameters};
 use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion as run};
 use forcefeel_solve::schedule::{Plant, Time, schedule as gains};
 use nalgebra::{Matrix4, Matrix4x2, RowVector4};
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// Most steps of a recursion: some two seconds of computing for the design plant.
@@ -72,7 +72,7 @@ pub fn recursion(
 ) -> PyResult<Recursion> {
     let (n, m) = h.as_array().dim();
     if n == 0 || m == 0 {
-        return Err(PyValueError::new_err(format!("h: expected a state and an input at least, got {:?}", (n, m))));
+        return Err(refused(format!("h: expected a state and an input at least, got {:?}", (n, m))));
     }
     at_most("steps", MOST_STEPS, steps)?;
     let problem = Problem {
@@ -103,7 +103,7 @@ pub fn schedule<'py>(
     };
     let settings = settings.as_array();
     if settings.ncols() != 3 {
-        return Err(PyValueError::new_err(format!("settings: expected columns I, B, G, got {}", settings.ncols())));
+        return Err(refused(format!("settings: expected columns I, B, G, got {}", settings.ncols())));
     }
     let plain = Parameters::elevator().feel;
     let settings: Vec<Feel<f64>> = settings

@@ -8,7 +8,7 @@ use crate::measures::{MEASURES, Peaks, measure};
 use crate::noise::Noise;
 use crate::pair::Pair;
 use crate::simulate::{Beginning, FeelChange, Middles, Record, Start, run};
-use crate::threads::pool;
+use crate::threads::{NoThreads, pool};
 use crate::wide::Wide;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
@@ -151,13 +151,16 @@ impl Job<'_> {
     /// Runs them all on so many threads: the measures of each run, and its histories run by run, output by output, sample by
     /// sample into `histories`.
     ///
+    /// # Errors
+    /// If the system gives no threads.
+    ///
     /// # Panics
-    /// If the threads cannot be had, or `histories` has not the size of what is asked for.
-    pub fn run(&self, threads: usize, histories: &mut [f64]) -> Vec<Values> {
+    /// If `histories` has not the size of what is asked for.
+    pub fn run(&self, threads: usize, histories: &mut [f64]) -> Result<Vec<Values>, NoThreads> {
         let size = self.outputs.len() * self.samples();
         assert_eq!(histories.len(), self.values.len() * size, "histories");
         let mut measures = vec![[0.0; MEASURES.len()]; self.values.len()];
-        let pool = pool(threads);
+        let pool = pool(threads)?;
         let level = Level::new();
         pool.install(|| {
             let groups = measures.par_chunks_mut(WIDTH).enumerate();
@@ -170,7 +173,7 @@ impl Job<'_> {
                 });
             }
         });
-        measures
+        Ok(measures)
     }
 
     /// A group on the widest instructions that the machine has; a run alone needs none.

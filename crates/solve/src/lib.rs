@@ -49,3 +49,4 @@ pub mod wide;
 
 pub use discretize::discretize;
 pub use linearize::{StateSpace, linearize};
+pub use threads::NoThreads;

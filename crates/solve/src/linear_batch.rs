@@ -11,7 +11,7 @@ use crate::balance::balance;
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::simulate::Start;
-use crate::threads::pool;
+use crate::threads::{NoThreads, pool};
 use crate::transition::{Transition, Vector, combined, dot, plus_times, product, solve, times_vector, transposed};
 use crate::wide::Fused;
 use fearless_simd::{Level, Simd};
@@ -81,21 +81,25 @@ impl LinearJob<'_> {
 
     /// Fills `histories`, run by run, output by output, sample by sample, on so many threads.
     ///
+    /// # Errors
+    /// If the system gives no threads.
+    ///
     /// # Panics
-    /// If the threads cannot be had, or `histories` is not of that size.
-    pub fn run(&self, threads: usize, histories: &mut [f64]) {
+    /// If `histories` is not of that size.
+    pub fn run(&self, threads: usize, histories: &mut [f64]) -> Result<(), NoThreads> {
         let size = self.outputs.len() * self.samples();
         assert_eq!(histories.len(), size * self.loops.count, "a number for each run, output and sample");
         if histories.is_empty() {
-            return;
+            return Ok(());
         }
-        let pool = pool(threads);
+        let pool = pool(threads)?;
         let level = Level::new();
         let still = self.still();
         pool.install(|| {
             let groups = histories.par_chunks_mut(LANES * size).enumerate();
             groups.for_each(|(group, histories)| self.dispatch(level, &still, group * LANES, histories));
         });
+        Ok(())
     }
 
     /// For each sample but the last, how many samples the force stands still from there on.

@@ -332,5 +332,5 @@ fn change_of_the_feel_to_what_it_is_changes_nothing() {
 #[should_panic(expected = "histories")]
 fn histories_of_another_size_are_refused() {
     let (inputs, values) = (steps(10, STEP), drawn(2, 0.0));
-    Job { outputs: &[0], ..job(&inputs, &values, None) }.run(1, &mut [0.0; 3]);
+    Job { outputs: &[0], ..job(&inputs, &values, None) }.run(1, &mut [0.0; 3]).expect("threads");
 }

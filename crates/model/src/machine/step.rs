@@ -66,6 +66,7 @@ impl<S: Scalar> Machine<S> {
         let analog = shared.timing.is_none();
         let (h, half) = (self.step, self.step.times(0.5));
         let start = state.slow;
+        // Not in a loop: what the stages share would go through memory, and a batch take half as long again.
         let k_1 = begun.rates;
         let k_2 = self.stage(shared, state, inputs, begun, &start.moved(&k_1, half, analog), Moment::Half);
         let k_3 = self.stage(shared, state, inputs, begun, &start.moved(&k_2, half, analog), Moment::Half);
