@@ -207,11 +207,15 @@ class ReleaseMeasuring:
 
 @final
 class Simulation:
-    """What stays the same over the runs of a simulation."""
+    """What stays the same over the runs of a simulation.
+
+    ``inputs`` are by name (steps, 2), at the start and at the end of each step: force, trim, stiffness_factor, shaker, fade,
+    test_signal, command_signal. Of those that are not given there is nothing: zero, but a factor of one.
+    """
 
     def __new__(
         cls,
-        inputs: _Array,
+        inputs: dict[str, _Array],
         step_s: float,
         *,
         every: int = 1,

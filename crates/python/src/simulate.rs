@@ -12,16 +12,16 @@ use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_solve::batch::{Change, Job, Law, OUTPUTS, Sampling};
+use forcefeel_solve::batch::{Change, Job, Law, Sampling};
 use forcefeel_solve::feel_alone::feel_alone;
 use forcefeel_solve::measures::{MEASURES, Peaks, measure};
+use forcefeel_solve::outputs::{OUTPUTS, Output};
 use forcefeel_solve::record_slopes::SlopeJob;
 use forcefeel_solve::sampled_loops::{INPUTS, Periods, SampledLoops};
 use forcefeel_solve::simulate::Start;
-use numpy::{
-    PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
-};
+use numpy::{PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
+use std::collections::BTreeMap;
 
 type Names = Vec<(&'static str, &'static str)>;
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
@@ -53,9 +53,9 @@ pub fn simulation_measure<'py>(
     if outputs.nrows() != OUTPUTS.len() || outputs.ncols() < 2 {
         return Err(refused(format!("outputs: expected {} rows, got {:?}", OUTPUTS.len(), outputs.dim())));
     }
-    let row = |name: &str| outputs.row(OUTPUTS.iter().position(|(output, _)| *output == name).unwrap_or(0));
-    let angle = row("column_angle").to_vec();
-    let demand = ["valve_current", "load_pressure", "actuator_flow"].map(row);
+    let row = |output: Output| outputs.row(output as usize);
+    let angle = row(Output::ColumnAngle).to_vec();
+    let demand = [Output::ValveCurrent, Output::LoadPressure, Output::ActuatorFlow].map(row);
     let mut peaks = Peaks::new(0.0);
     for (k, &angle) in angle.iter().enumerate() {
         #[expect(clippy::cast_precision_loss, reason = "a number of samples, far below 2^52")]
@@ -85,13 +85,12 @@ pub struct Simulation {
 impl Simulation {
     /// A sample every so many steps, or two a step where `every` is zero.
     ///
-    /// `inputs`: (steps, 7, 2): pilot force, trim, factor on the spring, shaker, fade, test signal, command signal, each at the start and
-    /// the end of a step.
+    /// `inputs`: by name (steps, 2), at the start and at the end of each step; of those that are not given there is nothing.
     #[new]
     #[pyo3(signature = (inputs, step_s, *, every = 1, outputs = vec![], start_force = 0.0, held = None, timing = None, curve = None, changes = vec![]))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
-        inputs: PyReadonlyArray3<'_, f64>,
+        inputs: BTreeMap<String, PyReadonlyArray2<'_, f64>>,
         step_s: f64,
         every: usize,
         outputs: Vec<usize>,
@@ -273,28 +272,30 @@ pub fn sampled_loops<'py>(
     Ok((states, PyArray1::from_vec(py, matrices).reshape(shape)?))
 }
 
-fn steps(inputs: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<Inputs>> {
-    let inputs = inputs.as_array();
-    let (count, signals, ends) = inputs.dim();
-    if count == 0 || (signals, ends) != (7, 2) {
-        return Err(refused(format!(
-            "inputs: expected shape (steps, 7, 2), one step at least, got {:?}",
-            inputs.dim()
-        )));
+/// The inputs of each step.
+fn steps(given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>) -> PyResult<Vec<Inputs>> {
+    let count = given.values().next().map_or(0, |input| input.as_array().nrows());
+    if count == 0 {
+        return Err(refused("inputs: expected an input and a step at least"));
     }
-    let step = |row: numpy::ndarray::ArrayView2<'_, f64>| {
-        let pair = |k: usize| [row[(k, 0)], row[(k, 1)]];
-        Inputs {
-            force: pair(0),
-            trim: pair(1),
-            stiffness_factor: pair(2),
-            shaker: pair(3),
-            fade: pair(4),
-            test_signal: pair(5),
-            command_signal: pair(6),
+    let mut steps = vec![Inputs::NONE; count];
+    for (name, input) in given {
+        let input = input.as_array();
+        if input.dim() != (count, 2) {
+            let found = input.dim();
+            return Err(refused(format!(
+                "inputs: {name}: expected shape {:?} as of the others, got {found:?}",
+                (count, 2)
+            )));
         }
-    };
-    Ok(inputs.outer_iter().map(step).collect())
+        let Some(place) = Inputs::place(name) else {
+            return Err(refused(format!("inputs: expected names out of {}, got {name:?}", Inputs::NAMES.join(", "))));
+        };
+        for (step, row) in steps.iter_mut().zip(input.outer_iter()) {
+            *place(step) = [row[0], row[1]];
+        }
+    }
+    Ok(steps)
 }
 
 fn spring_curve(knots: &PyReadonlyArray1<'_, f64>, coefficients: &PyReadonlyArray2<'_, f64>) -> PyResult<Curve> {

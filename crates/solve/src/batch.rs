@@ -6,6 +6,7 @@
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::measures::{MEASURES, Peaks, measure};
 use crate::noise::Noise;
+use crate::outputs::Output;
 use crate::pair::Pair;
 use crate::simulate::{Beginning, FeelChange, Middles, Record, Start, run};
 use crate::threads::{NoThreads, pool};
@@ -80,20 +81,6 @@ impl Law<'_> {
     }
 }
 
-/// Name of each output and its SI unit; `feel_position` is in the unit of the law's displacement.
-pub const OUTPUTS: &[(&str, &str)] = &[
-    ("column_angle", "rad"),
-    ("column_velocity", "rad/s"),
-    ("feel_position", ""),
-    ("feel_velocity", ""),
-    ("piston_position", "m"),
-    ("load_cell_force", "N"),
-    ("load_pressure", "Pa"),
-    ("actuator_flow", "m^3/s"),
-    ("valve_current", "A"),
-    ("pilot_force", "N"),
-];
-
 /// A change of the feel for all runs: the values of [`Feel`](forcefeel_model::parameters::Feel) among `values` count.
 #[derive(Debug, Clone, Copy)]
 pub struct Change {
@@ -135,7 +122,7 @@ pub struct Job<'a> {
     pub noise: (u64, u64),
     /// When to take samples.
     pub sampling: Sampling,
-    /// Which outputs to keep.
+    /// Which of the [`OUTPUTS`](crate::outputs::OUTPUTS) to keep.
     pub outputs: &'a [usize],
 }
 
@@ -289,7 +276,9 @@ impl<T: Wide> Record<T> for Recorder<'_, T> {
     fn middles(&self) -> Middles {
         match self.job.sampling {
             Sampling::Every(_) => Middles::None,
-            Sampling::Halves if self.job.outputs.iter().all(|&output| output == ANGLE) => Middles::Base,
+            Sampling::Halves if self.job.outputs.iter().all(|&output| Output::at(output) == Output::ColumnAngle) => {
+                Middles::Base
+            }
             Sampling::Halves => Middles::All,
         }
     }
@@ -319,7 +308,7 @@ impl<T: Wide> Record<T> for Recorder<'_, T> {
         if instant.is_multiple_of(every) {
             self.angles.push(angle);
             for &output in self.job.outputs {
-                self.kept.push(output_of(now, self.per_base, output));
+                self.kept.push(output_of(now, self.per_base, Output::at(output)));
             }
         }
     }
@@ -360,22 +349,19 @@ impl Change {
     }
 }
 
-/// Index of the column's angle among [`OUTPUTS`].
-const ANGLE: usize = 0;
-
 #[inline(always)]
-fn output_of<S: Scalar>(now: &Now<S>, per_base: S, output: usize) -> S {
+fn output_of<S: Scalar>(now: &Now<S>, per_base: S, output: Output) -> S {
     match output {
-        0 => now.base * per_base,
-        1 => now.base_rate * per_base,
-        2 => now.delta,
-        3 => now.delta_rate,
-        4 => now.piston,
-        5 => now.force,
-        6 => now.pressure,
-        7 => now.flow,
-        8 => now.current,
-        _ => now.pilot_force,
+        Output::ColumnAngle => now.base * per_base,
+        Output::ColumnVelocity => now.base_rate * per_base,
+        Output::FeelPosition => now.delta,
+        Output::FeelVelocity => now.delta_rate,
+        Output::PistonPosition => now.piston,
+        Output::LoadCellForce => now.force,
+        Output::LoadPressure => now.pressure,
+        Output::ActuatorFlow => now.flow,
+        Output::ValveCurrent => now.current,
+        Output::PilotForce => now.pilot_force,
     }
 }
 

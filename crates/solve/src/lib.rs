@@ -11,7 +11,7 @@
 //! | the programmed feel alone, in time | [`feel_alone`](mod@feel_alone) |
 //! | many runs, in vector lanes over the cores | [`batch`], [`lanes`], [`wide`] |
 //! | runs and their slopes along parameters | [`record_slopes`] |
-//! | what is asked of a run | [`measures`] |
+//! | what a run gives, what is asked of it | [`outputs`], [`measures`] |
 //! | stability of many loops, proved | [`stability`], [`bounded`] |
 //! | their poles | [`poles`] |
 //! | their linear runs, exact | [`linear_batch`], [`transition`] |
@@ -32,6 +32,7 @@ pub mod local_fit;
 pub mod loops;
 pub mod measures;
 pub mod noise;
+pub mod outputs;
 pub mod pair;
 pub mod poles;
 pub mod record_slopes;

@@ -3,51 +3,53 @@
 use super::{Equilibrium, Machine, State};
 use crate::Scalar;
 
-/// Inputs at the start and at the end of one step; between, they change evenly.
-#[derive(Debug, Clone, Copy)]
-pub struct Inputs {
-    /// Pilot force in N.
-    pub force: [f64; 2],
-    /// Commanded neutral in rad.
-    pub trim: [f64; 2],
-    /// Factor on the feel's spring.
-    pub stiffness_factor: [f64; 2],
-    /// The stick shaker's swing, -1 to 1.
-    pub shaker: [f64; 2],
-    /// Share of the next feel, while the feel is being changed.
-    pub fade: [f64; 2],
-    /// Test signal at the amplifier's input in V.
-    pub test_signal: [f64; 2],
-    /// What is added to the law's command in V: a digital controller adds what it finds at a sample, and sends it on with the command.
-    pub command_signal: [f64; 2],
+/// One row an input: its name, and what it is where nothing is done.
+macro_rules! inputs {
+    ($( $(#[doc = $doc:literal])+ $name:ident: $none:literal; )*) => {
+        /// Inputs at the start and at the end of one step; between, they change evenly.
+        #[derive(Debug, Clone, Copy)]
+        pub struct Inputs { $( $(#[doc = $doc])+ pub $name: [f64; 2], )* }
+
+        impl Inputs {
+            /// Nothing at all, the spring as it is.
+            pub const NONE: Self = Self { $( $name: [$none; 2], )* };
+
+            /// The names of the inputs.
+            pub const NAMES: &[&str] = &[ $( stringify!($name), )* ];
+
+            /// Where the input of this name stands, if there is one.
+            pub fn place(name: &str) -> Option<fn(&mut Self) -> &mut [f64; 2]> {
+                match name {
+                    $( stringify!($name) => Some(|inputs| &mut inputs.$name), )*
+                    _ => None,
+                }
+            }
+
+            /// The inputs as they stand at the end of the step, and stay.
+            #[inline(always)]
+            pub fn end(&self) -> Self {
+                let stay = |[_, end]: [f64; 2]| [end, end];
+                Self { $( $name: stay(self.$name), )* }
+            }
+        }
+    };
 }
 
-impl Inputs {
-    /// Nothing at all, the spring as it is.
-    pub const NONE: Self = Self {
-        force: [0.0; 2],
-        trim: [0.0; 2],
-        stiffness_factor: [1.0; 2],
-        shaker: [0.0; 2],
-        fade: [0.0; 2],
-        test_signal: [0.0; 2],
-        command_signal: [0.0; 2],
-    };
-
-    /// The inputs as they stand at the end of the step, and stay.
-    #[inline(always)]
-    pub fn end(&self) -> Self {
-        let stay = |[_, end]: [f64; 2]| [end, end];
-        Self {
-            force: stay(self.force),
-            trim: stay(self.trim),
-            stiffness_factor: stay(self.stiffness_factor),
-            shaker: stay(self.shaker),
-            fade: stay(self.fade),
-            test_signal: stay(self.test_signal),
-            command_signal: stay(self.command_signal),
-        }
-    }
+inputs! {
+    /// Pilot force in N.
+    force: 0.0;
+    /// Commanded neutral in rad.
+    trim: 0.0;
+    /// Factor on the feel's spring.
+    stiffness_factor: 1.0;
+    /// The stick shaker's swing, -1 to 1.
+    shaker: 0.0;
+    /// Share of the next feel, while the feel is being changed.
+    fade: 0.0;
+    /// Test signal at the amplifier's input in V.
+    test_signal: 0.0;
+    /// What is added to the law's command in V: a digital controller adds what it finds at a sample, and sends it on with the command.
+    command_signal: 0.0;
 }
 
 /// When within a step.
