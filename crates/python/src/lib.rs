@@ -51,9 +51,12 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(model::valve_gains, module)?)?;
     module.add_function(wrap_pyfunction!(model::linkage_from_resonance, module)?)?;
     module.add_function(wrap_pyfunction!(model::feel_from_frequency, module)?)?;
+    module.add_function(wrap_pyfunction!(model::feel_from_frequencies, module)?)?;
     module.add_function(wrap_pyfunction!(model::feel_frequency, module)?)?;
     module.add_function(wrap_pyfunction!(solve::discretize, module)?)?;
     module.add_function(wrap_pyfunction!(solve::recursion, module)?)?;
     module.add_function(wrap_pyfunction!(solve::schedule, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::feel_transitions, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::feel_steps, module)?)?;
     Ok(())
 }

@@ -67,6 +67,8 @@ pub fn parts() -> Vec<(&'static str, &'static str)> {
 }
 
 type Values<'py> = PyReadonlyArray1<'py, f64>;
+/// Inertia and damping, one of each for every feel.
+type Columns<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 type Matrices<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>);
 
 fn loader(values: &Values<'_>) -> PyResult<Parameters<f64>> {
@@ -207,6 +209,24 @@ pub fn linkage_from_resonance(values: Values<'_>, frequency: f64, damping_ratio:
 #[pyfunction]
 pub fn feel_from_frequency(frequency: f64, damping_ratio: f64, stiffness: f64) -> (f64, f64) {
     Feel::from_frequency(frequency, damping_ratio, stiffness)
+}
+
+/// `I` and `B` of feels of these natural frequencies in rad/s, damping ratios and stiffnesses, as many of each.
+#[pyfunction]
+pub fn feel_from_frequencies<'py>(
+    py: Python<'py>,
+    frequency: Values<'py>,
+    damping_ratio: Values<'py>,
+    stiffness: Values<'py>,
+) -> PyResult<Columns<'py>> {
+    let (w, zeta, g) = (frequency.as_array(), damping_ratio.as_array(), stiffness.as_array());
+    if w.len() != zeta.len() || w.len() != g.len() {
+        let found = (w.len(), zeta.len(), g.len());
+        return Err(refused(format!("frequency, damping_ratio, stiffness: expected as many of each, got {found:?}")));
+    }
+    let of = |((&w, &zeta), &g)| Feel::from_frequency(w, zeta, g);
+    let (inertia, damping) = w.iter().zip(zeta).zip(g).map(of).unzip();
+    Ok((PyArray1::from_vec(py, inertia), PyArray1::from_vec(py, damping)))
 }
 
 /// Natural frequency in rad/s and damping ratio of the programmed feel.

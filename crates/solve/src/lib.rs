@@ -8,7 +8,7 @@
 //! | recursion (22), dynamic programming | [`riccati`] |
 //! | gains for many feel settings of one plant | [`schedule`] |
 //! | a run in time | [`simulate`] |
-//! | the programmed feel alone, in time | [`feel_alone`](mod@feel_alone) |
+//! | the programmed feel alone, in time, and from one time to another | [`feel_alone`](mod@feel_alone), [`feel_transition`](mod@feel_transition) |
 //! | many runs, in vector lanes over the cores | [`batch`], [`lanes`], [`wide`] |
 //! | runs and their slopes along parameters | [`record_slopes`] |
 //! | what a run gives, what is asked of it | [`outputs`], [`measures`] |
@@ -25,6 +25,7 @@ pub mod batch;
 pub mod bounded;
 pub mod discretize;
 pub mod feel_alone;
+pub mod feel_transition;
 pub mod lanes;
 pub mod linear_batch;
 pub mod linearize;
