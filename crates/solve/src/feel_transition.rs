@@ -15,12 +15,14 @@ pub fn feel_transition(feel: &Feel<f64>, t: f64) -> Matrix2<f64> {
     let s = -damping * turned;
     let r2 = (damping * damping - 1.0) * turned * turned;
     let r = r2.abs().sqrt();
-    // e^s cosh r and e^s sinh r / r as sums of e^(s + r) and e^(s - r), none of which grows.
     let (cosh, sinh_by_r) = if r < NEAR {
         (s.exp() * (1.0 + r2 / 2.0), s.exp() * (1.0 + r2 / 6.0))
-    } else if r2 > 0.0 {
+    } else if r2 > 1.0 {
+        // As sums of e^(s + r) and e^(s - r), neither of which grows; they cancel where r is small.
         let (up, down) = ((s + r).exp(), (s - r).exp());
         (f64::midpoint(up, down), (up - down) / (2.0 * r))
+    } else if r2 > 0.0 {
+        (s.exp() * r.cosh(), s.exp() * r.sinh() / r)
     } else {
         (s.exp() * r.cos(), s.exp() * r.sin() / r)
     };
