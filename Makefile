@@ -18,9 +18,10 @@ report: report/report.html
 report/report.html: $(VENV)/built $(PACKAGE)
 	$(BIN)/forcefeel design --out report
 
+# The crates as the extension has them: built once, and tested as they run.
 test: $(VENV)/built
 	tests/browser/install
-	cargo test --locked --quiet
+	cargo test --release --workspace --locked --quiet
 	$(BIN)/pytest
 
 lint: $(VENV)/built

@@ -10,9 +10,8 @@ from forcefeel import _core
 
 VALUES = ff.digital_elevator().values
 LAW = _core.Compensator.original(VALUES)
-STILL = np.zeros((10, 7, 2))
-STILL[:, (2, 4)] = 1.0
-"""Ten steps in which nothing happens: the factor on the spring and the fade are one."""
+STILL = {"force": np.zeros((10, 2)), "fade": np.ones((10, 2))}
+"""Ten steps in which nothing happens; the feel is the next one."""
 
 HUGE = 2**31
 SHARES = (0.05, 0.9, 0.1)
@@ -64,7 +63,10 @@ def test_a_step_is_a_time_above_zero(step_s):
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: _core.Simulation(STILL[:0], 5e-4), "one step at least"),
+        (lambda: _core.Simulation({}, 5e-4), "inputs: expected an input and a step at least"),
+        (lambda: _core.Simulation({"force": np.zeros((0, 2))}, 5e-4), "inputs: expected an input and a step at least"),
+        (lambda: _core.Simulation(STILL | {"trim": np.zeros((9, 2))}, 5e-4), "inputs: trim: expected shape"),
+        (lambda: _core.Simulation(STILL | {"push": STILL["force"]}, 5e-4), "inputs: expected names out of force, trim"),
         (lambda: run(outputs=[99]), "outputs: expected at most"),
         (lambda: run(changes=[(5, 2, VALUES, None)]), "changes: expected each to begin where the one before is done"),
         (lambda: run(curve=(np.array([2.0, 1.0, 0.0]), np.zeros((2, 4)))), "curve: expected rising numbers"),
@@ -80,7 +82,7 @@ def test_a_step_is_a_time_above_zero(step_s):
     ],
 )
 def test_what_has_no_meaning_is_refused(call, said):
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(_core.ArgumentError, match=said):
         call()
 
 
@@ -88,7 +90,10 @@ COUNTS = st.one_of(st.integers(0, 9), st.sampled_from([2**k + d for k in (16, 31
 NUMBERS = st.one_of(st.sampled_from([1e-3, 5e-4, 0.1, 1.0]), st.floats(width=64))
 CALLS = {
     "simulation": lambda n, x: _core.Simulation(
-        np.resize(x[:3], (n[0] % 20, 7, 2)),
+        {
+            name: np.resize(x[:3], (n[0] % 20, 2))
+            for name in ("force", "trim", "stiffness_factor", "shaker", "fade", "test_signal", "command_signal")
+        },
         x[0],
         every=n[1],
         outputs=[n[2]],

@@ -17,18 +17,23 @@ __all__ = [
     "PERIOD_BASE",
     "PERIOD_COMMAND",
     "PERIOD_SHOWN",
+    "ArgumentError",
     "Compensator",
     "Loops",
     "Parameter",
     "Recursion",
     "ReleaseMeasuring",
     "Simulation",
+    "ThreadsError",
     "channels",
     "compliant",
     "design_plant",
     "discretize",
     "feel_frequency",
+    "feel_from_frequencies",
     "feel_from_frequency",
+    "feel_steps",
+    "feel_transitions",
     "ideal_feel",
     "linear_slopes",
     "linkage_from_resonance",
@@ -65,6 +70,12 @@ BOUND_RAD: float
 _Matrices: TypeAlias = tuple[_Array, _Array, _Array, _Array]
 _Sloped: TypeAlias = tuple[_Array, _Array, _Array, _Array, _Array, _Array, _Array, _Array]
 _Law: TypeAlias = Compensator | Literal["open", "position", "original"]
+
+class ArgumentError(ValueError):
+    """An argument has no meaning; the message names it."""
+
+class ThreadsError(RuntimeError):
+    """The system gives no threads."""
 
 @final
 class Parameter:
@@ -199,11 +210,15 @@ class ReleaseMeasuring:
 
 @final
 class Simulation:
-    """What stays the same over the runs of a simulation."""
+    """What stays the same over the runs of a simulation.
+
+    ``inputs`` are by name (steps, 2), at the start and at the end of each step: force, trim, stiffness_factor, shaker, fade,
+    test_signal, command_signal. Of those that are not given there is nothing: zero, but a factor of one.
+    """
 
     def __new__(
         cls,
-        inputs: _Array,
+        inputs: dict[str, _Array],
         step_s: float,
         *,
         every: int = 1,
@@ -304,7 +319,14 @@ def orifice_flow(values: _Array, current: _Array, pressure: _Array) -> _Array: .
 def valve_gains(values: _Array, current_share: float, pressure_share: float) -> tuple[float, float]: ...
 def linkage_from_resonance(values: _Array, frequency: float, damping_ratio: float) -> tuple[float, float]: ...
 def feel_from_frequency(frequency: float, damping_ratio: float, stiffness: float) -> tuple[float, float]: ...
+def feel_from_frequencies(frequency: _Array, damping_ratio: _Array, stiffness: _Array) -> tuple[_Array, _Array]: ...
 def feel_frequency(values: _Array) -> tuple[float, float]: ...
+def feel_transitions(settings: _Array, times: _Array) -> _Array:
+    """``exp(W t)`` (settings, times, 2, 2) of the unforced feel of each row I, B, G, eq. (11), on its displacement and its rate."""
+
+def feel_steps(settings: _Array, period: float) -> _Array:
+    """``[Phi, Gamma]`` (settings, 2, 3) of the feel of each row I, B, G over a period under a torque that stays."""
+
 def discretize(a: _Array, b: _Array, step: float) -> tuple[_Array, _Array]: ...
 def recursion(phi: _Array, h: _Array, q: _Array, r: _Array, steps: int, tolerance: float | None) -> Recursion: ...
 def schedule(closed: _Array, coupling: _Array, gain_row: _Array, period: float | None, settings: _Array) -> _Array: ...

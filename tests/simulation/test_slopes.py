@@ -186,10 +186,8 @@ def test_period_goes_through_the_samples_of_a_run(law, push, within):
     is a period old to the matrix, and not to the oil."""
     loader = ff.elevator().replace(DIGITAL)
     volts = 0.2 * np.sin(np.arange(301) * 0.13)
-    inputs = np.zeros((300, 7, 2))
-    inputs[:, 2] = 1.0
-    inputs[:, 6, 0], inputs[:, 6, 1] = volts[:-1], volts[1:]
-    inputs[:, 0] = push  # of a pilot, from the start on
+    # The pilot pushes from the start on.
+    inputs = {"force": np.full((300, 2), push), "command_signal": np.column_stack([volts[:-1], volts[1:]])}
     simulation = _core.Simulation(inputs, 5e-4, timing=(1, 1))
     run, _ = simulation.slopes(loader.values[np.newaxis], [0], channels=range(9), law=law)
     m, b, c, d, *_ = _core.sampled_slopes(loader.values, [], 5e-4, (1, 1), law=law)
@@ -431,9 +429,9 @@ def test_what_does_not_fit_is_refused():
 
 def test_what_does_not_fit_a_simulation_is_refused():
     values = ff.elevator().values[np.newaxis]
-    with pytest.raises(ValueError, match=r"inputs: expected shape \(steps, 7, 2\), one step at least, got \(4, 5, 2\)"):
-        _core.Simulation(np.zeros((4, 5, 2)), 1e-3)
-    simulation = _core.Simulation(np.zeros((4, 7, 2)), 1e-3)
+    with pytest.raises(ValueError, match=r"inputs: trim: expected shape \(4, 2\) as of the others, got \(5, 2\)"):
+        _core.Simulation({"force": np.zeros((4, 2)), "trim": np.zeros((5, 2))}, 1e-3)
+    simulation = _core.Simulation({"force": np.zeros((4, 2))}, 1e-3)
     for keys, channels, message in (
         ([], [0], "keys: expected one at least"),
         ([1000], [0], "keys: expected places of parameters"),

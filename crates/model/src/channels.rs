@@ -7,22 +7,6 @@ use crate::Scalar;
 use crate::machine::Now;
 use crate::parameters::Parameters;
 
-/// How many channels there are.
-pub const COUNT: usize = 9;
-
-/// Name and SI unit of each channel.
-pub const CHANNELS: [(&str, &str); COUNT] = [
-    ("column_angle", "rad"),
-    ("column_velocity", "rad/s"),
-    ("piston_position", "m"),
-    ("load_cell_force", "N"),
-    ("load_pressure", "Pa"),
-    ("actuator_flow", "m^3/s"),
-    ("valve_current", "A"),
-    ("potentiometer", "V"),
-    ("load_cell", "V"),
-];
-
 /// What the channels show of a loader at one instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Bench<S> {
@@ -47,22 +31,36 @@ impl<S: Scalar> Bench<S> {
         let &Now { base, base_rate, piston, pressure, flow, current, .. } = now;
         Self { base, base_rate, piston, pressure, flow, current }
     }
-
-    /// The channels, in the order of [`CHANNELS`].
-    #[inline(always)]
-    pub fn channels(&self, parameters: &Parameters<S>) -> [S; COUNT] {
-        let Parameters { actuator, column, load_cell, potentiometer, .. } = parameters;
-        let force = actuator.force(self.pressure);
-        [
-            column.angle(self.base),
-            column.angle(self.base_rate),
-            self.piston,
-            force,
-            self.pressure,
-            self.flow,
-            self.current,
-            potentiometer.signal(self.piston),
-            load_cell.signal(force),
-        ]
-    }
 }
+
+/// One row a channel: its name, its SI unit, and what it shows of a [`Bench`] with these [`Parameters`].
+macro_rules! channels {
+    (|$bench:ident, $parameters:ident| $( $name:literal, $unit:literal: $value:expr; )*) => {
+        /// Name and SI unit of each channel.
+        pub const CHANNELS: &[(&str, &str)] = &[ $( ($name, $unit), )* ];
+
+        impl<S: Scalar> Bench<S> {
+            /// The channels, in the order of [`CHANNELS`].
+            #[inline(always)]
+            pub fn channels(&self, $parameters: &Parameters<S>) -> [S; COUNT] {
+                let $bench = self;
+                [ $( $value, )* ]
+            }
+        }
+    };
+}
+
+channels! { |bench, parameters|
+    "column_angle", "rad": parameters.column.angle(bench.base);
+    "column_velocity", "rad/s": parameters.column.angle(bench.base_rate);
+    "piston_position", "m": bench.piston;
+    "load_cell_force", "N": parameters.actuator.force(bench.pressure);
+    "load_pressure", "Pa": bench.pressure;
+    "actuator_flow", "m^3/s": bench.flow;
+    "valve_current", "A": bench.current;
+    "potentiometer", "V": parameters.potentiometer.signal(bench.piston);
+    "load_cell", "V": parameters.load_cell.signal(parameters.actuator.force(bench.pressure));
+}
+
+/// How many channels there are.
+pub const COUNT: usize = CHANNELS.len();

@@ -1,12 +1,28 @@
-//! Feel computer: the programmed control, eqs. (11)-(12).
+//! The programmed feel: eqs. (11)-(12); in a run with everything that makes it more than these, as the feel computer runs it.
 //!
-//! `I`, `B`, `G` programmed inertia, damping, stiffness · `G_max` scale · `delta` programmed displacement · `T` torque
+//! `I`, `B`, `G` programmed inertia, damping, stiffness · `G_max` scale · `delta` programmed displacement · `T` torque that the
+//! computer sees · `phi = delta / lambda` the column angle that `delta` stands for · `n` trimmed neutral · `mu` what the computer sees
+//! per torque of the column · `R_p` lever arm of the grip
 //!
 //! States: `delta` and its rate. The unit of `delta` follows from the torque that drives it: N m gives rad, and N m V/rad,
 //! the scaled torque of the analog computer, gives V.
+//!
+//! `I delta'' + B delta' + mu b_2 phi' |phi'| + S + mu R_p (F_breakout + F_preload + F_detent + F_hysteresis) + stops + friction = T`
+//!
+//! The spring `S` is `G (delta - lambda n)`, or `mu R_p` times a curve of force over angle, after the deadband and times the factor that
+//! the dynamic pressure asks for. Every part is a force of its own at the grip, so parts add up and none changes another. Where
+//! `delta` is an angle, `lambda` and `mu` are one; in the original system `delta` is a voltage.
+//!
+//! The linear models divide eq. (11) by the inertia as it is written. A run sums the resistance first and multiplies by `1 / I`, which it
+//! takes from that same equation: a division less at every stage, and rounded elsewhere, so both forms stay.
 
 use crate::Scalar;
-use crate::parameters::Feel;
+use crate::compensator::{Compensator, Displacement};
+use crate::contact::Stops;
+use crate::curve::Curve;
+use crate::dry_friction::DryFriction;
+use crate::effects::Effects;
+use crate::parameters::{Feel, Parameters};
 
 impl<S: Scalar> Feel<S> {
     /// Acceleration of the programmed displacement under the torque `torque`.
@@ -37,5 +53,235 @@ impl<S: Scalar> Feel<S> {
         // w = sqrt(G / I), zeta = B / (2 I w)                                                         eq. (11)
         let w = (self.stiffness / self.inertia).sqrt();
         (w, self.damping / (self.inertia.times(2.0) * w))
+    }
+}
+
+/// The feel in a run: its coefficients in the unit of `delta`.
+#[derive(Debug, Clone, Copy)]
+pub struct FeelLaw<S> {
+    /// `1 / I`.
+    pub per_torque: S,
+    /// `lambda`: unit of `delta` per radian.
+    pub per_angle: S,
+    damping: S,
+    stiffness: S,
+    quadratic_damping: S,
+    grip_force: S,
+    deadband: S,
+    breakout: Ramp<S>,
+    preload: S,
+    detent: Ramp<S>,
+    detent_position: S,
+    hysteresis: Ramp<S>,
+    /// Soft stops.
+    pub soft_stops: Stops<S>,
+    shaker: S,
+    /// Dry friction.
+    pub friction: DryFriction<S>,
+    low: S,
+    high: S,
+    velocity_limit: S,
+    trim_rate: S,
+}
+
+/// A force that builds up over a travel.
+#[derive(Debug, Clone, Copy)]
+struct Ramp<S> {
+    force: S,
+    per_travel: S,
+}
+
+impl<S: Scalar> Ramp<S> {
+    #[inline(always)]
+    fn new(force: S, travel: S) -> Self {
+        Self { force, per_travel: travel.constant(1.0) / travel }
+    }
+
+    /// Up to the full force, and no further.
+    #[inline(always)]
+    fn held(&self, x: S) -> S {
+        self.force * (x * self.per_travel).within(x.constant(1.0))
+    }
+
+    /// Up to the full force and back to nothing after as much travel again.
+    #[inline(always)]
+    fn passed(&self, x: S) -> S {
+        let u = x * self.per_travel;
+        let height = u.abs().min(u.constant(2.0) - u.abs()).max(u.zero());
+        self.force * height.times_sign(u)
+    }
+}
+
+/// What the feel is told from outside.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings<S> {
+    /// Trimmed neutral in the unit of `delta`.
+    pub neutral: S,
+    /// Factor on the spring.
+    pub stiffness_factor: S,
+    /// The stick shaker's swing, -1 to 1.
+    pub shaker: S,
+    /// Where the slider of the hysteresis was last left, in the unit of `delta`.
+    pub slider: S,
+    /// Displacement at the start of the step: what a soft stop does, it does from there on.
+    pub start: S,
+}
+
+impl<S: Scalar> Surroundings<S> {
+    /// Nothing stirs: shaker off, the slider of the hysteresis where `delta` is.
+    #[inline(always)]
+    pub fn at_rest(neutral: S, stiffness_factor: S, delta: S) -> Self {
+        Self { neutral, stiffness_factor, shaker: delta.zero(), slider: delta, start: delta }
+    }
+}
+
+impl<S: Scalar> FeelLaw<S> {
+    /// The feel of a loader under a law.
+    #[inline(always)]
+    pub fn new(parameters: &Parameters<S>, law: &Compensator<S>) -> Self {
+        let Parameters { feel, linkage, column, potentiometer, .. } = parameters;
+        let one = feel.inertia.constant(1.0);
+        let lambda = match law.displacement {
+            // The servo at rest: delta = K_3 x_p, x_p = alpha R_b theta                               eq. (13)
+            Displacement::Volts => potentiometer.signal(linkage.rigid_piston(column.base_arm)),
+            Displacement::Radians => one,
+        };
+        let mu = law.load_cell_arm / linkage.base_force(column.base_arm);
+        let grip_force = mu * column.grip_arm;
+        let per_torque = feel.acceleration(one.zero(), one.zero(), one);
+        let ramp = |force: S, travel: S| Ramp::new(force * grip_force, travel * lambda);
+        Self {
+            per_torque,
+            per_angle: lambda,
+            damping: feel.damping,
+            stiffness: feel.stiffness,
+            quadratic_damping: feel.quadratic_damping * mu / (lambda * lambda),
+            grip_force,
+            deadband: feel.deadband * lambda,
+            breakout: ramp(feel.breakout, feel.breakout_travel),
+            preload: feel.preload * grip_force,
+            detent: ramp(feel.detent_force, feel.detent_travel),
+            detent_position: feel.detent_angle * lambda,
+            hysteresis: ramp(feel.hysteresis, feel.hysteresis_travel),
+            soft_stops: soft_stops(feel, lambda, mu),
+            shaker: feel.shaker_force * grip_force,
+            friction: DryFriction::new(feel.coulomb_friction, feel.static_friction, grip_force * per_torque),
+            low: feel.hard_stop_low * lambda,
+            high: feel.hard_stop_high * lambda,
+            velocity_limit: feel.velocity_limit * lambda,
+            trim_rate: feel.trim_rate * lambda,
+        }
+    }
+
+    /// Acceleration of `delta` by all but dry friction, under the torque `torque`.
+    #[inline(always)]
+    pub fn acceleration(
+        &self,
+        effects: &Effects,
+        curve: Option<&Curve>,
+        (delta, delta_rate): (S, S),
+        torque: S,
+        around: &Surroundings<S>,
+    ) -> S {
+        let resistance = self.damping * delta_rate
+            + self.spring(effects, curve, delta, around)
+            + self.resistance(effects, around.start, delta, delta_rate);
+        let torque = if effects.surroundings { torque + self.shaker * around.shaker } else { torque };
+        (torque - resistance) * self.per_torque
+    }
+
+    /// Torque of everything that depends on the displacement alone.
+    #[inline(always)]
+    pub fn spring(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &Surroundings<S>) -> S {
+        let x = if effects.surroundings { delta - around.neutral } else { delta };
+        let beyond = if effects.feel_spring { x - x.within(self.deadband) } else { x };
+        let spring = match curve {
+            None => self.stiffness * beyond,
+            Some(curve) => self.grip_force * curve.at(beyond / self.per_angle),
+        };
+        let spring = if effects.surroundings { around.stiffness_factor * spring } else { spring };
+        if !effects.feel_spring {
+            return spring;
+        }
+        spring
+            + self.breakout.held(x)
+            + self.preload
+            + self.detent.passed(delta - self.detent_position)
+            + self.hysteresis.held(delta - around.slider)
+    }
+
+    /// Torque of quadratic damping and soft stops.
+    #[inline(always)]
+    pub fn resistance(&self, effects: &Effects, start: S, delta: S, delta_rate: S) -> S {
+        if effects.feel_damping_and_stops {
+            let touches = self.soft_stops.touch(start);
+            self.quadratic_damping * delta_rate * delta_rate.abs() - self.soft_stops.force(touches, delta, delta_rate)
+        } else {
+            delta.zero()
+        }
+    }
+
+    /// Where the hysteresis leaves its slider once `delta` has been reached.
+    #[inline(always)]
+    pub fn dragged(&self, slider: S, delta: S) -> S {
+        let travel = delta.constant(1.0) / self.hysteresis.per_travel;
+        slider.clamp(delta - travel, delta + travel)
+    }
+
+    /// `(delta, delta')` inside a step from `before`, held within hard stops and velocity limit. A stop that is met inside the
+    /// step takes the velocity at its end.
+    #[inline(always)]
+    pub fn held_within(&self, before: (S, S), (delta, delta_rate): (S, S)) -> (S, S) {
+        let rate = delta_rate.within(self.velocity_limit.max(before.1.abs()));
+        let at_high = !before.0.less(self.high) & !self.high.less(before.0);
+        let at_low = !before.0.less(self.low) & !self.low.less(before.0);
+        let rate = S::select(at_high, rate.min(rate.zero()), S::select(at_low, rate.max(rate.zero()), rate));
+        let (low, high) = self.bounds(before.0, delta);
+        (delta.clamp(low, high), rate)
+    }
+
+    /// Where a step from `before` to `delta` may end: anywhere beyond a stop that it began beyond.
+    #[inline(always)]
+    fn bounds(&self, before: S, delta: S) -> (S, S) {
+        let low = S::select(before.less(self.low), delta, self.low);
+        (low, S::select(self.high.less(before), delta, self.high))
+    }
+
+    /// The trimmed neutral after `h` seconds of following the command, an angle.
+    #[inline(always)]
+    pub fn trimmed(&self, neutral: S, command: S, h: S) -> S {
+        let unlimited = !self.trim_rate.less(h.constant(f64::INFINITY));
+        let most = S::select(unlimited, self.trim_rate, self.trim_rate * h);
+        neutral + (command * self.per_angle - neutral).within(most)
+    }
+
+    /// `(delta, delta')` after a step from `before`, held within hard stops and velocity limit.
+    ///
+    /// A velocity limit that has just been programmed takes hold over some hundredths of a second, and so does a stop behind a
+    /// control that moves on outwards; it lets the control come back and does not throw it.
+    #[inline(always)]
+    pub fn limited(&self, before: (S, S), (delta, delta_rate): (S, S), h: S) -> (S, S) {
+        let kept = (h.constant(1.0) - h.times(1.0 / LIMIT_TAKES_HOLD_S)).max(h.zero());
+        let slowed = before.1.abs() * kept;
+        let rate = delta_rate.within(self.velocity_limit.max(slowed));
+        let zero = rate.zero();
+        let (low, high) = self.bounds(before.0, delta);
+        let outwards = |beyond: S::Mask| S::select(beyond, slowed, zero);
+        let rate = S::select(delta.less(high), rate, rate.min(outwards(self.high.less(before.0))));
+        let rate = S::select(low.less(delta), rate, rate.max(-outwards(before.0.less(self.low))));
+        (delta.clamp(low, high), rate)
+    }
+}
+
+/// Time in which a newly programmed velocity limit takes hold.
+const LIMIT_TAKES_HOLD_S: f64 = 0.02;
+
+#[inline(always)]
+fn soft_stops<S: Scalar>(feel: &Feel<S>, lambda: S, mu: S) -> Stops<S> {
+    Stops {
+        low: feel.soft_stop_low * lambda,
+        high: feel.soft_stop_high * lambda,
+        stiffness: feel.soft_stop_stiffness * mu / lambda,
+        damping: feel.soft_stop_damping * mu / lambda,
     }
 }

@@ -11,7 +11,7 @@ use crate::contact::Push;
 use crate::curve::Curve;
 use crate::dry_friction::{DryFriction, Grip};
 use crate::effects::Effects;
-use crate::feel_law::{FeelLaw, Surroundings};
+use crate::feel::{FeelLaw, Surroundings};
 use crate::machine::SEARCH_RAD;
 
 /// A feel, or two while the one is changed into the other.
@@ -50,7 +50,7 @@ impl<S: Scalar> FeelMotion<S> {
 impl<S: Scalar> FeelComputer<'_, S> {
     /// Where the feel rests under a torque: `S(delta) = T`, neutral where that does.
     #[inline(always)]
-    pub fn rest(&self, torque: S, neutral: S, stiffness_factor: S) -> S {
+    pub fn equilibrium(&self, torque: S, neutral: S, stiffness_factor: S) -> S {
         let left = |delta: S| {
             let around = Surroundings::at_rest(neutral, stiffness_factor, delta);
             let spring = self.feel.spring(self.effects, self.curve, delta, &around);

@@ -22,10 +22,10 @@
 //! |---|---|
 //! | one step of the whole | [`machine`] |
 //! | load pressure, slaved | [`pressure`] |
-//! | valve with its limits | [`valve_motion`] |
-//! | column with friction, gravity, stops, arm | [`column_motion`] |
+//! | valve with its limits | [`valve`] |
+//! | column with friction, gravity, stops, arm | [`column`] |
 //! | dry friction, stops | [`dry_friction`], [`contact`] |
-//! | feel with all that is nonlinear, its force curve | [`feel_law`], [`curve`] |
+//! | feel with all that is nonlinear, its force curve | [`feel`], [`curve`] |
 //! | sensors | [`transducers`] |
 //! | digital controller, its law with an observer | [`controller`], [`observer`] |
 //! | which of these are in play | [`effects`] |
@@ -41,7 +41,6 @@ pub mod amplifier;
 mod bisect;
 pub mod channels;
 pub mod column;
-pub mod column_motion;
 pub mod compensator;
 pub mod contact;
 pub mod controller;
@@ -51,7 +50,6 @@ pub mod dual;
 pub mod effects;
 pub mod feel;
 pub mod feel_computer;
-pub mod feel_law;
 pub mod linkage;
 pub mod load_cell;
 pub mod loader;
@@ -64,6 +62,5 @@ pub mod scalar;
 pub mod transducers;
 pub mod units;
 pub mod valve;
-pub mod valve_motion;
 
 pub use scalar::Scalar;

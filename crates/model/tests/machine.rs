@@ -1,4 +1,4 @@
-//! The whole machine step by step: at rest, stuck, against its stops, mirrored, and under a digital controller.
+//! The whole machine step by step: in equilibrium, stuck, against its stops, mirrored, and under a digital controller.
 
 mod near;
 
@@ -54,8 +54,9 @@ impl Run {
 
     /// What there is at the start of each step and at the end of the last, from rest at an angle.
     fn from(&self, theta: f64, steps: usize, inputs: impl Fn(usize) -> Inputs) -> Vec<Now<f64>> {
-        let rest = self.machine.held_at(&self.shared, theta, 0.0, 1.0);
-        let (mut state, mut memory) = (self.machine.start(&self.shared, &rest), self.machine.remember(&rest));
+        let equilibrium = self.machine.held_at(&self.shared, theta, 0.0, 1.0);
+        let (mut state, mut memory) =
+            (self.machine.start(&self.shared, &equilibrium), self.machine.remember(&equilibrium));
         let mut seen = Vec::new();
         for step in 0..steps {
             let now = inputs(step);
@@ -101,8 +102,8 @@ fn machine_held_at_an_angle_is_at_rest() {
     (p.column.coulomb_friction, p.column.static_friction) = (0.0, 0.0);
     (p.feel.coulomb_friction, p.feel.static_friction) = (0.0, 0.0);
     for run in all_runs(&p) {
-        let rest = run.machine.held_at(&run.shared, 0.1, 0.0, 1.0);
-        let seen = run.from(0.1, 300, |_| still(rest.pilot_force));
+        let equilibrium = run.machine.held_at(&run.shared, 0.1, 0.0, 1.0);
+        let seen = run.from(0.1, 300, |_| still(equilibrium.pilot_force));
         // Converters of the example's 16 bits over 20 V move the digital command by 0.3 mV: 1e-4 rad of 7.6 V/in, 5.9 in/rad.
         let allowed = if run.shared.timing.is_some() { 1e-4 } else { 1e-11 };
         for now in seen {

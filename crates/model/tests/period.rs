@@ -172,8 +172,8 @@ fn periods_one_after_the_other_are_the_run_bit_for_bit() {
     for bent in [false, true] {
         for one in Loop::all(&loader(bent)) {
             let (machine, shared, timing) = (one.machine(1.0), &one.shared, one.timing);
-            let rest = machine.held_at(shared, 0.0, 0.0, 1.0);
-            let (mut state, mut memory) = (machine.start(shared, &rest), machine.remember(&rest));
+            let equilibrium = machine.held_at(shared, 0.0, 0.0, 1.0);
+            let (mut state, mut memory) = (machine.start(shared, &equilibrium), machine.remember(&equilibrium));
             let (mut numbers, mut force_before) = ([0.0; PERIOD_STATES], 0.0);
             for period in 0..40 {
                 // A push, then a pull.

@@ -1,6 +1,7 @@
 //! Laws of runs, as Python gives them, and the effects in play under them.
 
 use crate::arrays::rows;
+use crate::errors::refused;
 use crate::model::Compensator;
 use forcefeel_model::compensator::Compensator as Gains;
 use forcefeel_model::effects::Effects;
@@ -8,7 +9,7 @@ use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::COUNT;
 use forcefeel_solve::batch::Law;
 use numpy::PyReadonlyArray2;
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 /// A law for all runs: by name, made of each run's own parameters, or as fixed numbers.
@@ -45,9 +46,7 @@ impl<'py> FromPyObject<'_, 'py> for NamedLaw {
             "original" => Ok(Self::Original),
             "position" => Ok(Self::Position),
             "open" => Ok(Self::Open),
-            other => {
-                Err(PyValueError::new_err(format!("law: expected 'open', 'position' or 'original', got {other:?}")))
-            }
+            other => Err(refused(format!("law: expected 'open', 'position' or 'original', got {other:?}"))),
         }
     }
 }
@@ -95,9 +94,7 @@ pub fn effects_of<'a>(values: impl Iterator<Item = &'a [f64; COUNT]>, law: &Law<
 /// Refuses another number of rows than there are runs.
 pub fn check_runs(name: &str, found: Option<usize>, runs: usize) -> PyResult<()> {
     match found {
-        Some(found) if found != runs => {
-            Err(PyValueError::new_err(format!("{name}: expected {runs} rows, got {found}")))
-        }
+        Some(found) if found != runs => Err(refused(format!("{name}: expected {runs} rows, got {found}"))),
         _ => Ok(()),
     }
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
 mod arrays;
+mod errors;
 mod laws;
 mod limits;
 mod loops;
@@ -16,6 +17,9 @@ use pyo3::prelude::*;
 
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let py = module.py();
+    module.add("ArgumentError", py.get_type::<errors::ArgumentError>())?;
+    module.add("ThreadsError", py.get_type::<errors::ThreadsError>())?;
     module.add_class::<model::Parameter>()?;
     module.add_class::<model::Compensator>()?;
     module.add_class::<solve::Recursion>()?;
@@ -47,9 +51,12 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(model::valve_gains, module)?)?;
     module.add_function(wrap_pyfunction!(model::linkage_from_resonance, module)?)?;
     module.add_function(wrap_pyfunction!(model::feel_from_frequency, module)?)?;
+    module.add_function(wrap_pyfunction!(model::feel_from_frequencies, module)?)?;
     module.add_function(wrap_pyfunction!(model::feel_frequency, module)?)?;
     module.add_function(wrap_pyfunction!(solve::discretize, module)?)?;
     module.add_function(wrap_pyfunction!(solve::recursion, module)?)?;
     module.add_function(wrap_pyfunction!(solve::schedule, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::feel_transitions, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::feel_steps, module)?)?;
     Ok(())
 }

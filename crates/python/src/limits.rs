@@ -1,7 +1,7 @@
 //! What every call asks of its numbers, so that none goes on for ever.
 
+use crate::errors::refused;
 use forcefeel_model::controller::{MOST_UNDER_WAY, Timing};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// Most steps in a controller's period: the longest period of the parameter table in the shortest steps of a scenario.
@@ -10,7 +10,7 @@ const MOST_STEPS_IN_PERIOD: usize = 10_000;
 /// When the controller acts, from the steps in its period and in its delay.
 pub fn timing((period, delay): (usize, usize)) -> PyResult<Timing> {
     if !(1..=MOST_STEPS_IN_PERIOD).contains(&period) || delay >= MOST_UNDER_WAY * period {
-        return Err(PyValueError::new_err(format!(
+        return Err(refused(format!(
             "timing: expected 1 to {MOST_STEPS_IN_PERIOD} steps in a period and a delay of less than {MOST_UNDER_WAY} periods, \
              got {period} and {delay}"
         )));
@@ -23,10 +23,10 @@ pub fn step(seconds: f64) -> PyResult<f64> {
     if seconds.is_finite() && seconds > 0.0 {
         return Ok(seconds);
     }
-    Err(PyValueError::new_err(format!("step_s: expected a time above zero, got {seconds}")))
+    Err(refused(format!("step_s: expected a time above zero, got {seconds}")))
 }
 
-/// Numbers that rise, or a `ValueError` that names them.
+/// Numbers that rise, or a `ArgumentError` that names them.
 pub fn rising(name: &str, numbers: &[f64]) -> PyResult<()> {
     let ends = [numbers.first(), numbers.last()];
     // In this form also where one of them is not a number.
@@ -34,13 +34,13 @@ pub fn rising(name: &str, numbers: &[f64]) -> PyResult<()> {
     {
         return Ok(());
     }
-    Err(PyValueError::new_err(format!("{name}: expected rising numbers")))
+    Err(refused(format!("{name}: expected rising numbers")))
 }
 
-/// A count of at most so many, or a `ValueError` that names it.
+/// A count of at most so many, or a `ArgumentError` that names it.
 pub fn at_most(name: &str, most: usize, count: usize) -> PyResult<()> {
     if count <= most {
         return Ok(());
     }
-    Err(PyValueError::new_err(format!("{name}: expected at most {most}, got {count}")))
+    Err(refused(format!("{name}: expected at most {most}, got {count}")))
 }

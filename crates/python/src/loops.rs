@@ -1,16 +1,17 @@
 //! Many linear loops: their stability, their poles, their runs.
 
 use crate::arrays::{rows, vector};
+use crate::errors::{refused, threads as answered};
 use crate::limits::step;
 use crate::model::Compensator;
 use forcefeel_model::compensator::Compensator as Compensation;
 use forcefeel_model::parameters::COUNT;
-use forcefeel_solve::batch::{Law, OUTPUTS};
+use forcefeel_solve::batch::Law;
 use forcefeel_solve::linear_batch::LinearJob;
 use forcefeel_solve::loops::{Loops as Many, STATES};
+use forcefeel_solve::outputs::OUTPUTS;
 use forcefeel_solve::simulate::Start;
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray3};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// Loops that share what `common` says but for the parameters in `columns`, of which `varied` has a row for each.
@@ -49,7 +50,7 @@ impl Loops {
     ) -> PyResult<Self> {
         let (count, width) = varied.as_array().dim();
         if width != columns.len() || count == 0 || columns.iter().any(|&column| column >= COUNT) {
-            return Err(PyValueError::new_err(format!(
+            return Err(refused(format!(
                 "varied: expected a row of {} values, of parameters below {COUNT}, for each loop, got shape {:?}",
                 columns.len(),
                 (count, width)
@@ -57,7 +58,7 @@ impl Loops {
         }
         let gains = gains.map(|gains| rows::<7>("gains", &gains)).transpose()?;
         if gains.as_ref().is_some_and(|gains| gains.len() != count) {
-            return Err(PyValueError::new_err(format!("gains: expected {count} rows")));
+            return Err(refused(format!("gains: expected {count} rows")));
         }
         Ok(Self {
             common: vector::<COUNT>("common", &common)?,
@@ -71,14 +72,14 @@ impl Loops {
     }
 
     /// A code for each loop: 0 unstable, 1 stable, both proved; 2 unstable, 3 stable, by computed poles; 4 not made of numbers.
-    fn stability<'py>(&self, py: Python<'py>, threads: usize) -> Bound<'py, PyArray1<u8>> {
-        let verdicts = py.detach(|| self.many().stability(threads));
-        PyArray1::from_iter(py, verdicts.into_iter().map(|verdict| verdict as u8))
+    fn stability<'py>(&self, py: Python<'py>, threads: usize) -> PyResult<Bound<'py, PyArray1<u8>>> {
+        let verdicts = answered(py.detach(|| self.many().stability(threads)))?;
+        Ok(PyArray1::from_iter(py, verdicts.into_iter().map(|verdict| verdict as u8)))
     }
 
     /// Poles (loops, states, 2), real and imaginary part, in no order; not numbers where the matrix is not made of numbers.
     fn poles<'py>(&self, py: Python<'py>, threads: usize) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let poles = py.detach(|| self.many().poles(threads));
+        let poles = answered(py.detach(|| self.many().poles(threads)))?;
         let parts = poles.into_flattened().into_iter().flat_map(|pole| [pole.re, pole.im]);
         PyArray1::from_iter(py, parts).reshape([self.count, STATES, 2])
     }
@@ -102,10 +103,10 @@ impl Loops {
         let force = rows::<2>("force", &force)?;
         let force_scale: Option<Vec<f64>> = force_scale.map(|scale| scale.as_array().iter().copied().collect());
         if force_scale.as_ref().is_some_and(|scale| scale.len() != self.count) {
-            return Err(PyValueError::new_err(format!("force_scale: expected {} values", self.count)));
+            return Err(refused(format!("force_scale: expected {} values", self.count)));
         }
         if every == 0 || !force.len().is_multiple_of(every) || outputs.iter().any(|&output| output >= OUTPUTS.len()) {
-            return Err(PyValueError::new_err("every, outputs: expected a divisor of the steps and places of outputs"));
+            return Err(refused("every, outputs: expected a divisor of the steps and places of outputs"));
         }
         let job = LinearJob {
             loops: self.many(),
@@ -121,11 +122,9 @@ impl Loops {
         let mut view = histories.as_array_mut();
         let room = view.as_slice_mut().filter(|_| found == expected);
         let Some(room) = room else {
-            return Err(PyValueError::new_err(format!(
-                "histories: expected shape {expected:?} in order, got {found:?}"
-            )));
+            return Err(refused(format!("histories: expected shape {expected:?} in order, got {found:?}")));
         };
-        py.detach(|| job.run(threads, room));
+        answered(py.detach(|| job.run(threads, room)))?;
         Ok(())
     }
 }

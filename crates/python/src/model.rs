@@ -1,13 +1,13 @@
 //! The parameter table and the models.
 
 use crate::arrays::{Matrix, to_numpy, vector};
+use crate::errors::refused;
 use forcefeel_model::compensator::{Compensator as Law, Displacement};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::{Compliant, DesignPlant, IdealFeel, Rigid, System};
 use forcefeel_model::parameters::{ALTERNATIVES, COUNT, Feel, Linkage, PARTS, Parameter as Row, Parameters, TABLE};
 use forcefeel_solve::linearize as jacobians;
 use numpy::{PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// One row of the parameter table.
@@ -67,6 +67,8 @@ pub fn parts() -> Vec<(&'static str, &'static str)> {
 }
 
 type Values<'py> = PyReadonlyArray1<'py, f64>;
+/// Inertia and damping, one of each for every feel.
+type Columns<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 type Matrices<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>);
 
 fn loader(values: &Values<'_>) -> PyResult<Parameters<f64>> {
@@ -97,7 +99,7 @@ impl Compensator {
             "V" => Displacement::Volts,
             "rad" => Displacement::Radians,
             other => {
-                return Err(PyValueError::new_err(format!("displacement_unit: expected 'V' or 'rad', got {other:?}")));
+                return Err(refused(format!("displacement_unit: expected 'V' or 'rad', got {other:?}")));
             }
         };
         Ok(Self(Law { gains, load_cell_arm, displacement }))
@@ -207,6 +209,24 @@ pub fn linkage_from_resonance(values: Values<'_>, frequency: f64, damping_ratio:
 #[pyfunction]
 pub fn feel_from_frequency(frequency: f64, damping_ratio: f64, stiffness: f64) -> (f64, f64) {
     Feel::from_frequency(frequency, damping_ratio, stiffness)
+}
+
+/// `I` and `B` of feels of these natural frequencies in rad/s, damping ratios and stiffnesses, as many of each.
+#[pyfunction]
+pub fn feel_from_frequencies<'py>(
+    py: Python<'py>,
+    frequency: Values<'py>,
+    damping_ratio: Values<'py>,
+    stiffness: Values<'py>,
+) -> PyResult<Columns<'py>> {
+    let (w, zeta, g) = (frequency.as_array(), damping_ratio.as_array(), stiffness.as_array());
+    if w.len() != zeta.len() || w.len() != g.len() {
+        let found = (w.len(), zeta.len(), g.len());
+        return Err(refused(format!("frequency, damping_ratio, stiffness: expected as many of each, got {found:?}")));
+    }
+    let of = |((&w, &zeta), &g)| Feel::from_frequency(w, zeta, g);
+    let (inertia, damping) = w.iter().zip(zeta).zip(g).map(of).unzip();
+    Ok((PyArray1::from_vec(py, inertia), PyArray1::from_vec(py, damping)))
 }
 
 /// Natural frequency in rad/s and damping ratio of the programmed feel.

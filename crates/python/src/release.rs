@@ -1,9 +1,9 @@
 //! Features of releases.
 
+use crate::errors::{refused, threads as answered};
 use crate::limits::{at_most, rising};
 use forcefeel_solve::release::{FEATURE_GROUPS, FEATURES, Measuring, Release};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 type Groups = Vec<(&'static str, usize, &'static str)>;
@@ -48,7 +48,7 @@ impl ReleaseMeasuring {
         if samples == self.time.len() {
             return Ok(());
         }
-        Err(PyValueError::new_err(format!("position: expected {} samples, got {samples}", self.time.len())))
+        Err(refused(format!("position: expected {} samples, got {samples}", self.time.len())))
     }
 }
 
@@ -72,7 +72,7 @@ impl ReleaseMeasuring {
         }
         for (name, size) in [("reach", reach), ("hysteresis", hysteresis)] {
             if !(size.is_finite() && size >= 0.0) {
-                return Err(PyValueError::new_err(format!("{name}: expected a number of at least zero, got {size}")));
+                return Err(refused(format!("{name}: expected a number of at least zero, got {size}")));
             }
         }
         Ok(Self { time, held, free, tail, shares, reach, hysteresis })
@@ -97,7 +97,7 @@ impl ReleaseMeasuring {
             copied = view.iter().copied().collect();
             &copied
         };
-        let features = py.detach(|| self.measuring().measure_all(positions, threads));
+        let features = answered(py.detach(|| self.measuring().measure_all(positions, threads)))?;
         PyArray1::from_vec(py, features).reshape([runs, FEATURES])
     }
 

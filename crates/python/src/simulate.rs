@@ -1,6 +1,7 @@
 //! Runs in time.
 
 use crate::arrays::{rows, vector};
+use crate::errors::{refused, threads as answered};
 use crate::laws::{Laws, NamedLaw, check_runs, effects_of};
 use crate::limits::{at_most, rising, step, timing as in_steps};
 use crate::slopes::check_keys;
@@ -11,17 +12,16 @@ use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_solve::batch::{Change, Job, Law, OUTPUTS, Sampling};
+use forcefeel_solve::batch::{Change, Job, Law, Sampling};
 use forcefeel_solve::feel_alone::feel_alone;
 use forcefeel_solve::measures::{MEASURES, Peaks, measure};
+use forcefeel_solve::outputs::{OUTPUTS, Output};
 use forcefeel_solve::record_slopes::SlopeJob;
 use forcefeel_solve::sampled_loops::{INPUTS, Periods, SampledLoops};
 use forcefeel_solve::simulate::Start;
-use numpy::{
-    PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
-};
-use pyo3::exceptions::PyValueError;
+use numpy::{PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
+use std::collections::BTreeMap;
 
 type Names = Vec<(&'static str, &'static str)>;
 type Arrays<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray3<f64>>);
@@ -51,15 +51,11 @@ pub fn simulation_measure<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let outputs = outputs.as_array();
     if outputs.nrows() != OUTPUTS.len() || outputs.ncols() < 2 {
-        return Err(PyValueError::new_err(format!(
-            "outputs: expected {} rows, got {:?}",
-            OUTPUTS.len(),
-            outputs.dim()
-        )));
+        return Err(refused(format!("outputs: expected {} rows, got {:?}", OUTPUTS.len(), outputs.dim())));
     }
-    let row = |name: &str| outputs.row(OUTPUTS.iter().position(|(output, _)| *output == name).unwrap_or(0));
-    let angle = row("column_angle").to_vec();
-    let demand = ["valve_current", "load_pressure", "actuator_flow"].map(row);
+    let row = |output: Output| outputs.row(output as usize);
+    let angle = row(Output::ColumnAngle).to_vec();
+    let demand = [Output::ValveCurrent, Output::LoadPressure, Output::ActuatorFlow].map(row);
     let mut peaks = Peaks::new(0.0);
     for (k, &angle) in angle.iter().enumerate() {
         #[expect(clippy::cast_precision_loss, reason = "a number of samples, far below 2^52")]
@@ -89,13 +85,12 @@ pub struct Simulation {
 impl Simulation {
     /// A sample every so many steps, or two a step where `every` is zero.
     ///
-    /// `inputs`: (steps, 7, 2): pilot force, trim, factor on the spring, shaker, fade, test signal, command signal, each at the start and
-    /// the end of a step.
+    /// `inputs`: by name (steps, 2), at the start and at the end of each step; of those that are not given there is nothing.
     #[new]
     #[pyo3(signature = (inputs, step_s, *, every = 1, outputs = vec![], start_force = 0.0, held = None, timing = None, curve = None, changes = vec![]))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
-        inputs: PyReadonlyArray3<'_, f64>,
+        inputs: BTreeMap<String, PyReadonlyArray2<'_, f64>>,
         step_s: f64,
         every: usize,
         outputs: Vec<usize>,
@@ -109,9 +104,7 @@ impl Simulation {
         let mut done = 0;
         let changes = changes.iter().map(|(begin, end, values, observer)| {
             if *begin < done || end <= begin {
-                return Err(PyValueError::new_err(
-                    "changes: expected each to begin where the one before is done, and to last",
-                ));
+                return Err(refused("changes: expected each to begin where the one before is done, and to last"));
             }
             done = *end;
             let observer = observer.as_ref().map(|numbers| vector::<NUMBERS>("changes", numbers)).transpose()?;
@@ -163,7 +156,7 @@ impl Simulation {
         let histories = PyArray3::zeros(py, [runs, self.outputs.len(), job.samples()], false);
         let mut writable = histories.readwrite();
         let into = writable.as_slice_mut()?;
-        let measures = py.detach(|| job.run(threads, into));
+        let measures = answered(py.detach(|| job.run(threads, into)))?;
         drop(writable);
         Ok((PyArray1::from_vec(py, measures.into_flattened()).reshape([runs, MEASURES.len()])?, histories))
     }
@@ -185,10 +178,10 @@ impl Simulation {
         let values = rows::<COUNT>("values", &values)?;
         check_keys(&keys)?;
         if keys.is_empty() {
-            return Err(PyValueError::new_err("keys: expected one at least; run gives the histories alone"));
+            return Err(refused("keys: expected one at least; run gives the histories alone"));
         }
         if let Some(channel) = channels.iter().find(|&&channel| channel >= CHANNELS.len()) {
-            return Err(PyValueError::new_err(format!(
+            return Err(refused(format!(
                 "channels: expected places of channels below {}, got {channel}",
                 CHANNELS.len()
             )));
@@ -199,7 +192,7 @@ impl Simulation {
         let slopes = PyArray4::zeros(py, [shape[0], keys.len(), shape[1], shape[2]], false);
         let mut writable = slopes.readwrite();
         let into = writable.as_slice_mut()?;
-        let histories = py.detach(|| job.run(threads, into));
+        let histories = answered(py.detach(|| job.run(threads, into)))?;
         drop(writable);
         Ok((PyArray1::from_vec(py, histories).reshape(shape)?, slopes))
     }
@@ -214,7 +207,7 @@ impl Simulation {
         let values = vector::<COUNT>("values", &values)?;
         let parts = (self.step_s / longest_s).ceil();
         if !(1.0..=MOST_PARTS).contains(&parts) {
-            return Err(PyValueError::new_err(format!(
+            return Err(refused(format!(
                 "longest_s: expected the {} s of a step or less, down to a {MOST_PARTS}th, got {longest_s}",
                 self.step_s
             )));
@@ -274,38 +267,40 @@ pub fn sampled_loops<'py>(
     let shared =
         Shared { effects: effects_of(values.iter(), &law).smooth(), step_s, timing: Some(timing), curve: None };
     let loops = SampledLoops { shared, timing, values: &values, law };
-    let Periods { states, matrices } = py.detach(|| loops.periods(threads));
+    let Periods { states, matrices } = answered(py.detach(|| loops.periods(threads)))?;
     let shape = [values.len(), states.len(), states.len() + INPUTS];
     Ok((states, PyArray1::from_vec(py, matrices).reshape(shape)?))
 }
 
-fn steps(inputs: &PyReadonlyArray3<'_, f64>) -> PyResult<Vec<Inputs>> {
-    let inputs = inputs.as_array();
-    let (count, signals, ends) = inputs.dim();
-    if count == 0 || (signals, ends) != (7, 2) {
-        return Err(PyValueError::new_err(format!(
-            "inputs: expected shape (steps, 7, 2), one step at least, got {:?}",
-            inputs.dim()
-        )));
+/// The inputs of each step.
+fn steps(given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>) -> PyResult<Vec<Inputs>> {
+    let count = given.values().next().map_or(0, |input| input.as_array().nrows());
+    if count == 0 {
+        return Err(refused("inputs: expected an input and a step at least"));
     }
-    let step = |row: numpy::ndarray::ArrayView2<'_, f64>| {
-        let pair = |k: usize| [row[(k, 0)], row[(k, 1)]];
-        Inputs {
-            force: pair(0),
-            trim: pair(1),
-            stiffness_factor: pair(2),
-            shaker: pair(3),
-            fade: pair(4),
-            test_signal: pair(5),
-            command_signal: pair(6),
+    let mut steps = vec![Inputs::NONE; count];
+    for (name, input) in given {
+        let input = input.as_array();
+        if input.dim() != (count, 2) {
+            let found = input.dim();
+            return Err(refused(format!(
+                "inputs: {name}: expected shape {:?} as of the others, got {found:?}",
+                (count, 2)
+            )));
         }
-    };
-    Ok(inputs.outer_iter().map(step).collect())
+        let Some(place) = Inputs::place(name) else {
+            return Err(refused(format!("inputs: expected names out of {}, got {name:?}", Inputs::NAMES.join(", "))));
+        };
+        for (step, row) in steps.iter_mut().zip(input.outer_iter()) {
+            *place(step) = [row[0], row[1]];
+        }
+    }
+    Ok(steps)
 }
 
 fn spring_curve(knots: &PyReadonlyArray1<'_, f64>, coefficients: &PyReadonlyArray2<'_, f64>) -> PyResult<Curve> {
     let knots: Vec<f64> = knots.as_array().iter().copied().collect();
     rising("curve", &knots)?;
     let coefficients = rows::<4>("curve", coefficients)?;
-    Curve::new(&knots, &coefficients).ok_or_else(|| PyValueError::new_err("curve: knots and coefficients do not fit"))
+    Curve::new(&knots, &coefficients).ok_or_else(|| refused("curve: knots and coefficients do not fit"))
 }

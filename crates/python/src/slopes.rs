@@ -1,6 +1,7 @@
 //! Matrices of the linear models on a bench, and their slopes along parameters.
 
 use crate::arrays::{Matrix, to_numpy, vector};
+use crate::errors::refused;
 use crate::laws::{Laws, NamedLaw, effects_of};
 use crate::limits::{step, timing as in_steps};
 use forcefeel_model::channels::CHANNELS;
@@ -11,7 +12,6 @@ use forcefeel_solve::sampled_loops::SampledLoops;
 use forcefeel_solve::slopes::{Linkage, Slopes, linear, sampled};
 use nalgebra::DMatrix;
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 type Stack<'py> = Bound<'py, PyArray3<f64>>;
@@ -38,7 +38,7 @@ pub fn linear_slopes<'py>(
         "rigid" => Linkage::Rigid,
         "compliant" => Linkage::Compliant,
         other => {
-            return Err(PyValueError::new_err(format!("linkage: expected 'rigid' or 'compliant', got {other:?}")));
+            return Err(refused(format!("linkage: expected 'rigid' or 'compliant', got {other:?}")));
         }
     };
     let values = vector::<COUNT>("values", &values)?;
@@ -73,9 +73,7 @@ pub fn sampled_slopes<'py>(
 /// Refuses what is no place in the parameter table.
 pub fn check_keys(keys: &[usize]) -> PyResult<()> {
     match keys.iter().find(|&&key| key >= COUNT) {
-        Some(key) => {
-            Err(PyValueError::new_err(format!("keys: expected places of parameters below {COUNT}, got {key}")))
-        }
+        Some(key) => Err(refused(format!("keys: expected places of parameters below {COUNT}, got {key}"))),
         None => Ok(()),
     }
 }

@@ -1,13 +1,15 @@
 //! The solvers.
 
 use crate::arrays::{Matrix, matrix, to_numpy, vector};
+use crate::errors::refused;
 use crate::limits::at_most;
 use forcefeel_model::parameters::{Feel, Parameters};
+use forcefeel_solve::feel_transition::{feel_step, feel_transition};
 use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion as run};
 use forcefeel_solve::schedule::{Plant, Time, schedule as gains};
 use nalgebra::{Matrix4, Matrix4x2, RowVector4};
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyValueError;
+use numpy::ndarray::ArrayView1;
+use numpy::{PyArray1, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 /// Most steps of a recursion: some two seconds of computing for the design plant.
@@ -72,7 +74,7 @@ pub fn recursion(
 ) -> PyResult<Recursion> {
     let (n, m) = h.as_array().dim();
     if n == 0 || m == 0 {
-        return Err(PyValueError::new_err(format!("h: expected a state and an input at least, got {:?}", (n, m))));
+        return Err(refused(format!("h: expected a state and an input at least, got {:?}", (n, m))));
     }
     at_most("steps", MOST_STEPS, steps)?;
     let problem = Problem {
@@ -101,17 +103,56 @@ pub fn schedule<'py>(
         gain_row: RowVector4::from_row_slice(&vector::<4>("gain_row", &gain_row)?),
         time: period.map_or(Time::Continuous, Time::Discrete),
     };
-    let settings = settings.as_array();
-    if settings.ncols() != 3 {
-        return Err(PyValueError::new_err(format!("settings: expected columns I, B, G, got {}", settings.ncols())));
-    }
-    let plain = Parameters::elevator().feel;
-    let settings: Vec<Feel<f64>> = settings
-        .rows()
-        .into_iter()
-        .map(|s| Feel { inertia: s[0], damping: s[1], stiffness: s[2], maximum_stiffness: s[2], ..plain })
-        .collect();
+    let settings = feels(&settings)?;
     let rows = py.detach(|| gains(&plant, &settings));
     let count = rows.len();
     PyArray1::from_vec(py, rows.into_flattened()).reshape([count, 2])
+}
+
+/// The feels of settings `[I, B, G]`, a row each.
+fn feels(settings: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Feel<f64>>> {
+    let settings = settings.as_array();
+    if settings.ncols() != 3 {
+        return Err(refused(format!("settings: expected columns I, B, G, got {}", settings.ncols())));
+    }
+    let plain = Parameters::elevator().feel;
+    let of = |s: ArrayView1<'_, f64>| Feel {
+        inertia: s[0],
+        damping: s[1],
+        stiffness: s[2],
+        maximum_stiffness: s[2],
+        ..plain
+    };
+    Ok(settings.outer_iter().map(of).collect())
+}
+
+/// `exp(W t)` (settings, times, 2, 2) of the unforced feel of each setting `[I, B, G]`, on its displacement and its rate.
+#[pyfunction]
+pub fn feel_transitions<'py>(
+    py: Python<'py>,
+    settings: PyReadonlyArray2<'py, f64>,
+    times: PyReadonlyArray1<'py, f64>,
+) -> PyResult<Bound<'py, PyArray4<f64>>> {
+    let feels = feels(&settings)?;
+    let times: Vec<f64> = times.as_array().iter().copied().collect();
+    let mut numbers = Vec::with_capacity(4 * feels.len() * times.len());
+    for feel in &feels {
+        for &t in &times {
+            numbers.extend_from_slice(feel_transition(feel, t).transpose().as_slice());
+        }
+    }
+    PyArray1::from_vec(py, numbers).reshape([feels.len(), times.len(), 2, 2])
+}
+
+/// `[Phi, Gamma]` (settings, 2, 3) of the feel of each setting `[I, B, G]` over a period under a torque that stays.
+#[pyfunction]
+pub fn feel_steps<'py>(
+    py: Python<'py>,
+    settings: PyReadonlyArray2<'py, f64>,
+    period: f64,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let feels = feels(&settings)?;
+    let numbers: Vec<f64> =
+        feels.iter().flat_map(|feel| feel_step(feel, period).transpose().as_slice().to_vec()).collect();
+    PyArray1::from_vec(py, numbers).reshape([feels.len(), 2, 3])
 }

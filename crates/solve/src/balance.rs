@@ -7,8 +7,8 @@
     reason = "indices as in the equations; iterators are not reliably inlined in lanes"
 )]
 
-use crate::fused::Fused;
 use crate::loops::{Matrix, STATES};
+use crate::wide::Fused;
 
 /// Rounds over all states; the sizes settle within two or three.
 const ROUNDS: usize = 3;

@@ -1,14 +1,16 @@
-//! Many runs: sixteen side by side in vector lanes, groups of sixteen over the cores.
+//! Many runs: side by side in vector lanes, groups of sixteen over the cores.
 //!
 //! A run's numbers depend on its own parameters, its seed and its index alone, never on its neighbours or on the number of
 //! threads. A last group that is not full is filled up with copies of its last run.
 
-use crate::lanes::{LANES, Lanes, Wide, return_on_vectors};
+use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::measures::{MEASURES, Peaks, measure};
 use crate::noise::Noise;
+use crate::outputs::Output;
 use crate::pair::Pair;
-use crate::simulate::{FeelChange, Middles, Record, Start, run};
-use crate::threads::pool;
+use crate::simulate::{Beginning, FeelChange, Middles, Record, Start, run};
+use crate::threads::{NoThreads, pool};
+use crate::wide::Wide;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
@@ -79,20 +81,6 @@ impl Law<'_> {
     }
 }
 
-/// Name of each output and its SI unit; `feel_position` is in the unit of the law's displacement.
-pub const OUTPUTS: &[(&str, &str)] = &[
-    ("column_angle", "rad"),
-    ("column_velocity", "rad/s"),
-    ("feel_position", ""),
-    ("feel_velocity", ""),
-    ("piston_position", "m"),
-    ("load_cell_force", "N"),
-    ("load_pressure", "Pa"),
-    ("actuator_flow", "m^3/s"),
-    ("valve_current", "A"),
-    ("pilot_force", "N"),
-];
-
 /// A change of the feel for all runs: the values of [`Feel`](forcefeel_model::parameters::Feel) among `values` count.
 #[derive(Debug, Clone, Copy)]
 pub struct Change {
@@ -134,7 +122,7 @@ pub struct Job<'a> {
     pub noise: (u64, u64),
     /// When to take samples.
     pub sampling: Sampling,
-    /// Which outputs to keep.
+    /// Which of the [`OUTPUTS`](crate::outputs::OUTPUTS) to keep.
     pub outputs: &'a [usize],
 }
 
@@ -150,13 +138,16 @@ impl Job<'_> {
     /// Runs them all on so many threads: the measures of each run, and its histories run by run, output by output, sample by
     /// sample into `histories`.
     ///
+    /// # Errors
+    /// If the system gives no threads.
+    ///
     /// # Panics
-    /// If the threads cannot be had, or `histories` has not the size of what is asked for.
-    pub fn run(&self, threads: usize, histories: &mut [f64]) -> Vec<Values> {
+    /// If `histories` has not the size of what is asked for.
+    pub fn run(&self, threads: usize, histories: &mut [f64]) -> Result<Vec<Values>, NoThreads> {
         let size = self.outputs.len() * self.samples();
         assert_eq!(histories.len(), self.values.len() * size, "histories");
         let mut measures = vec![[0.0; MEASURES.len()]; self.values.len()];
-        let pool = pool(threads);
+        let pool = pool(threads)?;
         let level = Level::new();
         pool.install(|| {
             let groups = measures.par_chunks_mut(WIDTH).enumerate();
@@ -169,13 +160,17 @@ impl Job<'_> {
                 });
             }
         });
-        measures
+        Ok(measures)
     }
 
     /// A group on the widest instructions that the machine has; a run alone needs none.
     fn dispatch(&self, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
         if self.values.len() > 1 {
-            return_on_vectors!(level, simd => self.vectorized(simd, first, measures, histories));
+            return_on_vectors!(
+                level,
+                simd => self.vectorized::<_, Pair<Lanes<_>>>(simd, first, measures, histories),
+                simd => self.in_eights(simd, first, measures, histories)
+            );
         }
         let size = self.outputs.len() * self.samples();
         for (k, measures) in measures.iter_mut().enumerate() {
@@ -184,27 +179,54 @@ impl Job<'_> {
         }
     }
 
-    #[inline(always)]
-    fn vectorized<S: Simd>(&self, simd: S, first: usize, measures: &mut [Values], histories: &mut [f64]) {
-        simd.vectorize(
-            #[inline(always)]
-            || self.group::<Pair<Lanes<S>>>(simd, first, measures, histories),
-        );
+    /// Eight and eight: numbers that take several registers have company enough in one another.
+    fn in_eights<S: Simd>(&self, simd: S, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+        let size = self.outputs.len() * self.samples();
+        for (part, measures) in measures.chunks_mut(LANES).enumerate() {
+            let from = part * LANES;
+            let histories = &mut histories[from * size..(from + measures.len()) * size];
+            self.vectorized::<_, Lanes<S>>(simd, first + from, measures, histories);
+        }
     }
 
     #[inline(always)]
-    fn group<T: Wide>(&self, token: T::Token, first: usize, measures: &mut [Values], histories: &mut [f64]) {
-        let member = |lane: usize| (first + lane).min(self.values.len() - 1);
-        let wide = |of: &dyn Fn(usize) -> f64| T::gather(token, |lane| of(member(lane)));
+    fn vectorized<S: Simd, T: Wide<Token = S>>(
+        &self,
+        simd: S,
+        first: usize,
+        measures: &mut [Values],
+        histories: &mut [f64],
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.group::<T>(simd, first, measures, histories),
+        );
+    }
+
+    /// The loaders of a group of runs, and their parameters.
+    #[inline(always)]
+    fn machines<T: Scalar>(&self, wide: impl Fn(&dyn Fn(usize) -> f64) -> T + Copy) -> (Parameters<T>, Machine<T>) {
         let parameters = Parameters::from_values(&core::array::from_fn(|k| wide(&|run| self.values[run][k])));
-        let law = self.law.compensator(&parameters, wide);
-        let mut machine = Machine::new(&parameters, law, &self.shared);
+        let mut machine = Machine::new(&parameters, self.law.compensator(&parameters, wide), &self.shared);
         if let Some(observer) = self.law.observer(wide) {
             machine = machine.with_observer(observer);
         }
         if let Some(scale) = self.force_scale {
             machine = machine.with_force_scale(wide(&|run| scale[run]));
         }
+        (parameters, machine)
+    }
+
+    /// Where a run begins, found for it alone: a search in lanes would be compiled for each of the vector instructions.
+    fn beginning(&self, run: usize) -> Beginning<f64> {
+        self.start.of(&self.machines(|of| of(run)).1, &self.shared, self.inputs)
+    }
+
+    #[inline(always)]
+    fn group<T: Wide>(&self, token: T::Token, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+        let member = |lane: usize| (first + lane).min(self.values.len() - 1);
+        let wide = |of: &dyn Fn(usize) -> f64| T::gather(token, |lane| of(member(lane)));
+        let (parameters, mut machine) = self.machines(wide);
         let changes: Vec<FeelChange<T>> = self.changes.iter().map(|change| change.of(&parameters)).collect();
         let (seed, first_run) = self.noise;
         let mut noise = Noise::new(seed, (0..T::RUNS).map(|lane| first_run + member(lane) as u64));
@@ -217,7 +239,10 @@ impl Job<'_> {
             angles: Vec::with_capacity(self.samples()),
             kept: Vec::with_capacity(self.samples() * self.outputs.len()),
         };
-        run(&mut machine, &self.shared, self.start, self.inputs, &changes, || noise.next(token), &mut recorder);
+        let runs = first..(first + T::RUNS).min(self.values.len());
+        let beginnings: Vec<_> = runs.map(|run| self.beginning(run)).collect();
+        let beginning = Beginning::gathered(token, &beginnings);
+        run(&mut machine, &self.shared, &beginning, self.inputs, &changes, || noise.next(token), &mut recorder);
         recorder.write(histories);
         let Recorder { peaks, angles, .. } = recorder;
         let dt = match self.sampling {
@@ -251,7 +276,9 @@ impl<T: Wide> Record<T> for Recorder<'_, T> {
     fn middles(&self) -> Middles {
         match self.job.sampling {
             Sampling::Every(_) => Middles::None,
-            Sampling::Halves if self.job.outputs.iter().all(|&output| output == ANGLE) => Middles::Base,
+            Sampling::Halves if self.job.outputs.iter().all(|&output| Output::at(output) == Output::ColumnAngle) => {
+                Middles::Base
+            }
             Sampling::Halves => Middles::All,
         }
     }
@@ -281,7 +308,7 @@ impl<T: Wide> Record<T> for Recorder<'_, T> {
         if instant.is_multiple_of(every) {
             self.angles.push(angle);
             for &output in self.job.outputs {
-                self.kept.push(output_of(now, self.per_base, output));
+                self.kept.push(output_of(now, self.per_base, Output::at(output)));
             }
         }
     }
@@ -322,22 +349,19 @@ impl Change {
     }
 }
 
-/// Index of the column's angle among [`OUTPUTS`].
-const ANGLE: usize = 0;
-
 #[inline(always)]
-fn output_of<S: Scalar>(now: &Now<S>, per_base: S, output: usize) -> S {
+fn output_of<S: Scalar>(now: &Now<S>, per_base: S, output: Output) -> S {
     match output {
-        0 => now.base * per_base,
-        1 => now.base_rate * per_base,
-        2 => now.delta,
-        3 => now.delta_rate,
-        4 => now.piston,
-        5 => now.force,
-        6 => now.pressure,
-        7 => now.flow,
-        8 => now.current,
-        _ => now.pilot_force,
+        Output::ColumnAngle => now.base * per_base,
+        Output::ColumnVelocity => now.base_rate * per_base,
+        Output::FeelPosition => now.delta,
+        Output::FeelVelocity => now.delta_rate,
+        Output::PistonPosition => now.piston,
+        Output::LoadCellForce => now.force,
+        Output::LoadPressure => now.pressure,
+        Output::ActuatorFlow => now.flow,
+        Output::ValveCurrent => now.current,
+        Output::PilotForce => now.pilot_force,
     }
 }
 

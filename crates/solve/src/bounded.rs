@@ -11,7 +11,7 @@
 //! Dekker, "A floating-point technique for extending the available precision", 1971; Joldes, Muller and Popescu, "Tight and
 //! rigorous error bounds for basic building blocks of double-word arithmetic", 2017.
 
-use crate::fused::Fused;
+use crate::wide::Fused;
 use forcefeel_model::Scalar;
 
 /// `high + low`, true to within `error`.

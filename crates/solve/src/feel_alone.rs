@@ -4,8 +4,8 @@
 
 use crate::simulate::Start;
 use forcefeel_model::compensator::Compensator;
+use forcefeel_model::feel::{FeelLaw, Surroundings};
 use forcefeel_model::feel_computer::{FeelComputer, FeelMotion};
-use forcefeel_model::feel_law::{FeelLaw, Surroundings};
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::parameters::Parameters;
 
@@ -27,7 +27,7 @@ pub fn feel_alone(
     let first = inputs.first().map_or(1.0, |step| step.stiffness_factor[0]);
     let (angle, held_until) = match start {
         Start::Held(angle, until) => (angle, until),
-        Start::Under(force) => (computer.rest(torque(force), 0.0, first), 0),
+        Start::Under(force) => (computer.equilibrium(torque(force), 0.0, first), 0),
     };
     let mut motion = FeelMotion::resting(&feel, angle);
     #[expect(clippy::cast_precision_loss, reason = "a number of parts, far below 2^52")]

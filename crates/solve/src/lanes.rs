@@ -7,7 +7,6 @@
 //! The operations are `#[inline]` and not `#[inline(always)]`: each is then made simple by itself before the step takes it in. With
 //! all of them laid into one function first, the compiler needs three times as long for the same instructions.
 
-use crate::fused::EXPONENT;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use fearless_simd::prelude::*;
 use fearless_simd::{f64x8, mask64x8, u64x8};
@@ -15,6 +14,9 @@ use forcefeel_model::Scalar;
 
 /// How many runs stand side by side.
 pub const LANES: usize = 8;
+
+/// The bits of a double's exponent.
+pub(crate) const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
 
 /// One number of eight runs.
 #[derive(Clone, Copy)]
@@ -51,46 +53,6 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub(crate) fn zip(self, other: Self) -> (Self, Self) {
         (Self(self.0.zip_low(other.0)), Self(self.0.zip_high(other.0)))
-    }
-}
-
-/// A number that stands for several runs.
-pub trait Wide: Scalar {
-    /// What it takes to make one.
-    type Token: Copy;
-    /// How many runs.
-    const RUNS: usize;
-    /// Run `k`'s number is `of(k)`.
-    fn gather(token: Self::Token, of: impl Fn(usize) -> f64) -> Self;
-    /// Hands over each run's number.
-    fn scatter(self, to: impl FnMut(usize, f64));
-}
-
-impl Wide for f64 {
-    type Token = ();
-    const RUNS: usize = 1;
-    #[inline(always)]
-    fn gather((): (), of: impl Fn(usize) -> f64) -> Self {
-        of(0)
-    }
-    #[inline(always)]
-    fn scatter(self, mut to: impl FnMut(usize, f64)) {
-        to(0, self);
-    }
-}
-
-impl<S: Simd> Wide for Lanes<S> {
-    type Token = S;
-    const RUNS: usize = LANES;
-    #[inline(always)]
-    fn gather(simd: S, of: impl Fn(usize) -> f64) -> Self {
-        Self::new(simd, core::array::from_fn(of))
-    }
-    #[inline(always)]
-    fn scatter(self, mut to: impl FnMut(usize, f64)) {
-        for (lane, value) in self.values().into_iter().enumerate() {
-            to(lane, value);
-        }
     }
 }
 
@@ -174,18 +136,22 @@ impl<S: Simd> Scalar for Lanes<S> {
     }
 }
 
-/// Returns what `$run` gives with `$simd`, the widest vector instructions that the machine has; goes on where it has none.
+/// Returns what `$run` gives with `$simd`, the widest vector instructions that the machine has; goes on where it has none. Those whose
+/// registers hold a number of eight runs, and those that need several, may be given different things to do.
 macro_rules! return_on_vectors {
     ($level:expr, $simd:ident => $run:expr) => {
+        return_on_vectors!($level, $simd => $run, $simd => $run);
+    };
+    ($level:expr, $whole:ident => $in_one:expr, $parted:ident => $in_several:expr) => {
         #[cfg(target_arch = "x86_64")]
-        if let Some($simd) = $level.as_avx512() {
-            return $run;
-        } else if let Some($simd) = $level.as_avx2() {
-            return $run;
+        if let Some($whole) = $level.as_avx512() {
+            return $in_one;
+        } else if let Some($parted) = $level.as_avx2() {
+            return $in_several;
         }
         #[cfg(target_arch = "aarch64")]
-        if let Some($simd) = $level.as_neon() {
-            return $run;
+        if let Some($parted) = $level.as_neon() {
+            return $in_several;
         }
         let _ = $level;
     };

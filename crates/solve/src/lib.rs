@@ -8,10 +8,10 @@
 //! | recursion (22), dynamic programming | [`riccati`] |
 //! | gains for many feel settings of one plant | [`schedule`] |
 //! | a run in time | [`simulate`] |
-//! | the programmed feel alone, in time | [`feel_alone`](mod@feel_alone) |
-//! | many runs, in vector lanes over the cores | [`batch`], [`lanes`] |
+//! | the programmed feel alone, in time, and from one time to another | [`feel_alone`](mod@feel_alone), [`feel_transition`](mod@feel_transition) |
+//! | many runs, in vector lanes over the cores | [`batch`], [`lanes`], [`wide`] |
 //! | runs and their slopes along parameters | [`record_slopes`] |
-//! | what is asked of a run | [`measures`] |
+//! | what a run gives, what is asked of it | [`outputs`], [`measures`] |
 //! | stability of many loops, proved | [`stability`], [`bounded`] |
 //! | their poles | [`poles`] |
 //! | their linear runs, exact | [`linear_batch`], [`transition`] |
@@ -25,7 +25,7 @@ pub mod batch;
 pub mod bounded;
 pub mod discretize;
 pub mod feel_alone;
-pub mod fused;
+pub mod feel_transition;
 pub mod lanes;
 pub mod linear_batch;
 pub mod linearize;
@@ -33,6 +33,7 @@ pub mod local_fit;
 pub mod loops;
 pub mod measures;
 pub mod noise;
+pub mod outputs;
 pub mod pair;
 pub mod poles;
 pub mod record_slopes;
@@ -46,6 +47,8 @@ pub mod slopes;
 pub mod stability;
 mod threads;
 pub mod transition;
+pub mod wide;
 
 pub use discretize::discretize;
 pub use linearize::{StateSpace, linearize};
+pub use threads::NoThreads;

@@ -8,12 +8,13 @@
 //! which takes nine products a sample and output instead of the seventy-two of a step, none of which waits for another.
 
 use crate::balance::balance;
-use crate::fused::Fused;
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
+use crate::outputs::Output;
 use crate::simulate::Start;
-use crate::threads::pool;
+use crate::threads::{NoThreads, pool};
 use crate::transition::{Transition, Vector, combined, dot, plus_times, product, solve, times_vector, transposed};
+use crate::wide::Fused;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::loader::{Compliant, System};
 use rayon::prelude::*;
@@ -37,13 +38,13 @@ pub struct LinearJob<'a> {
     pub start: Start,
     /// A sample every so many steps.
     pub every: usize,
-    /// Which of the [`OUTPUTS`](crate::batch::OUTPUTS) to keep.
+    /// Which of the [`OUTPUTS`](crate::outputs::OUTPUTS) to keep.
     pub outputs: &'a [usize],
 }
 
 /// How an output depends on state and force.
 #[derive(Debug, Clone, Copy)]
-struct Output<T> {
+struct Row<T> {
     row: Vector<T>,
     direct: T,
 }
@@ -81,21 +82,25 @@ impl LinearJob<'_> {
 
     /// Fills `histories`, run by run, output by output, sample by sample, on so many threads.
     ///
+    /// # Errors
+    /// If the system gives no threads.
+    ///
     /// # Panics
-    /// If the threads cannot be had, or `histories` is not of that size.
-    pub fn run(&self, threads: usize, histories: &mut [f64]) {
+    /// If `histories` is not of that size.
+    pub fn run(&self, threads: usize, histories: &mut [f64]) -> Result<(), NoThreads> {
         let size = self.outputs.len() * self.samples();
         assert_eq!(histories.len(), size * self.loops.count, "a number for each run, output and sample");
         if histories.is_empty() {
-            return;
+            return Ok(());
         }
-        let pool = pool(threads);
+        let pool = pool(threads)?;
         let level = Level::new();
         let still = self.still();
         pool.install(|| {
             let groups = histories.par_chunks_mut(LANES * size).enumerate();
             groups.for_each(|(group, histories)| self.dispatch(level, &still, group * LANES, histories));
         });
+        Ok(())
     }
 
     /// For each sample but the last, how many samples the force stands still from there on.
@@ -154,7 +159,7 @@ impl LinearJob<'_> {
         }
         let mut outputs = Vec::with_capacity(self.outputs.len());
         for &output in self.outputs {
-            outputs.push(row_of(&model, output, &balanced, scale));
+            outputs.push(row_of(&model, Output::at(output), &balanced, scale));
         }
         let step = Transition::new(&a, &b, self.step_s);
         let (x, hand, until) = match self.start {
@@ -162,7 +167,8 @@ impl LinearJob<'_> {
             Start::Under(force) => (scaled(&solve(&a, &b), zero.constant(-force)), zero, 0),
             Start::Held(held, until) => {
                 let per_force = scaled(&solve(&a, &b), zero.constant(-1.0));
-                let hand = zero.constant(held) / dot(&row_of(&model, 0, &balanced, scale).row, &per_force);
+                let hand =
+                    zero.constant(held) / dot(&row_of(&model, Output::ColumnAngle, &balanced, scale).row, &per_force);
                 (scaled(&per_force, hand), hand, until)
             }
         };
@@ -176,7 +182,7 @@ struct Run<'a, T> {
     job: &'a LinearJob<'a>,
     still: &'a [usize],
     step: Transition<T>,
-    outputs: Vec<Output<T>>,
+    outputs: Vec<Row<T>>,
     /// Force of the hand that holds the column, over the steps before `until`.
     hand: T,
     until: usize,
@@ -310,9 +316,9 @@ fn scaled<T: Fused>(x: &Vector<T>, factor: T) -> Vector<T> {
     plus_times([factor.zero(); STATES], factor, x)
 }
 
-/// One of the [`OUTPUTS`](crate::batch::OUTPUTS) as a row on the balanced state, and its factor on the force.
+/// One of the outputs as a row on the balanced state, and its factor on the force.
 #[inline(always)]
-fn row_of<T: Fused>(model: &Compliant<T>, output: usize, balanced: &Vector<T>, scale: T) -> Output<T> {
+fn row_of<T: Fused>(model: &Compliant<T>, output: Output, balanced: &Vector<T>, scale: T) -> Row<T> {
     let zero = scale.zero();
     let one = scale.constant(1.0);
     let (mut row, mut x) = ([zero; STATES], [zero; STATES]);
@@ -321,24 +327,24 @@ fn row_of<T: Fused>(model: &Compliant<T>, output: usize, balanced: &Vector<T>, s
         row[j] = signal(model, output, &x, zero) * balanced[j];
         x[j] = zero;
     }
-    Output { row, direct: signal(model, output, &x, scale) }
+    Row { row, direct: signal(model, output, &x, scale) }
 }
 
-/// One of the [`OUTPUTS`](crate::batch::OUTPUTS) at the state `x` under `force`.
+/// One of the outputs at the state `x` under `force`.
 #[inline(always)]
-fn signal<T: Fused>(model: &Compliant<T>, output: usize, x: &Vector<T>, force: T) -> T {
+fn signal<T: Fused>(model: &Compliant<T>, output: Output, x: &Vector<T>, force: T) -> T {
     let [theta, delta, x_p, force_c, _, current, flow] = model.outputs(x, &[force, force.zero()]);
-    // In the order of `OUTPUTS`.
+    let &[_, pressure, _, _, _, delta_rate, _, base_rate] = x;
     match output {
-        0 => theta,
-        1 => model.parameters.column.angle(x[7]),
-        2 => delta,
-        3 => x[5],
-        4 => x_p,
-        5 => force_c,
-        6 => x[1],
-        7 => flow,
-        8 => current,
-        _ => force,
+        Output::ColumnAngle => theta,
+        Output::ColumnVelocity => model.parameters.column.angle(base_rate),
+        Output::FeelPosition => delta,
+        Output::FeelVelocity => delta_rate,
+        Output::PistonPosition => x_p,
+        Output::LoadCellForce => force_c,
+        Output::LoadPressure => pressure,
+        Output::ActuatorFlow => flow,
+        Output::ValveCurrent => current,
+        Output::PilotForce => force,
     }
 }

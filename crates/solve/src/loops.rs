@@ -4,8 +4,9 @@
 //! along state `j`: the numbers that [`linearize`](mod@crate::linearize) reads off dual numbers, to the last bit.
 
 use crate::batch::Law;
-use crate::fused::Fused;
-use crate::lanes::{LANES, Wide};
+use crate::lanes::LANES;
+use crate::wide::Fused;
+use crate::wide::Wide;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::loader::{Compliant, System};
 use forcefeel_model::parameters::{COUNT, Parameters};

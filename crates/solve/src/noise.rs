@@ -1,6 +1,6 @@
 //! Noise of the sensors: a stream of its own for each run.
 
-use crate::lanes::Wide;
+use crate::wide::Wide;
 use forcefeel_model::transducers::SENSORS;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -3,7 +3,7 @@
 //! The equations of a step wait for one another: a vector of runs keeps the processor busy for less than half of the time. Two
 //! vectors that take turns fill the gaps.
 
-use crate::lanes::Wide;
+use crate::wide::Wide;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use forcefeel_model::Scalar;
 

@@ -2,7 +2,7 @@
 
 use crate::balance::balance;
 use crate::loops::{Loops, Matrix, STATES, state_matrix};
-use crate::threads::pool;
+use crate::threads::{NoThreads, pool};
 use nalgebra::{Complex, SMatrix, Schur};
 use rayon::prelude::*;
 
@@ -28,12 +28,12 @@ pub fn poles(a: &Matrix<f64>) -> Option<Poles> {
 impl Loops<'_> {
     /// The poles of each loop, computed on so many threads; not numbers where the loop's matrix is not made of numbers.
     ///
-    /// # Panics
-    /// If the threads cannot be had.
-    pub fn poles(&self, threads: usize) -> Vec<Poles> {
-        let pool = pool(threads);
+    /// # Errors
+    /// If the system gives no threads.
+    pub fn poles(&self, threads: usize) -> Result<Vec<Poles>, NoThreads> {
+        let pool = pool(threads)?;
         let unknown = [Complex::new(f64::NAN, f64::NAN); STATES];
         let of = |run| poles(&state_matrix(&self.models::<f64>((), run))).unwrap_or(unknown);
-        pool.install(|| (0..self.count).into_par_iter().map(of).collect())
+        Ok(pool.install(|| (0..self.count).into_par_iter().map(of).collect()))
     }
 }

@@ -1,6 +1,6 @@
 //! Records of a bench and their slopes: how a run's channels change with a parameter, exactly.
 //!
-//! Every run goes once for each parameter, on dual numbers along it; these pairs of run and parameter go over the threads. The rest that
+//! Every run goes once for each parameter, on dual numbers along it; these pairs of run and parameter go over the threads. The equilibrium that
 //! a run begins from moves with the parameters, too. Dry friction, orifice, stops and limits stay as they are: between two
 //! switches a run is smooth.
 //!
@@ -12,7 +12,7 @@ use crate::batch::{Job, Sampling};
 use crate::sampled_loops::without_steps;
 use crate::simulate::{FeelChange, Middles, Record, run};
 use crate::slopes::along;
-use crate::threads::pool;
+use crate::threads::{NoThreads, pool};
 use forcefeel_model::channels::Bench;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
@@ -40,15 +40,18 @@ impl SlopeJob<'_> {
 
     /// Runs them all on so many threads. Fills `slopes` run by run, parameter by parameter, and returns the channels run by run.
     ///
+    /// # Errors
+    /// If the system gives no threads.
+    ///
     /// # Panics
-    /// If the threads cannot be had, or `slopes` has not the size of what is asked for.
-    pub fn run(&self, threads: usize, slopes: &mut [f64]) -> Vec<f64> {
+    /// If `slopes` has not the size of what is asked for.
+    pub fn run(&self, threads: usize, slopes: &mut [f64]) -> Result<Vec<f64>, NoThreads> {
         let keys = self.keys.len();
         assert_eq!(slopes.len(), self.job.values.len() * keys * self.size(), "slopes");
         if slopes.is_empty() {
-            return Vec::new();
+            return Ok(Vec::new());
         }
-        let pool = pool(threads);
+        let pool = pool(threads)?;
         let pairs = slopes.par_chunks_mut(self.size()).enumerate();
         let one = |(pair, slopes): (usize, &mut [f64])| {
             let mut values = vec![0.0; if pair % keys == 0 { slopes.len() } else { 0 }];
@@ -56,7 +59,7 @@ impl SlopeJob<'_> {
             values
         };
         let found: Vec<_> = pool.install(|| pairs.map(one).collect());
-        found.concat()
+        Ok(found.concat())
     }
 
     /// The slopes of one run along one parameter, and its channels where there is room for them.
@@ -75,7 +78,8 @@ impl SlopeJob<'_> {
         let changes: Vec<FeelChange<Dual>> = job.changes.iter().map(|change| change.of(&parameters)).collect();
         let none = || [Dual::constant(0.0); SENSORS];
         let mut recorder = Recorder { job: self, parameters: &parameters, sample: 0, slopes, values };
-        run(&mut machine, &shared, job.start, job.inputs, &changes, none, &mut recorder);
+        let beginning = job.start.of(&machine, &shared, job.inputs);
+        run(&mut machine, &shared, &beginning, job.inputs, &changes, none, &mut recorder);
     }
 }
 

@@ -7,7 +7,7 @@
 //! Instants and extrema are those of a polynomial through the samples around them ([`local_fit`](crate::local_fit)).
 
 use crate::local_fit::{Instant, LocalFit};
-use crate::threads::pool;
+use crate::threads::{NoThreads, pool};
 use rayon::prelude::*;
 
 /// Full cycles that are kept.
@@ -130,9 +130,12 @@ impl Measuring<'_> {
 
     /// The features of many releases, `FEATURES` numbers each, of one after another in `positions`.
     ///
+    /// # Errors
+    /// If the system gives no threads.
+    ///
     /// # Panics
-    /// If the threads cannot be had, or the sizes do not fit.
-    pub fn measure_all(&self, positions: &[f64], threads: usize) -> Vec<f64> {
+    /// If the sizes do not fit.
+    pub fn measure_all(&self, positions: &[f64], threads: usize) -> Result<Vec<f64>, NoThreads> {
         let samples = self.time.len();
         assert_eq!(positions.len() % samples, 0, "a position for each time");
         let mut features = vec![f64::NAN; positions.len() / samples * FEATURES];
@@ -140,14 +143,14 @@ impl Measuring<'_> {
         if threads == 1 {
             let pairs = features.chunks_exact_mut(FEATURES).zip(positions.chunks_exact(samples));
             pairs.for_each(|(features, position)| rows(features, position));
-            return features;
+            return Ok(features);
         }
-        let pool = pool(threads);
+        let pool = pool(threads)?;
         pool.install(|| {
             let pairs = features.par_chunks_exact_mut(FEATURES).zip(positions.par_chunks_exact(samples));
             pairs.for_each(|(features, position)| rows(features, position));
         });
-        features
+        Ok(features)
     }
 
     /// From when on the control stays in the residual band.

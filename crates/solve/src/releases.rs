@@ -11,12 +11,12 @@
 //! `x_{k+16} = Phi^16 x_k`, `Phi = exp(A h)`. The state at the start is the one at rest under the hand that holds the grip.
 
 use crate::balance::balance;
-use crate::fused::Fused;
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::stability::{Verdict, hurwitz, verdict};
-use crate::threads::pool;
+use crate::threads::{NoThreads, pool};
 use crate::transition::{Transition, Vector, combined, dot, product, solve, transposed};
+use crate::wide::Fused;
 use fearless_simd::{Level, Simd};
 use forcefeel_model::loader::{Compliant, System};
 use rayon::prelude::*;
@@ -48,9 +48,12 @@ impl Releases<'_> {
     /// Fills `angles`, run by run, with the column's angle, and tells of each loop whether it is stable. The angles of a loop that
     /// is not stable are not numbers. A loop's numbers depend on its own parameters alone.
     ///
+    /// # Errors
+    /// If the system gives no threads.
+    ///
     /// # Panics
-    /// If the threads cannot be had, or `angles` is not of that size.
-    pub fn run(&self, threads: usize, mut angles: &mut [f64]) -> Vec<Verdict> {
+    /// If `angles` is not of that size.
+    pub fn run(&self, threads: usize, mut angles: &mut [f64]) -> Result<Vec<Verdict>, NoThreads> {
         assert_eq!(angles.len(), self.samples * self.loops.count, "a number for each run and sample");
         let mut verdicts = vec![Verdict::Unknown; self.loops.count];
         let mut groups = Vec::with_capacity(self.loops.count.div_ceil(LANES));
@@ -59,12 +62,12 @@ impl Releases<'_> {
             groups.push((group * LANES, verdicts, room));
             angles = rest;
         }
-        let pool = pool(threads);
+        let pool = pool(threads)?;
         let level = Level::new();
         pool.install(|| {
             groups.into_par_iter().for_each(|(first, verdicts, angles)| self.dispatch(level, first, verdicts, angles));
         });
-        verdicts
+        Ok(verdicts)
     }
 
     fn dispatch(&self, level: Level, first: usize, verdicts: &mut [Verdict], angles: &mut [f64]) {

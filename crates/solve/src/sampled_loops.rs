@@ -8,7 +8,7 @@
 //! out: it has no slope at rest. States that nothing depends on have no column and are left out: their poles are at zero.
 
 use crate::batch::Law;
-use crate::threads::pool;
+use crate::threads::{NoThreads, pool};
 use forcefeel_model::Scalar;
 use forcefeel_model::channels::{self, Bench};
 use forcefeel_model::controller::Timing;
@@ -55,17 +55,17 @@ pub struct Periods {
 impl SampledLoops<'_> {
     /// The matrices of all loops on so many threads.
     ///
-    /// # Panics
-    /// If the threads cannot be had.
-    pub fn periods(&self, threads: usize) -> Periods {
-        let pool = pool(threads);
+    /// # Errors
+    /// If the system gives no threads.
+    pub fn periods(&self, threads: usize) -> Result<Periods, NoThreads> {
+        let pool = pool(threads)?;
         let whole: Vec<Matrix> =
             pool.install(|| (0..self.values.len()).into_par_iter().map(|run| self.matrix(run)).collect());
         let states = kept(&whole, |_| false);
         let columns = || states.iter().copied().chain(PERIOD_STATES..COLUMNS);
         let row = |matrix: &Matrix, state: usize| columns().map(|k| matrix[state][k]).collect::<Vec<_>>();
         let matrices = whole.iter().flat_map(|matrix| states.iter().flat_map(|&state| row(matrix, state))).collect();
-        Periods { states, matrices }
+        Ok(Periods { states, matrices })
     }
 
     fn matrix(&self, run: usize) -> Matrix {

@@ -1,7 +1,8 @@
 //! Runs in time: one loader, or several side by side, through the steps of their inputs.
 
+use crate::wide::Wide;
 use forcefeel_model::Scalar;
-use forcefeel_model::machine::{Inputs, Machine, Now, Rest, Shared};
+use forcefeel_model::machine::{Begun, Equilibrium, Inputs, Machine, Now, Shared};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
@@ -9,31 +10,49 @@ use forcefeel_model::transducers::SENSORS;
 /// Where a run begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Start {
-    /// At rest under this pilot force in N; at neutral where the amplifier is open and there is no rest.
+    /// At rest under this pilot force in N; at neutral where the amplifier is open and there is no equilibrium.
     Under(f64),
-    /// At rest, the grip held at this angle in rad up to the start of this step.
+    /// In equilibrium, the grip held at this angle in rad up to the start of this step.
     Held(f64, usize),
 }
 
+/// Where a run begins, found.
+#[derive(Debug, Clone, Copy)]
+pub struct Beginning<S> {
+    /// The loader in equilibrium.
+    pub equilibrium: Equilibrium<S>,
+    /// Up to which step a hand holds the grip.
+    pub held_until: usize,
+}
+
+impl<T: Wide> Beginning<T> {
+    /// Those of several runs side by side; the last one again where there are no more.
+    #[inline(always)]
+    pub fn gathered(token: T::Token, runs: &[Beginning<f64>]) -> Self {
+        let numbers: Vec<_> = runs.iter().map(|run| run.equilibrium.numbers()).collect();
+        let last = runs.len() - 1;
+        let equilibrium = core::array::from_fn(|k| T::gather(token, |lane| numbers[lane.min(last)][k]));
+        Self { equilibrium: Equilibrium::from_numbers(&equilibrium), held_until: runs[last].held_until }
+    }
+}
+
 impl Start {
-    fn rest<S: Scalar>(self, machine: &Machine<S>, shared: &Shared, first: &Inputs, like: S) -> Rest<S> {
+    /// The loader in equilibrium, under the first of `inputs`.
+    pub fn of<S: Scalar>(self, machine: &Machine<S>, shared: &Shared, inputs: &[Inputs]) -> Beginning<S> {
+        let first = inputs.first().unwrap_or(&Inputs::NONE);
+        let like = machine.per_base();
         let [trim, factor] = [first.trim[0], first.stiffness_factor[0]].map(|value| like.constant(value));
-        let angle = match self {
-            Self::Held(angle, _) => angle,
+        let held_at = |angle: f64| machine.held_at(shared, like.constant(angle), trim, factor);
+        match self {
+            Self::Held(angle, step) => Beginning { equilibrium: held_at(angle), held_until: step },
             // Where the amplifier is open nothing brings the column back, so it begins at neutral.
             Self::Under(force)
                 if (shared.effects.biased || force != 0.0 || first.trim[0] != 0.0) && !machine.drifts() =>
             {
-                return machine.held_by(shared, machine.force(force), trim, factor);
+                Beginning { equilibrium: machine.held_by(shared, machine.force(force), trim, factor), held_until: 0 }
             }
-            Self::Under(_) => 0.0,
-        };
-        machine.held_at(shared, like.constant(angle), trim, factor)
-    }
-
-    /// Up to which step a hand holds the grip.
-    fn held_until(self) -> usize {
-        if let Self::Held(_, step) = self { step } else { 0 }
+            Self::Under(_) => Beginning { equilibrium: held_at(0.0), held_until: 0 },
+        }
     }
 }
 
@@ -77,7 +96,7 @@ pub trait Record<S> {
 pub fn run<S: Scalar>(
     machine: &mut Machine<S>,
     shared: &Shared,
-    start: Start,
+    beginning: &Beginning<S>,
     inputs: &[Inputs],
     changes: &[FeelChange<S>],
     mut normal: impl FnMut() -> [S; SENSORS],
@@ -86,11 +105,10 @@ pub fn run<S: Scalar>(
     if inputs.is_empty() {
         return;
     }
-    let rest = start.rest(machine, shared, &inputs[0], machine.per_base());
-    let (mut state, mut memory) = (machine.start(shared, &rest), machine.remember(&rest));
+    let &Beginning { ref equilibrium, held_until } = beginning;
+    let (mut state, mut memory) = (machine.start(shared, equilibrium), machine.remember(equilibrium));
     let mut changes = changes.iter().peekable();
-    let held_until = start.held_until();
-    Machine::hold(&mut state, &rest);
+    Machine::hold(&mut state, equilibrium);
     if held_until == 0 {
         Machine::let_go(&mut state);
     }
@@ -101,9 +119,23 @@ pub fn run<S: Scalar>(
     }
     let middles = record.middles();
     let stride = if middles == Middles::None { 1 } else { 2 };
-    let mut begun = machine.begin(shared, &mut state, &mut memory, &inputs[0], &mut normal);
-    record.see(0, &begun.now);
-    for (step, now) in inputs.iter().enumerate() {
+    let ended = inputs[inputs.len() - 1].end();
+    let mut last: Option<(Begun<S>, &Inputs)> = None;
+    // One place where a step begins, the end of the last among them: it is compiled into every vector's loop.
+    for step in 0..=inputs.len() {
+        let now = inputs.get(step).unwrap_or(&ended);
+        let begun = machine.begin(shared, &mut state, &mut memory, now, &mut normal);
+        if let Some((before, inputs)) = &last {
+            match middles {
+                Middles::None => {}
+                Middles::Base => record.see_base(machine.middle_base(before, &begun)),
+                Middles::All => record.see(stride * step - 1, &machine.middle(shared, inputs, before, &begun)),
+            }
+        }
+        record.see(stride * step, &begun.now);
+        if step == inputs.len() {
+            return;
+        }
         machine.advance(shared, &mut state, now, &begun);
         let next = step + 1;
         if next == held_until {
@@ -119,15 +151,8 @@ pub fn run<S: Scalar>(
         {
             machine.fade_to(&change.parameters, change.observer.as_ref());
         }
-        let ended = now.end();
-        let coming = inputs.get(next).unwrap_or(&ended);
-        let after = machine.begin(shared, &mut state, &mut memory, coming, &mut normal);
-        match middles {
-            Middles::None => {}
-            Middles::Base => record.see_base(machine.middle_base(&begun, &after)),
-            Middles::All => record.see(stride * next - 1, &machine.middle(shared, now, &begun, &after)),
+        if middles != Middles::None {
+            last = Some((begun, now));
         }
-        record.see(stride * next, &after.now);
-        begun = after;
     }
 }

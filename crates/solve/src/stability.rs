@@ -22,11 +22,11 @@
 
 use crate::balance::balance;
 use crate::bounded::Bounded;
-use crate::fused::Fused;
 use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::loops::{Loops, Matrix, STATES, state_matrix};
 use crate::poles::poles;
-use crate::threads::pool;
+use crate::threads::{NoThreads, pool};
+use crate::wide::Fused;
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 
@@ -52,17 +52,17 @@ const PIECE: usize = 64 * LANES;
 impl Loops<'_> {
     /// The verdict of each loop, computed on so many threads.
     ///
-    /// # Panics
-    /// If the threads cannot be had.
-    pub fn stability(&self, threads: usize) -> Vec<Verdict> {
+    /// # Errors
+    /// If the system gives no threads.
+    pub fn stability(&self, threads: usize) -> Result<Vec<Verdict>, NoThreads> {
         let mut verdicts = vec![Verdict::Unknown; self.count];
-        let pool = pool(threads);
+        let pool = pool(threads)?;
         let level = Level::new();
         pool.install(|| {
             let pieces = verdicts.par_chunks_mut(PIECE).enumerate();
             pieces.for_each(|(piece, verdicts)| self.judge_piece(level, piece * PIECE, verdicts));
         });
-        verdicts
+        Ok(verdicts)
     }
 
     fn judge_piece(&self, level: Level, first: usize, verdicts: &mut [Verdict]) {

@@ -15,8 +15,8 @@
     reason = "indices as in the equations; iterators are not reliably inlined in lanes"
 )]
 
-use crate::fused::Fused;
 use crate::loops::{Matrix, STATES};
+use crate::wide::Fused;
 
 /// A number for each state.
 pub type Vector<T> = [T; STATES];

@@ -6,8 +6,9 @@ use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::machine::Inputs;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_solve::batch::{Change, Job, Law, OUTPUTS, Sampling, Values};
+use forcefeel_solve::batch::{Change, Job, Law, Sampling, Values};
 use forcefeel_solve::measures::MEASURES;
+use forcefeel_solve::outputs::OUTPUTS;
 use forcefeel_solve::simulate::Start;
 use runs::{GAINS, STEP, drawn, everything, job, order, run, steps};
 
@@ -332,5 +333,5 @@ fn change_of_the_feel_to_what_it_is_changes_nothing() {
 #[should_panic(expected = "histories")]
 fn histories_of_another_size_are_refused() {
     let (inputs, values) = (steps(10, STEP), drawn(2, 0.0));
-    Job { outputs: &[0], ..job(&inputs, &values, None) }.run(1, &mut [0.0; 3]);
+    Job { outputs: &[0], ..job(&inputs, &values, None) }.run(1, &mut [0.0; 3]).expect("threads");
 }

@@ -90,7 +90,7 @@ fn ramps_and_jumps() -> Vec<[f64; 2]> {
 fn run(loops: Loops<'_>, force: &[[f64; 2]], start: Start, every: usize, threads: usize) -> Vec<f64> {
     let job = LinearJob { loops, force_scale: None, force, step_s: STEP, start, every, outputs: &OUTPUTS };
     let mut histories = vec![f64::NAN; loops.count * OUTPUTS.len() * job.samples()];
-    job.run(threads, &mut histories);
+    job.run(threads, &mut histories).expect("threads");
     histories
 }
 
@@ -151,7 +151,7 @@ fn force_scales_the_run() {
         outputs: &OUTPUTS,
     };
     let mut scaled = vec![0.0; plain.len()];
-    job.run(1, &mut scaled);
+    job.run(1, &mut scaled).expect("threads");
     let size = plain.len() / 9;
     let largest = plain.iter().map(|value| value.abs()).fold(0.0, f64::max);
     for (k, (scaled, plain)) in scaled.iter().zip(&plain).enumerate() {

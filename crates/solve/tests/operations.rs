@@ -122,7 +122,9 @@ fn counts(steps: usize) -> [u64; 3] {
     let push = Inputs { force: [427.0; 2], ..Inputs::NONE };
     COUNTS.set([0; 3]);
     let normal = || unreachable!("no sensor has noise");
-    run(&mut machine, &shared, Start::Under(0.0), &vec![push; steps], &[], normal, &mut Nothing);
+    let inputs = vec![push; steps];
+    let beginning = Start::Under(0.0).of(&machine, &shared, &inputs);
+    run(&mut machine, &shared, &beginning, &inputs, &[], normal, &mut Nothing);
     COUNTS.get()
 }
 

@@ -30,7 +30,7 @@ fn swing(count: usize) -> Vec<Inputs> {
 fn slopes(job: Job<'_>, keys: &[usize], threads: usize) -> (Vec<f64>, Vec<f64>) {
     let channels: Vec<usize> = (0..CHANNELS).collect();
     let mut slopes = vec![f64::NAN; job.values.len() * keys.len() * CHANNELS * job.samples()];
-    let values = SlopeJob { job, keys, channels: &channels }.run(threads, &mut slopes);
+    let values = SlopeJob { job, keys, channels: &channels }.run(threads, &mut slopes).expect("threads");
     (values, slopes)
 }
 

@@ -70,7 +70,7 @@ fn a_column_of_second_order() {
     near("crossings", 0, first, 1e-5);
     near("crossings", 2, first + 2.0 * std::f64::consts::PI / damped, 1e-4);
     near("overshoots", 0, 0.3 * (-std::f64::consts::PI * zeta * omega / damped).exp(), 1e-5);
-    let all = measuring.measure_all(&[position.clone(), vec![f64::NAN; 6000], position].concat(), 2);
+    let all = measuring.measure_all(&[position.clone(), vec![f64::NAN; 6000], position].concat(), 2).expect("threads");
     // Bit by bit: what is not there is not a number.
     let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
     assert_eq!(bits(&all[..FEATURES]), bits(&found));

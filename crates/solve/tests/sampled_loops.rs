@@ -10,7 +10,8 @@ use forcefeel_model::machine::period::{BASE, Drives, PERIOD_STATES, Period, YOUN
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_solve::batch::{Job, Law, OUTPUTS as BATCH_OUTPUTS};
+use forcefeel_solve::batch::{Job, Law};
+use forcefeel_solve::outputs::OUTPUTS as BATCH_OUTPUTS;
 use forcefeel_solve::sampled_loops::{INPUTS, Periods, SampledLoops};
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{DMatrix, DVector};
@@ -53,7 +54,7 @@ fn shared(values: &[[f64; COUNT]], law: Law<'_>, timing: Timing) -> Shared {
 }
 
 fn periods(values: &[[f64; COUNT]], law: Law<'_>, timing: Timing) -> Periods {
-    SampledLoops { shared: shared(values, law, timing), timing, values, law }.periods(1)
+    SampledLoops { shared: shared(values, law, timing), timing, values, law }.periods(1).expect("threads")
 }
 
 #[expect(clippy::cast_precision_loss, reason = "a handful")]
@@ -329,10 +330,10 @@ fn many_loops_are_the_loops_one_by_one() {
     let laws: Vec<_> = loaders.iter().map(|p| estimating(p, timing)).collect();
     let law = Law::Observers(&laws);
     let many = SampledLoops { shared: shared(&values, law, timing), timing, values: &values, law };
-    let all = many.periods(1);
+    let all = many.periods(1).expect("threads");
     let bits = |matrices: &[f64]| matrices.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
     for threads in [2, 3] {
-        assert_eq!(bits(&many.periods(threads).matrices), bits(&all.matrices), "{threads}");
+        assert_eq!(bits(&many.periods(threads).expect("threads").matrices), bits(&all.matrices), "{threads}");
     }
     let size = all.matrices.len() / values.len();
     for (k, one) in values.iter().enumerate() {

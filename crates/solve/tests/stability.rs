@@ -191,10 +191,10 @@ fn loops_agree_with_their_poles_in_whatever_lane_and_on_any_threads() {
         (0..2005).map(|k| [-2300.0, -1e-6, 15.0 + f64::from(k) * 1e-2, 2.0, 900.0, 30.0, 0.0]).collect();
     for law in [Law::Original, Law::Gains(&gains)] {
         let many = Loops { common: &common, columns: &columns, varied: &varied, count: 2005, law };
-        let verdicts = many.stability(1);
-        assert_eq!(verdicts, many.stability(3));
+        let verdicts = many.stability(1).expect("threads");
+        assert_eq!(verdicts, many.stability(3).expect("threads"));
         let mut seen = [0; 2];
-        for (run, (&found, poles)) in verdicts.iter().zip(many.poles(2)).enumerate() {
+        for (run, (&found, poles)) in verdicts.iter().zip(many.poles(2).expect("threads")).enumerate() {
             assert_eq!(found, verdict(&state_matrix(&many.models::<f64>((), run))), "lane against one alone");
             let largest = poles.iter().map(|pole| pole.re).fold(f64::NEG_INFINITY, f64::max);
             let size = poles.iter().map(|pole| pole.re.hypot(pole.im)).fold(0.0, f64::max);

@@ -36,12 +36,20 @@ def main() -> None:
     except BaseException as error:  # a panic of the engine is no Exception
         if isinstance(error, OSError) and error.filename is None:  # no file, so the output: a full disk
             _end(f"the output cannot be written ({error.strerror})", BAD_INPUT)
+        if _has_no_threads(error):
+            _end(str(error), BAD_INPUT)
         _end(_fault(error), FAULT)
 
 
 def _end(message: str, status: int) -> NoReturn:
     print(f"forcefeel: {visible(message)}", file=sys.stderr)
     sys.exit(status)
+
+
+def _has_no_threads(error: BaseException) -> bool:
+    from forcefeel._core import ThreadsError  # noqa: PLC0415  the engine itself may be what failed to load
+
+    return isinstance(error, ThreadsError)
 
 
 def _fault(error: BaseException) -> str:

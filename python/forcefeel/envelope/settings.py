@@ -12,6 +12,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.units import HERTZ, PERCENT, RATIO, Unit, UnitSystem, parse, show, to_text
@@ -128,8 +129,7 @@ class Settings:
         """I, B, G in SI units of each setting, a row each."""
         damping, frequency, share = self.rows.T
         stiffness = share * loader["feel.maximum_stiffness"]
-        inertia = stiffness / frequency**2
-        return np.column_stack([inertia, 2 * damping * frequency * inertia, stiffness])
+        return np.column_stack([*_core.feel_from_frequencies(frequency, damping, stiffness), stiffness])
 
 
 def _check(axis: Axis, values: Iterable[float]) -> None:

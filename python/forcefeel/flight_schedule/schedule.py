@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import RegularGridInterpolator
 
+from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.flight_schedule.axes import ScheduleAxis, check_axes, mesh, place_text, point_of
 from forcefeel.laws.sampled.methods import method as method_of
@@ -196,9 +197,9 @@ def second_order_feel(
     )
     if not (frequency > 0).all():
         raise InputError("frequency_hz: expected numbers above 0")
-    w = 2 * np.pi * frequency
-    inertia = stiffness / w**2
-    return np.stack([inertia, 2 * damping * w * inertia, stiffness], axis=-1)
+    given = (2 * np.pi * frequency, damping, stiffness)
+    inertia, damping = _core.feel_from_frequencies(*(np.ravel(one) for one in given))
+    return np.stack([inertia.reshape(stiffness.shape), damping.reshape(stiffness.shape), stiffness], axis=-1)
 
 
 def _check_range(axes: Sequence[ScheduleAxis], rows: NDArray[np.float64]) -> None:

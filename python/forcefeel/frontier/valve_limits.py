@@ -28,8 +28,8 @@ from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import expm
 
+from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.referee import Referee, referees
 from forcefeel.loader.loader import Loader
@@ -160,9 +160,7 @@ def _motion(
 ) -> Iterator[tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]]:
     """Velocity, acceleration and jerk of the releases at each sample of the first period and a half."""
     inertia, damping, stiffness = feel.T
-    matrix = np.zeros((len(feel), 2, 2))
-    matrix[:, 0, 1], matrix[:, 1, 0], matrix[:, 1, 1] = 1.0, -stiffness / inertia, -damping / inertia
-    step = expm(matrix * referee.record.step_s)
+    step = _core.feel_transitions(feel, np.array([referee.record.step_s]))[:, 0]
     state = np.tile([referee.plan.release_rad, 0.0], (len(feel), 1))
     periods = 1.5 * 2 * np.pi / float(np.sqrt(stiffness / inertia).min())  # later swings are smaller
     for _ in range(min(referee.record.samples, int(np.ceil(periods / referee.record.step_s)))):

@@ -51,7 +51,7 @@ def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[n
     """
     model = loader_model(loader, law, Linkage.COMPLIANT)
     steps = Steps.of(on_samples(scenario), loader)
-    force = steps.inputs[:, 0].copy()
+    force = steps.inputs["force"].copy()
     phi, level, ramp = _transition(np.asarray(model.A), np.asarray(model.B)[:, 0], steps.step_s)
     states = np.empty((len(force) + 1, len(phi)))
     states[0] = 0.0
@@ -114,14 +114,14 @@ def simulate_linear_batch(
         if name not in units:
             raise InputError(f"keep: expected names of outputs ({', '.join(units)}), got {name!r}")
     steps = Steps.of(on_samples(scenario), loader)
-    shape = (len(values), len(keep), len(steps.inputs) // steps.every + 1)
+    shape = (len(values), len(keep), len(steps.inputs["force"]) // steps.every + 1)
     if 8 * np.prod(shape) > MOST_HISTORY_BYTES:
         raise InputError(
             f"keep: histories of {len(values)} runs take more than {MOST_HISTORY_BYTES >> 30} GiB; run fewer at a time"
         )
     threads = threads_or_cores(threads)
     force, force_scale = (
-        np.ascontiguousarray(steps.inputs[:, 0]),
+        steps.inputs["force"],
         values[:, INDEX["pilot.force"]] / loader["pilot.force"],
     )
 

@@ -63,7 +63,7 @@ def ideal_response(loader: Loader, scenario: Scenario) -> NDArray[np.float64]:
     at_rest = -np.linalg.solve(a, b[:, 0])  # under a force of 1 N
     angle, until = steps.held or (0.0, 0)
     hand = angle / float(c[0] @ at_rest)
-    force = steps.inputs[:, 0].copy()
+    force = steps.inputs["force"].copy()
     force[:until] += hand
     # The force is one more state, whose rate is the input.
     whole = np.zeros((n + 1, n + 1))

@@ -118,8 +118,8 @@ class Steps:
     Attributes:
         step_s: The step.
         every: Steps between two samples of the history; 0 for two samples a step.
-        inputs: (steps, 7, 2): force, trim, factor on the spring, shaker, fade, test signal and command signal, at start and end
-            of each step.
+        inputs: By the engine's name, (steps, 2) at start and end of each step: force; trim, stiffness_factor, shaker, fade,
+            test_signal and command_signal where there is such a thing.
         timing: Steps in the controller's period and in its delay; ``None`` for an analog law.
         start_force_n: Force under which the run begins at rest.
         held: Angle in rad at which the grip is held, and the step at which it is let go; ``None`` but for a release.
@@ -128,7 +128,7 @@ class Steps:
 
     step_s: float
     every: int
-    inputs: NDArray[np.float64]
+    inputs: dict[str, NDArray[np.float64]]
     timing: tuple[int, int] | None
     start_force_n: float
     held: tuple[float, int] | None
@@ -152,22 +152,23 @@ class Steps:
             raise InputError(
                 f"duration_s: expected a multiple of the {scenario.sample_s:g} s between samples, got {scenario.duration_s:g} s"
             )
-        inputs = np.zeros((grid.steps, 7, 2))
         span = scenario.duration_s, step_s
-        _fill(inputs, 0, scenario.force.sample(*span))
-        if scenario.trim_rad is not None:
-            _fill(inputs, 1, scenario.trim_rad.sample(*span))
-        if scenario.test_signal_v is not None:
-            _fill(inputs, 5, scenario.test_signal_v.sample(*span))
-        if scenario.command_signal_v is not None:
-            _fill(inputs, 6, scenario.command_signal_v.sample(*span))
-        inputs[:, 2] = _stiffness_factor(scenario, loader, span)
+        given = {
+            "trim": scenario.trim_rad,
+            "test_signal": scenario.test_signal_v,
+            "command_signal": scenario.command_signal_v,
+        }
+        inputs = {"force": scenario.force.sample(*span).pairs} | {
+            name: signal.sample(*span).pairs for name, signal in given.items() if signal is not None
+        }
+        if (factor := _stiffness_factor(scenario, loader, span)) is not None:
+            inputs["stiffness_factor"] = factor.pairs
         if scenario.shaker is not None:
             on, angle = (
                 scenario.shaker.sample(*span),
                 2 * pi * (loader["feel.shaker_frequency"] / (2 * pi)) * grid.times_s,
             )
-            _fill(inputs, 3, Sampled(on.start * np.sin(angle[:-1]), on.end * np.sin(angle[1:])))
+            inputs["shaker"] = Sampled(on.start * np.sin(angle[:-1]), on.end * np.sin(angle[1:])).pairs
         changes = []
         changed = loader
         for change in scenario.feel_changes:
@@ -186,11 +187,12 @@ class Steps:
                 )
             share = np.clip((np.arange(grid.steps + 1) - begin) / (end - begin), 0.0, 1.0)
             fade = share**2 * (3 - 2 * share)
-            inputs[begin:end, 4] = np.column_stack([fade[:-1], fade[1:]])[begin:end]
+            fades = inputs.setdefault("fade", np.zeros((grid.steps, 2)))
+            fades[begin:end] = Sampled(fade[:-1], fade[1:]).pairs[begin:end]
             changes.append((begin, end, changed.values))
         force = scenario.force
         held = (force.angle_rad, grid.index("release", force.start_s)) if isinstance(force, Release) else None
-        start_force = float(inputs[0, 0, 0]) if isinstance(force, Recorded) else 0.0
+        start_force = float(inputs["force"][0, 0]) if isinstance(force, Recorded) else 0.0
         return cls(step_s, every, inputs, timing, start_force, held, changes)
 
 
@@ -205,10 +207,6 @@ def _every(sample_s: float, step_s: float) -> int:
     return round(steps)
 
 
-def _fill(inputs: NDArray[np.float64], signal: int, sampled: Sampled) -> None:
-    inputs[:, signal, 0], inputs[:, signal, 1] = sampled
-
-
 def _only_feel(changes: Mapping[str, str | float | bool | None]) -> Mapping[str, str | float | bool | None]:
     for key in changes:
         if not key.startswith("feel."):
@@ -216,18 +214,18 @@ def _only_feel(changes: Mapping[str, str | float | bool | None]) -> Mapping[str,
     return changes
 
 
-def _stiffness_factor(scenario: Scenario, loader: Loader, span: tuple[float, float]) -> NDArray[np.float64] | float:
+def _stiffness_factor(scenario: Scenario, loader: Loader, span: tuple[float, float]) -> Sampled | None:
     curve, pressure = loader.stiffness_factor, scenario.dynamic_pressure_pa
     if curve is None:
         if pressure is not None:
             raise InputError(
                 "dynamic pressure: the loader has no feel.stiffness_factor that depends on it; leave it out"
             )
-        return 1.0
+        return None
     if pressure is None:
         raise InputError("dynamic pressure: the loader's feel.stiffness_factor depends on it; give it")
     sampled = pressure.sample(*span)
-    return np.column_stack([curve.held(sampled.start), curve.held(sampled.end)])
+    return Sampled(curve.held(sampled.start), curve.held(sampled.end))
 
 
 def _step(scenario: Scenario, loader: Loader) -> tuple[float, tuple[int, int] | None]:

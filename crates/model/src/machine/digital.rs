@@ -2,7 +2,8 @@
 //!
 //! `T` period · `e` command · `a_w` anti-windup · see `controller.rs`
 
-use super::{Inputs, Machine, Moment, Now, Rest, Shared, State};
+use super::inputs::{Inputs, Moment};
+use super::{Equilibrium, Machine, Now, Shared, State};
 use crate::Scalar;
 use crate::controller::{Timing, UnderWay};
 use crate::feel_computer::FeelMotion;
@@ -22,13 +23,13 @@ pub struct Memory<S> {
 }
 
 impl<S: Scalar> Machine<S> {
-    /// What a digital controller remembers of the rest.
+    /// What a digital controller remembers of the equilibrium.
     #[inline(always)]
-    pub fn remember(&self, rest: &Rest<S>) -> Memory<S> {
-        let base = rest.base + self.transducers.offset[2];
-        let y = self.sampled_at_rest(rest.base, rest.piston, rest.pressure);
-        let estimate = self.observer.at_rest(&y, rest.delta);
-        Memory { under_way: UnderWay::holding(rest.command), base, estimate, command_signal: base.zero() }
+    pub fn remember(&self, equilibrium: &Equilibrium<S>) -> Memory<S> {
+        let base = equilibrium.base + self.transducers.offset[2];
+        let y = self.sampled_at_rest(equilibrium.base, equilibrium.piston, equilibrium.pressure);
+        let estimate = self.observer.at_rest(&y, equilibrium.delta);
+        Memory { under_way: UnderWay::holding(equilibrium.command), base, estimate, command_signal: base.zero() }
     }
 
     /// The digital controller's share of a step.

@@ -1,10 +1,11 @@
 //! The feel computer's share of a step.
 
-use super::{Inputs, Machine, Moment, Shared, State};
+use super::inputs::{Inputs, Moment};
+use super::{Machine, Shared, State};
 use crate::Scalar;
 use crate::effects::Effects;
+use crate::feel::{FeelLaw, Surroundings};
 use crate::feel_computer::FeelComputer;
-use crate::feel_law::{FeelLaw, Surroundings};
 use crate::observer::Observer;
 use crate::parameters::Parameters;
 

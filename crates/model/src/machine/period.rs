@@ -3,7 +3,7 @@
 //! A period is a function of these numbers, of the pilot's force and of signals on the command and at the amplifier, so dual numbers
 //! give the matrices of the sampled loop, its delay and its sensors' lags included, from the very step that runs it.
 
-use super::{Begun, Inputs, Machine, Memory, Now, Rest, Shared, State};
+use super::{Begun, Equilibrium, Inputs, Machine, Memory, Now, Shared, State};
 use crate::Scalar;
 use crate::controller::{MOST_UNDER_WAY, Timing};
 use crate::machine::slow::Slow;
@@ -85,8 +85,9 @@ impl<S: Scalar> Period<'_, S> {
             next += 1;
             numbers[next - 1]
         };
-        let rest = Rest::neutral(zero);
-        let (mut state, mut memory) = (self.machine.start(self.shared, &rest), self.machine.remember(&rest));
+        let equilibrium = Equilibrium::neutral(zero);
+        let (mut state, mut memory) =
+            (self.machine.start(self.shared, &equilibrium), self.machine.remember(&equilibrium));
         let plant = [take(), take(), take(), take(), take()];
         state.slow = Slow { plant, feel: [take(), take()] };
         state.held = take();

@@ -33,7 +33,7 @@ impl<S: Scalar> Slow<S> {
 
     /// `k_1 + 2 k_2 + 2 k_3 + k_4`.
     #[inline(always)]
-    pub fn weighted(k_1: &Self, k_2: &Self, k_3: &Self, k_4: &Self) -> Self {
+    pub fn weighted([k_1, k_2, k_3, k_4]: &[Self; 4]) -> Self {
         let sum = |a: S, b: S, c: S, d: S| {
             let twice = b + c;
             (a + d) + (twice + twice)

@@ -2,8 +2,10 @@
 //!
 //! `T` time from the touch to the end of the step · `P` impulse of the pressure over it · see `contact.rs`
 
+use super::inputs::{Inputs, Moment};
 use super::slow::Slow;
-use super::{Begun, Inputs, Machine, Moment, Shared, Stage, State};
+use super::step::Stage;
+use super::{Begun, Machine, Shared, State};
 use crate::Scalar;
 use crate::contact::since_touch;
 

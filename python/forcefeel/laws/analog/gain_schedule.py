@@ -118,27 +118,11 @@ def _over_horizon(
         row = row @ m.T
         polynomial.append(row @ coupling)
     # Element by element, so that a setting has the same gains to the last bit in whatever company.
-    (f00, f01), (f10, f11) = _feel_transition(rows, design.step_s)
+    (f00, f01), (f10, f11) = _core.feel_transitions(rows, np.array([design.step_s]))[:, 0].transpose(1, 2, 0)
     first, second = np.zeros((2, len(rows)))
     for (q,) in reversed(polynomial):
         first, second = q[0] + first * f00 + second * f10, q[1] + first * f01 + second * f11
     return c[0] / scale, -np.stack([first * f00 + second * f10, first * f01 + second * f11], axis=1)
-
-
-def _feel_transition(rows: NDArray[np.float64], step_s: float) -> NDArray[np.float64]:
-    """``Phi = exp(W h)``, (2, 2, settings), of the unforced feel ``delta'' = -(G delta + B delta') / I``, eq. (11).
-
-    ``exp(W h) = e^s (cosh r + (W h - s) sinh r / r)`` with ``s`` half the trace of ``W h`` and ``r^2 = s^2 - det W h``.
-    """
-    inertia, damping, stiffness = rows.T
-    with np.errstate(all="ignore"):  # what is out of range has no gains
-        down, back = -stiffness / inertia * step_s, -damping / inertia * step_s
-        s = back / 2
-        r = np.sqrt(s * s + down * step_s + 0j)
-        cosh, sinh_by_r = np.cosh(r).real, np.sinc(1j * r / np.pi).real
-        return np.asarray(
-            np.exp(s) * [[cosh - s * sinh_by_r, step_s * sinh_by_r], [down * sinh_by_r, cosh + (back - s) * sinh_by_r]]
-        )
 
 
 def _sampled_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:

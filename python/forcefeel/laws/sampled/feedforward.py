@@ -13,9 +13,9 @@ B. A. Francis, The linear multivariable regulator problem, SIAM J. Control and O
 from dataclasses import dataclass, field
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
+from forcefeel import _core
 from forcefeel.laws.sampled.observer import REMEMBERED
 from forcefeel.laws.sampled.plant import BASE, SampledPlant
 
@@ -87,8 +87,7 @@ def follow(
 
 def feel_moves(feel: NDArray[np.float64], period_s: float, torque_n_m: float) -> NDArray[np.float64]:
     """S of ``[delta; delta'; T_p]``, (settings, 3, 3): eq. (11) under a torque that stays, in units of ``torque_n_m``."""
-    inertia, damping, stiffness = feel.T
-    rate = np.zeros((len(feel), 3, 3))
-    rate[:, 0, 1] = 1.0
-    rate[:, 1] = np.column_stack([-stiffness / inertia, -damping / inertia, torque_n_m / inertia])
-    return np.asarray(scipy.linalg.expm(rate * period_s))
+    moves = np.zeros((len(feel), 3, 3))
+    moves[:, :2] = _core.feel_steps(feel, period_s) * (1.0, 1.0, torque_n_m)
+    moves[:, 2, 2] = 1.0
+    return moves

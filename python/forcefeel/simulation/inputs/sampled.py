@@ -32,6 +32,11 @@ class Sampled(NamedTuple):
     start: NDArray[np.float64]
     end: NDArray[np.float64]
 
+    @property
+    def pairs(self) -> NDArray[np.float64]:
+        """Both, (n, 2), as the engine takes an input."""
+        return np.column_stack(self)
+
 
 @dataclass(frozen=True)
 class Grid:

@@ -1,13 +1,55 @@
-//! Operations of linear algebra in lanes: fused ones, powers of two, and transposition.
+//! Numbers that stand for several runs: how they are made and taken apart, and what linear algebra asks of them.
 //!
 //! The step of a run does without fused operations, so that its bits are those of plain double precision. Matrices and
 //! certified signs want them: one rounding where there would be two, and the exact error of a product. Each is rounded once on
 //! every machine, so the bits are the same in whatever lane, and in plain `f64` where a machine has no vectors.
 
-use crate::lanes::{LANES, Lanes, Wide};
+use crate::lanes::{EXPONENT, LANES, Lanes};
 use fearless_simd::Simd;
+use forcefeel_model::Scalar;
 
-/// A number that stands for several runs, with operations that are rounded once.
+/// A number that stands for several runs.
+pub trait Wide: Scalar {
+    /// What it takes to make one.
+    type Token: Copy;
+    /// How many runs.
+    const RUNS: usize;
+    /// Run `k`'s number is `of(k)`.
+    fn gather(token: Self::Token, of: impl Fn(usize) -> f64) -> Self;
+    /// Hands over each run's number.
+    fn scatter(self, to: impl FnMut(usize, f64));
+}
+
+impl Wide for f64 {
+    type Token = ();
+    const RUNS: usize = 1;
+    #[inline(always)]
+    fn gather((): (), of: impl Fn(usize) -> f64) -> Self {
+        of(0)
+    }
+    #[inline(always)]
+    fn scatter(self, mut to: impl FnMut(usize, f64)) {
+        to(0, self);
+    }
+}
+
+impl<S: Simd> Wide for Lanes<S> {
+    type Token = S;
+    const RUNS: usize = LANES;
+    #[inline(always)]
+    fn gather(simd: S, of: impl Fn(usize) -> f64) -> Self {
+        Self::new(simd, core::array::from_fn(of))
+    }
+    #[inline(always)]
+    fn scatter(self, mut to: impl FnMut(usize, f64)) {
+        for (lane, value) in self.values().into_iter().enumerate() {
+            to(lane, value);
+        }
+    }
+}
+
+/// A number that stands for several runs, with what linear algebra in lanes asks for: operations that are rounded once, powers of two, and
+/// transposition.
 pub trait Fused: Wide {
     /// `self factor + term`, rounded once.
     fn mul_add(self, factor: Self, term: Self) -> Self;
@@ -18,9 +60,6 @@ pub trait Fused: Wide {
     /// Hands over, run by run, eight numbers in a row.
     fn by_run(block: [Self; LANES], to: impl FnMut(usize, &[f64; LANES]));
 }
-
-/// The bits of a double's exponent.
-pub(crate) const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
 
 impl Fused for f64 {
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Loaders at rest, from which a run starts: eqs. (6), (9), (11), (13) without motion.
+//! Loaders in equilibrium, from which a run starts: eqs. (6), (9), (11), (13) without motion.
 //!
 //! `theta` column angle · `x_b` base · `delta` programmed displacement · `S` spring of the feel · `r` load cell's arm · `p` pressure
 //!
@@ -6,19 +6,25 @@
 //! stretch of the link and so the piston, and the law the command. `delta` is where the flow that the command asks for is the
 //! one that is lost; for a given pilot force, `theta` is where that force holds the column. A feel computer that is deaf stays at
 //! neutral; then it is `p` at which the flows agree.
+//!
+//! A search is thousands of evaluations in a row, once a run: it is left to the compiler what of it is inlined, and vector lanes
+//! find their equilibria one by one.
 
 use super::{Machine, Shared, State};
 use crate::Scalar;
 use crate::bisect::bisect;
 use crate::dry_friction::Grip;
-use crate::feel_law::Surroundings;
+use crate::feel::Surroundings;
 use crate::machine::slow::Slow;
 use crate::observer::SAMPLED;
 use crate::transducers::Seen;
 
-/// A loader at rest, from which a run starts.
+/// Numbers of a [`Equilibrium`].
+pub const EQUILIBRIUM_NUMBERS: usize = 7;
+
+/// A loader in equilibrium, from which a run starts.
 #[derive(Debug, Clone, Copy)]
-pub struct Rest<S> {
+pub struct Equilibrium<S> {
     /// Base, piston, programmed displacement, trimmed neutral and load pressure.
     pub(super) base: S,
     pub(super) piston: S,
@@ -31,17 +37,29 @@ pub struct Rest<S> {
     pub pilot_force: S,
 }
 
-impl<S: Scalar> Rest<S> {
+impl<S: Scalar> Equilibrium<S> {
     /// Everything at zero.
     pub(super) fn neutral(zero: S) -> Self {
         Self { base: zero, piston: zero, delta: zero, neutral: zero, pressure: zero, command: zero, pilot_force: zero }
+    }
+
+    /// What makes it out.
+    pub fn numbers(&self) -> [S; EQUILIBRIUM_NUMBERS] {
+        [self.base, self.piston, self.delta, self.neutral, self.pressure, self.command, self.pilot_force]
+    }
+
+    /// The one that these make out.
+    #[inline(always)]
+    pub fn from_numbers(
+        &[base, piston, delta, neutral, pressure, command, pilot_force]: &[S; EQUILIBRIUM_NUMBERS],
+    ) -> Self {
+        Self { base, piston, delta, neutral, pressure, command, pilot_force }
     }
 }
 
 impl<S: Scalar> Machine<S> {
     /// The loader at rest with the column held at the angle `theta` and the neutral trimmed to `trim`, both in rad.
-    #[inline(always)]
-    pub fn held_at(&self, shared: &Shared, theta: S, trim: S, stiffness_factor: S) -> Rest<S> {
+    pub fn held_at(&self, shared: &Shared, theta: S, trim: S, stiffness_factor: S) -> Equilibrium<S> {
         let x_b = theta / self.per_base;
         let neutral = trim * self.feel.per_angle;
         let deaf = self.is_deaf();
@@ -54,7 +72,7 @@ impl<S: Scalar> Machine<S> {
         } else {
             (theta * self.feel.per_angle, self.feel.per_angle.times(SEARCH_RAD))
         };
-        bisect((centre - reach, centre + reach), Rest::neutral(centre.zero()), |x| {
+        bisect((centre - reach, centre + reach), Equilibrium::neutral(centre.zero()), |x| {
             // A feel computer that is deaf stays at neutral, and it is the pressure that is looked for.
             let (delta, oil) = if deaf {
                 (neutral, (x, self.balance.stretch_at_rest(x)))
@@ -66,43 +84,38 @@ impl<S: Scalar> Machine<S> {
     }
 
     /// The loader at rest under the pilot's force.
-    #[inline(always)]
-    pub fn held_by(&self, shared: &Shared, force: S, trim: S, stiffness_factor: S) -> Rest<S> {
+    pub fn held_by(&self, shared: &Shared, force: S, trim: S, stiffness_factor: S) -> Equilibrium<S> {
         let reach = force.constant(SEARCH_RAD);
-        bisect((-reach, reach), Rest::neutral(reach.zero()), |theta| {
-            let rest = self.held_at(shared, theta, trim, stiffness_factor);
-            (rest.pilot_force - force, rest)
+        bisect((-reach, reach), Equilibrium::neutral(reach.zero()), |theta| {
+            let equilibrium = self.held_at(shared, theta, trim, stiffness_factor);
+            (equilibrium.pilot_force - force, equilibrium)
         })
     }
 
     /// Whether the feel computer hears nothing of the load cell, as in a servo on its own.
-    #[inline(always)]
     fn is_deaf(&self) -> bool {
         let arm = self.law.load_cell_arm;
         !S::any(arm.zero().less(arm.abs()))
     }
 
     /// Whether nothing brings the piston back: the amplifier is open.
-    #[inline(always)]
     pub fn drifts(&self) -> bool {
         let follows = self.law.gains[0];
         self.is_deaf() && !S::any(follows.zero().less(follows.abs()))
     }
 
     /// Load pressure at which the feel computer hears what its spring asks for at a programmed displacement, and the link's stretch.
-    #[inline(always)]
     fn heard(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, S) {
         let effects = &shared.effects;
         // S(delta) = T                                                                            eq. (11) at rest
         let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around)
             + self.feel.resistance(effects, around.start, delta, delta.zero());
-        if effects.observer { self.observed_rest(x_b, delta, spring) } else { self.heard_rest(spring) }
+        if effects.observer { self.observed_equilibrium(x_b, delta, spring) } else { self.heard_equilibrium(spring) }
     }
 
     /// What holds at rest for a base, a programmed displacement and its neutral, and a load pressure with the link's stretch, and the flow
     /// that is then left over.
-    #[inline(always)]
-    fn standing(&self, shared: &Shared, [x_b, delta, neutral]: [S; 3], (p, stretch): (S, S)) -> (S, Rest<S>) {
+    fn standing(&self, shared: &Shared, [x_b, delta, neutral]: [S; 3], (p, stretch): (S, S)) -> (S, Equilibrium<S>) {
         let effects = &shared.effects;
         let zero = delta.zero();
         let x_p = self.balance.ratio * x_b + stretch;
@@ -118,21 +131,19 @@ impl<S: Scalar> Machine<S> {
         };
         let flow = self.valve.flow_per_current * self.valve.current(effects, e);
         let left_over = flow - self.balance.leakage(effects, p);
-        (left_over, Rest { base: x_b, piston: x_p, delta, neutral, pressure: p, command: e, pilot_force })
+        (left_over, Equilibrium { base: x_b, piston: x_p, delta, neutral, pressure: p, command: e, pilot_force })
     }
 
     /// Load pressure at which the load cell is heard as the torque `T`, `T = -r (F_c + F_0)`, and the link's stretch.
-    #[inline(always)]
-    fn heard_rest(&self, torque: S) -> (S, S) {
+    fn heard_equilibrium(&self, torque: S) -> (S, S) {
         let p = (-torque / self.law.load_cell_arm - self.transducers.offset[0]) * self.per_area;
         (p, self.balance.stretch_at_rest(p))
     }
 
-    /// Load pressure and stretch at which an observer hears the torque `T` at rest, `T = t_F F_c + t_x x_p + t_theta theta + t_delta delta`.
+    /// Load pressure and stretch at which an observer hears the torque `T` in equilibrium, `T = t_F F_c + t_x x_p + t_theta theta + t_delta delta`.
     ///
     /// Where the piston hangs free within the link's play, there is no pressure, and the law says where it hangs.
-    #[inline(always)]
-    fn observed_rest(&self, x_b: S, delta: S, torque: S) -> (S, S) {
+    fn observed_equilibrium(&self, x_b: S, delta: S, torque: S) -> (S, S) {
         let [per_force, per_piston, per_angle, per_delta] = self.observer.torque_at_rest();
         let [force, piston, angle] = self.sampled_at_rest(x_b, self.balance.ratio * x_b, x_b.zero());
         let per_stretch = self.balance.area * self.balance.per_stiffness;
@@ -147,7 +158,7 @@ impl<S: Scalar> Machine<S> {
         (p, S::select(hangs, left / S::select(hangs, per_piston, one), self.balance.stretch_at_rest(p)))
     }
 
-    /// What the sensors show at rest.
+    /// What the sensors show in equilibrium.
     #[inline(always)]
     pub(super) fn sampled_at_rest(&self, x_b: S, x_p: S, p: S) -> [S; SAMPLED] {
         let [force, piston, base] = self.transducers.offset;
@@ -156,23 +167,23 @@ impl<S: Scalar> Machine<S> {
 
     /// A run's first state.
     #[inline(always)]
-    pub fn start(&self, shared: &Shared, rest: &Rest<S>) -> State<S> {
-        let zero = rest.base.zero();
-        let z = rest.piston + self.balance.compressibility * rest.pressure;
-        let w = self.base_impulse * rest.pressure;
-        let u = if shared.timing.is_some() { zero } else { -self.feel_impulse * rest.pressure };
-        let q_i = self.balance.leakage(&shared.effects, rest.pressure);
-        let measured = [self.balance.area * rest.pressure, rest.piston, rest.base];
+    pub fn start(&self, shared: &Shared, equilibrium: &Equilibrium<S>) -> State<S> {
+        let zero = equilibrium.base.zero();
+        let z = equilibrium.piston + self.balance.compressibility * equilibrium.pressure;
+        let w = self.base_impulse * equilibrium.pressure;
+        let u = if shared.timing.is_some() { zero } else { -self.feel_impulse * equilibrium.pressure };
+        let q_i = self.balance.leakage(&shared.effects, equilibrium.pressure);
+        let measured = [self.balance.area * equilibrium.pressure, equilibrium.piston, equilibrium.base];
         State {
-            slow: Slow { plant: [z, q_i, zero, rest.base, w], feel: [rest.delta, u] },
+            slow: Slow { plant: [z, q_i, zero, equilibrium.base, w], feel: [equilibrium.delta, u] },
             column: Grip::resting(&self.column.friction),
             feel: Grip::resting(&self.feel.friction),
             seen: Seen { measured, shown: measured },
-            neutral: rest.neutral,
-            slider: rest.delta,
-            held: rest.command,
-            pilot_force: rest.pilot_force,
-            pressure: rest.pressure,
+            neutral: equilibrium.neutral,
+            slider: equilibrium.delta,
+            held: equilibrium.command,
+            pilot_force: equilibrium.pilot_force,
+            pressure: equilibrium.pressure,
             lag: zero,
             hand: zero,
             test_signal: zero,
@@ -182,5 +193,5 @@ impl<S: Scalar> Machine<S> {
     }
 }
 
-/// Angle to either side within which a state of rest is looked for.
+/// Angle to either side within which an equilibrium is looked for.
 pub const SEARCH_RAD: f64 = 1.5;

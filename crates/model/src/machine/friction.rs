@@ -1,0 +1,67 @@
+//! Dry friction's share of a step, of column and feel.
+
+use super::inputs::Inputs;
+use super::slow::Slow;
+use super::{Machine, Now, Shared, State};
+use crate::Scalar;
+use crate::effects::Effects;
+use crate::pressure::Side;
+
+impl<S: Scalar> Machine<S> {
+    /// Dry friction at the start of a step: first what it did inside the last step, then what it does in this one.
+    #[inline(always)]
+    pub(super) fn settle(
+        &self,
+        shared: &Shared,
+        state: &mut State<S>,
+        inputs: &Inputs,
+        now: &mut Now<S>,
+        rates: &mut Slow<S>,
+        side: Side<S>,
+    ) -> Side<S> {
+        let effects = &shared.effects;
+        let mut side = side;
+        if effects.column_friction {
+            let friction = &self.column.friction;
+            let (v, pull) = (now.base_rate, rates.plant[4]);
+            // What the force jumped between the steps did not pull in the last one.
+            let jump = self.column.per_pilot_force * (now.pilot_force - state.pilot_force);
+            let found = friction.settled(&state.column, v, pull - jump, (self.step, self.per_step));
+            state.column = friction.grip(found.velocity, pull);
+            state.slow.plant[3] = state.slow.plant[3] + found.displacement;
+            let w = found.velocity + self.base_impulse * now.slaved.pressure;
+            state.slow.plant[4] = S::select(found.settled, w, state.slow.plant[4]);
+            now.base = state.slow.plant[3];
+            now.base_rate = found.velocity;
+            rates.plant[3] = found.velocity;
+            side = self.balance.side(effects, state.column.stuck);
+        }
+        if effects.feel_friction && shared.timing.is_none() {
+            let (rate, pull) = (now.delta_rate, rates.feel[1]);
+            let friction = self.feel_computer(shared, inputs.fade[0]).friction();
+            let found = friction.settled(&state.feel, rate, pull, (self.step, self.per_step));
+            state.feel = friction.grip(found.velocity, pull);
+            state.slow.feel[0] = state.slow.feel[0] + found.displacement;
+            let u = found.velocity - self.feel_impulse * now.slaved.pressure;
+            state.slow.feel[1] = S::select(found.settled, u, state.slow.feel[1]);
+            now.delta = state.slow.feel[0];
+            now.delta_rate = found.velocity;
+            rates.feel[0] = found.velocity;
+        }
+        Self::resist(effects, state, rates);
+        side
+    }
+
+    /// Adds dry friction to the rates.
+    #[inline(always)]
+    pub(super) fn resist(effects: &Effects, state: &State<S>, rates: &mut Slow<S>) {
+        if effects.column_friction {
+            let pull = rates.plant[4] + state.column.drag;
+            rates.plant[4] = S::select(state.column.stuck, pull.zero(), pull);
+        }
+        if effects.feel_friction && !effects.sampled {
+            let pull = rates.feel[1] + state.feel.drag;
+            rates.feel[1] = S::select(state.feel.stuck, pull.zero(), pull);
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! What there was half-way through a step, from what there is at its start and at the next one's.
+
+use super::inputs::{Inputs, Moment};
+use super::slow::{self, Slow};
+use super::{Begun, Machine, Now, Shared};
+use crate::Scalar;
+
+impl<S: Scalar> Machine<S> {
+    /// Displacement of the base half-way between the starts of two steps.
+    #[inline(always)]
+    pub fn middle_base(&self, before: &Begun<S>, after: &Begun<S>) -> S {
+        let (a, b) = (&before.now, &after.now);
+        slow::cubic((a.base, a.base_rate), (b.base, b.base_rate), self.step.times(0.125))
+    }
+
+    /// What there was half-way between the starts of two steps: of the third order where nothing was switched between them.
+    #[inline(always)]
+    pub fn middle(&self, shared: &Shared, inputs: &Inputs, before: &Begun<S>, after: &Begun<S>) -> Now<S> {
+        let (a, b) = (&before.now, &after.now);
+        let eighth = self.step.times(0.125);
+        // The rate of the same cubic.
+        let rate = |x_0: S, x_1: S, rate_0: S, rate_1: S| {
+            ((x_1 - x_0) * self.per_step).times(1.5) - (rate_0 + rate_1).times(0.25)
+        };
+        let slow = Slow::middle((&before.slow, &before.rates), (&after.slow, &after.rates), self.step);
+        let touches = self.link_touches(&before.slow) | self.link_touches(&after.slow);
+        let slaved = self.balance.solve(&shared.effects, &before.side, touches, slow.plant);
+        // The lag itself changes so little over a step that a straight line will do.
+        let between = |lag: &dyn Fn(&Now<S>) -> S| (lag(a) + lag(b)).times(0.5);
+        let pressure = slaved.pressure + between(&|now| now.pressure - now.slaved.pressure);
+        let digital = shared.timing.is_some();
+        let force = Moment::Half.of(inputs.force) - inputs.force[0];
+        Now {
+            base: self.middle_base(before, after),
+            base_rate: rate(a.base, b.base, a.base_rate, b.base_rate),
+            delta: if digital {
+                a.delta
+            } else {
+                slow::cubic((a.delta, a.delta_rate), (b.delta, b.delta_rate), eighth)
+            },
+            delta_rate: if digital { a.delta_rate } else { rate(a.delta, b.delta, a.delta_rate, b.delta_rate) },
+            piston: self.balance.piston(slow.plant[0], pressure),
+            force: self.balance.area * pressure,
+            pressure,
+            flow: slaved.flow + between(&|now| now.flow - now.slaved.flow),
+            current: if digital { a.current } else { (a.current + b.current).times(0.5) },
+            pilot_force: a.pilot_force + self.force(force),
+            slaved,
+        }
+    }
+}

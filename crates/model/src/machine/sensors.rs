@@ -1,0 +1,42 @@
+//! What sensors measure and show in a step under the analog law, and what the feel computer hears of it.
+
+use super::inputs::Moment;
+use super::step::Stage;
+use super::{Machine, Now};
+use crate::Scalar;
+use crate::transducers::SENSORS;
+
+impl<S: Scalar> Machine<S> {
+    #[inline(always)]
+    pub(super) fn measured(now: &Now<S>) -> [S; SENSORS] {
+        [now.force, now.piston, now.base]
+    }
+
+    /// What the sensors show under the analog law.
+    #[inline(always)]
+    pub(super) fn shown(&self, stage: &Stage<'_, S>, now: &Now<S>) -> ([S; SENSORS], S) {
+        let effects = &stage.shared.effects;
+        let mut shown = Self::measured(now);
+        let mut base_rate = now.base_rate;
+        if effects.lags {
+            shown = match stage.moment {
+                Moment::Start => stage.state.seen.shown,
+                Moment::Half => self.transducers.after_half(&stage.state.seen, shown),
+                Moment::End => self.transducers.after_whole(&stage.state.seen, shown, now.base.zero()),
+            };
+            base_rate = self.transducers.column_rate(now.base, base_rate, shown[2]);
+        }
+        if effects.offsets {
+            let offset = &self.transducers.offset;
+            shown = [shown[0] + offset[0], shown[1] + offset[1], shown[2] + offset[2]];
+        }
+        (shown, base_rate)
+    }
+
+    /// Torque that an analog feel computer hears where the load cell shows `force`: where it hears it directly, it is a motion like
+    /// the column's, whose `u` knows of the lag.
+    #[inline(always)]
+    pub(super) fn heard_torque(&self, force: S, now: &Now<S>) -> S {
+        self.law.feel_torque(force + self.direct * (now.slaved.pressure - now.pressure))
+    }
+}

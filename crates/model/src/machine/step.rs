@@ -1,0 +1,145 @@
+//! One step in time: its start, where it looks about and settles, then the Runge-Kutta stages.
+
+use super::digital::Memory;
+use super::inputs::{Inputs, Moment};
+use super::slow::Slow;
+use super::{Begun, Machine, Now, Shared, State};
+use crate::Scalar;
+use crate::effects::Effects;
+use crate::transducers::{SENSORS, Seen};
+
+/// What a step needs at every stage.
+pub(super) struct Stage<'a, S: Scalar> {
+    pub(super) shared: &'a Shared,
+    pub(super) inputs: &'a Inputs,
+    pub(super) state: &'a State<S>,
+    pub(super) moment: Moment,
+}
+
+impl<S: Scalar> Machine<S> {
+    /// The start of a step: settles what friction did in the last one, samples if it is time to, and looks.
+    ///
+    /// `normal` gives a standard normal number for each sensor when a sample is taken.
+    #[inline(always)]
+    pub fn begin(
+        &self,
+        shared: &Shared,
+        state: &mut State<S>,
+        memory: &mut Memory<S>,
+        inputs: &Inputs,
+        normal: impl FnOnce() -> [S; SENSORS],
+    ) -> Begun<S> {
+        let effects = &shared.effects;
+        let side = if effects.column_friction {
+            self.balance.side(effects, state.column.stuck)
+        } else {
+            self.balance.moving()
+        };
+        let force = self.pilot_force(state, inputs, Moment::Start);
+        let mut now = self.look(effects, &side, &state.slow, state, (force, force.zero()));
+        if state.steps > 0 {
+            let yielding = self.balance.yielding(effects, &side, state.slow.plant[1], &now.slaved);
+            self.catch_up(effects, &yielding, state, &mut now);
+            self.follow(effects, &side, &yielding, state, &mut now);
+        }
+        if effects.lags || shared.timing.is_some() {
+            let measured = Self::measured(&now);
+            let shown = self.transducers.after_whole(&state.seen, measured, state.late);
+            state.seen = Seen { measured, shown };
+        }
+        if let Some(timing) = shared.timing {
+            self.control(shared, timing, (state, memory), inputs, &now, normal);
+        }
+        let stage = Stage { shared, inputs, state, moment: Moment::Start };
+        if effects.feel_limits && shared.timing.is_none() {
+            let limited = self.feel.held_within((now.delta, now.delta_rate), (now.delta, now.delta_rate));
+            (now.delta, now.delta_rate) = limited;
+        }
+        let mut rates = self.rates(&stage, &state.slow, &mut now);
+        let side = self.settle(shared, state, inputs, &mut now, &mut rates, side);
+        Begun { now, slow: state.slow, rates, side }
+    }
+
+    /// The rest of a step.
+    #[inline(always)]
+    pub fn advance(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, begun: &Begun<S>) {
+        let analog = shared.timing.is_none();
+        let (h, half) = (self.step, self.step.times(0.5));
+        let start = state.slow;
+        // Not in a loop: what the stages share would go through memory, and a batch take half as long again.
+        let k_1 = begun.rates;
+        let k_2 = self.stage(shared, state, inputs, begun, &start.moved(&k_1, half, analog), Moment::Half);
+        let k_3 = self.stage(shared, state, inputs, begun, &start.moved(&k_2, half, analog), Moment::Half);
+        let k_4 = self.stage(shared, state, inputs, begun, &start.moved(&k_3, h, analog), Moment::End);
+        let total = Slow::weighted(&[k_1, k_2, k_3, k_4]);
+        state.slow = start.moved(&total, self.step.times(1.0 / 6.0), analog);
+        self.touch(shared, state, inputs, &start, begun);
+        if analog {
+            state.slider = self.dragged(&shared.effects, state);
+            if shared.effects.surroundings {
+                state.neutral = self.feel.trimmed(state.neutral, h.constant(inputs.trim[1]), h);
+            }
+        }
+        state.pilot_force = self.pilot_force(state, inputs, Moment::End);
+        state.steps += 1;
+    }
+
+    #[inline(always)]
+    fn stage(
+        &self,
+        shared: &Shared,
+        state: &State<S>,
+        inputs: &Inputs,
+        begun: &Begun<S>,
+        slow: &Slow<S>,
+        moment: Moment,
+    ) -> Slow<S> {
+        // The lag hardly changes in a step.
+        let force = self.pilot_force(state, inputs, moment);
+        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, -state.lag));
+        if shared.effects.feel_limits && shared.timing.is_none() {
+            let before = (begun.now.delta, begun.now.delta_rate);
+            (now.delta, now.delta_rate) = self.feel.held_within(before, (now.delta, now.delta_rate));
+        }
+        let stage = Stage { shared, inputs, state, moment };
+        let mut rates = self.rates(&stage, slow, &mut now);
+        Self::resist(&shared.effects, state, &mut rates);
+        rates
+    }
+
+    /// Time derivatives, dry friction left out.
+    #[inline(always)]
+    pub(super) fn rates(&self, stage: &Stage<'_, S>, slow: &Slow<S>, now: &mut Now<S>) -> Slow<S> {
+        let effects = &stage.shared.effects;
+        let [_, q_i, q_i_rate, x_b, _] = slow.plant;
+        let mut feel = slow.feel;
+        let mut e = if stage.shared.timing.is_some() {
+            stage.state.held + stage.state.test_signal
+        } else {
+            let ([force, piston, base], base_rate) = self.shown(stage, now);
+            let around = self.around(effects, stage.state, stage.inputs, stage.moment);
+            let torque = self.heard_torque(force, now);
+            let fade = stage.moment.of(stage.inputs.fade);
+            let computer = self.feel_computer(stage.shared, fade);
+            feel = [now.delta_rate, computer.acceleration((now.delta, now.delta_rate), torque, &around)];
+            let x = [piston, force / self.balance.area, now.delta, now.delta_rate, base, base_rate, now.pilot_force];
+            let e = self.law.command(&x);
+            if effects.test_signal { e + e.constant(stage.moment.of(stage.inputs.command_signal)) } else { e }
+        };
+        if effects.test_signal {
+            e = e + e.constant(stage.moment.of(stage.inputs.test_signal));
+        }
+        now.current = self.valve.current(effects, e);
+        let flow_acceleration = self.valve.flow_acceleration(effects, q_i, q_i_rate, now.current);
+        let pull = self.pull(effects, (stage.state.slow.plant[3], x_b), now);
+        Slow { plant: [now.slaved.flow * self.per_area, q_i_rate, flow_acceleration, now.base_rate, pull], feel }
+    }
+
+    /// Acceleration of the base, dry friction left out, that begins its step at `start`.
+    #[inline(always)]
+    pub(super) fn pull(&self, effects: &Effects, (start, x_b): (S, S), now: &Now<S>) -> S {
+        self.column.per_link_force * self.balance.area * now.slaved.pressure
+            + self.column.per_pilot_force * now.pilot_force
+            + self.column.loads(effects, start, x_b, now.base_rate)
+    }
+}
