@@ -9,11 +9,11 @@ import forcefeel as ff
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification.result import (
     Advice,
-    Confusion,
     Ended,
     Estimate,
     Fitted,
     Identification,
+    Inseparable,
     RigidTest,
     Status,
 )
@@ -132,7 +132,7 @@ def determined():
         correlation=correlation(len(found)),
         fitted=(response_fitted(), *record_fitted()),
         ends=ends(found),
-        confusions=(),
+        inseparable=(),
         advice=(),
         rigid=NEEDED,
         notes=(),
@@ -179,8 +179,8 @@ def undetermined():
         correlation=np.array([[1, np.nan, 0.1], [np.nan, 1, 0.2], [0.1, 0.2, 1]]),
         fitted=(response_fitted(stated=0.01, left=0.05, coherent=False),),
         ends=ends(found, (True, True, False)),
-        confusions=(
-            Confusion(
+        inseparable=(
+            Inseparable(
                 tuple(keys[:2]),
                 (1.0, -1.0),
                 "The data cannot tell C_i from K_2: only their product C_i K_2 is determined.",

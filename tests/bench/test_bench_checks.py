@@ -10,7 +10,7 @@ import scipy.signal
 import forcefeel as ff
 from forcefeel.bench.clipping import clipped
 from forcefeel.bench.experiments import Experiment
-from forcefeel.bench.plausibility import distance, suspicions
+from forcefeel.bench.plausibility import distance, misreading
 from forcefeel.bench.record_checks import check_record
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.response_checks import check_response
@@ -293,7 +293,7 @@ def test_no_loader_is_accused_that_is_off_its_file():
     expected, rng = predictions(ELEVATOR), np.random.default_rng(0)
     for _ in range(200):
         for key, value in predictions(off_by(rng, 0.4)).items():
-            assert suspicions(as_response(key, value), expected[key]) is None
+            assert misreading(as_response(key, value), expected[key]) is None
 
 
 def polar(gain, phase):
@@ -339,7 +339,7 @@ def test_a_misread_file_is_found_out(fault):
             ratio = np.abs(value) / unit_of(key)
             if np.ptp(np.log(np.abs(expected[key]))) < np.log(10) and fault in {"inverse", "ratio"}:
                 continue  # flat: what was read is as near as what was meant
-            said = suspicions(as_response(key, misread(ratio, np.angle(value)) * unit_of(key)), expected[key])
+            said = misreading(as_response(key, misread(ratio, np.angle(value)) * unit_of(key)), expected[key])
             assert said is None or sentence in said, (key, said)
             found.append(said is not None)
     assert len(found) >= 200
@@ -353,7 +353,7 @@ def test_decibels_read_as_a_ratio():
     lines = np.abs(value) * 1000 > 1.5  # mV/V: dB above zero, which can be read as ratios
     decibels = 20 * np.log10(1000 * np.abs(value[lines]))
     response = as_response(key, polar(decibels / 1000, np.angle(value[lines])), LINES_HZ[lines])
-    assert "in dB, read as a ratio" in suspicions(response, value[lines])
+    assert "in dB, read as a ratio" in misreading(response, value[lines])
 
 
 @pytest.mark.parametrize(
@@ -366,7 +366,7 @@ def test_frequencies_in_the_other_unit(scale, sentence):
         for key, value in predictions(off_by(rng, 0.2)).items():
             if np.ptp(np.log(np.abs(expected[key]))) < np.log(10):
                 continue
-            said = suspicions(as_response(key, value, read_hz), expected[key])
+            said = misreading(as_response(key, value, read_hz), expected[key])
             assert said is None or sentence in said, (key, said)
             found.append(said is not None)
     assert len(found) >= 100
@@ -385,7 +385,7 @@ def test_the_distance_is_that_of_complex_logarithms():
 )
 def test_predictions_that_are_none_are_refused(predicted):
     with pytest.raises(InputError, match="predicted: expected"):
-        suspicions(GOOD, predicted)
+        misreading(GOOD, predicted)
 
 
 @pytest.mark.parametrize("force", [ff.Chirp(60.0, 0.3, 4.0, 5.0), ff.Doublet(80.0, 0.5, 0.7), ff.Step(100.0, 0.5)])

@@ -195,7 +195,7 @@ def test_an_unstable_law_is_bad():
 def test_the_results_hold_the_law_that_runs(scored):
     choice = choose(scored)
     stored = json.loads(json.dumps(choice_json(scored, choice, UnitSystem.SI), allow_nan=False))
-    law = next(score for score in scored.scores if score.name == choice.chosen).own.law
+    law = next(score for score in scored.scores if score.name == choice.chosen).own.law.sampled
     assert stored["chosen"] == choice.chosen
     np.testing.assert_array_equal(stored["law"]["command"], law.command[0])
     assert stored["methods"]["robust"]["envelope"]["shares"]["passes"]["unit"] == "%"

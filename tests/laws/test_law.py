@@ -175,7 +175,7 @@ def test_a_damaged_file_is_refused_in_words(what, tmp_path):
 def test_what_is_no_law_is_refused():
     with pytest.raises(InputError, match="expected original, published, converged"):
         Law.of("best", DIGITAL)
-    with pytest.raises(InputError, match="expected a law, its name, its file or its numbers, got 7"):
+    with pytest.raises(InputError, match="expected a law, its name, its file, its design or its numbers, got 7"):
         Law.of(7, DIGITAL)
     with pytest.raises(InputError, match="cannot be read"):
         Law.of("nowhere.json", DIGITAL)

@@ -17,7 +17,7 @@ from forcefeel.qualification.programme.feel_alone import FeelAlone
 from forcefeel.qualification.programme.law_names import named_laws
 from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
 from forcefeel.qualification.programme.programme import trials
-from forcefeel.qualification.programme.sentences import conclusions, result_words
+from forcefeel.qualification.programme.sentences import conclusions, result_text
 from forcefeel.qualification.programme.sweep_force import SweepForce
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import factor
@@ -95,7 +95,7 @@ def test_the_programme_is_that_of_the_rule():
 def test_periods_are_those_of_the_linear_loop(elevator, law):
     """The loop's matrices exponentiated here, from the static state under the force that holds the angle."""
     loader = ff.elevator()
-    loop = compliant_model(loader, named_laws(loader, [law])[law])
+    loop = compliant_model(loader, named_laws(loader, [law])[law].fixed)
     a, b = np.asarray(loop.A), np.asarray(loop.B)[:, 0]
     column = np.asarray(loop.C)[list(loop.output_labels).index("column_angle_rad")]
     rest = -np.linalg.solve(a, b)
@@ -127,7 +127,7 @@ def test_the_elevator_does_not_qualify_and_why(elevator):
     assert all(section.standing is Standing.DOES_NOT_QUALIFY for section in elevator.sections)
     frequency = 1 / told["published"]["release-25-positive"].measured.features.cycles[1].value
     assert frequency == pytest.approx(1.58, abs=THREE_DIGITS_HZ)
-    words = result_words(told["published"]["release-25-positive"], elevator)
+    words = result_text(told["published"]["release-25-positive"], elevator)
     assert "P0 is 59 % long" in words
     assert "the column moves at 1.58 Hz where 1.97 Hz are programmed" in words
     # At rest the original loop takes 1 / 0.6 of the programmed force, as the report's step shows.
@@ -271,7 +271,7 @@ def test_a_difference_at_the_limit_is_too_close_to_call_and_does_not_qualify():
     found = qualify_loader(ff.elevator(), QualificationSetup(records={"release-25-positive": record}))
     result = _by(found.sections[0].results)["release-25-positive"]
     assert result.outcome is Outcome.TOO_CLOSE
-    assert result_words(result, found).startswith("Too close to call: P0 is 9.9 % long")
+    assert result_text(result, found).startswith("Too close to call: P0 is 9.9 % long")
     assert (found.standing, found.fulfilled) == (Standing.INCOMPLETE, False)
     assert "release-25-positive (too close to call)" in conclusions(found).verdict
 

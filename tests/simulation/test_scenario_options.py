@@ -7,7 +7,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, Spacing
-from forcefeel.cli.scenario_options import MOST_STEPS, Law, ScenarioOptions
+from forcefeel.cli.scenario_options import MOST_STEPS, ScenarioOptions
 from forcefeel.cli.scenario_text import assignments, over_time, seconds
 from forcefeel.errors import InputError
 from forcefeel.laws.analog import recursion as compensation
@@ -31,7 +31,7 @@ def test_nothing_given_is_a_step_of_the_loaders_force():
     assert found.force == ff.Step(loader["pilot.force"], 0.1)
     assert (found.duration_s, found.step_s, found.sample_s, found.seed) == (2.0, 1e-3, 1e-3, 0)
     assert ScenarioOptions().changed(loader) is loader
-    assert ScenarioOptions().compensator(loader) is None
+    assert ScenarioOptions().law_of(loader).numbers is None
 
 
 @pytest.mark.parametrize(
@@ -128,11 +128,11 @@ def test_arms_are_within_the_parameters_ranges(arm):
 
 def test_laws_are_designed_for_the_changed_loader():
     loader = ff.elevator().replace({"linkage.stiffness": "9000 lb/in"})
-    published = ScenarioOptions(law=Law.PUBLISHED).compensator(loader)
-    converged = ScenarioOptions(law=Law.CONVERGED).compensator(loader)
+    published = ScenarioOptions(law="published").law_of(loader).fixed
+    converged = ScenarioOptions(law="converged").law_of(loader).fixed
     assert published == ff.compensate(loader).compensator(loader)
     assert converged == ff.compensate(loader, ff.DesignSettings()).compensator(loader)
-    assert ScenarioOptions(law=Law.ORIGINAL).compensator(loader) is None
+    assert ScenarioOptions(law="original").law_of(loader).numbers is None
 
 
 def test_schedules():
@@ -235,7 +235,7 @@ def test_bad_changes_of_the_loader_are_named(options, said):
 def test_a_recursion_that_does_not_settle_gives_no_law(monkeypatch):
     monkeypatch.setattr(compensation, "MOST_STEPS", 10)
     with pytest.raises(InputError, match="--compensator: the recursion does not give the converged gains"):
-        ScenarioOptions(law=Law.CONVERGED).compensator(ff.elevator())
+        ScenarioOptions(law="converged").law_of(ff.elevator())
 
 
 def test_text():

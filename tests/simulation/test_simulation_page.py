@@ -14,7 +14,7 @@ from playwright.sync_api import Page
 import forcefeel as ff
 from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm
 from forcefeel.page.canvas import drawn
-from forcefeel.simulation.findings import input_in_words
+from forcefeel.simulation.findings import input_text
 from forcefeel.simulation.inputs import StopToStop
 from forcefeel.simulation.limits import known_measures
 from forcefeel.simulation.page.plots import MOST_POINTS
@@ -269,7 +269,7 @@ def test_findings():
     ],
 )
 def test_inputs_in_words(force, told):
-    assert input_in_words(force, UnitSystem.US) == told
+    assert input_text(force, UnitSystem.US) == told
 
 
 def test_a_long_curve_keeps_its_peaks():

@@ -2,5 +2,5 @@
 
 To read in this order: ``experiments`` and ``channels``, what is done and seen; ``responses`` and ``records``, what comes of it;
 ``data_file``, their files, and ``response_checks``, ``record_checks``, what is wrong with them; ``estimate``, frequency responses
-from records; ``suspicions``, responses that are not what they are said to be; ``resonance``, the quick way to a link.
+from records; ``plausibility``, responses that are not what they are said to be; ``resonance``, the quick way to a link.
 """

@@ -61,7 +61,7 @@ def distance(value: Complex, predicted: Complex) -> float:
     return float(np.median(np.abs(_apart(value, predicted))))
 
 
-def suspicions(response: Response, predicted: Complex) -> str | None:
+def misreading(response: Response, predicted: Complex) -> str | None:
     """The most likely cause why a response is far from its prediction, in a sentence; ``None`` if none stands out.
 
     The same numbers are read in other ways. A reading is suspected where it brings the response clearly nearer to the prediction

@@ -78,7 +78,7 @@ def compensation(
     """Gains and the loop that they close."""
     gains = _table("Feedback gains", "gain", "on", "value", "unit")
     for symbol, state, value, unit in zip(GAIN_SYMBOLS, DESIGN_STATES, found.gains, GAIN_UNITS, strict=True):
-        gains.add_row(symbol, state_in_words(state), to_text(unit.from_si(float(value), units)), unit.shown(units))
+        gains.add_row(symbol, state_text(state), to_text(unit.from_si(float(value), units)), unit.shown(units))
     console.print(gains)
     console.print("c_7 is not fed back: the pilot's force is not measured.", highlight=False)
     console.print(f"recursion (22): {found.note}", style="" if found.reached else "bold red", highlight=False)
@@ -114,7 +114,7 @@ def reproduction(console: Console, sections: tuple[Section, ...]) -> None:
     console.print(summary(sections), highlight=False)
 
 
-def state_in_words(state: str) -> str:
+def state_text(state: str) -> str:
     """A state's name without its unit: ``piston_position_m`` is ``piston position``."""
     words = state.removesuffix("_per_s")
     return words.rsplit("_", 1)[0].replace("_", " ")

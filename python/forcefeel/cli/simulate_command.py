@@ -11,7 +11,7 @@ from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.conclusions import Conclusions
 from forcefeel.loader.built_in import open_loader
 from forcefeel.simulation import Run, RunStatus, simulate
-from forcefeel.simulation.findings import input_in_words, run_conclusions
+from forcefeel.simulation.findings import input_text, run_conclusions
 from forcefeel.simulation.tables import measure_rows, run_json
 from forcefeel.units import UnitSystem
 
@@ -46,7 +46,7 @@ def run_simulate(
 
 def _show(console: Console, run: Run, units: UnitSystem) -> None:
     found = run_conclusions(run, units)
-    console.print(f"{run.loader.name}, {input_in_words(run.scenario.force, units)}", highlight=False)
+    console.print(f"{run.loader.name}, {input_text(run.scenario.force, units)}", highlight=False)
     console.print(_measures(run, units))
     _say(console, found)
 

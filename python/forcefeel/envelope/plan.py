@@ -12,7 +12,7 @@ from forcefeel.envelope.draws import NO_DRAWS, Draws
 from forcefeel.envelope.machines import feel_json
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
-from forcefeel.laws.law import NAMED_LAWS, LawLike, named
+from forcefeel.laws.law import NAMED_LAWS, LawLike, check_given, named
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, Rules, Test, load_rules
 from forcefeel.qualification.throw import Throw
@@ -127,4 +127,6 @@ def make_plan(
     if isinstance(compensators, str):
         raise InputError(f"compensators: expected a list of names or laws by name, got {show(compensators)}")
     chosen = dict(compensators) if isinstance(compensators, Mapping) else named(tuple(compensators), loader)
+    for name, law in chosen.items():
+        check_given(law, f"compensators: {name}")
     return Plan(loader, chosen, Settings.of(grid or {}), **options)  # type: ignore[arg-type]

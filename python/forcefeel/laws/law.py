@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import isclose
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,6 +79,7 @@ class Law:
             InputError: If the name is unknown, the file is none of a law, the design fails, or the law was made for another
                 controller or for other settings.
         """
+        check_given(given)
         if isinstance(given, Law):
             given.check(loader)
             return given if feel is None else given.at(feel)
@@ -213,6 +214,17 @@ LawLike = Law | str | Path | DesignSettings | Method | Compensator | SampledComp
 """What ``Law.of`` makes a law of."""
 
 
+def check_given(given: object, name: str = "compensator") -> None:
+    """Refuses what ``Law.of`` makes no law of; ``name`` is what the message calls it.
+
+    Raises:
+        InputError: If it is of another kind.
+    """
+    kinds = Law | str | Path | DesignSettings | Method | Compensator | SampledCompensator | np.ndarray | None
+    if not isinstance(given, kinds):
+        raise InputError(f"{name}: expected a law, its name, its file, its design or its numbers, got {show(given)}")
+
+
 def names_for(loader: Loader) -> tuple[str, ...]:
     """The names of all laws that a loader can run: the sampled ones need a digital controller."""
     return NAMED_LAWS if loader["controller.period"] else tuple(NAMED_DESIGNS)
@@ -254,9 +266,7 @@ def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, 
         return given.design(loader, _own(loader) if feel is None else feel)
     if isinstance(given, DesignSettings):
         return _gains(given, loader, name) if feel is None else _scheduled(given, loader, feel)
-    if given is None or isinstance(given, Compensator | SampledCompensator | np.ndarray):
-        return given
-    raise InputError(f"compensator: expected a law, its name, its file or its numbers, got {show(given)}")
+    return cast("Numbers", given)
 
 
 def _gains(design: DesignSettings, loader: Loader, name: str) -> Compensator:

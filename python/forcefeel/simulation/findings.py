@@ -47,7 +47,7 @@ def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
     )
 
 
-def input_in_words(force: Force, units: UnitSystem) -> str:
+def input_text(force: Force, units: UnitSystem) -> str:
     """What the pilot does: ``a step of 96 lb at 0.1 s``."""
     if isinstance(force, HandsOff):
         return "hands off"
@@ -57,10 +57,10 @@ def input_in_words(force: Force, units: UnitSystem) -> str:
     if isinstance(force, Recorded):
         low, high = (_force(float(bound), units) for bound in (force.force_n.min(), force.force_n.max()))
         return f"the recording {force.name}, {low} to {high}"
-    return _formula_in_words(force, _force(force.force_n, units))
+    return _formula_text(force, _force(force.force_n, units))
 
 
-def _formula_in_words(force: Step | Pulse | Doublet | StopToStop | Chirp | Multisine, peak: str) -> str:
+def _formula_text(force: Step | Pulse | Doublet | StopToStop | Chirp | Multisine, peak: str) -> str:
     match force:
         case Step():
             return f"a step of {peak} at {force.start_s:g} s"

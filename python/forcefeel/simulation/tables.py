@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from forcefeel.conclusions import of_result
 from forcefeel.json_values import Json, json_value
 from forcefeel.simulation import Measures, Run
-from forcefeel.simulation.findings import input_in_words, run_conclusions
+from forcefeel.simulation.findings import input_text, run_conclusions
 from forcefeel.simulation.limits import known_measures, limits, why_no_overshoot
 from forcefeel.units import (
     ANGLE,
@@ -114,7 +114,7 @@ def run_json(run: Run, units: UnitSystem, law: str) -> dict[str, Json]:
     scenario = dict(_dict_json(run.scenario, units))
     scenario["force"] = {
         "kind": re.sub("(?<!^)(?=[A-Z])", "-", type(force).__name__).lower(),  # as --input has it: stop-to-stop
-        "words": input_in_words(force, units),
+        "words": input_text(force, units),
         **_dict_json(force, units),
     }
     return {

@@ -7,7 +7,7 @@ import numpy as np
 
 from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.simulation.findings import input_in_words
+from forcefeel.simulation.findings import input_text
 from forcefeel.sweep.findings import sweep_conclusions
 from forcefeel.sweep.plan import Sweep
 from forcefeel.sweep.result import SweepResult
@@ -22,7 +22,7 @@ def sweep_json(result: SweepResult, summary: Summary, units: UnitSystem) -> dict
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "loader": sweep.loader.name,
-        "input": input_in_words(sweep.scenario.force, units),
+        "input": input_text(sweep.scenario.force, units),
         "runs": sweep.total,
         "machines_at_each_point": sweep.machines,
         "seed": sweep.seed,

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from forcefeel import InputError
-from forcefeel.bench.excitation.crest_factor import PeakProblem, low_peak_phases
+from forcefeel.bench.excitation.crest_factor import PeakProblem, low_crest_phases
 from forcefeel.simulation.inputs import Multisine
 
 LINES = tuple(k / 8 for k in (1, 2, 3, 5, 8, 13, 21, 34, 55, 60))
@@ -119,7 +119,7 @@ def test_the_norm_goes_to_the_peak():
 def test_peaks_of_all_signals_are_low(seed):
     # Each signal has an r.m.s. of 1, so a peak is a crest factor. Random phases have 3 and more, one clipped signal 1.5 to 2.
     found = problem(seed)
-    phases = low_peak_phases(found)
+    phases = low_crest_phases(found)
     chance = np.random.default_rng(9).uniform(0, 2 * np.pi, (300, len(phases)))
     assert found.peak(phases) < 0.85 * min(map(found.peak, chance))
-    np.testing.assert_array_equal(low_peak_phases(found), phases)  # the same again
+    np.testing.assert_array_equal(low_crest_phases(found), phases)  # the same again

@@ -89,7 +89,7 @@ def test_what_enters_as_a_product_is_not_reported(loader):
     assert {s for s, it in status.items() if it is Status.UNDETERMINED} == {"C_i", "K_2"}
     assert not found.determined
     assert found.loader is None
-    (confusion,) = found.confusions
+    (confusion,) = found.inseparable
     assert "only their product" in confusion.sentence
     assert set(confusion.keys) == {"valve.current_gain", "amplifier.admittance"}
     # What would tell them apart is the current between them.
@@ -118,7 +118,7 @@ def test_what_the_linear_model_does_not_have_is_named(loader):
     data = [servo_response("column_angle", noise=0.01, random=np.random.default_rng(1))]
     found = identify(loader, data, "C_i,F_c")
     assert found["F_c"].status is Status.UNDETERMINED
-    assert "do not see F_c" in found.confusions[0].sentence
+    assert "do not see F_c" in found.inseparable[0].sentence
     assert "Record the loader in time" in found.advice[0].sentence
 
 

@@ -8,7 +8,7 @@ from scipy.stats import t as student
 
 import forcefeel as ff
 from forcefeel.bench.identification.confidence import Confidence, confidence_of, half_widths, weak_directions
-from forcefeel.bench.identification.inseparable import confusions_of
+from forcefeel.bench.identification.inseparable import inseparable_sets
 from forcefeel.bench.identification.observations import Compared
 from forcefeel.bench.identification.problem import Problem
 from forcefeel.bench.identification.unknowns import parameter_keys, starts, unknowns_of
@@ -202,19 +202,19 @@ def test_of_two_only_the_product_is_seen_of():
     """Slopes of (1, 1) in shares: only the product stays, so each alone is not determined."""
     information = np.array([[1.0, 1.0], [1.0, 1.0]]) * 1e6
     assert np.isinf(half_widths(information)).all()
-    (found,) = confusions_of(unknowns(), sure(information))
+    (found,) = inseparable_sets(unknowns(), sure(information))
     assert found.sentence == "The data cannot tell k from c: only their product k c is determined."
     assert set(found.keys) == {"linkage.stiffness", "linkage.damping"}
     # Shares are of the file's values where those are larger; a product is one all the same.
     half = np.outer([2.0, 1.0], [2.0, 1.0]) * 1e6
-    (smaller,) = confusions_of(unknowns(), sure(half, estimates=(0.5, 1.0)))
+    (smaller,) = inseparable_sets(unknowns(), sure(half, estimates=(0.5, 1.0)))
     assert "only their product" in smaller.sentence
-    (ratio,) = confusions_of(unknowns(), sure(np.array([[1.0, -1.0], [-1.0, 1.0]]) * 1e6))
+    (ratio,) = inseparable_sets(unknowns(), sure(np.array([[1.0, -1.0], [-1.0, 1.0]]) * 1e6))
     assert "only their ratio" in ratio.sentence
 
 
 def test_a_parameter_without_effect_is_named_alone():
-    (found,) = confusions_of(unknowns(), sure(np.diag([1e6, 0.0])))
+    (found,) = inseparable_sets(unknowns(), sure(np.diag([1e6, 0.0])))
     assert found.keys == ("linkage.damping",)
     assert "do not see c" in found.sentence
     widths = half_widths(np.diag([1e6, 0.0]))
@@ -224,12 +224,12 @@ def test_a_parameter_without_effect_is_named_alone():
 
 def test_two_weak_directions_of_two_parameters_leave_neither():
     turned = np.array([[1.0, 0.35], [-0.35, 1.0]])
-    (found,) = confusions_of(unknowns(), sure(turned.T @ np.diag([1e-3, 1e-4]) @ turned))
+    (found,) = inseparable_sets(unknowns(), sure(turned.T @ np.diag([1e-3, 1e-4]) @ turned))
     assert found.sentence == "The data determine neither k nor c."
 
 
 def test_a_cost_without_a_minimum_is_not_called_unseen():
-    (found,) = confusions_of(unknowns(), sure(np.diag([1e6, 0.0]), (True, False)))
+    (found,) = inseparable_sets(unknowns(), sure(np.diag([1e6, 0.0]), (True, False)))
     assert "no clear minimum in c" in found.sentence
 
 

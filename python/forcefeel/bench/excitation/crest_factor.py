@@ -58,7 +58,7 @@ class PeakProblem:
         return float(np.log(mean) / (2 * p) + np.log(largest)), slope
 
 
-def low_peak_phases(problem: PeakProblem) -> NDArray[np.float64]:
+def low_crest_phases(problem: PeakProblem) -> NDArray[np.float64]:
     """Phases at which the largest of the peaks is low, rad, (lines,)."""
     phases = min((phase for k in range(len(problem.amplitude)) for phase in _clipped(problem, k)), key=problem.peak)
     for p in _POWERS:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.bench.excitation.crest_factor import PeakProblem, low_peak_phases
+from forcefeel.bench.excitation.crest_factor import PeakProblem, low_crest_phases
 from forcefeel.bench.excitation.plan import Timing
 from forcefeel.simulation.inputs import Chirp
 from forcefeel.simulation.inputs.signals import Spacing
@@ -56,7 +56,7 @@ def multisine(
     """
     harmonics = np.rint(frequency_hz * timing.period_s).astype(np.int64)
     amplitude = np.sqrt(2 * power)
-    phases = low_peak_phases(PeakProblem(harmonics, amplitude * limited))
+    phases = low_crest_phases(PeakProblem(harmonics, amplitude * limited))
     phasors = amplitude * np.exp(1j * phases)
     start = _quiet_start(_period(timing, harmonics, phasors * travel), timing.ramp)
     one = np.roll(_period(timing, harmonics, phasors), -start)

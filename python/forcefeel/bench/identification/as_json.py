@@ -55,7 +55,7 @@ def identification_json(
         "correlation": [[_finite(value) for value in row] for row in found.correlation.tolist()],
         "not_told_apart": [
             {"parameters": list(one.keys), "weights": list(map(_finite, one.weights)), "sentence": one.sentence}
-            for one in found.confusions
+            for one in found.inseparable
         ],
         "advice": [
             {"sentence": one.sentence, "half_intervals": {key: _finite(share) for key, share in one.shares.items()}}

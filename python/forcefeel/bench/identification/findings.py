@@ -42,7 +42,7 @@ _LEAST_PROBABILITY = 1e-16
 def identification_conclusions(found: Identification, units: UnitSystem) -> Conclusions:
     """The conclusions, with numbers in ``units``; ``good`` where the data determine all and the model explains them."""
     lines = (
-        *(one.sentence for one in found.confusions),
+        *(one.sentence for one in found.inseparable),
         *(one.sentence for one in found.advice),
         *_moved(found, units),
         *_at_bound(found, units),

@@ -12,7 +12,7 @@ from forcefeel.bench.experiments import Drive
 from forcefeel.bench.identification.advice import advice_of
 from forcefeel.bench.identification.confidence import Confidence, half_widths
 from forcefeel.bench.identification.fitted_loader import fitted_loader
-from forcefeel.bench.identification.inseparable import DETERMINED, confusions_of
+from forcefeel.bench.identification.inseparable import DETERMINED, inseparable_sets
 from forcefeel.bench.identification.linear import LinearModel, model_response
 from forcefeel.bench.identification.losses import Loss
 from forcefeel.bench.identification.misfit import explained
@@ -25,7 +25,7 @@ from forcefeel.bench.identification.result import Estimate, Fitted, Identificati
 from forcefeel.bench.identification.rigid import rigid_test
 from forcefeel.bench.identification.search import search
 from forcefeel.bench.identification.unknowns import Unknown, parameter_keys, unknowns_of
-from forcefeel.bench.plausibility import CLEAR, FAR, distance, suspicions
+from forcefeel.bench.plausibility import CLEAR, FAR, distance, misreading
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
@@ -98,7 +98,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         correlation=confidence.correlation,
         fitted=_fitted(problem, place),
         ends=ends,
-        confusions=confusions_of(unknowns, confidence),
+        inseparable=inseparable_sets(unknowns, confidence),
         advice=(),
         rigid=rigid,
         notes=notes,
@@ -150,7 +150,7 @@ def _suspect(loader: Loader, law: LawLike, data: Response | BenchRecord, respons
         answers = bool(np.all(np.isfinite(predicted) & (predicted != 0)))
         if answers and isinstance(data, BenchRecord):
             _check_polarity(response, predicted)
-        elif answers and (sentence := suspicions(response, predicted)):
+        elif answers and (sentence := misreading(response, predicted)):
             raise InputError(sentence)
         elif not answers and isinstance(data, Response):
             raise InputError(

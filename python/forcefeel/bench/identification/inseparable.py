@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.bench.identification.confidence import Confidence, weak_directions
-from forcefeel.bench.identification.result import Confusion
+from forcefeel.bench.identification.result import Inseparable
 from forcefeel.bench.identification.unknowns import Unknown
 
 DETERMINED = 0.5
@@ -26,22 +26,22 @@ _EVEN = 0.1
 """Within so much two parameters move alike, so that it is their product or ratio that stays."""
 
 
-def confusions_of(unknowns: Sequence[Unknown], confidence: Confidence) -> tuple[Confusion, ...]:
+def inseparable_sets(unknowns: Sequence[Unknown], confidence: Confidence) -> tuple[Inseparable, ...]:
     """The directions along which the data alone leave more than ``DETERMINED`` open."""
     directions = weak_directions(confidence.information, DETERMINED / confidence.quantile)
     near_zero = confidence.estimates < _NEAR_ZERO * confidence.sizes
     in_estimates = confidence.sizes / np.where(near_zero, confidence.sizes, confidence.estimates)
-    found = tuple(_confusion(unknowns, direction * in_estimates, confidence.clear) for direction in directions)
+    found = tuple(_inseparable(unknowns, direction * in_estimates, confidence.clear) for direction in directions)
     named = tuple(dict.fromkeys(key for it in found for key in it.keys))
     if 1 < len(named) == len(found) and any(len(it.keys) > 1 for it in found):
         # As many directions as parameters: it is not their combination, but none of them.
         symbols = [it.symbol for it in unknowns if it.key in named]
         of = f"neither {symbols[0]} nor {symbols[1]}" if len(symbols) == 2 else f"none of {_list(symbols)}"
-        return (Confusion(named, (1.0,) * len(named), f"The data determine {of}."),)
+        return (Inseparable(named, (1.0,) * len(named), f"The data determine {of}."),)
     return found
 
 
-def _confusion(unknowns: Sequence[Unknown], direction: NDArray[np.float64], clear: NDArray[np.bool_]) -> Confusion:
+def _inseparable(unknowns: Sequence[Unknown], direction: NDArray[np.float64], clear: NDArray[np.bool_]) -> Inseparable:
     direction = direction / direction[np.argmax(np.abs(direction))]
     named = np.flatnonzero(np.abs(direction) > _PART).tolist()
     parts = sorted(named, key=lambda j: -abs(float(direction[j])))
@@ -52,8 +52,8 @@ def _confusion(unknowns: Sequence[Unknown], direction: NDArray[np.float64], clea
         sentence = (
             f"What is left has no clear minimum in {symbols[0]}: it does not rise to both sides, or only in jumps."
         )
-        return Confusion(keys, weights, sentence)
-    return Confusion(keys, weights, _sentence(symbols, weights))
+        return Inseparable(keys, weights, sentence)
+    return Inseparable(keys, weights, _sentence(symbols, weights))
 
 
 def _sentence(symbols: Sequence[str], weights: Sequence[float]) -> str:

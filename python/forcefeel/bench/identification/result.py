@@ -112,7 +112,7 @@ class RigidTest:
 
 
 @dataclass(frozen=True)
-class Confusion:
+class Inseparable:
     """Parameters that the data cannot tell apart, or do not see.
 
     Attributes:
@@ -149,7 +149,7 @@ class Identification:
         correlation: Of the estimates, (unknowns, unknowns).
         fitted: Data beside the model, in the order given, channel by channel.
         ends: Where each start of the search ended.
-        confusions: What the data cannot tell apart; empty if all is determined.
+        inseparable: What the data cannot tell apart; empty if all is determined.
         advice: What would; empty if all is determined, or nothing known would.
         rigid: Whether the link is compliant; ``None`` where it cannot be judged, and why stands in ``notes``.
         notes: What is worth knowing, a sentence each.
@@ -162,7 +162,7 @@ class Identification:
     correlation: NDArray[np.float64]
     fitted: tuple[Fitted, ...]
     ends: tuple[Ended, ...]
-    confusions: tuple[Confusion, ...]
+    inseparable: tuple[Inseparable, ...]
     advice: tuple[Advice, ...]
     rigid: RigidTest | None
     notes: tuple[str, ...]

@@ -10,7 +10,7 @@ from forcefeel.page.table import Table
 from forcefeel.qualification.page import plots as qualification_plots
 from forcefeel.qualification.page import tables as qualification_tables
 from forcefeel.qualification.programme.result import Qualification, Result, Section
-from forcefeel.qualification.programme.sentences import conclusions, result_words, tally, unverified_tests
+from forcefeel.qualification.programme.sentences import conclusions, result_text, tally, unverified_tests
 
 _RELEASE = (
     "Position from each record's own steady state. Circles: the instants and overshoots that are judged; bars: tolerances "
@@ -85,7 +85,7 @@ def _test(result: Result, section: Section, found: Qualification) -> ShownTest:
     return ShownTest(
         key=key,
         result=result,
-        words=result_words(result, found),
+        words=result_text(result, found),
         drawing=Markup("") if picture is None else drawing(picture, f"plot-{key}"),
         meaning=_MEANINGS[result.trial.test.kind],
         figures=qualification_tables.figures(result, found.system) if result.verdicts else None,

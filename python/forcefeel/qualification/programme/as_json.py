@@ -8,7 +8,7 @@ from forcefeel.json_values import Json, json_value
 from forcefeel.json_values import quantity as json_quantity
 from forcefeel.qualification import Figure, ReleaseFeatures, SweepFeatures, Verdict
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Side
-from forcefeel.qualification.programme.sentences import UNITS, conclusions, result_words, tally, unverified_tests
+from forcefeel.qualification.programme.sentences import UNITS, conclusions, result_text, tally, unverified_tests
 from forcefeel.units import SECONDS, UnitSystem
 
 _RELEASE = ("release_s", "steady", "displacement", "fall_time", "rise_time")
@@ -83,7 +83,7 @@ def _result(result: Result, found: Qualification) -> dict[str, Json]:
         "conditions": list(test.conditions),
         "verified": trial.verified,
         "outcome": str(result.outcome),
-        "words": result_words(result, found),
+        "words": result_text(result, found),
         "reason": result.reason,
         "remarks": list(result.remarks),
         "verdicts": [_verdict(one, found.system) for one in result.verdicts],

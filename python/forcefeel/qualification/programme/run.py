@@ -11,7 +11,7 @@ from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
 from forcefeel.qualification.judge_release import Overdamped
 from forcefeel.qualification.programme.feel_alone import FeelAlone
-from forcefeel.qualification.programme.law_names import LAW_WORDS, named_laws
+from forcefeel.qualification.programme.law_names import LAW_TEXTS, named_laws
 from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
 from forcefeel.qualification.programme.programme import Trial, programme_of, trials
 from forcefeel.qualification.programme.records_given import Given, Recognition, given_files
@@ -91,7 +91,7 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
         benches = {"record": TestBench(task, "recorded simulator", None, records)}
     else:
         benches = {
-            name: TestBench(task, law_words(name), SimulatedLoader(loader, law), {})
+            name: TestBench(task, law_text(name), SimulatedLoader(loader, law), {})
             for name, law in _laws(loader, setup).items()
         }
     sections = tuple(
@@ -119,9 +119,9 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
     )
 
 
-def law_words(name: str) -> str:
+def law_text(name: str) -> str:
     """What a law is called in a sentence."""
-    return LAW_WORDS.get(name, name)
+    return LAW_TEXTS.get(name, name)
 
 
 def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Law]:

@@ -107,10 +107,10 @@ def _reasons(section: Section, found: Qualification) -> list[str]:
     bad = [one for one in section.results if one.outcome in (Outcome.FAILED, Outcome.TOO_CLOSE)]
     releases = [one for one in bad if one.trial.test.kind == "release"]
     sweeps = [one for one in bad if one.trial.test.kind != "release"]
-    return [f"{one[0].trial.title}: {result_words(one[0], found)}" for one in (releases, sweeps) if one]
+    return [f"{one[0].trial.title}: {result_text(one[0], found)}" for one in (releases, sweeps) if one]
 
 
-def result_words(result: Result, found: Qualification) -> str:
+def result_text(result: Result, found: Qualification) -> str:
     """What a test came to, in a sentence."""
     system = found.system
     if result.reason:

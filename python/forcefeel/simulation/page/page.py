@@ -4,7 +4,7 @@ from forcefeel.page import machine
 from forcefeel.page.picture import Picture
 from forcefeel.page.render import render
 from forcefeel.simulation import Run, RunStatus
-from forcefeel.simulation.findings import input_in_words, run_conclusions
+from forcefeel.simulation.findings import input_text, run_conclusions
 from forcefeel.simulation.page import plots as simulation_plots
 from forcefeel.simulation.page import tables as simulation_tables
 from forcefeel.simulation.programmed_feel import has_arm, ideal_angle
@@ -32,7 +32,7 @@ def simulation_page(run: Run, units: UnitSystem, law: str = "original") -> str:
     return render(
         "simulation/page/simulation.html.j2",
         loader=run.loader,
-        subject=input_in_words(run.scenario.force, units),
+        subject=input_text(run.scenario.force, units),
         conclusions=run_conclusions(run, units),
         pictures=_pictures(run, units),
         measures=simulation_tables.measured(run, units),

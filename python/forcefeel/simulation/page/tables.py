@@ -9,7 +9,7 @@ from forcefeel.loader.parameters import TABLE, is_switch
 from forcefeel.page.table import Cell, Table, number, words
 from forcefeel.page.typography import NONE, parameter_text, prose_html, unit_text
 from forcefeel.simulation import Run
-from forcefeel.simulation.findings import input_in_words
+from forcefeel.simulation.findings import input_text
 from forcefeel.simulation.inputs import Schedule
 from forcefeel.simulation.tables import measure_rows
 from forcefeel.units import ANGLE, PERCENT, PRESSURE, Unit, UnitSystem, to_text
@@ -55,7 +55,7 @@ def scenario(run: Run, system: UnitSystem, law: str, whose: str = "") -> Table:
     """What was done to the loader, and by which law it was driven; ``whose`` says which of several loaders have the same."""
     found, loader = run.scenario, run.loader
     rows = [
-        ("Pilot", input_in_words(found.force, system)),
+        ("Pilot", input_text(found.force, system)),
         ("Length of the run", f"{found.duration_s:.6g} s"),
         ("Law", ", ".join(filter(None, (_LAWS.get(law, law), whose)))),
         ("Controller", _controller(run)),

@@ -6,7 +6,7 @@ from forcefeel.page import machine
 from forcefeel.page.picture import Picture
 from forcefeel.page.render import render
 from forcefeel.simulation import Run, simulate
-from forcefeel.simulation.findings import input_in_words
+from forcefeel.simulation.findings import input_text
 from forcefeel.simulation.page import tables as simulation_tables
 from forcefeel.simulation.programmed_feel import ideal_angle
 from forcefeel.sweep import SweepResult
@@ -48,7 +48,7 @@ def sweep_page(result: SweepResult, summary: Summary, units: UnitSystem, law: st
         loader=sweep.loader,
         sweep=sweep,
         kind="Grid over settings" if over_grid else "Monte Carlo over tolerances",
-        subject=input_in_words(sweep.scenario.force, units),
+        subject=input_text(sweep.scenario.force, units),
         conclusions=sweep_conclusions(result, summary, units),
         statuses=sweep_tables.statuses(summary),
         responses=None if over_grid else _responses(result, nominal, law),

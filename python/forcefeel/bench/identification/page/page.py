@@ -39,9 +39,9 @@ def identification_page(
         glance=identification_tables.glance(found),
         estimates=identification_tables.estimates(found, units),
         estimates_drawing=_estimates(found),
-        confusions=[
-            (one.sentence, identification_tables.confusion(one) if len(one.keys) > 1 else None)
-            for one in found.confusions
+        inseparable=[
+            (one.sentence, identification_tables.inseparable(one) if len(one.keys) > 1 else None)
+            for one in found.inseparable
         ],
         advice=identification_tables.advice(found),
         responses=[

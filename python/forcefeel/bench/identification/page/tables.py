@@ -18,7 +18,7 @@ from forcefeel.bench.identification.digits import (
 )
 from forcefeel.bench.identification.findings import change, probability_text, worse
 from forcefeel.bench.identification.misfit import model_error, size_text
-from forcefeel.bench.identification.result import Confusion, Estimate, Fitted, Identification, RigidTest, Status
+from forcefeel.bench.identification.result import Estimate, Fitted, Identification, Inseparable, RigidTest, Status
 from forcefeel.bench.responses import Response
 from forcefeel.loader.parameters import TABLE
 from forcefeel.page.table import Cell, Table, heads, words
@@ -81,7 +81,7 @@ def _correlation(value: float) -> Cell:
     return Cell(_sign(text), "number", "#" + "".join(f"{part:02X}" for part in mixed))
 
 
-def confusion(one: Confusion) -> Table:
+def inseparable(one: Inseparable) -> Table:
     """How parameters that cannot be told apart move together, the largest 1."""
     rows = [
         (words(parameter_name(key)), number_cell(number_text(weight, 2)))
