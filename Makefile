@@ -7,6 +7,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.toml' -o -name '*.txt')
 
@@ -49,14 +50,25 @@ docs: $(VENV)/built
 clean:
 	rm -rf $(VENV) target report
 
-# The locked dependencies, once per lock file.
-$(VENV)/dependencies: requirements.lock
-	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "forcefeel needs Python 3.11 or newer; set PYTHON=")'
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps -r requirements.lock
+# The extension is built while the other packages are fetched: each takes a minute. It is built again only when Rust changes; the
+# Python package is used from where it lies.
+$(VENV)/built: $(VENV)/backend pyproject.toml $(RUST)
+	$(MAKE) --no-print-directory --jobs=2 $(VENV)/extension $(VENV)/dependencies
 	touch $@
 
-# The extension is built again only when Rust changes; the Python package is used from where it lies.
-$(VENV)/built: $(VENV)/dependencies pyproject.toml $(RUST)
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-build-isolation --no-deps --editable .
+$(VENV)/extension: $(VENV)/backend pyproject.toml $(RUST)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) --no-build-isolation --no-deps --editable .
+	touch $@
+
+# The locked dependencies, once per lock file. Python compiles what is imported when it is.
+$(VENV)/dependencies: $(VENV)/backend
+	$(PIP) --no-compile --require-hashes --no-deps -r requirements.lock
+	touch $@
+
+# What builds the extension, from the same lock file.
+$(VENV)/backend: requirements.lock
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "forcefeel needs Python 3.11 or newer; set PYTHON=")'
+	$(PYTHON) -m venv $(VENV)
+	sed -n '/^maturin==/,/[^\\]$$/p' requirements.lock > $(VENV)/backend.lock
+	$(PIP) --require-hashes --no-deps -r $(VENV)/backend.lock
 	touch $@

@@ -45,6 +45,15 @@ DESIGN_STATES = (
 )
 """States of the design plant, eq. (19); the compensator's gains are on these."""
 
+DESIGN_PLANT, DESIGN_FEEL = (
+    [DESIGN_STATES.index(name) for name in names]
+    for names in (
+        ("piston_position_m", "load_pressure_pa", "base_position_m", "base_velocity_m_per_s"),
+        ("feel_position_rad", "feel_velocity_rad_per_s"),
+    )
+)
+"""Places of the plant's own states, which do not see the feel, and of the feel computer's among ``DESIGN_STATES``."""
+
 _SERVO_STATES = ("load_pressure_pa", "commanded_flow_m3_per_s", "commanded_flow_rate_m3_per_s2")
 
 

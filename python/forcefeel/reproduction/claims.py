@@ -8,7 +8,7 @@ from forcefeel.design.findings import SMALL_ERROR
 from forcefeel.design.studies import CHANGES, droppable, worst
 from forcefeel.design.workflow import Design
 from forcefeel.laws.analog.recursion import GAIN_UNITS, DesignSettings, compensate
-from forcefeel.linear.models import Linkage, design_plant, state_feedback
+from forcefeel.linear.models import DESIGN_FEEL, DESIGN_PLANT, Linkage, design_plant, state_feedback
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
 from forcefeel.reproduction.appendix import printed
@@ -144,7 +144,7 @@ def _only_delta(design: Design) -> list[Row]:
         compensate(loader, DesignSettings()).gains for loader in (design.loader, _other_setting(design.loader))
     )
     change = np.abs(there / here - 1)
-    others, own = float(np.max(change[[0, 1, 4, 5]])), float(np.min(change[[2, 3]]))
+    others, own = float(np.max(change[DESIGN_PLANT])), float(np.min(change[DESIGN_FEEL]))
     return [
         claim(
             "gains of the plant's states do not depend on the computer setting",

@@ -14,12 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, state_scale
-from forcefeel.linear.models import design_plant
+from forcefeel.linear.models import DESIGN_FEEL, DESIGN_PLANT, design_plant
 from forcefeel.loader.feel_settings import setting_rows
 from forcefeel.loader.loader import Loader
-
-_PLANT = [0, 1, 4, 5]  # x_p, p, x_b, x_b' among DESIGN_STATES
-_FEEL = [2, 3]  # delta, delta'
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +67,7 @@ def schedule_gains(
         bad = int(np.argmin(np.isfinite(feel_gains).all(axis=1)))
         raise InputError(f"settings: row {bad}, {rows[bad].tolist()}, has no gains: its numbers are too far apart")
     gains = np.empty((len(rows), 6))
-    gains[:, _PLANT], gains[:, _FEEL] = plant_gains, feel_gains
+    gains[:, DESIGN_PLANT], gains[:, DESIGN_FEEL] = plant_gains, feel_gains
     return GainSchedule(rows, gains)
 
 
@@ -103,8 +100,12 @@ def _over_horizon(
     with ``q_0 = k Q``, ``q_1 = k M_(N-1)' Q``, ``q_2 = k M_(N-1)' M_(N-2)' Q`` and so on, the same rows for every setting.
     """
     problem = SampledProblem.of(loader, design)
-    phi, h, scale = problem.phi[np.ix_(_PLANT, _PLANT)], problem.h[_PLANT], problem.scale[_PLANT]
-    weight = problem.q[np.ix_(_PLANT, _PLANT)]
+    phi, h, scale = (
+        problem.phi[np.ix_(DESIGN_PLANT, DESIGN_PLANT)],
+        problem.h[DESIGN_PLANT],
+        problem.scale[DESIGN_PLANT],
+    )
+    weight = problem.q[np.ix_(DESIGN_PLANT, DESIGN_PLANT)]
     cost, closed = weight, []
     for _ in range(round((design.horizon_s or 0.0) / design.step_s)):
         k = h.T / (problem.r + h.T @ cost @ h)
@@ -127,22 +128,22 @@ def _over_horizon(
 
 def _sampled_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
     problem = SampledProblem.of(loader, design)
-    phi, h = problem.phi[np.ix_(_PLANT, _PLANT)], problem.h[_PLANT]
-    scale = problem.scale[_PLANT]
-    k, cost, _ = control.dlqr(phi, h, problem.q[np.ix_(_PLANT, _PLANT)], problem.r)
+    phi, h = problem.phi[np.ix_(DESIGN_PLANT, DESIGN_PLANT)], problem.h[DESIGN_PLANT]
+    scale = problem.scale[DESIGN_PLANT]
+    k, cost, _ = control.dlqr(phi, h, problem.q[np.ix_(DESIGN_PLANT, DESIGN_PLANT)], problem.r)
     row = h.T / (problem.r + h.T @ cost @ h)
     return _SolvedPlant(-k[0], phi - h @ k, _coupling(loader, design, scale), row[0], scale)
 
 
 def _continuous_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
-    plant, scale = design_plant(loader), state_scale(loader)[_PLANT]
-    a = plant.A[np.ix_(_PLANT, _PLANT)] * scale / scale[:, None]
-    b = plant.B[_PLANT] / scale[:, None]
-    q = design.weight(loader)[np.ix_(_PLANT, _PLANT)] * np.outer(scale, scale)
+    plant, scale = design_plant(loader), state_scale(loader)[DESIGN_PLANT]
+    a = plant.A[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * scale / scale[:, None]
+    b = plant.B[DESIGN_PLANT] / scale[:, None]
+    q = design.weight(loader)[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * np.outer(scale, scale)
     k, _, _ = control.lqr(a, b, q, [[design.r2]])
     return _SolvedPlant(-k[0], a - b @ k, _coupling(loader, design, scale), (b.T / design.r2)[0], scale)
 
 
 def _coupling(loader: Loader, design: DesignSettings, scale: NDArray[np.float64]) -> NDArray[np.float64]:
     """Weight between the scaled plant states and the feel states, which stay in SI: their matrix is per setting."""
-    return np.asarray(design.weight(loader)[np.ix_(_PLANT, _FEEL)] * scale[:, None])
+    return np.asarray(design.weight(loader)[np.ix_(DESIGN_PLANT, DESIGN_FEEL)] * scale[:, None])

@@ -42,6 +42,12 @@ MOST_STEPS = _core.MOST_RECURSION_STEPS
 PUBLISHED_HORIZON_S = 0.05
 """Horizon that gives the published gains; see ``docs/validation.md``."""
 
+_MOTIONS = tuple(
+    (DESIGN_STATES.index(f"{of}_position_{unit}"), DESIGN_STATES.index(f"{of}_velocity_{unit}_per_s"))
+    for of, unit in (("feel", "rad"), ("base", "m"))
+)
+"""Places of delta and delta', of x_b and x_b'."""
+
 
 @dataclass(frozen=True)
 class DesignSettings:
@@ -100,7 +106,8 @@ class DesignSettings:
         # The error delta - theta is the design plant's output, its rate the same row on the velocities.
         row = np.asarray(design_plant(loader).C)[0]
         rate = np.zeros_like(row)
-        rate[[3, 5]] = row[[2, 4]]
+        for position, velocity in _MOTIONS:
+            rate[velocity] = row[position]
         return self.position_weight * np.outer(row, row) + self.r1 * np.outer(rate, rate)
 
 

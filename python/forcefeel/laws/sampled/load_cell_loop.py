@@ -19,13 +19,15 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feel_moves
 from forcefeel.laws.sampled.observer_law import feel_rows
-from forcefeel.laws.sampled.plant import Scale, delayed, period_and_delay
+from forcefeel.laws.sampled.plant import BASE, BASE_RATE, PISTON, PRESSURE, Scale, delayed, period_and_delay
 from forcefeel.laws.sampled.riccati import stationary
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
-from forcefeel.linear.models import design_plant
+from forcefeel.linear.models import DESIGN_PLANT, design_plant
 from forcefeel.loader.loader import Loader
 
-_PLANT = [0, 1, 4, 5]  # x_p, p, x_b, x_b' among DESIGN_STATES
+_OF_DESIGN = [PISTON, PRESSURE, BASE, BASE_RATE]
+"""Places of the design plant's states among ``PLANT_STATES``, in its order."""
+
 _PRESSURE, _BASE, _HELD, _FEEL = 1, 2, 4, [5, 6]  # among x
 
 _LEAST_LEFT = 1e-6
@@ -76,9 +78,9 @@ class _Loop:
         # What the feel computer hears, so that I delta'' + B delta' + G delta = T is (I - J) delta'' + ... = -alpha R_b F_c.
         self.torque = np.column_stack([-arm * share, (1 - share) * stiffness, (1 - share) * damping])
         plant = design_plant(loader)
-        unit = self.scale.states[[0, 1, 4, 5]]
-        a = np.asarray(plant.A)[np.ix_(_PLANT, _PLANT)] * unit / unit[:, None]
-        b = np.asarray(plant.B)[_PLANT] / unit[:, None] * self.scale.command_v
+        unit = self.scale.states[_OF_DESIGN]
+        a = np.asarray(plant.A)[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * unit / unit[:, None]
+        b = np.asarray(plant.B)[DESIGN_PLANT] / unit[:, None] * self.scale.command_v
         phi, by_held, by_command = delayed(a, b, *self.timing)
         self.input = np.concatenate([by_command[:, 0], [1.0, 0.0, 0.0]])
         moves = feel_moves(feel, self.timing[0], 1.0)
@@ -99,7 +101,7 @@ def _gains(
 def _law(loop: _Loop, gains: NDArray[np.float64], period: float, delay: float) -> SampledCompensator:
     """The law as data, its state the angle of the sample before and the command under way."""
     settings, volt = len(gains), loop.scale.command_v
-    of_plant = -gains[:, :4] / loop.scale.states[[0, 1, 4, 5]] * volt
+    of_plant = -gains[:, :4] / loop.scale.states[_OF_DESIGN] * volt
     rate = of_plant[:, 3] * loop.column_arm / period
     command = np.zeros((settings, 7))
     # [theta of the sample before, e_h; F_c, x_p, theta; delta, delta']
