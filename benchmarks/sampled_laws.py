@@ -95,7 +95,7 @@ def main():
     scenario = Scenario(Release(0.1), 2.0, 1e-3, 1e-3)
     gains = np.zeros((RUNS, len(DESIGN_STATES)))
     gains[:, :-1] = schedule_gains(loader, settings[:RUNS]).gains
-    laws = {"gains": gains, "observer": Law.of(METHODS["robust"], loader, settings[:RUNS]).found}
+    laws = {"gains": gains, "observer": Law.of(METHODS["robust"], loader, settings[:RUNS])}
     steps = RUNS * round(scenario.duration_s / loader["controller.period"])
     seconds = {
         name: median_seconds(lambda law=law: simulate_batch(loader, scenario, rows, law, threads=1))
