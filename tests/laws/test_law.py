@@ -1,15 +1,19 @@
 """The one law: its time, its settings, its file, and that every consumer takes it in the same place."""
 
+import dataclasses
 import json
+import pickle
 
 import numpy as np
 import pytest
 
 import forcefeel as ff
 from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.identification.linear import LinearModel
 from forcefeel.cli.law_option import LAWS
 from forcefeel.errors import InputError
 from forcefeel.laws.law import NAMED_LAWS, Law
+from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.sampled_loop import sampled_loops
 from forcefeel.qualification.programme.run import QualificationSetup, qualify_loader
@@ -231,3 +235,29 @@ def test_bad_names_of_law_files(run, tmp_path):
     assert (status, "expected a file in a folder that is there" in err) == (2, True)
     status, _, err = run("frontier", "elevator", "--compensator", "law.json")
     assert (status, "is designed anew for each changed machine" in err) == (2, True)
+
+
+def test_a_law_is_made_once_for_a_sweep_and_for_a_model():
+    """Not for each piece or evaluation: a design takes a second, and its file may lie on another machine."""
+    calls = []
+    experiment = Experiment(Loop.LOADER, Drive.TEST_SIGNAL)
+    robust = METHODS["robust"]
+    counted = dataclasses.replace(robust, design=lambda *given: calls.append(1) or robust.design(*given))
+    sweep = ff.Sweep(DIGITAL, PUSH, counted, runs=4, vary={"linkage.stiffness": "5 %"})
+    pieces = [sweep.law(sweep.values(range(first, first + 2))) for first in (0, 2)]
+    assert (len(calls), pieces[0] is pieces[1]) == (1, True)
+    model = LinearModel(DIGITAL, experiment.loop, counted)
+    for stiffness in ("6000 lb/in", "7000 lb/in"):
+        model.responses(DIGITAL.replace({"linkage.stiffness": stiffness}).values, (), np.array([1.0]))
+    assert len(calls) == 2
+
+
+def test_a_sweep_takes_its_laws_file_along(tmp_path):
+    path = tmp_path / "law.json"
+    Law.of("robust", DIGITAL).save(path)
+    sweep = ff.Sweep(DIGITAL, PUSH, path, runs=4, vary={"linkage.stiffness": "5 %"})
+    sent = pickle.dumps(sweep)
+    path.unlink()
+    values = sweep.values(range(2))
+    there, here = (one.law(values).engine(DIGITAL)["observers"] for one in (pickle.loads(sent), sweep))
+    assert np.array_equal(there, here)

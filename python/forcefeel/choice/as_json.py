@@ -9,8 +9,8 @@ from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_
 from forcefeel.choice.score import Score, Scored
 from forcefeel.envelope.as_json import deviations_json, grid_json
 from forcefeel.json_values import Json, json_value, quantity
-from forcefeel.laws.law_file import Numbers
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.law_file import Numbers, compensator_json
+from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import ANGLE, SECONDS, UnitSystem
@@ -61,12 +61,9 @@ def law_json(numbers: Numbers) -> Json:
     """A law's numbers in SI units; ``None`` for the original loop."""
     match numbers:
         case Compensator():
-            gains, arm, unit = numbers.__getnewargs__()
-            return {"gains": gains, "load_cell_arm": arm, "displacement_unit": unit}
+            return compensator_json(numbers)
         case SampledCompensator():
-            matrices = {
-                name: getattr(numbers, name)[0].tolist() for name in ("transition", "input", "command", "torque")
-            }
+            matrices = {name: getattr(numbers, name)[0].tolist() for name in NUMBERS}
             return {"period_s": numbers.period_s, "delay_s": numbers.delay_s, **matrices}
     return None
 

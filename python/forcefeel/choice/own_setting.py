@@ -13,7 +13,7 @@ from forcefeel.envelope.releases import Record, measured, released
 from forcefeel.envelope.result import PASSES, UNSTABLE
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.linear.modes import Mode
-from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loops.command_loop import command_loops
 from forcefeel.loops.margins import LoopMargins, loop_margins
 from forcefeel.qualification import judge_releases
@@ -66,7 +66,7 @@ def own_setting(plan: Plan, law: LawLike, threads: int) -> OwnSetting:
         InputError: If the law cannot be designed.
     """
     loader = plan.loader
-    feel = np.array([[loader[key] for key in FEEL_SETTING]])
+    feel = own_feel(loader)
     laws = Law.of(law, loader, feel)
     loop = command_loops(loader, laws, feel)[0]
     stable, outcome, release = _released(plan, laws, feel, threads)

@@ -20,7 +20,8 @@ from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
 from forcefeel.laws.law_file import check_law_file
-from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.feel_settings import own_feel
+from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION
 from forcefeel.sweep import text
 from forcefeel.units import UnitSystem, to_text
@@ -145,8 +146,9 @@ def _law(loader: Loader, scored: Scored, choice: Choice | None) -> Law | None:
         (score,) = (one for one in scored.scores if one.name == choice.chosen)
     if score.over is None:
         return Law.of(score.name, loader)
-    own = np.array([[loader[key] for key in FEEL_SETTING]])
-    return Law.of(score.name, loader, np.unique(np.vstack([own, scored.plan.settings.feel(loader)]), axis=0))
+    return Law.of(
+        score.name, loader, np.unique(np.vstack([own_feel(loader), scored.plan.settings.feel(loader)]), axis=0)
+    )
 
 
 def _show(console: Console, scored: Scored, choice: Choice | None, units: UnitSystem) -> None:

@@ -17,7 +17,8 @@ from scipy.optimize import brentq
 
 from forcefeel.envelope.grip import Grips
 from forcefeel.laws.law import Law, LawLike
-from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.feel_settings import own_feel
+from forcefeel.loader.loader import Loader
 from forcefeel.units import PERCENT
 
 LOWEST_HZ, HIGHEST_HZ, POINTS = 0.05, 500.0, 401
@@ -73,7 +74,7 @@ def passivity(loader: Loader, law: LawLike, laws: Law, feel: NDArray[np.float64]
         laws: Its law for each setting.
         feel: I, B, G of the settings, a row each.
     """
-    own = np.array([[loader[key] for key in FEEL_SETTING]])
+    own = own_feel(loader)
     grip = Grips.of(loader, Law.of(law, loader, own), own)
     frequency = np.geomspace(LOWEST_HZ, HIGHEST_HZ, POINTS)
     admittance = grip.admittance(0, frequency)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from forcefeel.envelope.plan import Plan
 from forcefeel.laws.law import Law
-from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.qualification.programme.sweep_force import SweepForce
 from forcefeel.simulation import RunStatus, Scenario, simulate
@@ -78,8 +78,7 @@ def smallest_friction(plan: Plan) -> SmallestFriction:
 
 def _own_law(plan: Plan, name: str) -> Law:
     """The law that is designed for the loader's own setting."""
-    own = np.array([[plan.loader[key] for key in FEEL_SETTING]])
-    return Law.of(plan.compensators[name], plan.loader, own, name).single(plan.loader)
+    return Law.of(plan.compensators[name], plan.loader, own_feel(plan.loader), name).single(plan.loader)
 
 
 def _window(values: NDArray[np.float64], about_s: float) -> NDArray[np.float64]:

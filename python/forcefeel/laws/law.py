@@ -22,7 +22,8 @@ from forcefeel.laws.law_file import LAW_FILE, Numbers, check_law_file, read_law,
 from forcefeel.laws.sampled.methods import METHODS, Method
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.linear.models import state_feedback
-from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.feel_settings import own_feel
+from forcefeel.loader.loader import Loader
 from forcefeel.units import show
 
 NAMED_LAWS = (*NAMED_DESIGNS, *METHODS)
@@ -86,13 +87,13 @@ class Law:
         if isinstance(given, str | Path) and str(given).endswith(LAW_FILE):
             law = cls(**read_law(Path(given)))
             named_so = name or f"{law.name} ({Path(given).name})"
-            return cls.of(replace(law, name=named_so), loader, _own(loader) if feel is None else feel)
+            return cls.of(replace(law, name=named_so), loader, own_feel(loader) if feel is None else feel)
         if isinstance(given, str | Path):
             name = name or str(given)
             given = named((str(given),), loader)[str(given)]
         designed = isinstance(given, DesignSettings | Method)
         numbers = _designed(given, loader, feel, name or ORIGINAL)
-        made_for = (_own(loader) if feel is None else feel) if designed else None
+        made_for = (own_feel(loader) if feel is None else feel) if designed else None
         law = cls._made(numbers, loader, made_for, name or _called(given))
         law.check(loader)
         return law
@@ -256,14 +257,10 @@ def _called(given: object) -> str:
     return given.name if isinstance(given, Method) else ORIGINAL if given is None else "given"
 
 
-def _own(loader: Loader) -> NDArray[np.float64]:
-    return np.array([[loader[key] for key in FEEL_SETTING]])
-
-
 def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, name: str) -> Numbers:
     """The numbers of a design, or those that are given."""
     if isinstance(given, Method):
-        return given.design(loader, _own(loader) if feel is None else feel)
+        return given.design(loader, own_feel(loader) if feel is None else feel)
     if isinstance(given, DesignSettings):
         return _gains(given, loader, name) if feel is None else _scheduled(given, loader, feel)
     return cast("Numbers", given)

@@ -23,7 +23,7 @@ from forcefeel.errors import InputError
 from forcefeel.files import read_input, write_whole
 from forcefeel.json_values import json_text
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
 from forcefeel.units import show
 
 Numbers = Compensator | SampledCompensator | NDArray[np.float64] | None
@@ -39,7 +39,6 @@ MOST_BYTES = 2**28
 """Largest file: laws for some 50,000 settings."""
 
 _FEEL_UNITS = ("N m s^2/rad", "N m s/rad", "N m/rad")
-_SAMPLED = ("transition", "input", "command", "torque")
 _ON = ["xi, in coordinates of its own", "load cell force in N", "piston displacement in m", "column angle in rad"]
 _SAMPLED_UNITS = {
     "transition": "xi on xi",
@@ -88,13 +87,16 @@ def _numbers_json(numbers: Numbers) -> dict[str, Any]:
         case None:
             return {"kind": "original"}
         case SampledCompensator():
-            rows = {name: getattr(numbers, name).tolist() for name in _SAMPLED}
+            rows = {name: getattr(numbers, name).tolist() for name in NUMBERS}
             return {"kind": "sampled", "units": _SAMPLED_UNITS, **rows}
         case Compensator():
-            gains, arm, displacement = numbers.__getnewargs__()
-            about = {"displacement_unit": displacement, "load_cell_arm": arm}
-            return {"kind": "compensator", "units": gain_units, "gains": list(gains), **about}
+            return {"kind": "compensator", "units": gain_units, **compensator_json(numbers)}
     return {"kind": "state feedback", "units": gain_units, "gains": numbers.tolist()}
+
+
+def compensator_json(law: Compensator) -> dict[str, Any]:
+    """The numbers of a compensator, SI units."""
+    return dict(zip(("gains", "load_cell_arm", "displacement_unit"), law.__getnewargs__(), strict=True))
 
 
 def read_law(path: Path) -> dict[str, Any]:
@@ -170,7 +172,7 @@ def _compensator(keys: "_Keys", *_: float | None) -> Compensator:
 
 def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> SampledCompensator:
     dimensions = (3, 3, 2, 2)
-    arrays = (keys.array(name, count) for name, count in zip(_SAMPLED, dimensions, strict=True))
+    arrays = (keys.array(name, count) for name, count in zip(NUMBERS, dimensions, strict=True))
     return SampledCompensator(period or 0.0, delay or 0.0, *arrays)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
+from forcefeel.loader.loader import FEEL_SETTING, Loader
 
 
 def setting_rows(given: ArrayLike, name: str = "settings") -> NDArray[np.float64]:
@@ -23,3 +24,8 @@ def setting_rows(given: ArrayLike, name: str = "settings") -> NDArray[np.float64
         bad = int(np.argmin(good))
         raise InputError(f"{name}: expected finite I > 0, B >= 0, G > 0, got {rows[bad].tolist()} in row {bad}")
     return rows
+
+
+def own_feel(loader: Loader) -> NDArray[np.float64]:
+    """The loader's own setting I, B, G in SI units, (1, 3)."""
+    return np.array([[loader[key] for key in FEEL_SETTING]])

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from forcefeel._core import Compensator
+from forcefeel.laws.law_file import compensator_json
 from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation.outcome import MEASURES
 from forcefeel.sweep.chunk import nominal
@@ -79,7 +80,7 @@ def _exact(value: Any) -> Any:
     """``value`` as JSON can hold it, nothing lost."""
     match value:
         case Compensator():
-            return dict(zip(("gains", "load_cell_arm", "displacement_unit"), value.__getnewargs__(), strict=True))
+            return compensator_json(value)
         case float():
             return value if math.isfinite(value) else str(value)
         case Mapping():

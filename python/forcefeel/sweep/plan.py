@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import prod
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -145,18 +146,25 @@ class Sweep:
         object.__setattr__(self, "steps", len(Steps.of(self.scenario, self.loader).inputs))
 
     def __reduce__(self) -> tuple[type["Sweep"], tuple[Any, ...]]:
-        given = (self.loader, self.scenario, self.compensator, self.runs, self.seed)
+        # A law's file need not be where the pieces are computed.
+        law = self._one_law if isinstance(self.compensator, str | Path) else self.compensator
+        given = (self.loader, self.scenario, law, self.runs, self.seed)
         return Sweep, (*given, dict(self.vary), dict(self.axes))
 
     def law(self, values: NDArray[np.float64]) -> Law:
         """The law of machines with these values (SI, a row each)."""
         if not isinstance(self.compensator, DesignSettings):
-            return Law.of(self.compensator, self.loader)
+            return self._one_law
         feel = values[:, [INDEX[key] for key in FEEL_SETTING]]
         settings, which = np.unique(feel, axis=0, return_inverse=True)
         gains = np.zeros((len(values), len(GAIN_SYMBOLS)))
         gains[:, :-1] = schedule_gains(self.loader, settings, self.compensator).gains[which]
         return Law.of(gains, self.loader)
+
+    @cached_property
+    def _one_law(self) -> Law:
+        """Of all machines: designed or read once, not for each piece."""
+        return Law.of(self.compensator, self.loader)
 
     @property
     def redesigned(self) -> bool:

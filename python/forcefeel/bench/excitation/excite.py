@@ -16,7 +16,7 @@ from forcefeel.bench.excitation.waves import Wave, chirps, multisine
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification.unknowns import parameter_keys, unknowns_of
 from forcefeel.errors import InputError
-from forcefeel.laws.law import LawLike
+from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader
 
 _IN_BAND = 1e-3
@@ -64,6 +64,7 @@ def excite(
         raise InputError("experiment: a release is its own excitation; take one with a test_signal or a pilot_force")
     if law is not None and asked.loop is not Loop.LOADER:
         raise InputError(f"law: is the law of the whole loader, and {asked} is of the servo alone; leave it out")
+    law = None if law is None else Law.of(law, loader)  # designed or read once, not for each rehearsal
     limits = limits_of(loader, asked.drive, plan.limits)
     found = timing(plan)
     lines = lines_of(loader, keys, asked, plan, spectral_lines(plan, found, loader), law, limits)

@@ -14,6 +14,7 @@ numbers.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -87,6 +88,11 @@ class LinearModel:
         if self.loader["controller.period"] and self.linkage is Linkage.RIGID:
             raise InputError("linkage: there is no rigid model of a loader under a digital controller; make it analog")
 
+    @cached_property
+    def _engine_law(self) -> dict[str, Any]:
+        """Once for all evaluations: a name is a design, a file is read."""
+        return loop_law(self.loader, self.loop, self.law)
+
     def responses(
         self, values: NDArray[np.float64], keys: Sequence[str], frequency_hz: NDArray[np.float64]
     ) -> ChannelResponses:
@@ -96,7 +102,7 @@ class LinearModel:
             InputError: If a line is at or above half the rate of the loader's controller.
         """
         columns = [INDEX[key] for key in keys]
-        given = loop_law(self.loader, self.loop, self.law)
+        given = self._engine_law
         omega = 2 * np.pi * frequency_hz
         if period := self.loader["controller.period"]:
             _below_half_rate(frequency_hz, period)

@@ -87,7 +87,7 @@ class SampledCompensator:
     def some(self, which: int | slice | Sequence[int] | NDArray[np.integer | np.bool_]) -> "SampledCompensator":
         """The laws of some settings: one index, or a slice, indices or a mask."""
         chosen = np.atleast_1d(np.arange(self.settings)[which])
-        numbers = (getattr(self, name)[chosen] for name in _NUMBERS)
+        numbers = (getattr(self, name)[chosen] for name in NUMBERS)
         return SampledCompensator(self.period_s, self.delay_s, *numbers)
 
     def between(self, other: "SampledCompensator", share: float) -> "SampledCompensator":
@@ -110,7 +110,7 @@ class SampledCompensator:
             )
         if not 0 <= share <= 1:
             raise InputError(f"share: expected a number from 0 to 1, got {show(share)}")
-        numbers = ((1 - share) * getattr(self, name) + share * getattr(other, name) for name in _NUMBERS)
+        numbers = ((1 - share) * getattr(self, name) + share * getattr(other, name) for name in NUMBERS)
         return SampledCompensator(self.period_s, self.delay_s, *numbers)
 
     def rows(self) -> NDArray[np.float64]:
@@ -131,12 +131,13 @@ class SampledCompensator:
         return np.ascontiguousarray(np.hstack([part.reshape(self.settings, -1) for part in parts]))
 
 
-_NUMBERS = ("transition", "input", "command", "torque")
+NUMBERS = ("transition", "input", "command", "torque")
+"""The arrays that a law is made of, in the order in which it takes them."""
 
 
 def _arrays(law: SampledCompensator) -> dict[str, NDArray[np.float64]]:
     """The law's numbers as arrays that go together."""
-    found = {name: _array(name, getattr(law, name)) for name in _NUMBERS}
+    found = {name: _array(name, getattr(law, name)) for name in NUMBERS}
     shape = found["transition"].shape
     if len(shape) != 3 or shape[0] < 1 or shape[1] != shape[2] or not 1 <= shape[1] <= MOST_STATES:
         raise InputError(
