@@ -1,6 +1,6 @@
 //! What Python is told when a call cannot be answered: an exception for each kind of reason.
 
-use forcefeel_solve::NoThreads;
+use forcefeel_solve::threads::NoThreads;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;

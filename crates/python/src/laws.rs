@@ -7,7 +7,7 @@ use forcefeel_model::compensator::Compensator as Gains;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::COUNT;
-use forcefeel_solve::batch::Law;
+use forcefeel_solve::law::Law;
 use numpy::PyReadonlyArray2;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;

@@ -28,7 +28,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<simulate::Simulation>()?;
     module.add_class::<release::ReleaseMeasuring>()?;
     module.add_function(wrap_pyfunction!(release::release_feature_groups, module)?)?;
-    module.add("BOUND_RAD", forcefeel_solve::measures::BOUND_RAD)?;
+    module.add("BOUND_RAD", forcefeel_simulate::measures::BOUND_RAD)?;
     module.add_function(wrap_pyfunction!(simulate::sampled_loops, module)?)?;
     module.add("OBSERVER_NUMBERS", forcefeel_model::observer::NUMBERS)?;
     module.add("MOST_RECURSION_STEPS", solve::MOST_STEPS)?;

@@ -6,11 +6,11 @@ use crate::limits::step;
 use crate::model::Compensator;
 use forcefeel_model::compensator::Compensator as Compensation;
 use forcefeel_model::parameters::COUNT;
-use forcefeel_solve::batch::Law;
+use forcefeel_solve::law::Law;
 use forcefeel_solve::linear_batch::LinearJob;
 use forcefeel_solve::loops::{Loops as Many, STATES};
 use forcefeel_solve::outputs::OUTPUTS;
-use forcefeel_solve::simulate::Start;
+use forcefeel_solve::start::Start;
 use numpy::{PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray3};
 use pyo3::prelude::*;
 

@@ -2,7 +2,7 @@
 //!
 //! The torque is held at its middle through each part of a step, so that a force that changes is followed to second order.
 
-use crate::simulate::Start;
+use crate::start::Start;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::feel::{FeelLaw, Surroundings};
 use forcefeel_model::feel_computer::{FeelComputer, FeelMotion};

@@ -138,9 +138,10 @@ impl<S: Simd> Scalar for Lanes<S> {
 
 /// Returns what `$run` gives with `$simd`, the widest vector instructions that the machine has; goes on where it has none. Those whose
 /// registers hold a number of eight runs, and those that need several, may be given different things to do.
+#[macro_export]
 macro_rules! return_on_vectors {
     ($level:expr, $simd:ident => $run:expr) => {
-        return_on_vectors!($level, $simd => $run, $simd => $run);
+        $crate::return_on_vectors!($level, $simd => $run, $simd => $run);
     };
     ($level:expr, $whole:ident => $in_one:expr, $parted:ident => $in_several:expr) => {
         #[cfg(target_arch = "x86_64")]
@@ -156,4 +157,3 @@ macro_rules! return_on_vectors {
         let _ = $level;
     };
 }
-pub(crate) use return_on_vectors;

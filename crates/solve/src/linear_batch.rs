@@ -8,10 +8,11 @@
 //! which takes nine products a sample and output instead of the seventy-two of a step, none of which waits for another.
 
 use crate::balance::balance;
-use crate::lanes::{LANES, Lanes, return_on_vectors};
+use crate::lanes::{LANES, Lanes};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
 use crate::outputs::Output;
-use crate::simulate::Start;
+use crate::return_on_vectors;
+use crate::start::Start;
 use crate::threads::{NoThreads, pool};
 use crate::transition::{Transition, Vector, combined, dot, plus_times, product, solve, times_vector, transposed};
 use crate::wide::Fused;

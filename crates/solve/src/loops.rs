@@ -3,8 +3,8 @@
 //! The loader with a compliant link, eq. (17), is linear, so column `j` of its state matrix is its derivative at the unit vector
 //! along state `j`: the numbers that [`linearize`](mod@crate::linearize) reads off dual numbers, to the last bit.
 
-use crate::batch::Law;
 use crate::lanes::LANES;
+use crate::law::Law;
 use crate::wide::Fused;
 use crate::wide::Wide;
 use forcefeel_model::compensator::Compensator;

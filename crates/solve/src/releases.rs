@@ -11,8 +11,9 @@
 //! `x_{k+16} = Phi^16 x_k`, `Phi = exp(A h)`. The state at the start is the one at rest under the hand that holds the grip.
 
 use crate::balance::balance;
-use crate::lanes::{LANES, Lanes, return_on_vectors};
+use crate::lanes::{LANES, Lanes};
 use crate::loops::{Loops, Matrix, STATES, state_matrix, values_of};
+use crate::return_on_vectors;
 use crate::stability::{Verdict, hurwitz, verdict};
 use crate::threads::{NoThreads, pool};
 use crate::transition::{Transition, Vector, combined, dot, product, solve, transposed};

@@ -7,7 +7,7 @@
 //! What holds, touches or rounds, dry friction, play, stops, the feel's breakout and the steps of sensors and converters, is left
 //! out: it has no slope at rest. States that nothing depends on have no column and are left out: their poles are at zero.
 
-use crate::batch::Law;
+use crate::law::Law;
 use crate::threads::{NoThreads, pool};
 use forcefeel_model::Scalar;
 use forcefeel_model::channels::{self, Bench};
@@ -161,7 +161,7 @@ pub(crate) struct ByTestSignal<T> {
 }
 
 /// Sensors and converters that do not round: a staircase has no slope.
-pub(crate) fn without_steps<T: Scalar>(mut parameters: Parameters<T>) -> Parameters<T> {
+pub fn without_steps<T: Scalar>(mut parameters: Parameters<T>) -> Parameters<T> {
     let none = parameters.column.inertia.zero();
     let Parameters { load_cell, potentiometer, column_sensor, controller, .. } = &mut parameters;
     for resolution in [&mut load_cell.resolution, &mut potentiometer.resolution, &mut column_sensor.resolution] {

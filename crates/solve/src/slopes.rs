@@ -7,7 +7,7 @@
 //! is a dual number it carries `dA/dtheta`. A period is not written as matrices, so its columns are slopes already: there the
 //! slope of the slope comes from dual numbers of dual numbers.
 
-use crate::batch::Law;
+use crate::law::Law;
 use crate::linearize::StateSpace;
 use crate::sampled_loops::{ByTestSignal, COLUMNS, INPUTS, Matrix, Rows, SampledLoops, kept};
 use forcefeel_model::dual::Dual;
@@ -47,7 +47,7 @@ impl Slopes {
 }
 
 /// The parameters as dual numbers along one of them.
-pub(crate) fn along(values: &[f64; COUNT], key: Option<usize>) -> Parameters<Dual> {
+pub fn along(values: &[f64; COUNT], key: Option<usize>) -> Parameters<Dual> {
     let dual = |k: usize| if Some(k) == key { Dual::variable(values[k]) } else { Dual::constant(values[k]) };
     Parameters::from_values(&core::array::from_fn(dual))
 }

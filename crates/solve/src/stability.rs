@@ -22,9 +22,10 @@
 
 use crate::balance::balance;
 use crate::bounded::Bounded;
-use crate::lanes::{LANES, Lanes, return_on_vectors};
+use crate::lanes::{LANES, Lanes};
 use crate::loops::{Loops, Matrix, STATES, state_matrix};
 use crate::poles::poles;
+use crate::return_on_vectors;
 use crate::threads::{NoThreads, pool};
 use crate::wide::Fused;
 use fearless_simd::{Level, Simd};

@@ -2,11 +2,7 @@
 
 use core::fmt;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use std::sync::LazyLock;
 use std::thread::available_parallelism;
-
-/// Cores that this process may use.
-static CORES: LazyLock<usize> = LazyLock::new(|| available_parallelism().map_or(1, usize::from));
 
 /// The system gives no threads.
 #[derive(Debug)]
@@ -20,7 +16,12 @@ impl fmt::Display for NoThreads {
 
 impl core::error::Error for NoThreads {}
 
-/// A pool of so many threads, but one at least, and no more than there are cores: more would only wait for one another.
-pub(crate) fn pool(threads: usize) -> Result<ThreadPool, NoThreads> {
-    ThreadPoolBuilder::new().num_threads(threads.clamp(1, *CORES)).build().map_err(NoThreads)
+/// A pool of so many threads, but one at least, and no more than there are cores: more would only wait for one another. How many this
+/// process may use is asked each time, since it may be held to fewer for a while.
+///
+/// # Errors
+/// If the system gives no threads.
+pub fn pool(threads: usize) -> Result<ThreadPool, NoThreads> {
+    let cores = available_parallelism().map_or(1, usize::from);
+    ThreadPoolBuilder::new().num_threads(threads.clamp(1, cores)).build().map_err(NoThreads)
 }

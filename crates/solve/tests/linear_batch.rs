@@ -8,10 +8,10 @@ use forcefeel_model::compensator::Compensator;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::Compliant;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_solve::batch::Law;
+use forcefeel_solve::law::Law;
 use forcefeel_solve::linear_batch::LinearJob;
 use forcefeel_solve::loops::Loops;
-use forcefeel_solve::simulate::Start;
+use forcefeel_solve::start::Start;
 use forcefeel_solve::{StateSpace, linearize};
 use nalgebra::{DMatrix, DVector};
 

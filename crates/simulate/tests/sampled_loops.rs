@@ -10,7 +10,8 @@ use forcefeel_model::machine::period::{BASE, Drives, PERIOD_STATES, Period, YOUN
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_solve::batch::{Job, Law};
+use forcefeel_simulate::batch::Job;
+use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::OUTPUTS as BATCH_OUTPUTS;
 use forcefeel_solve::sampled_loops::{INPUTS, Periods, SampledLoops};
 use nalgebra::linalg::balancing::balance_parlett_reinsch;

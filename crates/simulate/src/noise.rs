@@ -1,7 +1,7 @@
 //! Noise of the sensors: a stream of its own for each run.
 
-use crate::wide::Wide;
 use forcefeel_model::transducers::SENSORS;
+use forcefeel_solve::wide::Wide;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};

@@ -11,8 +11,8 @@ use forcefeel_model::parameters::{COUNT, Parameters, TABLE};
 use forcefeel_model::pressure::Balance;
 use forcefeel_model::transducers::{Seen, Transducers};
 use forcefeel_model::valve::ValveMotion;
+use forcefeel_simulate::pair::Pair;
 use forcefeel_solve::lanes::Lanes;
-use forcefeel_solve::pair::Pair;
 use forcefeel_solve::wide::Wide;
 
 /// A part of the step: numbers in, numbers out.

@@ -6,10 +6,11 @@ use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::machine::Inputs;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_solve::batch::{Change, Job, Law, Sampling, Values};
-use forcefeel_solve::measures::MEASURES;
+use forcefeel_simulate::batch::{Change, Job, Sampling, Values};
+use forcefeel_simulate::measures::MEASURES;
+use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::OUTPUTS;
-use forcefeel_solve::simulate::Start;
+use forcefeel_solve::start::Start;
 use runs::{GAINS, STEP, drawn, everything, job, order, run, steps};
 
 /// Two groups and five runs of a third.

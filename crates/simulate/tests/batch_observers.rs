@@ -8,9 +8,10 @@ use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::Inputs;
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_solve::batch::{Change, Job, Law};
+use forcefeel_simulate::batch::{Change, Job};
+use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::OUTPUTS;
-use forcefeel_solve::simulate::Start;
+use forcefeel_solve::start::Start;
 use observers::{DEAF, Sampled};
 use runs::{drawn, pushed, run, steps};
 

@@ -1,5 +1,6 @@
 //! Slopes of records: each pair's own, whatever goes beside it, and those of a difference.
 
+#[path = "../../solve/tests/near/mod.rs"]
 mod near;
 mod runs;
 
@@ -7,9 +8,10 @@ use forcefeel_model::channels::COUNT as CHANNELS;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::Inputs;
 use forcefeel_model::parameters::{COUNT, Parameters, TABLE};
-use forcefeel_solve::batch::{Job, Law};
-use forcefeel_solve::record_slopes::SlopeJob;
-use forcefeel_solve::simulate::Start;
+use forcefeel_simulate::batch::Job;
+use forcefeel_simulate::record_slopes::SlopeJob;
+use forcefeel_solve::law::Law;
+use forcefeel_solve::start::Start;
 use near::assert_within;
 
 /// Relative step of a central difference; extrapolated from it and its half, the error is of fourth order, 1e-16.

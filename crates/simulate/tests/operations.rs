@@ -7,7 +7,8 @@ use forcefeel_model::compensator::Compensator;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
 use forcefeel_model::parameters::Parameters;
-use forcefeel_solve::simulate::{Middles, Record, Start, run};
+use forcefeel_simulate::run::{Middles, Record, run};
+use forcefeel_solve::start::Start;
 
 thread_local! {
     /// Sums and products, divisions and roots, and all that a floating-point unit does beside them.

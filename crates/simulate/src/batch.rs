@@ -3,20 +3,22 @@
 //! A run's numbers depend on its own parameters, its seed and its index alone, never on its neighbours or on the number of
 //! threads. A last group that is not full is filled up with copies of its last run.
 
-use crate::lanes::{LANES, Lanes, return_on_vectors};
 use crate::measures::{MEASURES, Peaks, measure};
 use crate::noise::Noise;
-use crate::outputs::Output;
 use crate::pair::Pair;
-use crate::simulate::{Beginning, FeelChange, Middles, Record, Start, run};
-use crate::threads::{NoThreads, pool};
-use crate::wide::Wide;
+use crate::run::{FeelChange, Middles, Record, run};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
-use forcefeel_model::compensator::Compensator;
 use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_solve::lanes::{LANES, Lanes};
+use forcefeel_solve::law::Law;
+use forcefeel_solve::outputs::Output;
+use forcefeel_solve::return_on_vectors;
+use forcefeel_solve::start::{Beginning, Start};
+use forcefeel_solve::threads::{NoThreads, pool};
+use forcefeel_solve::wide::Wide;
 use rayon::prelude::*;
 
 /// Runs of a group.
@@ -24,62 +26,6 @@ const WIDTH: usize = 2 * LANES;
 
 /// The measures of one run, in the order of [`MEASURES`].
 pub type Values = [f64; MEASURES.len()];
-
-/// The law of each run.
-#[derive(Debug, Clone, Copy)]
-pub enum Law<'a> {
-    /// The original position loop, with each run's own parameters.
-    Original,
-    /// The position loop without the feel computer, with each run's own parameters.
-    Position,
-    /// No law: the servo's amplifier is open.
-    Open,
-    /// One law for all runs: what was designed for the nominal loader meets each.
-    Fixed(Compensator<f64>),
-    /// State feedback with gains `c_1 .. c_7` for each run, the load cell's arm by its own geometry.
-    Gains(&'a [[f64; 7]]),
-    /// A sampled law with an observer for each run, or one for all.
-    Observers(&'a [[f64; NUMBERS]]),
-}
-
-impl Law<'_> {
-    /// Whether more than piston and programmed displacement is fed back.
-    pub fn feeds_back(&self) -> bool {
-        match self {
-            Self::Original | Self::Position | Self::Open | Self::Observers(_) => false,
-            Self::Fixed(law) => [1, 3, 4, 5, 6].iter().any(|&k| law.gains[k] != 0.0),
-            Self::Gains(_) => true,
-        }
-    }
-
-    /// The gains of a group's runs; none under an observer, whose feel is driven by the column's torque.
-    #[inline(always)]
-    pub fn compensator<T: Scalar>(
-        &self,
-        parameters: &Parameters<T>,
-        wide: impl Fn(&dyn Fn(usize) -> f64) -> T,
-    ) -> Compensator<T> {
-        let zero = parameters.column.inertia.zero();
-        match self {
-            Self::Original => Compensator::original(parameters),
-            Self::Position => Compensator::position_loop(parameters),
-            Self::Open => Compensator::none(parameters),
-            Self::Fixed(law) => law.map(|value| zero.constant(value)),
-            Self::Gains(gains) => {
-                Compensator::state_feedback(parameters, core::array::from_fn(|k| wide(&|run| gains[run][k])))
-            }
-            Self::Observers(_) => Compensator::state_feedback(parameters, [zero; 7]),
-        }
-    }
-
-    /// The observers of a group's runs.
-    #[inline(always)]
-    pub fn observer<T: Scalar>(&self, wide: impl Fn(&dyn Fn(usize) -> f64) -> T) -> Option<Observer<T>> {
-        let Self::Observers(laws) = self else { return None };
-        let of = |run: usize| &laws[run.min(laws.len() - 1)];
-        Some(Observer::from_numbers(&core::array::from_fn(|k| wide(&|run| of(run)[k]))))
-    }
-}
 
 /// A change of the feel for all runs: the values of [`Feel`](forcefeel_model::parameters::Feel) among `values` count.
 #[derive(Debug, Clone, Copy)]
@@ -122,7 +68,7 @@ pub struct Job<'a> {
     pub noise: (u64, u64),
     /// When to take samples.
     pub sampling: Sampling,
-    /// Which of the [`OUTPUTS`](crate::outputs::OUTPUTS) to keep.
+    /// Which of the [`OUTPUTS`](forcefeel_solve::outputs::OUTPUTS) to keep.
     pub outputs: &'a [usize],
 }
 

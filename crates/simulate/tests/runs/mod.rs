@@ -5,8 +5,9 @@ use forcefeel_model::controller::Timing;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::parameters::{COUNT, Parameters, TABLE};
-use forcefeel_solve::batch::{Job, Law, Sampling, Values};
-use forcefeel_solve::simulate::Start;
+use forcefeel_simulate::batch::{Job, Sampling, Values};
+use forcefeel_solve::law::Law;
+use forcefeel_solve::start::Start;
 
 /// Length of a step in s.
 pub const STEP: f64 = 1e-3;

@@ -3,9 +3,9 @@
 //! The equations of a step wait for one another: a vector of runs keeps the processor busy for less than half of the time. Two
 //! vectors that take turns fill the gaps.
 
-use crate::wide::Wide;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use forcefeel_model::Scalar;
+use forcefeel_solve::wide::Wide;
 
 /// Two of a kind; of numbers and of the outcomes of comparisons.
 #[derive(Debug, Clone, Copy)]

@@ -9,16 +9,16 @@
 //! No vector lanes: a step on eight dual numbers at once takes the compiler longer than all else together.
 
 use crate::batch::{Job, Sampling};
-use crate::sampled_loops::without_steps;
-use crate::simulate::{FeelChange, Middles, Record, run};
-use crate::slopes::along;
-use crate::threads::{NoThreads, pool};
+use crate::run::{FeelChange, Middles, Record, run};
 use forcefeel_model::channels::Bench;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Machine, Now, Shared};
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
+use forcefeel_solve::sampled_loops::without_steps;
+use forcefeel_solve::slopes::along;
+use forcefeel_solve::threads::{NoThreads, pool};
 use rayon::prelude::*;
 
 /// What is to be run, and what is wanted of it.
