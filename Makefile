@@ -17,7 +17,7 @@ report: report/report.html
 	@echo "The report is $(CURDIR)/report/report.html"
 
 report/report.html: $(VENV)/built $(PACKAGE)
-	$(BIN)/forcefeel design --out report
+	$(BIN)/forcefeel design --out report --replace
 
 # The crates as the extension has them: built once, and tested as they run.
 test: $(VENV)/built

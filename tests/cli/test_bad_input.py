@@ -9,19 +9,18 @@ import os
 import sys
 
 import pytest
-import typer
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import forcefeel as ff
 from forcefeel.cli import main
-from forcefeel.cli.app import app
+from forcefeel.cli.app import command_line
 from forcefeel.errors import InputError
 from forcefeel.loader.parameters import TABLE
 from forcefeel.printable import visible
 
 LONGEST = 20_000
-"""Characters of a message; Typer repeats a word of the command line whole, in a box."""
+"""Characters of a message; a word of the command line may be repeated whole."""
 
 NUMBERS = ["0", "-1", "nan", "inf", "1e999", "5e-324", "1e308", "99999999999999999999", "-0", "1_000", "0x10", "٣"]
 UNITS = ("lb", "deg", "s", "%", "lb in/rad", "m^99")
@@ -111,7 +110,7 @@ def test_a_loader_file_is_read_or_refused(place, data):
 
 
 COMMANDS = {
-    "new": ("x.toml", "--force"),
+    "new": ("x.toml", "--replace"),
     "simulate": ("my.toml", "--duration", "0.2"),
     "sweep": ("my.toml", "--runs", "4", "--duration", "0.2", "--replace"),
     "compensate": ("my.toml",),
@@ -124,10 +123,10 @@ COMMANDS = {
 OPTIONS = {
     command: [
         option
-        for option in found.params
-        if option.opts[0] not in {"--help", "--out"} and option.opts[0].startswith("--")
+        for option in command_line(listed=False)[command].assemble_argument_collection()
+        if option.name.startswith("--") and option.name != "--out"
     ]
-    for command, found in typer.main.get_command(app).commands.items()
+    for command in COMMANDS
 }
 
 
@@ -137,7 +136,7 @@ def commands(draw):
     name = draw(st.sampled_from(list(COMMANDS)))
     words = [name, *COMMANDS[name]]
     for option in draw(st.lists(st.sampled_from(OPTIONS[name]), min_size=1, max_size=3, unique_by=id)):
-        words += [option.opts[0]] if option.is_flag else [option.opts[0], draw(ANYTHING)]
+        words += [option.name] if option.hint is bool else [option.name, draw(ANYTHING)]
     return words
 
 

@@ -78,7 +78,7 @@ def test_new_does_not_overwrite_unless_told(run, tmp_path):
     assert status == 2
     assert "my.toml: is there already" in err
     assert (tmp_path / "my.toml").read_text(encoding="utf-8") == "mine"
-    assert run("new", "my.toml", "--force")[0] == 0
+    assert run("new", "my.toml", "--replace")[0] == 0
     assert list(tmp_path.iterdir()) == [tmp_path / "my.toml"]
 
 

@@ -4,7 +4,8 @@ import sys
 
 import pytest
 
-from forcefeel.cli import BAD_INPUT, FAULT, INTERRUPTED, TRACEBACK, commands, main
+from forcefeel.cli import BAD_INPUT, FAULT, INTERRUPTED, TRACEBACK, main
+from forcefeel.design import workflow
 from forcefeel.errors import InputError
 
 
@@ -20,7 +21,7 @@ def ended(monkeypatch, capsys):
         def raises(*_, **__):
             raise error
 
-        monkeypatch.setattr(commands, "analyze", raises)
+        monkeypatch.setattr(workflow, "analyze", raises)
         monkeypatch.setattr(sys, "argv", ["forcefeel", "analyze"])
         with pytest.raises(SystemExit) as end:
             main()

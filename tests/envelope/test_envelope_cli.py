@@ -42,7 +42,7 @@ def test_the_built_in_loader_compared(run, tmp_path):
 
 
 def test_the_results_agree_with_the_maps(run, tmp_path):
-    status, out, _ = run("--compensator", "published", *SMALL, "--json", "--units", "si")
+    status, out, _ = run("--law", "published", *SMALL, "--json", "--units", "si")
     assert status == 0
     found = json.loads(out)
     stored = json.loads((tmp_path / "forcefeel-envelope" / RESULTS).read_text(encoding="utf-8"))
@@ -104,9 +104,9 @@ def test_a_controller_brings_its_laws(run):
     few = (*("--grid", "stiffness=10, 20 %"), *("--grid", "frequency=1, 2 Hz"), *("--grid", "damping=0.4, 1"))
     words = (
         "elevator-2khz",
-        "--compensator",
+        "--law",
         "load-cell",
-        "--compensator",
+        "--law",
         "robust",
         *few,
         "--off",
@@ -130,10 +130,10 @@ def test_a_controller_brings_its_laws(run):
         (("--off", "column.inertia=1 lb"), "--off: column.inertia: expected a number such as '2 %'"),
         (("--off", "column.inertia=100 %"), "expected a share above 0 and below 1"),
         (("--off", "colum.inertia=2 %"), "did you mean column.inertia?"),
-        (("--compensator", "robust"), "controller.period: expected a sample period, got none"),
+        (("--law", "robust"), "controller.period: expected a sample period, got none"),
         (("--rule", "part61"), "part60-a-2014"),
-        (("--compensator", "best"), "original, published, converged"),
-        (("--compare", "--compensator", "original"), "leave one out"),
+        (("--law", "best"), "original, published, converged"),
+        (("--compare", "--law", "original"), "leave one out"),
         (("--grid", "stiffness"), "--grid: expected"),
         (("--grid", "mass=1..2:3"), "unknown axis"),
         (("--grid", "stiffness=0..100 %:5"), "expected values from"),

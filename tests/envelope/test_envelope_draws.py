@@ -178,7 +178,7 @@ def test_shares_in_proportion_are_weighed(found):
 
 def test_draws_on_page_terminal_and_files(monkeypatch, capsys, tmp_path):
     run = runner(monkeypatch, capsys, tmp_path, "envelope")
-    words = ("--compensator", LAW, *(word for name, it in GRID.items() for word in ("--grid", f"{name}={it}")))
+    words = ("--law", LAW, *(word for name, it in GRID.items() for word in ("--grid", f"{name}={it}")))
     status, out, err = run(*words, "--draws", "5", "--seed", str(2**62), "--corners")
     assert (status, err) == (0, "")
     assert "All tolerances at once, 5 machines at the corners" in " ".join(out.split())

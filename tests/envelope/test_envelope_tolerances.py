@@ -140,8 +140,8 @@ def test_a_tolerance_that_leads_out_of_its_range_is_refused():
 
 
 COMMANDS = {
-    "envelope": (("mine.toml", "--compensator", "original", *SMALL, "--draws", "2"), 0),
-    "frontier": (("mine.toml", "--compensator", "original", *SMALL), 0),
+    "envelope": (("mine.toml", "--law", "original", *SMALL, "--draws", "2"), 0),
+    "frontier": (("mine.toml", "--law", "original", *SMALL), 0),
     "schedule": (("mine-2khz.toml", "--knots", "knots.csv", "--refine", "2"), 0),
     "compensate": (("mine.toml", "--method", "original", "--envelope", *SMALL), 0),
 }

@@ -95,8 +95,8 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
     ("words", "message"),
     [
         (("--rule", "part61"), "part60-a-2014"),
-        (("--compensator", "best"), "original, published, converged"),
-        (("--compensator", "robust"), "controller.period"),
+        (("--law", "best"), "original, published, converged"),
+        (("--law", "robust"), "controller.period"),
         (("--grid", "mass=1..2:3"), "unknown axis"),
         (("--angle", "10"), "--angle: expected"),
         (("there-is-none.toml",), "there-is-none.toml"),

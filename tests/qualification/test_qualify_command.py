@@ -78,7 +78,7 @@ def test_help_names_every_option_with_an_example(run):
         "--test",
         "--axis",
         "--throw",
-        "--compensator",
+        "--law",
         "--compare",
         "--pdf",
         "--json",
@@ -87,7 +87,7 @@ def test_help_names_every_option_with_an_example(run):
 
 
 def test_the_elevator_fails_with_words_and_files(run, tmp_path):
-    status, out, err = run("--compensator", "published")
+    status, out, err = run("--law", "published")
     told = " ".join(out.split())
     assert (status, err) == (1, "")
     assert "the published compensation does not qualify: 1 of 7 tests passed, 6 failed." in told
@@ -128,7 +128,7 @@ def test_json_holds_every_figure_with_unit_and_margin(run, tmp_path):
 
 def test_an_unverified_rule_says_so(run):
     test = ("--test", "release-25-positive")
-    found = json.loads(run("--rule", "cs-fstd-a", "--compensator", "published", *test, "--json")[1])
+    found = json.loads(run("--rule", "cs-fstd-a", "--law", "published", *test, "--json")[1])
     assert not found["rule"]["verified"]
     assert all(not test["verified"] for test in found["sections"][0]["tests"])
     assert any("Unverified: nobody has held test" in line for line in found["conclusions"]["findings"])
@@ -148,19 +148,21 @@ def test_one_release_alone_is_incomplete_unless_it_is_all_that_is_asked_for(run,
     told = found["files"]["record release-25-positive"]
     assert told["sha256"] == hashlib.sha256((tmp_path / "one.csv").read_bytes()).hexdigest()
 
-    status, out, err = run("--record", "one.csv", "--test", "release-25-positive", "--operator", "A. Miller")
+    status, out, err = run(
+        "--replace", "--record", "one.csv", "--test", "release-25-positive", "--operator", "A. Miller"
+    )
     said = " ".join(out.split())
     assert (status, err) == (0, "")
     assert "is incomplete: 1 of 1 tests passed (asked for: release-25-positive). Missing: static, surface, " in said
     kept = json.loads((tmp_path / "forcefeel-qualification" / "results.json").read_text(encoding="utf-8"))
     assert (kept["named"], kept["operator"]) == (["release-25-positive"], "A. Miller")
     assert _outcomes(kept) == {"release-25-positive": "passed"}
-    assert run("--record", "one.csv", "--test", "static")[0] == 1  # asked for, and not there
+    assert run("--replace", "--record", "one.csv", "--test", "static")[0] == 1  # asked for, and not there
 
 
 def test_the_digital_elevator_qualifies_under_robust(run):
     """All that a control loader can be given passes: exit status 0, and what is outside its programme is named."""
-    status, out, _ = run("elevator-2khz", "--compensator", "robust", "--json")
+    status, out, _ = run("elevator-2khz", "--law", "robust", "--json")
     found = json.loads(out)
     assert (status, found["standing"], found["conclusions"]["good"]) == (0, "qualifies", True)
     assert found["conclusions"]["verdict"].endswith("the robust compensation qualifies: 7 of 7 tests passed.")
@@ -220,13 +222,13 @@ def test_a_recorded_aircraft_is_the_reference(run, tmp_path):
     """A loop of another frequency than the aircraft's fails, the aircraft's own recording passes."""
     _csv(tmp_path / "aircraft.csv", *_free())
     asked = ("--reference", "aircraft.csv", "--test", "release-25-positive")
-    status, out, _ = run(*asked, "--compensator", "published", "--json")
+    status, out, _ = run(*asked, "--law", "published", "--json")
     found = json.loads(out)
     assert status == 1
     assert found["reference"] == "recorded aircraft"
     words = {test["key"]: test["words"] for test in found["sections"][0]["tests"]}
     assert "where 1.97 Hz are recorded" in words["release-25-positive"]
-    assert run(*asked, "--record", "aircraft.csv")[0] == 0
+    assert run("--replace", *asked, "--record", "aircraft.csv")[0] == 0
 
 
 BAD = {
@@ -270,7 +272,7 @@ def test_an_aircraft_at_60_hz_and_a_simulator_at_100_hz(run, tmp_path, slower, e
 
 def test_the_history_of_a_simulated_release_is_a_record(run, tmp_path, monkeypatch, capsys):
     words = ("--input", "release", "--angle", f"{ANGLE_DEG} deg", "--start", "0.2", "--duration", "6")
-    runner(monkeypatch, capsys, tmp_path, "simulate")(*words, "--compensator", "published", "--out", "run")
+    runner(monkeypatch, capsys, tmp_path, "simulate")(*words, "--law", "published", "--out", "run")
     found = json.loads(run("--record", "run/history.csv", "--json")[1])
     tests = {test["key"]: test for test in found["sections"][0]["tests"]}
     first = next(one for one in tests["release-25-positive"]["verdicts"] if one["quantity"] == "P0")
@@ -305,7 +307,7 @@ def test_files_with_names_and_units_of_their_own(run, tmp_path):
         ),
         (("--unit", "time=s", "--unit", "sim:force=lb in lb"), "has no column 'time'"),
     ):
-        status, out, err = run(*words, *options)
+        status, out, err = run(*words, "--replace", *options)
         assert (status, out) == (2, "")
         assert said in err
 
@@ -329,8 +331,8 @@ def test_a_time_in_another_unit_than_is_said(run, tmp_path):
         (["--rule", "part61"], "edition: expected one of"),
         (["--axis", "collective"], "axis: part60-a-2014 has tests for"),
         (["--record", "a.csv", "--compare"], "--compare: is about the simulated loader"),
-        (["--record", "a.csv", "--compensator", "published"], "--compensator: is about the simulated loader"),
-        (["--compare", "--compensator", "published"], "--compare: takes every law"),
+        (["--record", "a.csv", "--law", "published"], "--law: is about the simulated loader"),
+        (["--compare", "--law", "published"], "--compare: takes every law"),
         (["--column", "position=theta"], "--column: is about a file's columns, and no file is given"),
         (["--record", "wheel=a.csv"], "--record: unknown test 'wheel'; expected NAME=FILE"),
         (["--test", "wheel"], "test: unknown test 'wheel'; expected some of static"),

@@ -234,7 +234,7 @@ def test_bad_changes_of_the_loader_are_named(options, said):
 
 def test_a_recursion_that_does_not_settle_gives_no_law(monkeypatch):
     monkeypatch.setattr(compensation, "MOST_STEPS", 10)
-    with pytest.raises(InputError, match="--compensator: the recursion does not give the converged gains"):
+    with pytest.raises(InputError, match="--law: the recursion does not give the converged gains"):
         ScenarioOptions(law="converged").law_of(ff.elevator())
 
 

@@ -49,7 +49,7 @@ def test_help_names_every_option_with_an_example(run):
     assert status == 0
     assert "Example:" in out
     assert "unverified" in out  # the firm arm is known by hearsay
-    for option in ("--input", "--force", "--record", "--set", "--arm", "--trim", "--change", "--compensator", "--json"):
+    for option in ("--input", "--force", "--record", "--set", "--arm", "--trim", "--change", "--law", "--json"):
         assert option in out
 
 
@@ -105,7 +105,7 @@ def test_a_loader_file(run, tmp_path):
 
 def test_json_holds_every_number_with_its_unit(run):
     words = ["--input", "release", "--angle", "10 deg", *_set("column.coulomb_friction=3 lb"), "--arm", "loose"]
-    status, out, _ = run(*words, "--compensator", "published", "--units", "si", "--json")
+    status, out, _ = run(*words, "--law", "published", "--units", "si", "--json")
     found = json.loads(out)
     assert status == 0
     assert found["status"] == "settled"
@@ -180,7 +180,7 @@ def test_out_writes_page_history_and_numbers(run, tmp_path):
 
 
 def test_a_history_can_be_played_again(run, tmp_path):
-    words = ["--duration", "1", "--compensator", "published"]
+    words = ["--duration", "1", "--law", "published"]
     run("--input", "chirp", "--force", "10 lb", "--to", "5 Hz", *words, "--out", "first")
     run("--record", "first/history.csv", *words, "--out", "second")
     first, second = (
@@ -201,7 +201,7 @@ def test_a_history_can_be_played_again(run, tmp_path):
         ["--change", "1 s: feel.stiffness=5000 lb in/rad", "--over", "0.2 s"],
         ["--set", "controller.period=0.5 ms", "--set", "load_cell.noise=0.1 lb", "--seed", "3"],
         ["--arm", "firm", "--sample", "10 ms", "--step", "0.5 ms"],
-        ["--compensator", "converged"],
+        ["--law", "converged"],
     ],
 )
 def test_every_kind_of_run(run, words):
@@ -264,7 +264,7 @@ def test_a_bad_recording_is_named_and_nothing_is_lost(run, tmp_path, name):
     if text:
         (tmp_path / name).write_text(text, encoding="utf-8")
         before[name] = text.encode()
-    status, out, err = run("--record", name, "--out", "run")
+    status, out, err = run("--record", name, "--out", "run", "--replace")
     assert (status, out) == (2, "")
     assert said in err
     assert "Traceback" not in err
@@ -319,9 +319,7 @@ def test_bad_input_is_refused_in_a_line(run, tmp_path, words, said):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    "words", [["--input", "steps"], ["--arm", "tight"], ["--compensator", "best"], ["--seed", "x"]]
-)
+@pytest.mark.parametrize("words", [["--input", "steps"], ["--arm", "tight"], ["--law", "best"], ["--seed", "x"]])
 def test_unknown_words_are_bad_input(run, words):
     assert run(*words)[0] == 2
 

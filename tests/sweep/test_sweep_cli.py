@@ -47,7 +47,8 @@ def run(monkeypatch, capsys, tmp_path):
 
 
 def small(*words: str) -> tuple[str, ...]:
-    return ("my.toml", "--runs", "64", *PUSH_WORDS, *words)
+    runs = () if "--runs" in words else ("--runs", "64")
+    return ("my.toml", *runs, *PUSH_WORDS, *words)
 
 
 def test_help_has_an_example_and_every_option(run):
@@ -117,7 +118,7 @@ def test_a_law_for_each_setting(run, tmp_path):
     words = ["--set", "load_cell.noise=off", "--grid", "feel.stiffness=5000..15000 lb in/rad:4", *PUSH_WORDS]
     found = {}
     for name, more in (("one", []), ("own", ["--redesign"])):
-        status, out, err = run("my.toml", *words, "--compensator", "published", *more, "--out", name)
+        status, out, err = run("my.toml", *words, "--law", "published", *more, "--out", name)
         assert (status, err) == (0, "")
         assert "page:" in out
         found[name] = xr.load_dataset(tmp_path / name / "runs.nc", engine="scipy")["maximum_angle_rad"].values
@@ -127,8 +128,8 @@ def test_a_law_for_each_setting(run, tmp_path):
     summary = json.loads((tmp_path / "own" / "summary.json").read_text(encoding="utf-8"))
     assert summary["law"] == "designed anew for each setting of the feel"
     assert json.loads((tmp_path / "one" / "summary.json").read_text(encoding="utf-8"))["law"] == "one for all machines"
-    assert run("my.toml", *words, "--compensator", "published", "--redesign", "--out", "own", "--resume")[0] == 0
-    assert "law" in run("my.toml", *words, "--compensator", "published", "--out", "own", "--resume")[2]
+    assert run("my.toml", *words, "--law", "published", "--redesign", "--out", "own", "--resume")[0] == 0
+    assert "law" in run("my.toml", *words, "--law", "published", "--out", "own", "--resume")[2]
 
 
 def test_machines_at_each_point(run):
@@ -167,8 +168,8 @@ def test_a_diverging_loader_is_a_bad_answer(run):
         (["--threads", "0"], "threads: expected 1 to 1024"),
         (["--threads", "99999999999999"], "threads: expected 1 to 1024"),
         (["--seed", "-1"], "seed: expected a whole number from 0 to 9,223,372,036,854,775,807, got -1"),
-        (["--redesign"], "--redesign: is about designed gains; add --compensator published or converged"),
-        (["--redesign", "--compensator", "published"], "none of feel.inertia, feel.damping, feel.stiffness varies"),
+        (["--redesign"], "--redesign: is about designed gains; add --law published or converged"),
+        (["--redesign", "--law", "published"], "none of feel.inertia, feel.damping, feel.stiffness varies"),
         (["--out", "my.toml"], "my.toml: is a file; expected a folder for the sweep"),
     ],
 )

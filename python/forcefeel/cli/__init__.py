@@ -1,4 +1,4 @@
-"""The command line. Commands are declared in ``app.py``; what they print is in ``show.py``."""
+"""The command line: ``app.py`` lists the commands, each has a file of its name."""
 
 import os
 import sys
@@ -22,9 +22,10 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):  # a stream without the letters of a name shows their numbers
             stream.reconfigure(errors="backslashreplace")
     try:
-        from forcefeel.cli.app import app  # noqa: PLC0415  after the traceback-free way out is set up
+        from forcefeel.cli import app
 
-        app()
+        app.run(sys.argv[1:])
+        sys.exit(0)
     except SystemExit:
         raise
     except KeyboardInterrupt:
@@ -34,6 +35,8 @@ def main() -> None:
     except MemoryError:
         _end("this machine's memory does not suffice; ask for less at a time", BAD_INPUT)
     except BaseException as error:  # a panic of the engine is no Exception
+        if said := _not_understood(error):
+            _end(said, BAD_INPUT)
         if isinstance(error, OSError) and error.filename is None:  # no file, so the output: a full disk
             _end(f"the output cannot be written ({error.strerror})", BAD_INPUT)
         if _has_no_threads(error):
@@ -46,8 +49,17 @@ def _end(message: str, status: int) -> NoReturn:
     sys.exit(status)
 
 
+def _not_understood(error: BaseException) -> str | None:
+    """What is wrong with the command line, where that is the error."""
+    from cyclopts import CycloptsError
+
+    from forcefeel.cli.app import told
+
+    return told(error) if isinstance(error, CycloptsError) else None
+
+
 def _has_no_threads(error: BaseException) -> bool:
-    from forcefeel._core import ThreadsError  # noqa: PLC0415  the engine itself may be what failed to load
+    from forcefeel._core import ThreadsError
 
     return isinstance(error, ThreadsError)
 

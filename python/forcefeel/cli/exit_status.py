@@ -1,4 +1,7 @@
-"""What a command ends with, beside 0 (fine) and 1 (the answer is bad)."""
+"""What a command ends with, beside 0, fine."""
+
+BAD_ANSWER = 1
+"""Exit status where the answer is bad: an unstable design, a loader that does not qualify."""
 
 BAD_INPUT = 2
 """Exit status where the input is bad."""

@@ -1,10 +1,8 @@
-"""The loader that a command is given, with ``--set`` and ``--off``, and the law of ``--compensator`` that is designed for it."""
+"""What ``--off`` and ``--law`` make of a loader: how far its parameters may be off, and the law that is designed for it."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from forcefeel.cli.scenario_text import assignments
 from forcefeel.errors import InputError
 from forcefeel.units import parse
 
@@ -14,27 +12,14 @@ if TYPE_CHECKING:
     from forcefeel.loader.loader import Loader
 
 
-def given_loader(path: Path | None, changes: Sequence[str] | None) -> "Loader":
-    """The loader of ``path``, with ``--set``.
-
-    Raises:
-        InputError: If the file or a change is bad.
-    """
-    from forcefeel.loader.built_in import open_loader  # noqa: PLC0415
-
-    given = assignments("--set", tuple(changes or ()))
-    loader = open_loader(path)
-    return loader.replace(given) if given else loader
-
-
-def given_deviations(loader: "Loader", off: Sequence[str] | None) -> "Mapping[str, Deviation]":
+def given_deviations(loader: "Loader", off: tuple[str, ...]) -> "Mapping[str, Deviation]":
     """How far the parameters of a loader may be off: by its tolerances, or as assumed, changed by ``--off``.
 
     Raises:
         InputError: If an option is bad, or a tolerance of the loader leads out of its row's range.
     """
-    from forcefeel.envelope.deviations import chosen_deviations, deviations_of  # noqa: PLC0415
-    from forcefeel.sweep import text  # noqa: PLC0415
+    from forcefeel.envelope.deviations import chosen_deviations, deviations_of
+    from forcefeel.sweep import text
 
     usual = deviations_of(loader)
     shares = {key: _share_off(key, given) for key, given in text.assignments("--off", off, _OFF_EXAMPLE).items()}
@@ -58,14 +43,14 @@ def _share_off(key: str, given: str) -> float | None:
 
 
 def given_law(law: str | None, loader: "Loader") -> "Law":
-    """The law of ``--compensator`` for a loader's own setting: designed for it, or read from its file; the original if not given.
+    """The law of ``--law`` for a loader's own setting: designed for it, or read from its file; the original if not given.
 
     Raises:
         InputError: Naming the option, if it cannot be designed or read, or is for another controller.
     """
-    from forcefeel.laws.law import Law  # noqa: PLC0415
+    from forcefeel.laws.law import Law
 
     try:
         return Law.of(law, loader)
     except InputError as error:
-        raise InputError(f"--compensator: {str(error).removeprefix('compensator: ')}") from error
+        raise InputError(f"--law: {str(error).removeprefix('compensator: ')}") from error

@@ -1,24 +1,28 @@
-"""The laws that ``--compensator`` takes, by name or from a file; listed here so that ``--help`` waits for no numerical library."""
+"""The laws that ``--law`` takes, by name or from a file; listed here so that ``--help`` waits for no numerical library."""
 
-import typer
+from forcefeel.errors import InputError
+from forcefeel.printable import visible
 
 LAWS = ("original", "published", "converged", "load-cell", "observer", "recovered", "h-infinity", "robust")
 """As ``forcefeel.laws.law.NAMED_LAWS``."""
 
 ORIGINAL = LAWS[0]
 
-METAVAR = f"{'|'.join(LAWS)}|FILE.json"
+LAW_METAVAR = "NAME|FILE.json"
+
+LAW_NAMES = f"{', '.join(LAWS[:3])}; with a digital controller {', '.join(LAWS[3:-1])} or {LAWS[-1]}"
+"""For help."""
 
 
-def law_name(given: str) -> str:
+def check_law_name(given: str) -> str:
     """A name, or the file of a law.
 
     Raises:
-        typer.BadParameter: If it is neither.
+        InputError: If it is neither.
     """
     if given not in LAWS and not given.endswith(".json"):
-        names = ", ".join(map(repr, LAWS))
-        raise typer.BadParameter(
-            f"{given!r} is not one of {names}, nor the file of a law (.json, from compensate --save-law)"
+        raise InputError(
+            f"--law: expected {', '.join(LAWS[:-1])} or {LAWS[-1]}, or the file of a law (.json, from compensate --save-law), "
+            f"got {visible(repr(given))}"
         )
     return given

@@ -1,70 +1,158 @@
-"""Options that several commands share."""
+"""How options are spelled: once, as the fields of a frozen dataclass, which the command line parses and the command takes.
 
-from enum import StrEnum
+A field's annotation holds its help and its group; `option` makes that. Options that mean the same everywhere are fields of the
+classes here, from which a command's own options are derived::
+
+    @dataclass(frozen=True, kw_only=True)
+    class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
+        axis: Annotated[ControlAxis, option("Which control of the rule.", TESTS)] = ControlAxis.PITCH
+"""
+
+import sys
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from cyclopts import Group, Parameter
+from cyclopts.help import DefaultFormatter, HelpPanel
+from rich.console import Console, ConsoleOptions
 
+from forcefeel.cli.law_option import LAW_METAVAR, check_law_name
+from forcefeel.cli.scenario_text import assignments
 from forcefeel.units import UnitSystem
 
+if TYPE_CHECKING:
+    from forcefeel.loader.loader import Loader
 
-class Coupling(StrEnum):
-    """How the pilot's force enters the feel computer's row of eq. (19)."""
+HELP_ALL = "--help-all"
 
-    REPORT = "report"
-    COLUMN = "column"
+EDITION = "part60-a-2014"
+"""As ``forcefeel.qualification.DEFAULT_EDITION``; here so that help waits for no numerical library."""
+
+
+class _Rare(DefaultFormatter):
+    """The panel of options that are seldom needed: their names alone, unless all help is asked for."""
+
+    def __call__(self, console: Console, options: ConsoleOptions, panel: HelpPanel) -> None:
+        if HELP_ALL in sys.argv:
+            super().__call__(console, options, panel)
+        elif panel.entries:
+            names = ", ".join(name for entry in panel.entries for name in entry.positive_names)
+            console.print(f"Seldom needed, shown by {HELP_ALL}: {names}\n", highlight=False, style="dim")
+
+
+LOADER = Group("Loader and law", sort_key=80)
+OUTPUT = Group("Output", sort_key=90)
+WORK = Group("Where it is computed", sort_key=95)
+RARE = Group("Seldom needed", sort_key=99, help_formatter=_Rare())
+
+
+def option(help: str, group: Group, *names: str, default: str | None = None, **more: Any) -> Parameter:  # noqa: A002
+    """The help of an option and its group, as what `typing.Annotated` holds.
+
+    Args:
+        help: What it is for.
+        group: Under which head the help shows it.
+        names: Its name, where it is not the field's.
+        default: What holds where it is not given, in words; where it is not given either, the field's default is shown.
+        more: What else Cyclopts takes.
+    """
+    shown: Any = default if default is not None else _shown
+    # A value may begin with a minus: -10 deg.
+    return Parameter(names or None, help=help, group=group, show_default=shown, allow_leading_hyphen=True, **more)
+
+
+def _shown(value: object) -> str | None:
+    """A default that is worth a word; nothing given, none, and a switch that is off are not."""
+    return None if value is None or value is False or value in ((), "") else str(value)
 
 
 LoaderFile = Annotated[
     Path | None,
-    typer.Argument(metavar="LOADER", help="Loader file, or a built-in one: elevator (if left out), elevator-2khz."),
+    Parameter(
+        "LOADER",
+        help="Loader file, or a built-in one: elevator, elevator-2khz.",
+        show_default="elevator",
+    ),
 ]
-Units = Annotated[UnitSystem, typer.Option("--units", help="Units of what is shown or written.")]
-Json = Annotated[bool, typer.Option("--json", help="Print the result as JSON.")]
+"""The argument that every command on a loader takes."""
 
-_DESIGN = "Recursion (22)"
-Horizon = Annotated[
-    float | None,
-    typer.Option(
-        "--horizon", help="Length of the horizon in s; 0.05, the published one, if not given.", rich_help_panel=_DESIGN
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class OutputOptions:
+    """What every command has."""
+
+    units: Annotated[UnitSystem, option("Units of what is shown or written.", OUTPUT)] = UnitSystem.US
+    json: Annotated[bool, option("Print the result as JSON.", OUTPUT)] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class FolderOptions:
+    """What every command that writes a folder has; each gives `out` its own default."""
+
+    replace: Annotated[bool, option("Replace results that are in the folder.", OUTPUT)] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThreadOptions:
+    """What every command has that falls into pieces."""
+
+    threads: Annotated[
+        int | None,
+        option("Threads.", WORK, default="all cores"),
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoaderOptions:
+    """What every command on a loader has that may be changed."""
+
+    set_: Annotated[
+        tuple[str, ...],
+        option(
+            "Changes a value of the loader, such as 'column.coulomb_friction=3 lb', 'controller.period=0.5 ms', "
+            "'valve.orifice=true', 'feel.breakout=off'. May be given again.",
+            LOADER,
+            "--set",
+            metavar="NAME=VALUE",
+        ),
+    ] = ()
+
+    def loader(self, path: Path | None) -> "Loader":
+        """The loader of ``path``, or the built-in one, with ``--set``.
+
+        Raises:
+            InputError: If the file or a change is bad.
+        """
+        from forcefeel.loader.built_in import open_loader
+
+        return self.changed(open_loader(path))
+
+    def changed(self, loader: "Loader") -> "Loader":
+        """``loader`` with ``--set``.
+
+        Raises:
+            InputError: If a change is bad.
+        """
+        return loader.replace(assignments("--set", self.set_)) if self.set_ else loader
+
+
+def _law(_: type, tokens: Any) -> str:
+    (token,) = tokens
+    return check_law_name(token.value)
+
+
+LawOption = Annotated[
+    str | None,
+    option(
+        "The law: the original position loop, or one that is designed for this loader: feedback gains of recursion (22), over the "
+        "published or an endless horizon, or a sampled law; or the file of one, from compensate --save-law.",
+        LOADER,
+        "--law",
+        default="original",
+        metavar=LAW_METAVAR,
+        converter=_law,
     ),
 ]
-Converge = Annotated[
-    bool, typer.Option("--converge", help="Run until the gains stand still instead.", rich_help_panel=_DESIGN)
-]
-Step = Annotated[
-    float | None, typer.Option("--step", help="Sampling step in s.  [default: 1e-4]", rich_help_panel=_DESIGN)
-]
-Tolerance = Annotated[
-    float | None,
-    typer.Option(
-        "--tolerance", help="With --converge: largest change of a gain.  [default: 1e-10]", rich_help_panel=_DESIGN
-    ),
-]
-PositionWeight = Annotated[
-    float | None,
-    typer.Option("--position-weight", help="Weight of (delta - theta)^2.  [default: 100]", rich_help_panel=_DESIGN),
-]
-R1 = Annotated[
-    float | None,
-    typer.Option("--r1", help="Weight R_1 of the squared velocity error.  [default: 0]", rich_help_panel=_DESIGN),
-]
-R2 = Annotated[float | None, typer.Option("--r2", help="Weight R_2 of e^2.  [default: 0.1]", rich_help_panel=_DESIGN)]
-PilotCoupling = Annotated[
-    Coupling | None,
-    typer.Option(
-        "--pilot-coupling",
-        help="How F_p enters the computer's row, for c_7: as the report did (-alpha R_b) or as the column does (R_p)."
-        "  [default: report; column with --converge]",
-        rich_help_panel=_DESIGN,
-    ),
-]
-Q = Annotated[
-    Path | None,
-    typer.Option(
-        "--q",
-        help="[Q] whole: CSV, 7 rows of 7, SI units, order x_p p delta delta' x_b x_b' F_p.",
-        rich_help_panel=_DESIGN,
-    ),
-]
+"""``--law`` of a command that takes one."""

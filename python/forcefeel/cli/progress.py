@@ -1,48 +1,63 @@
-"""The bar of a command that works for a while, and what an interruption of it means."""
+"""The line of a command that works for a while, and what an interruption of it means."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
 
 from forcefeel.cli.exit_status import INTERRUPTED
 
 
 class Bar:
-    """Runs done, their rate and the time that is left, on the terminal's error stream; nothing where that is no terminal."""
+    """The command, how much is done and the time that is left, on the terminal's error stream; nothing where that is no terminal.
 
-    def __init__(self, *, silent: bool) -> None:
+    Args:
+        command: Whose line it is.
+        what: What is counted, such as runs.
+        silent: Whether there is to be no line.
+    """
+
+    def __init__(self, command: str, what: str, *, silent: bool) -> None:
         console = Console(stderr=True)
         columns = (
             TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.completed:,.0f} of {task.total:,.0f} runs"),
-            _Rate(),
-            TimeElapsedColumn(),
-            TextColumn("left"),
-            TimeRemainingColumn(),
+            BarColumn(bar_width=20),
+            TextColumn("{task.completed:,.0f} of {task.total:,.0f} " + what),
+            _Left(),
         )
+        self._command = command
         self._bar = Progress(*columns, console=console, transient=True, disable=silent or not console.is_terminal)
-        self._task = self._bar.add_task("sweep", total=1, start=False, visible=False)
+        self._task = self._bar.add_task(command, total=1, start=False, visible=False)
         self.done = self.total = 0
 
     def show(self, done: int, total: int) -> None:
-        """So many runs are done."""
+        """So much is done."""
         if not self.total:
             self._bar.start_task(self._task)
         self.done, self.total = done, total
         self._bar.update(self._task, completed=done, total=total, visible=True)
 
+    def steps(self, total: int) -> Callable[[str], None]:
+        """What is to be told of each of so many steps as it begins: the one before is done."""
+        begun = 0
+
+        def begin(name: str) -> None:
+            nonlocal begun
+            self.describe(name)
+            self.show(begun, total)
+            begun += 1
+
+        return begin
+
     def describe(self, what: str) -> None:
         """What is being done."""
-        self._bar.update(self._task, description=what)
+        self._bar.update(self._task, description=f"{self._command}: {what}")
 
     def stop(self) -> None:
-        """Takes the bar off the terminal."""
+        """Takes the line off the terminal."""
         self._bar.stop()
 
     def __enter__(self) -> "Bar":
@@ -54,20 +69,33 @@ class Bar:
 
 
 @contextmanager
-def all_or_nothing(*, silent: bool) -> Iterator[Bar]:
-    """A bar over work that writes at its end: interrupted, it says so, and nothing is written."""
-    with Bar(silent=silent) as bar:
+def all_or_nothing(command: str, what: str, *, silent: bool) -> Iterator[Bar]:
+    """A line over work that writes at its end: interrupted, it says so, and nothing is written."""
+    with Bar(command, what, silent=silent) as bar:
         try:
             yield bar
         except KeyboardInterrupt:
             bar.stop()
             print("\nforcefeel: interrupted; nothing is written", file=sys.stderr)
-            raise typer.Exit(INTERRUPTED) from None
+            raise SystemExit(INTERRUPTED) from None
 
 
-class _Rate(ProgressColumn):
-    """Runs per second."""
+class _Left(ProgressColumn):
+    """The time that is left, if the rest goes as fast as all that is done: the pace of the last seconds alone leaps."""
+
+    max_refresh = 0.5
 
     def render(self, task: Task) -> Text:
-        speed = task.finished_speed or task.speed
-        return Text(f"{speed:,.0f} per s" if speed else "")
+        if not task.completed or not task.elapsed or not task.total:
+            return Text("")
+        return Text(f"{_time(task.elapsed * (task.total - task.completed) / task.completed)} left")
+
+
+def _time(seconds: float) -> str:
+    """A time as a person says it: 45 s, 3 min 20 s, 2 h 5 min."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"

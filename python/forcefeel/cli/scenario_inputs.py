@@ -94,7 +94,7 @@ class InputOptions:
         Raises:
             InputError: If an option is bad or missing.
         """
-        from forcefeel.simulation import inputs  # noqa: PLC0415  numpy, which help need not wait for
+        from forcefeel.simulation import inputs
 
         match self.kind:
             case InputKind.HANDS_OFF:
@@ -111,7 +111,7 @@ class InputOptions:
                 return self._lasting()
 
     def _lasting(self) -> "Force":
-        from forcefeel.simulation import inputs  # noqa: PLC0415
+        from forcefeel.simulation import inputs
 
         lasts = self._time("--lasts", self.duration_s)
         match self.kind:

@@ -1,28 +1,18 @@
 """The options that describe what is done to a loader, and which law drives it: the same for every command that simulates.
 
-A command takes them as one argument::
-
-    @app.command()
-    @with_scenario
-    def simulate(loader: LoaderFile = None, *, scenario: ScenarioOptions) -> None: ...
-
-and asks, in this order, ``nominal = scenario.changed(load(path))``, ``scenario.scenario(nominal)`` and
-``scenario.compensator(nominal)``.
+A command asks, in this order, ``nominal = options.loader(path)``, ``options.scenario(nominal)`` and ``options.law_of(nominal)``.
 """
 
-import inspect
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
-from functools import wraps
+from dataclasses import dataclass, replace
 from math import floor, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+from typing import TYPE_CHECKING, Annotated
 
-import typer
+from cyclopts import Group
 
 from forcefeel.cli.bench_data import options_named
 from forcefeel.cli.given_loader import given_law
-from forcefeel.cli.law_option import METAVAR, law_name
+from forcefeel.cli.options import LOADER, RARE, LawOption, LoaderOptions, option
 from forcefeel.cli.scenario_inputs import DURATION_S, OPTIONS, InputKind, InputOptions, Spacing
 from forcefeel.cli.scenario_text import assignments, over_time, seconds
 from forcefeel.errors import InputError
@@ -46,198 +36,167 @@ ROUNDING = 1e-6
 """Of a sample; a recording that ends so little before a sample covers it."""
 
 
-_METAVARS = {
-    "--compensator": METAVAR,
-    "--force": "FORCE",
-    "--angle": "ANGLE",
-    "--from": "FREQUENCY",
-    "--to": "FREQUENCY",
-    "--lines": "FREQUENCIES",
-    "--record": "FILE",
-    "--column": "time|force=NAME",
-    "--unit": "NAME=UNIT",
-    "--trim": "TIME: ANGLE, ...",
-    "--dynamic-pressure": "TIME: PRESSURE, ...",
-    "--shaker": "TIME: SHARE, ...",
-    "--change": "TIME: NAME=VALUE, ...",
-    "--set": "NAME=VALUE",
-    "--input": None,
-    "--spacing": None,
-    "--arm": None,
-}
+INPUT = Group("Pilot's input", sort_key=10)
+SCENARIO = Group("Scenario", sort_key=20)
 
 
-def _option(name: str, help: str, panel: str, **more: Any) -> Any:  # noqa: A002  Typer's word
-    metavar = _METAVARS.get(name, "TIME")
-    return typer.Option(name, help=help, metavar=metavar, rich_help_panel=panel, show_default=False, **more)
-
-
-_INPUT, _SCENARIO, _LOADER = "Pilot's input", "Scenario", "Loader and law"
-
-
-@dataclass(frozen=True)
-class ScenarioOptions:
+@dataclass(frozen=True, kw_only=True)
+class ScenarioOptions(LoaderOptions):
     """The options as given; ``None`` is not given. Values with units are text."""
 
-    input: Annotated[InputKind | None, _option("--input", "What the pilot does.  [default: step]", _INPUT)] = None
+    input: Annotated[InputKind | None, option("What the pilot does.", INPUT, default="step")] = None
     force: Annotated[
         str | None,
-        _option("--force", "Greatest force, such as '20 lb'.  [default: pilot.force of the loader]", _INPUT),
+        option("Greatest force, such as '20 lb'.", INPUT, default="pilot.force of the loader", metavar="FORCE"),
     ] = None
     start: Annotated[
         str | None,
-        _option(
-            "--start", "When it begins; of a release, when the grip is let go.  [default: 0.1 s; release 0 s]", _INPUT
+        option(
+            "When it begins; of a release, when the grip is let go.",
+            INPUT,
+            default="0.1 s; release 0 s",
+            metavar="TIME",
         ),
     ] = None
     width: Annotated[
-        str | None, _option("--width", "Length of a pulse, of each half of a doublet.  [default: 0.5 s]", _INPUT)
+        str | None, option("Length of a pulse, of each half of a doublet.", RARE, default="0.5 s", metavar="TIME")
     ] = None
     angle: Annotated[
-        str | None,
-        _option("--angle", "Release: angle at which the grip is held, such as '10 deg'.", _INPUT),
+        str | None, option("Release: angle at which the grip is held, such as '10 deg'.", INPUT, metavar="ANGLE")
     ] = None
     lasts: Annotated[
         str | None,
-        _option(
-            "--lasts",
-            "Length of a stop-to-stop sweep or a chirp, period of a multisine.  [default: all the run]",
-            _INPUT,
+        option(
+            "Length of a stop-to-stop sweep or a chirp, period of a multisine.",
+            RARE,
+            default="all the run",
+            metavar="TIME",
         ),
     ] = None
     from_: Annotated[
-        str | None, _option("--from", "First frequency of a chirp, lowest of a multisine.  [default: 0.2 Hz]", _INPUT)
+        str | None,
+        option(
+            "First frequency of a chirp, lowest of a multisine.", INPUT, "--from", default="0.2 Hz", metavar="FREQUENCY"
+        ),
     ] = None
     to: Annotated[
-        str | None, _option("--to", "Last frequency of a chirp, highest of a multisine.  [default: 20 Hz]", _INPUT)
+        str | None,
+        option("Last frequency of a chirp, highest of a multisine.", INPUT, default="20 Hz", metavar="FREQUENCY"),
     ] = None
-    spacing: Annotated[
-        Spacing | None, _option("--spacing", "How a chirp's frequency runs.  [default: linear]", _INPUT)
-    ] = None
+    spacing: Annotated[Spacing | None, option("How a chirp's frequency runs.", RARE, default="linear")] = None
     lines: Annotated[
         str | None,
-        _option(
-            "--lines",
-            "Frequencies of a multisine, such as '0.5 Hz, 1.5 Hz'.  [default: all multiples of one over its period in the band]",
-            _INPUT,
+        option(
+            "Frequencies of a multisine, such as '0.5 Hz, 1.5 Hz'.",
+            RARE,
+            default="all multiples of one over its period in the band",
+            metavar="FREQUENCIES",
         ),
     ] = None
     record: Annotated[
         Path | None,
-        _option(
-            "--record",
-            "File of a recorded force (CSV, Parquet, MATLAB), columns such as 'time (s),force (lb)'; its first point is the "
-            "start of the run.",
-            _INPUT,
+        option(
+            "File of a recorded force (CSV, Parquet, MATLAB), columns such as 'time (s),force (lb)'; its "
+            "first point is the start of the run.",
+            INPUT,
+            metavar="FILE",
         ),
     ] = None
     column: Annotated[
-        list[str] | None,
-        _option(
-            "--column", "What the file of --record calls a column, such as 'force=F1'. May be given again.", _INPUT
+        tuple[str, ...],
+        option(
+            "What the file of --record calls a column, such as 'force=F1'. May be given again.",
+            RARE,
+            metavar="NAME=NAME",
         ),
-    ] = None
+    ] = ()
     unit: Annotated[
-        list[str] | None,
-        _option("--unit", "Unit of a column whose header has none, such as 'F1=lb'. May be given again.", _INPUT),
-    ] = None
+        tuple[str, ...],
+        option(
+            "Unit of a column whose header has none, such as 'F1=lb'. May be given again.", RARE, metavar="NAME=UNIT"
+        ),
+    ] = ()
     duration: Annotated[
         str | None,
-        _option(
-            "--duration",
-            "Length of the run.  [default: 2 s; stop-to-stop 100 s, chirp 20 s, multisine 10 s, a recording all of it]",
-            _SCENARIO,
+        option(
+            "Length of the run.",
+            SCENARIO,
+            default="2 s; stop-to-stop 100 s, chirp 20 s, multisine 10 s, a recording all of it",
+            metavar="TIME",
         ),
     ] = None
     trim: Annotated[
         str | None,
-        _option(
-            "--trim",
+        option(
             "Commanded neutral over time, such as '0 s: 0 deg, 1 s: 5 deg': straight lines; two points at one time are a jump.",
-            _SCENARIO,
+            RARE,
+            metavar="OVER_TIME",
         ),
     ] = None
     dynamic_pressure: Annotated[
         str | None,
-        _option(
-            "--dynamic-pressure",
+        option(
             "Dynamic pressure over time, as --trim, or one value such as '5 kPa'; for a loader with feel.stiffness_factor.",
-            _SCENARIO,
+            SCENARIO,
+            metavar="OVER_TIME",
         ),
     ] = None
     shaker: Annotated[
         str | None,
-        _option(
-            "--shaker",
+        option(
             "How far the stick shaker is on over time, 0 to 1, such as '1 s: 0, 1 s: 1'; for a loader with feel.shaker_force.",
-            _SCENARIO,
+            RARE,
+            metavar="OVER_TIME",
         ),
     ] = None
     change: Annotated[
-        list[str] | None,
-        _option(
-            "--change",
-            "The feel is programmed anew, such as '1 s: feel.stiffness=5000 lb in/rad, feel.damping=200 lb in s/rad'. "
-            "May be given again.",
-            _SCENARIO,
+        tuple[str, ...],
+        option(
+            "The feel is programmed anew, such as '1 s: feel.stiffness=5000 lb in/rad, feel.damping=200 lb in s/rad'. May "
+            "be given again.",
+            SCENARIO,
+            metavar="CHANGE",
         ),
-    ] = None
-    over: Annotated[str | None, _option("--over", "How long each --change takes.  [default: 0.5 s]", _SCENARIO)] = None
+    ] = ()
+    over: Annotated[str | None, option("How long each --change takes.", RARE, default="0.5 s", metavar="TIME")] = None
     step: Annotated[
         str | None,
-        _option(
-            "--step",
-            "Longest step of the engine; with a digital controller the step divides its period.  [default: 1 ms]",
-            _SCENARIO,
+        option(
+            "Longest step of the engine; with a digital controller the step divides its period.",
+            RARE,
+            default="1 ms",
+            metavar="TIME",
         ),
     ] = None
     sample: Annotated[
-        str | None, _option("--sample", "Time between two samples of the result.  [default: about 1 ms]", _SCENARIO)
+        str | None, option("Time between two samples of the result.", RARE, default="about 1 ms", metavar="TIME")
     ] = None
-    seed: Annotated[int, typer.Option("--seed", help="Seed of all that is random.", rich_help_panel=_SCENARIO)] = 0
-    set_: Annotated[
-        list[str] | None,
-        _option(
-            "--set",
-            "Changes a value of the loader, such as 'column.coulomb_friction=3 lb', 'controller.period=0.5 ms', "
-            "'valve.orifice=true', 'feel.breakout=off'. May be given again.",
-            _LOADER,
-        ),
-    ] = None
+    seed: Annotated[int, option("Seed of all that is random.", RARE)] = 0
     arm: Annotated[
         Arm | None,
-        _option(
-            "--arm",
+        option(
             "The pilot's arm at the grip: loose 1 kg, 10 N s/m, 50 N/m; firm, two hands 3 kg, 40 N s/m, 1000 N/m (this "
-            "set is unverified); hands-off none.  [default: the loader's]",
-            _LOADER,
+            "set is unverified); hands-off none.",
+            LOADER,
+            default="the loader's",
         ),
     ] = None
-    law: Annotated[
-        str | None,
-        _option(
-            "--compensator",
-            "The law: the original position loop, or one that is designed for this loader: feedback gains of recursion (22), over "
-            "the published or an endless horizon, or a sampled law; or the file of one, from `compensate --save-law`.  "
-            "[default: original]",
-            _LOADER,
-            parser=law_name,
-        ),
-    ] = None
+    law: LawOption = None
 
     def changed(self, loader: "Loader") -> "Loader":
-        """The loader with ``--set`` and ``--arm``; the other methods ask for this one.
+        """``loader`` with ``--set`` and ``--arm``; the other methods ask for this one.
 
         Raises:
             InputError: If a value is bad.
         """
-        changes = assignments("--set", tuple(self.set_ or ()))
-        if self.arm is not None:
-            for row in ARM_ROWS:
-                if row in changes:
-                    raise InputError(f"--arm: sets {row}, and so does --set; leave one out")
-            changes |= dict(zip(ARM_ROWS, ARMS[self.arm], strict=True))
-        return loader.replace(changes) if changes else loader
+        loader = super().changed(loader)
+        if self.arm is None:
+            return loader
+        changes = assignments("--set", self.set_)
+        for row in ARM_ROWS:
+            if row in changes:
+                raise InputError(f"--arm: sets {row}, and so does --set; leave one out")
+        return loader.replace(dict(zip(ARM_ROWS, ARMS[self.arm], strict=True)))
 
     def law_of(self, loader: "Loader") -> "Law":
         """The law, designed for ``loader`` or read from its file.
@@ -271,7 +230,7 @@ class ScenarioOptions:
 
     def _bare(self, loader: "Loader") -> "Scenario":
         """The scenario without the pilot."""
-        from forcefeel.simulation import Scenario  # noqa: PLC0415
+        from forcefeel.simulation import Scenario
 
         return Scenario(
             step_s=STEP_S if self.step is None else seconds("--step", self.step),
@@ -310,9 +269,9 @@ class ScenarioOptions:
         names = ColumnNames.of(self.column, self.unit, stems)
         if self.record is None:
             return None
-        for option in (*(["--input"] if self.input else []), *self._given()):
-            raise InputError(f"{option}: given with --record, which is the pilot's input; leave one out")
-        from forcefeel.simulation.inputs import read_recorded  # noqa: PLC0415
+        for name in (*(["--input"] if self.input else []), *self._given()):
+            raise InputError(f"{name}: given with --record, which is the pilot's input; leave one out")
+        from forcefeel.simulation.inputs import read_recorded
 
         with options_named():
             return read_recorded(self.record, **names.arguments(self.record.stem)).from_zero()
@@ -330,7 +289,7 @@ class ScenarioOptions:
         return on
 
     def _changes(self) -> "tuple[FeelChange, ...]":
-        from forcefeel.simulation import FeelChange  # noqa: PLC0415
+        from forcefeel.simulation import FeelChange
 
         if self.over is not None and not self.change:
             raise InputError("--over: is how long a --change takes, and there is none; leave it out")
@@ -348,35 +307,9 @@ class ScenarioOptions:
         return tuple(found)
 
 
-def with_scenario(command: Callable[..., None]) -> Callable[..., None]:
-    """``command`` with an option for each field of its argument ``scenario``."""
-    signature = inspect.signature(command)
-    hints = get_type_hints(ScenarioOptions, include_extras=True)
-    names = [field.name for field in fields(ScenarioOptions)]
-    options = [
-        inspect.Parameter(
-            field.name, inspect.Parameter.KEYWORD_ONLY, default=field.default, annotation=hints[field.name]
-        )
-        for field in fields(ScenarioOptions)
-    ]
-
-    @wraps(command)
-    def taking_options(**given: Any) -> None:
-        chosen = ScenarioOptions(**{name: given.pop(name) for name in names})
-        command(**given, scenario=chosen)
-
-    own = [
-        parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY)
-        for name, parameter in signature.parameters.items()
-        if name != "scenario"
-    ]
-    taking_options.__signature__ = signature.replace(parameters=[*own, *options])  # type: ignore[attr-defined]
-    return taking_options
-
-
 def _grid(scenario: "Scenario", loader: "Loader") -> float:
     """The engine's step for ``loader``."""
-    from forcefeel.simulation.scenario import Steps  # noqa: PLC0415
+    from forcefeel.simulation.scenario import Steps
 
     period = loader["controller.period"]
     if period == 0:
@@ -387,6 +320,6 @@ def _grid(scenario: "Scenario", loader: "Loader") -> float:
 def _schedule(option: str, text: str | None, unit_si: str, example: str) -> "Schedule | None":
     if text is None:
         return None
-    from forcefeel.simulation.inputs import Schedule  # noqa: PLC0415
+    from forcefeel.simulation.inputs import Schedule
 
     return Schedule(*over_time(option, text, unit_si, example), name=option)

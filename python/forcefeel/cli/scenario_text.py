@@ -63,7 +63,7 @@ def assignments(option: str, texts: tuple[str, ...]) -> dict[str, Value]:
     Raises:
         InputError: If one is not a name, an equals sign and a value, or a name stands twice.
     """
-    from forcefeel.loader.parameters import REQUIRED  # noqa: PLC0415  the Rust model, which help need not wait for
+    from forcefeel.loader.parameters import REQUIRED
 
     found: dict[str, Value] = {}
     for text in texts:

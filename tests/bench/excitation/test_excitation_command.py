@@ -176,13 +176,13 @@ def test_what_is_not_determined_is_exit_1(run, tmp_path):
         (("--fit", "J", "--out", "e.txt"), "e.txt: expected a name that ends in .csv"),
         (("--fit", "J", "--out", "no/e.csv"), "no/e.csv: expected a folder no to write it into"),
         (
-            ("--fit", "J", "--compensator", "published"),
-            "--compensator: is the law of the whole loader, and servo-closed test_signal is of the servo alone; leave it out",
+            ("--fit", "J", "--law", "published"),
+            "--law: is the law of the whole loader, and servo-closed test_signal is of the servo alone; leave it out",
         ),
-        (("--fit", "J", "--compensator", "observer"), "--compensator: is the law of the whole loader"),
+        (("--fit", "J", "--law", "observer"), "--law: is the law of the whole loader"),
         (
-            ("--fit", "J", "--experiment", "loader", "--compensator", "observer"),
-            "--compensator: controller.period: expected a sample period",
+            ("--fit", "J", "--experiment", "loader", "--law", "observer"),
+            "--law: controller.period: expected a sample period",
         ),
     ],
 )

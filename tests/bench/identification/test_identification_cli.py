@@ -10,12 +10,12 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.identification import fit
 from forcefeel.bench.identification.page.folder import LOADER, PAGE, RESULTS
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.response_file import read_response
 from forcefeel.bench.responses import Response
-from forcefeel.cli import identify_command
-from forcefeel.cli.resonance_command import read_band
+from forcefeel.cli.resonance import read_band
 from forcefeel.errors import InputError
 from forcefeel.linear.models import Linkage, servo
 from forcefeel.tables.column_names import by_stem, names_by_stem
@@ -82,7 +82,7 @@ def found(monkeypatch):
             asked.update(loader=loader, data=data, fit=fit, **options)
             return result
 
-        monkeypatch.setattr(identify_command, "identify", pretend)
+        monkeypatch.setattr(fit, "identify", pretend)
         return asked
 
     return set_to
@@ -202,13 +202,13 @@ def test_the_options_reach_the_fit(identify, found):
 
 def test_a_law_is_that_of_the_whole_loader(identify, found, tmp_path):
     asked = found(determined())
-    status, out, err = identify(*GOOD, "--compensator", "published")
+    status, out, err = identify(*GOOD, "--law", "published")
     assert (status, out) == (2, "")
     assert "all data are of the servo alone" in err
-    assert identify(*GOOD, "--compensator", "original")[0] == 0
+    assert identify(*GOOD, "--law", "original")[0] == 0
     assert asked["law"] is None
     other = [word.replace("servo-closed", "loader test_signal") for word in GOOD]
-    assert identify(*other, "--compensator", "published", "--replace")[0] == 0
+    assert identify(*other, "--law", "published", "--replace")[0] == 0
     assert isinstance(asked["law"].fixed, ff.Compensator)
     results = json.loads((tmp_path / "forcefeel-identified" / RESULTS).read_text())
     assert results["settings"]["law"] == "published"
@@ -357,7 +357,7 @@ def test_interrupted_writes_nothing(identify, tmp_path, monkeypatch):
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(identify_command, "identify", interrupted)
+    monkeypatch.setattr(fit, "identify", interrupted)
     status, _, err = identify(*GOOD)
     assert status == 130
     assert "nothing is written" in err

@@ -1,26 +1,28 @@
-"""What ``forcefeel resonance`` does."""
+"""``forcefeel resonance``."""
 
 import math
 import re
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-import typer
+from cyclopts import Group
 from rich.console import Console
 from rich.table import Table
 
-from forcefeel.bench.channels import OUTPUTS, channel
-from forcefeel.bench.estimate import estimate_response
-from forcefeel.bench.records import BenchRecord
-from forcefeel.bench.resonance import Reading, Resonance, link_from_resonance, read_resonance
-from forcefeel.bench.responses import Response
-from forcefeel.cli.bench_data import BenchData
-from forcefeel.cli.given_loader import given_loader
+from forcefeel.cli.bench_data import DATA, BenchOptions
+from forcefeel.cli.exit_status import BAD_ANSWER
+from forcefeel.cli.options import LoaderFile, LoaderOptions, OutputOptions, option
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
 from forcefeel.json_values import Json, quantity
-from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import ALTERNATIVES, TABLE, unit, with_unit
 from forcefeel.units import HERTZ, UnitSystem, parse, show, to_text
+
+if TYPE_CHECKING:
+    from forcefeel.bench.records import BenchRecord
+    from forcefeel.bench.resonance import Reading, Resonance
+    from forcefeel.bench.responses import Response
+    from forcefeel.loader.loader import Loader
 
 HOLDS_FOR = (
     "k and c are those of a column that swings on the link while the piston is held, as the 1974 report took it. On a bench the "
@@ -35,27 +37,51 @@ _DIGITS = 4
 _NUMBER = re.compile(r"[-+0-9.eE]+")
 
 
-def run_resonance(
-    path: Path | None,
-    bench: BenchData,
-    measured: str | None,
-    band: str | None,
-    changes: list[str] | None,
-    units: UnitSystem,
-    *,
-    as_json: bool,
-) -> None:
-    """Reads a resonance off a response and shows the link that has it."""
-    loader = given_loader(path, changes)
-    band_hz = read_band(band)
-    response = _response(bench.read()[0], measured)
+RESONANCE = Group("Resonance", sort_key=20)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResonanceOptions(BenchOptions, LoaderOptions, OutputOptions):
+    """The options of ``forcefeel resonance``."""
+
+    data: Annotated[
+        Path,
+        option("A frequency response (CSV), or a record in time (CSV, Parquet, MATLAB).", DATA, metavar="FILE"),
+    ]
+    band: Annotated[
+        str | None,
+        option("Where to look, such as '8..16 Hz'.", RESONANCE, default="all of the data", metavar="FREQUENCIES"),
+    ] = None
+    channel: Annotated[
+        str | None,
+        option(
+            "Of a record: the measured channel whose response to the drive is read.",
+            RESONANCE,
+            default="column_angle",
+            metavar="CHANNEL",
+        ),
+    ] = None
+
+
+def run(path: LoaderFile = None, /, *, options: ResonanceOptions) -> None:
+    """Read a resonance off a measured response, and the link's k and c from it, as the 1974 report did.
+
+    Exit status 1 if no resonance can be read.
+
+    Example: forcefeel resonance my.toml --data closed.csv --band '8..16 Hz'
+    """
+    from forcefeel.bench.resonance import read_resonance
+
+    loader = options.loader(path)
+    band_hz = read_band(options.band)
+    response = _response(options.read((options.data,))[0], options.channel)
     found = read_resonance(response, band_hz)
-    if as_json:
-        print_json(_resonance_json(response, found, loader, units))
+    if options.json:
+        print_json(_resonance_json(response, found, loader, options.units))
     else:
-        _show(Terminal(), response, found, loader, units)
+        _show(Terminal(), response, found, loader, options.units)
     if found.frequency_hz is None:
-        raise typer.Exit(1)
+        raise SystemExit(BAD_ANSWER)
 
 
 def read_band(given: str | None) -> tuple[float, float] | None:
@@ -78,8 +104,12 @@ def read_band(given: str | None) -> tuple[float, float] | None:
     return ends[0], ends[1]
 
 
-def _response(data: Response | BenchRecord, measured: str | None) -> Response:
+def _response(data: "Response | BenchRecord", measured: str | None) -> "Response":
     """The response that was given, or that of a record's channel to its drive."""
+    from forcefeel.bench.channels import OUTPUTS, channel
+    from forcefeel.bench.estimate import estimate_response
+    from forcefeel.bench.responses import Response
+
     if isinstance(data, Response):
         if measured is not None:
             raise InputError("--channel: is for a record, and the data are a frequency response; leave it out")
@@ -92,14 +122,18 @@ def _response(data: Response | BenchRecord, measured: str | None) -> Response:
     return estimate_response(data, "column_angle" if "column_angle" in names else names[0])
 
 
-def _link(reading: Reading, loader: Loader) -> tuple[float, float] | None:
+def _link(reading: "Reading", loader: "Loader") -> tuple[float, float] | None:
+    from forcefeel.bench.resonance import link_from_resonance
+
     if not reading.frequency_hz or not reading.damping_ratio or reading.damping_ratio < 0:
         return None
     return link_from_resonance(loader, reading.frequency_hz, reading.damping_ratio)
 
 
-def _lines(found: Resonance, units: UnitSystem) -> dict[str, str]:
+def _lines(found: "Resonance", units: UnitSystem) -> dict[str, str]:
     """What a loader file may state in place of k and c, as it states it."""
+    from forcefeel.loader.parameters import ALTERNATIVES, with_unit
+
     if not found.frequency_hz or not found.damping_ratio or found.damping_ratio < 0:
         return {}
     values = (2 * math.pi * found.frequency_hz, found.damping_ratio)
@@ -107,13 +141,15 @@ def _lines(found: Resonance, units: UnitSystem) -> dict[str, str]:
     return {row.name: with_unit(row, value, units, _DIGITS) for row, value in zip(rows, values, strict=True)}
 
 
-def _verdict(response: Response, found: Resonance) -> str:
+def _verdict(response: "Response", found: "Resonance") -> str:
     if found.frequency_hz is None or found.damping_ratio is None:
         return f"No resonance can be read off {response.name}: {found.circle.note.removeprefix('not read: ')}."
     return f"{response.name} resonates at {_text(found.frequency_hz)} Hz with a damping ratio of {_text(found.damping_ratio)}."
 
 
-def _show(console: Console, response: Response, found: Resonance, loader: Loader, units: UnitSystem) -> None:
+def _show(console: Console, response: "Response", found: "Resonance", loader: "Loader", units: UnitSystem) -> None:
+    from forcefeel.loader.parameters import TABLE, unit
+
     heads = [f"{TABLE[key].symbol}, {unit(TABLE[key]).shown(units)}" for key in _LINK]
     table = Table(title=f"{response.name}, {response.experiment}", title_justify="left", title_style="bold")
     table.add_column("method")
@@ -138,11 +174,13 @@ def _show(console: Console, response: Response, found: Resonance, loader: Loader
 
 
 def _link_texts(link: tuple[float, float], units: UnitSystem) -> list[str]:
+    from forcefeel.loader.parameters import TABLE, unit
+
     pairs = zip(_LINK, link, strict=True)
     return [_text(unit(TABLE[key]).from_si(value, units)) for key, value in pairs]
 
 
-def _resonance_json(response: Response, found: Resonance, loader: Loader, units: UnitSystem) -> dict[str, Json]:
+def _resonance_json(response: "Response", found: "Resonance", loader: "Loader", units: UnitSystem) -> dict[str, Json]:
     return {
         "data": response.name,
         "experiment": str(response.experiment),
@@ -159,7 +197,9 @@ def _resonance_json(response: Response, found: Resonance, loader: Loader, units:
     }
 
 
-def _reading_json(reading: Reading, loader: Loader, units: UnitSystem) -> dict[str, Json]:
+def _reading_json(reading: "Reading", loader: "Loader", units: UnitSystem) -> dict[str, Json]:
+    from forcefeel.loader.parameters import TABLE, unit
+
     link = _link(reading, loader)
     values = (None, None) if link is None else link
     return {

@@ -1,0 +1,32 @@
+"""``forcefeel analyze``."""
+
+from dataclasses import dataclass
+
+from forcefeel.cli.exit_status import BAD_ANSWER
+from forcefeel.cli.options import LoaderFile, LoaderOptions, OutputOptions
+from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.json_values import json_value
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnalyzeOptions(LoaderOptions, OutputOptions):
+    """The options of ``forcefeel analyze``."""
+
+
+def run(path: LoaderFile = None, /, *, options: AnalyzeOptions = AnalyzeOptions()) -> None:
+    """Analyse the original system: modes, margins, stability, response.
+
+    Exit status 1 if it is unstable at the programmed setting (compliant link).
+
+    Example: forcefeel analyze my.toml --json > analysis.json
+    """
+    from forcefeel.cli import show
+    from forcefeel.design import workflow
+
+    found = workflow.analyze(options.loader(path))
+    if options.json:
+        print_json(json_value(found, options.units))
+    else:
+        show.analysis(Terminal(), found, options.units)
+    if not found.configuration("compliant").programmed.assessment.stable:
+        raise SystemExit(BAD_ANSWER)

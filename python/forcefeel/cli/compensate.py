@@ -1,0 +1,253 @@
+"""``forcefeel compensate``: recursion (22), or with ``--method`` the design of one law, or of all and a choice."""
+
+from dataclasses import dataclass, fields
+from math import degrees, isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Group
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.exit_status import BAD_ANSWER
+from forcefeel.cli.law_option import LAW_NAMES
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
+from forcefeel.cli.progress import all_or_nothing
+from forcefeel.cli.recursion_options import RecursionOptions
+from forcefeel.cli.release_options import ReleaseOptions
+from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.errors import InputError
+from forcefeel.json_values import json_value
+from forcefeel.units import UnitSystem, to_text
+
+if TYPE_CHECKING:
+    from forcefeel.choice import Choice, Score, Scored
+    from forcefeel.laws.law import Law
+    from forcefeel.loader.loader import Loader
+
+AUTO = "auto"
+_FOLDER = Path("forcefeel-compensate")
+_NONE = "-"
+
+
+METHODS = Group("Methods", sort_key=10)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompensateOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadOptions, OutputOptions):
+    """The options of ``forcefeel compensate``."""
+
+    method: Annotated[
+        str | None,
+        option(
+            f"auto tries all methods that the loader can run and chooses one; or the name of one: {LAW_NAMES}. In place of the "
+            "options of recursion (22).",
+            METHODS,
+            metavar="NAME",
+        ),
+    ] = None
+    envelope: Annotated[bool, option("With a method's name: try it over the envelope too, as auto does.", METHODS)] = (
+        False
+    )
+    grid: Annotated[
+        tuple[str, ...],
+        option(
+            "Settings of the envelope along an axis: 'stiffness=1..100 %:6:log' (of G_max), 'frequency=0.5..4 Hz:4:log', "
+            "'damping=0.1, 0.3, 0.7, 1.5', which are the defaults. May be given again.",
+            METHODS,
+            metavar="AXIS=VALUES",
+        ),
+    ] = ()
+    out: Annotated[
+        Path | None,
+        option("With --method: folder for compensate.html and results.json.", OUTPUT, default=str(_FOLDER)),
+    ] = None
+    save_law: Annotated[
+        Path | None,
+        option(
+            "File (.json) for the law, which --law of other commands takes in a name's place: that of the loader's own "
+            "setting; with --envelope or --method auto those of the grid's settings too. Nothing is saved where none is found.",
+            OUTPUT,
+            metavar="FILE.json",
+        ),
+    ] = None
+
+    def check(self) -> None:
+        """Refuses what does not go together.
+
+        Raises:
+            InputError: If so.
+        """
+        if self.method is None:
+            self._refuse(
+                {*_METHOD_ALONE, *(field.name for field in fields(ThreadOptions))},
+                "is for --method; add --method auto or the name of a method, or leave it out",
+            )
+            return
+        self._refuse(
+            {field.name for field in fields(RecursionOptions)},
+            "is for recursion (22) alone; leave it out, or leave out --method",
+        )
+        if self.method == AUTO and self.envelope:
+            raise InputError(
+                "--envelope: is for one method by its name; --method auto tries all over the envelope anyway"
+            )
+        if self.method != AUTO and not self.envelope:
+            self._refuse({"grid", "off"}, "is for the envelope; add --envelope, or take --method auto")
+
+    def _refuse(self, names: set[str], why: str) -> None:
+        for field in fields(self):
+            if field.name in names and getattr(self, field.name) != field.default:
+                raise InputError(f"--{field.name.replace('_', '-')}: {why}")
+
+
+_METHOD_ALONE = ("envelope", "grid", "rule", "off", "out", "replace")
+
+
+def run(path: LoaderFile = None, /, *, options: CompensateOptions = CompensateOptions()) -> None:
+    """Compute the feedback gains by recursion (22) and close the loop with them; or try methods and choose one.
+
+    With --method auto every method is scored over the envelope, on the valve, on noise and on margins, and one is chosen.
+
+    Exit status 1 if the compensated loader is unstable at the programmed setting, or no method is eligible.
+
+    Example: forcefeel compensate elevator-2khz --method auto --out methods
+    """
+    from forcefeel.laws.law_file import check_law_file
+
+    loader = options.loader(path)
+    if options.save_law is not None:
+        check_law_file(options.save_law)  # before the work, not after it
+    options.check()
+    if options.method is None:
+        _recursion(loader, options)
+    else:
+        _methods(loader, options)
+
+
+def _recursion(loader: "Loader", options: CompensateOptions) -> None:
+    """Computes gains and closes the loop; gains that the recursion reached go to their file."""
+    from forcefeel.cli import show
+    from forcefeel.design.assessment import assess, peaks
+    from forcefeel.laws.analog.recursion import compensate
+    from forcefeel.laws.law import Law
+
+    settings = options.settings(loader)
+    found = compensate(loader, settings)
+    law = found.compensator(loader)
+    judged = assess(loader, law, found.settings)
+    demand = peaks(loader, law) if judged.stable else None
+    saved = options.save_law if found.reached else None
+    if saved:
+        Law.of(settings, loader, name="recursion (22)").save(saved)
+    if options.json:
+        parts = {"loader": loader, "compensation": found, "assessment": judged, "peaks": demand}
+        files = {"law_file": str(saved)} if saved else {}
+        print_json(json_value({**files, **parts}, options.units))
+    else:
+        show.compensation(Terminal(), loader, found, judged, demand, options.units)
+        if saved:
+            print(f"law file: {saved}")
+    if not (found.reached and judged.stable):
+        raise SystemExit(BAD_ANSWER)
+
+
+def _methods(loader: "Loader", options: CompensateOptions) -> None:
+    """Tries methods, or designs one, and writes the folder; the law goes to its file."""
+    from forcefeel.choice import choose, score_methods
+    from forcefeel.choice.as_json import choice_json
+    from forcefeel.choice.page.folder import FOLDER, write_choice
+    from forcefeel.choice.score import COARSE, check_names
+    from forcefeel.sweep import text
+
+    out, units = options.out or _FOLDER, options.units
+    names = None if options.method == AUTO else (options.method or "",)
+    if names is not None:
+        check_names(loader, names)
+    grid = {**COARSE, **text.assignments("--grid", options.grid, "stiffness=1..100 %:6:log")}
+    FOLDER.check(out, replace=options.replace)  # before the work, not after it
+    with all_or_nothing("compensate", "releases", silent=options.json) as bar:
+        scored = score_methods(
+            loader,
+            names,
+            grid,
+            over_envelope=names is None or options.envelope,
+            threads=options.threads,
+            progress=bar.show,
+            rule=options.rule,
+            changes=options.deviations(loader),
+        )
+        choice = choose(scored) if names is None else None
+        bar.describe("report")
+        page = write_choice(scored, choice, out, units, replace=options.replace)
+        law = _law(loader, scored, choice) if options.save_law else None
+        if options.save_law and law:
+            law.save(options.save_law)
+    files = {"page": str(page), **({"law_file": str(options.save_law)} if law else {})}
+    if options.json:
+        print_json({**files, **choice_json(scored, choice, units)})
+    else:
+        _show(Terminal(), scored, choice, units)
+        for what, written in files.items():
+            print(f"{what.replace('_', ' ')}: {written}")
+    if not (scored.scores[0].own.stable if choice is None else choice.chosen):
+        raise SystemExit(BAD_ANSWER)
+
+
+def _law(loader: "Loader", scored: "Scored", choice: "Choice | None") -> "Law | None":
+    """The law that was chosen or asked for, at the loader's own setting and those it was tried at; ``None`` where there is none."""
+    import numpy as np
+
+    from forcefeel.laws.law import Law
+    from forcefeel.loader.feel_settings import own_feel
+
+    score = scored.scores[0]
+    if choice is not None:
+        if choice.chosen is None:
+            return None
+        (score,) = (one for one in scored.scores if one.name == choice.chosen)
+    if score.over is None:
+        return Law.of(score.name, loader)
+    return Law.of(
+        score.name, loader, np.unique(np.vstack([own_feel(loader), scored.plan.settings.feel(loader)]), axis=0)
+    )
+
+
+def _show(console: Console, scored: "Scored", choice: "Choice | None", units: UnitSystem) -> None:
+    from forcefeel.choice.findings import choice_conclusions, design_conclusions
+
+    console.print(_table(scored, choice))
+    said = design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units)
+    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)
+
+
+def _table(scored: "Scored", choice: "Choice | None") -> Table:
+    table = Table(title="Methods, shares in %", title_justify="left", title_style="bold")
+    table.add_column("method", no_wrap=True)
+    over = scored.scores[0].over is not None
+    names = ["every case", "nominal", "stable"] if over else []
+    names += ["release", "gain", "phase deg", "delay ms", "current"]
+    names += ["noise mdeg"] if scored.sampled else []
+    for name in names:
+        table.add_column(name, justify="right")
+    for score in scored.scores:
+        taken = choice is not None and score.name == choice.chosen
+        table.add_row(score.name, *_cells(score), style="bold" if taken else None)
+    return table
+
+
+def _cells(score: "Score") -> list[str]:
+    own, margins = score.own, score.own.margins
+    shares = score.over.shares if score.over else None
+    numbers = [100 * one for one in (shares.passes_worst, shares.passes, shares.stable)] if shares else []
+    found = [to_text(one, 3) for one in numbers]
+    if own.stable:
+        bears = (margins.gain_up, degrees(margins.phase_rad), 1e3 * margins.delay_s)
+        found += [own.outcome, *(to_text(one, 3) for one in (*bears, 100 * own.demand.current))]
+    else:
+        found += [own.outcome, *[_NONE] * 4]
+    if own.noise is not None:
+        found.append(to_text(1e3 * degrees(own.noise.angle_rad), 3) if isfinite(own.noise.angle_rad) else _NONE)
+    return found

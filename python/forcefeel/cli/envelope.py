@@ -1,0 +1,140 @@
+"""``forcefeel envelope``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Group
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.law_option import LAW_METAVAR, LAW_NAMES
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
+from forcefeel.cli.progress import all_or_nothing
+from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
+from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.conclusions import share_text
+from forcefeel.errors import InputError
+from forcefeel.units import UnitSystem
+
+if TYPE_CHECKING:
+    from forcefeel.envelope import Envelope
+    from forcefeel.envelope.plan import Plan
+
+DRAWN = Group("All tolerances at once", sort_key=20)
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions, OutputOptions):
+    """The options of ``forcefeel envelope``."""
+
+    grid: Annotated[
+        tuple[str, ...],
+        option(
+            "Values along an axis: 'stiffness=1..100 %:25:log' (of G_max), 'frequency=0.5..4 Hz:16:log', "
+            "'damping=0.1, 0.2, 0.4, 0.7, 1, 1.5', which are the defaults. May be given again.",
+            ASKED,
+            metavar="AXIS=VALUES",
+        ),
+    ] = ()
+    law: Annotated[
+        tuple[str, ...],
+        option(
+            f"{LAW_NAMES}. Designed anew for each setting; or the file of one. May be given again.",
+            ASKED,
+            default="published",
+            metavar=LAW_METAVAR,
+        ),
+    ] = ()
+    compare: Annotated[bool, option("All laws side by side.", ASKED)] = False
+    draws: Annotated[int, option("Machines drawn with all tolerances at once; 0 for none.", DRAWN)] = 40
+    seed: Annotated[int, option("Of the draws; the same seed, the same machines.", DRAWN)] = 0
+    corners: Annotated[
+        bool,
+        option("Draw machines with every tolerance at one of its ends, in place of anywhere between.", DRAWN),
+    ] = False
+    out: Annotated[Path, option("Folder for envelope.html, settings.csv and results.json.", OUTPUT)] = Path(
+        "forcefeel-envelope"
+    )
+
+    def plan(self, path: Path | None) -> "Plan":
+        """What is to be computed.
+
+        Raises:
+            InputError: If an option is bad or does not go with another.
+        """
+        from forcefeel.envelope.draws import Draws
+        from forcefeel.envelope.plan import make_plan
+        from forcefeel.laws.law import names_for
+        from forcefeel.sweep import text
+
+        if self.compare and self.law:
+            raise InputError("--compare and --law: given both; --compare takes all, leave one out")
+        loader = self.loader(path)
+        names = names_for(loader) if self.compare else self.law or ("published",)
+        return make_plan(
+            loader,
+            names,
+            text.assignments("--grid", self.grid, "stiffness=1..100 %:25:log"),
+            rule=self.rule,
+            angle_rad=self.angle_rad,
+            changes=self.deviations(loader),
+            draws=Draws(self.draws, self.seed, self.corners),
+        )
+
+
+def run(path: LoaderFile = None, /, *, options: EnvelopeOptions = EnvelopeOptions()) -> None:
+    """Map which programmed feels the loader renders: stable, and its release within the tolerances of a rule.
+
+    With the nominal plant, with each plant parameter at either end of its tolerance (the loader file's; where it gives none, 20 %
+    are assumed, of the valve's gain 30 %; --off) and with each pilot's arm at the grip; then with all tolerances at once.
+
+    Example: forcefeel envelope my.toml --compare --out envelope
+    """
+    from forcefeel.envelope.as_json import envelope_json
+    from forcefeel.envelope.page.folder import FOLDER, write_envelope
+    from forcefeel.envelope.run import compute
+
+    plan = options.plan(path)
+    FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
+    with all_or_nothing("envelope", "releases", silent=options.json) as bar:
+        found = compute(plan, threads=options.threads, progress=bar.show)
+        bar.describe("report")
+        page = write_envelope(found, options.out, options.units, replace=options.replace)
+    if options.json:
+        print_json({"page": str(page), **envelope_json(found, options.units)})
+    else:
+        _show(Terminal(), found, options.units)
+        print(f"page: {page}")
+
+
+def _show(console: Console, found: "Envelope", units: UnitSystem) -> None:
+    from forcefeel.envelope.findings import envelope_conclusions
+
+    table = Table("compensator", title="Shares of the settings", title_justify="left", title_style="bold")
+    for name in ("stable", "passes", "stable in every case", "passes in every case"):
+        table.add_column(name, justify="right")
+    for name in found.compensators:
+        one = found.shares(name)
+        table.add_row(name, *map(share_text, (one.stable, one.passes, one.stable_worst, one.passes_worst)))
+    console.print(table)
+    if found.plan.machines:
+        console.print(_drawn(found))
+    said = envelope_conclusions(found, units)
+    console.print(said.verdict, style="bold", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)
+
+
+def _drawn(found: "Envelope") -> Table:
+    from forcefeel.envelope.result import MOST
+
+    machines = f"{len(found.plan.machines):,} machines {'at the corners' if found.plan.draws.corners else 'at random'}"
+    table = Table("compensator", title=f"All tolerances at once, {machines}", title_justify="left", title_style="bold")
+    most = share_text(MOST)
+    for name in (f"settings, in {most} of machines", f"machines, at {most} of settings", "a machine, on average"):
+        table.add_column(name, justify="right")
+    for name in found.compensators:
+        one = found.drawn_shares(name)
+        table.add_row(name, *map(share_text, (one.settings, one.good, one.passes)))
+    return table

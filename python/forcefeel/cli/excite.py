@@ -1,0 +1,250 @@
+"""``forcefeel excite``."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Group
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.exit_status import BAD_ANSWER
+from forcefeel.cli.given_loader import given_law
+from forcefeel.cli.law_option import ORIGINAL
+from forcefeel.cli.options import OUTPUT, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.scenario_text import value
+from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.errors import InputError
+from forcefeel.units import UnitSystem
+
+if TYPE_CHECKING:
+    from forcefeel.bench.excitation import Excitation, ExcitationPlan
+    from forcefeel.bench.experiments import Drive, Experiment
+    from forcefeel.laws.law import Law
+    from forcefeel.loader.loader import Loader
+
+_EXAMPLES = {"current": "12 mA", "travel": "8 deg", "force": "1500 lb"}
+_DRIVE_EXAMPLES = {"test_signal": "5 V", "command_signal": "5 V", "pilot_force": "50 lb"}
+
+
+ASKED = Group("What is asked", sort_key=10)
+SIGNAL = Group("The signal", sort_key=20)
+LIMITS = Group("Limits", sort_key=30)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExciteOptions(LoaderOptions, OutputOptions):
+    """The options of ``forcefeel excite``."""
+
+    fit: Annotated[
+        str,
+        option("Parameters to be determined, by symbol or part.name: k,c,J,C_i.", ASKED, metavar="PARAMETERS"),
+    ]
+    experiment: Annotated[
+        str,
+        option(
+            "Loop and drive: servo-open, servo-closed (test signal at the amplifier), loader (force at the grip); with another "
+            "drive as in 'loader test_signal', or 'servo-closed command_signal' where the controller adds the signal to its "
+            "command.",
+            ASKED,
+            metavar="EXPERIMENT",
+        ),
+    ] = "servo-closed"
+    measure: Annotated[
+        str | None,
+        option(
+            "Channels that are recorded.",
+            ASKED,
+            default="column_angle,piston_position,load_pressure",
+            metavar="CHANNELS",
+        ),
+    ] = None
+    noise: Annotated[
+        tuple[str, ...],
+        option(
+            "White noise: as a share of each channel's r.m.s. under even lines that reach the limits, or of one channel, such as "
+            "'column_angle=0.01 deg'. May be given again.",
+            ASKED,
+            default="1 %",
+            metavar="[CHANNEL=]NOISE",
+        ),
+    ] = ()
+    kind: Annotated[Literal["multisine", "chirp"], option("What kind of signal.", SIGNAL)] = "multisine"
+    time: Annotated[float, option("Length in s; six periods fit in it at least.", SIGNAL)] = 60.0
+    rate: Annotated[float, option("Samples per second, four per cycle of the highest line.", SIGNAL)] = 1000.0
+    from_: Annotated[
+        float | None, option("Lowest frequency in Hz.", SIGNAL, "--from", default="one cycle a period")
+    ] = None
+    to: Annotated[
+        float | None,
+        option("Highest frequency in Hz.", SIGNAL, default="the valve's natural frequency, or a quarter of the rate"),
+    ] = None
+    limit_current: Annotated[
+        str | None,
+        option(
+            "Largest valve current.",
+            LIMITS,
+            default="80 % of the amplifier's limit or the valve's rating",
+            metavar="CURRENT",
+        ),
+    ] = None
+    limit_travel: Annotated[
+        str | None,
+        option("Largest column angle.", LIMITS, default="10 deg, or 80 % of the way to an end stop", metavar="ANGLE"),
+    ] = None
+    limit_force: Annotated[
+        str | None,
+        option(
+            "Largest force at the load cell.",
+            LIMITS,
+            default="two thirds of supply pressure times piston area",
+            metavar="FORCE",
+        ),
+    ] = None
+    limit_drive: Annotated[
+        str | None,
+        option(
+            "Largest test signal or force at the grip.",
+            LIMITS,
+            default="10 V or the controller's range; pilot.force",
+            metavar="VALUE",
+        ),
+    ] = None
+    law: LawOption = None
+    out: Annotated[Path, option("CSV file for the bench.", OUTPUT)] = Path("forcefeel-excite.csv")
+    replace: Annotated[bool, option("Replace the file if it is there.", OUTPUT)] = False
+
+    def fixed_law(self, loader: "Loader", experiment: "Experiment") -> "Law | None":
+        """The law of the whole loader; ``None`` is the original one.
+
+        Raises:
+            InputError: If it is of no use to this experiment or cannot be designed.
+        """
+        from forcefeel.bench.experiments import Loop
+
+        if self.law in (None, ORIGINAL):
+            return None
+        if experiment.loop is not Loop.LOADER:  # first: what its design lacks is no matter then
+            raise InputError(
+                f"--law: is the law of the whole loader, and {experiment} is of the servo alone; leave it out"
+            )
+        return given_law(self.law, loader)
+
+    def plan(self, drive: "Drive") -> "ExcitationPlan":
+        """What is wanted, SI units.
+
+        Raises:
+            InputError: If an option is bad.
+        """
+        from forcefeel.bench.channels import channel
+        from forcefeel.bench.excitation import ExcitationPlan
+
+        known = ExcitationPlan()
+        share, noise = _noise(self.noise)
+        measured = known.measured if self.measure is None else tuple(map(channel, self.measure.split(",")))
+        limits = {
+            "current": self.limit_current,
+            "travel": self.limit_travel,
+            "force": self.limit_force,
+            "drive": self.limit_drive,
+        }
+        return ExcitationPlan(
+            self.kind,
+            self.time,
+            self.rate,
+            self.from_,
+            self.to,
+            measured,
+            known.noise_share if share is None else share,
+            noise,
+            {name: _limit(name, given, drive) for name, given in limits.items() if given is not None},
+        )
+
+
+def run(path: LoaderFile = None, /, *, options: ExciteOptions) -> None:
+    """Design the signal for the bench that determines chosen parameters best within the limits of the loader.
+
+    The file, with measured columns added, is what forcefeel identify reads. Exit status 1 if this experiment cannot separate the
+    parameters, and then nothing is written, or does not determine one.
+
+    Example: forcefeel excite elevator --fit k,c,J,C_i --time 60 --rate 1000 --out excite.csv
+    """
+    from forcefeel.bench.excitation import NotSeparableError, excite, write_excitation
+    from forcefeel.bench.excitation.as_json import excitation_json
+    from forcefeel.bench.excitation.bench_file import check_excitation_file
+    from forcefeel.bench.experiments import Experiment
+
+    check_excitation_file(options.out, replace=options.replace)  # before the work, not after it
+    experiment = Experiment.read(options.experiment)
+    loader = options.loader(path)
+    law = options.fixed_law(loader, experiment)
+    try:
+        found = excite(loader, options.fit, experiment, options.plan(experiment.drive), law)
+    except NotSeparableError as error:
+        print(f"forcefeel: {error}", file=sys.stderr)
+        raise SystemExit(BAD_ANSWER) from None
+    write_excitation(found, options.out, options.units, replace=options.replace)
+    if options.json:
+        print_json({"file": str(options.out), **excitation_json(found, options.units)})
+    else:
+        _show(Terminal(), found, options.units)
+        print(f"file: {options.out}")
+    if found.vague:
+        raise SystemExit(BAD_ANSWER)
+
+
+def _noise(given: tuple[str, ...]) -> tuple[float | None, dict[str, float]]:
+    """The share of all channels, if it is given, and the noise of single ones, SI units."""
+    from forcefeel.bench.channels import CHANNELS, channel
+
+    share, single = None, {}
+    for text in given:
+        name, equals, said = text.rpartition("=")
+        if not equals:
+            if share is not None:
+                raise InputError(f"--noise: expected one share for all channels, got another, {text!r}; leave one out")
+            share = value("--noise", text.strip(), "", "1 %")
+        else:
+            single[channel(name)] = value("--noise", said.strip(), CHANNELS[channel(name)], "0.01 deg")
+    return share, single
+
+
+def _limit(name: str, given: str, drive: "Drive") -> float:
+    from forcefeel.bench.channels import CHANNELS
+    from forcefeel.bench.excitation.limits import KINDS
+
+    channel = KINDS.get(name, str(drive))
+    return value(
+        f"--limit-{name}", given.strip(), CHANNELS[channel], _EXAMPLES.get(name, _DRIVE_EXAMPLES.get(str(drive), ""))
+    )
+
+
+def _show(console: Console, found: "Excitation", units: UnitSystem) -> None:
+    from forcefeel.bench.identification.digits import percent
+    from forcefeel.loader.parameters import TABLE, with_unit
+
+    parameters = Table("parameter", title="Predicted standard errors", title_justify="left", title_style="bold")
+    for name in ("symbol", "value", "standard error"):
+        parameters.add_column(name, justify="right")
+    for key, error in found.standard_errors.items():
+        parameters.add_row(key, TABLE[key].symbol, with_unit(TABLE[key], found.loader[key], units, 4), percent(error))
+    limits = Table("limit", title="Peaks on the loader", title_justify="left", title_style="bold")
+    for name in ("peak", "limit", "used"):
+        limits.add_column(name, justify="right")
+    limits.add_column("where from")
+    for use in found.uses:
+        limit = use.limit
+        limits.add_row(
+            limit.channel.replace("_", " "),
+            limit.shown(use.peak, units),
+            limit.shown(limit.value, units),
+            f"{use.share:.0%}",
+            limit.reason,
+        )
+    console.print(f"{found.experiment}: {found.words}", highlight=False)
+    console.print(parameters)
+    console.print(limits)
+    console.print(found.verdict, style="bold red" if found.vague else "bold", highlight=False)
+    for finding in found.findings(units):
+        console.print(f"- {finding}", highlight=False)

@@ -1,0 +1,131 @@
+"""``forcefeel frontier``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.law_option import LAW_METAVAR
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
+from forcefeel.cli.progress import all_or_nothing
+from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
+from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.conclusions import share_text
+from forcefeel.units import UnitSystem
+
+if TYPE_CHECKING:
+    from forcefeel.envelope.plan import Plan
+    from forcefeel.frontier import Frontier
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontierOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions, OutputOptions):
+    """The options of ``forcefeel frontier``."""
+
+    grid: Annotated[
+        tuple[str, ...],
+        option(
+            "Values along an axis: 'stiffness=1.39..72 %:7:log' (of G_max), 'frequency=0.616..3.25 Hz:5:log', "
+            "'damping=0.1, 0.4, 0.7, 1.5', the middles of 140 cells, are the defaults. May be given again. Each setting is "
+            "released some 450 times.",
+            ASKED,
+            metavar="AXIS=VALUES",
+        ),
+    ] = ()
+    law: Annotated[
+        str | None,
+        option(
+            "The law, as envelope takes it.",
+            ASKED,
+            default="robust; published without a digital controller",
+            metavar=LAW_METAVAR,
+        ),
+    ] = None
+    out: Annotated[Path, option("Folder for frontier.html and results.json.", OUTPUT)] = Path("forcefeel-frontier")
+
+    def plan(self, path: Path | None) -> "Plan":
+        """What is to be computed.
+
+        Raises:
+            InputError: If an option is bad.
+        """
+        from forcefeel.frontier.run import frontier_plan
+        from forcefeel.sweep import text
+
+        grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:7:log")
+        loader = self.loader(path)
+        given = {"rule": self.rule, "angle_rad": self.angle_rad, "changes": self.deviations(loader)}
+        return frontier_plan(loader, self.law, grid, **given)
+
+
+def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOptions()) -> None:
+    """Find what cannot be rendered on this hardware and why, and what tighter tolerances or other parts would buy.
+
+    Takes a few minutes with the default grid.
+
+    Example: forcefeel frontier elevator-2khz --out frontier
+    """
+    from forcefeel.frontier.as_json import frontier_json
+    from forcefeel.frontier.page.folder import FOLDER, write_frontier
+    from forcefeel.frontier.run import compute_frontier
+
+    plan = options.plan(path)
+    FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
+    with all_or_nothing("frontier", "releases", silent=options.json) as bar:
+
+        def show(what: str, done: int, total: int) -> None:
+            bar.describe(what)
+            bar.show(done, total)
+
+        found = compute_frontier(plan, threads=options.threads, progress=show)
+        bar.describe("report")
+        page = write_frontier(found, options.out, options.units, replace=options.replace)
+    if options.json:
+        print_json({"page": str(page), **frontier_json(found, options.units)})
+    else:
+        _show(Terminal(), found, options.units)
+        print(f"page: {page}")
+
+
+def _show(console: Console, found: "Frontier", units: UnitSystem) -> None:
+    from forcefeel.frontier.findings import frontier_conclusions
+
+    console.print(_tolerances(found))
+    console.print(_hardware(found))
+    said = frontier_conclusions(found, units)
+    console.print(said.verdict, style="bold", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)
+
+
+def _tolerances(found: "Frontier") -> Table:
+    from forcefeel.frontier.findings import tolerance_text
+
+    tight, known = found.tightening.inertia_and_geometry, found.tightening.all_in_proportion
+    table = Table("inertia known to", title="Passes in every case", title_justify="left", title_style="bold")
+    for name in ("inertia and geometry tightened", "all in proportion", "bound on any linear law"):
+        table.add_column(name, justify="right")
+    bounds = dict(zip(found.bound.errors, found.bound.shares, strict=True))
+    for tolerance, one, other in zip(tight.tolerances, tight.shares, known.shares, strict=True):
+        bound = next((share for error, share in bounds.items() if abs(error - tolerance) < _SAME * tolerance), None)
+        last = "" if bound is None else share_text(bound)
+        table.add_row(tolerance_text(tolerance), share_text(one), share_text(other), last)
+    return table
+
+
+_SAME = 1e-6
+"""Relative; tolerances that are the same but for rounding."""
+
+
+def _hardware(found: "Frontier") -> Table:
+    from forcefeel.frontier.findings import points_text
+
+    table = Table("change", title="Points gained", title_justify="left", title_style="bold")
+    for name in ("in every case", "nominally", "stable in every case"):
+        table.add_column(name, justify="right")
+    for gain in found.hardware:
+        gains = (gain.worst_gain, gain.nominal_gain, gain.stable_worst_gain)
+        table.add_row(gain.name, *map(points_text, gains))
+    return table

@@ -1,0 +1,231 @@
+"""``forcefeel identify``."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Group
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.bench_data import DATA, BenchOptions
+from forcefeel.cli.exit_status import BAD_ANSWER
+from forcefeel.cli.given_loader import given_law
+from forcefeel.cli.law_option import ORIGINAL
+from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.progress import all_or_nothing
+from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.errors import InputError
+from forcefeel.units import UnitSystem
+
+if TYPE_CHECKING:
+    from forcefeel.bench.identification.as_json import FitSettings
+    from forcefeel.bench.identification.result import Estimate, Identification
+    from forcefeel.bench.records import BenchRecord
+    from forcefeel.bench.responses import Response
+    from forcefeel.laws.law import Law
+    from forcefeel.loader.loader import Loader
+
+_NONE = "-"
+
+FIT = Group("Fit", sort_key=20)
+
+
+class IdentifyLoss(StrEnum):
+    """What large residuals cost."""
+
+    HUBER = "huber"
+    LINEAR = "linear"
+    SOFT_L1 = "soft_l1"
+    CAUCHY = "cauchy"
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions):
+    """The options of ``forcefeel identify``."""
+
+    data: Annotated[
+        tuple[Path, ...],
+        option(
+            "A file of bench data: a frequency response (CSV) or a record in time (CSV, Parquet, MATLAB). May be given again.",
+            DATA,
+            metavar="FILE",
+        ),
+    ]
+    fit: Annotated[str, option("Symbols or names of the parameters, such as k,c,J,C_i.", FIT, metavar="PARAMETERS")]
+    starts: Annotated[
+        int,
+        option(
+            "How many places the search begins at: the file's values, then others within the tolerances.",
+            FIT,
+        ),
+    ] = 5
+    loss: Annotated[
+        IdentifyLoss,
+        option(
+            "What large residuals cost: those beyond three deviations count less with huber, linear is plain least squares.",
+            FIT,
+        ),
+    ] = IdentifyLoss.HUBER
+    no_priors: Annotated[bool, option("Take the file's normal tolerances for bounds only, not for knowledge.", FIT)] = (
+        False
+    )
+    responses: Annotated[
+        bool, option("Turn records into frequency responses first, and fit the linear model to those.", FIT)
+    ] = False
+    law: LawOption = None
+    out: Annotated[Path, option("Folder for the new loader.toml, identification.html and results.json.", OUTPUT)] = (
+        Path("forcefeel-identified")
+    )
+
+    @property
+    def settings(self) -> "FitSettings":
+        """How the fit is to be made."""
+        from forcefeel.bench.identification.as_json import FitSettings
+
+        law = str(self.law or ORIGINAL)
+        return FitSettings(str(self.loss), self.starts, not self.no_priors, self.responses, law)
+
+    def fixed_law(self, loader: "Loader", data: "Sequence[Response | BenchRecord]") -> "Law | None":
+        """The law of the whole loader in the data; ``None`` is the original one.
+
+        Raises:
+            InputError: If it is of no use to these data or cannot be designed.
+        """
+        from forcefeel.bench.experiments import Loop
+
+        if self.law in (None, ORIGINAL):
+            return None
+        if all(one.experiment.loop is not Loop.LOADER for one in data):
+            raise InputError("--law: is the law of the whole loader, and all data are of the servo alone; leave it out")
+        return given_law(self.law, loader)
+
+
+def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
+    """Find parameters of a loader from what was measured on the bench, with how sure they are.
+
+    LOADER is never changed. Exit status 1 if the data do not determine a parameter: then no loader file is written, and the page
+    tells what cannot be separated and which experiment would.
+
+    Example: forcefeel identify my.toml --data closed.csv --data release.mat --fit k,c,J,C_i --out identified
+    """
+    from forcefeel.bench.identification.as_json import identification_json
+    from forcefeel.bench.identification.fit import identify
+    from forcefeel.bench.identification.page.folder import FOLDER, LOADER, write_identification
+
+    inputs = [*_loader_file(path), *options.data]
+    FOLDER.check(options.out, replace=options.replace, inputs=inputs)  # before the work, not after it
+    loader, data = options.loader(path), options.read(options.data)
+    law = options.fixed_law(loader, data)
+    settings = options.settings
+    with all_or_nothing("identify", "searches", silent=options.json) as bar:
+        found = identify(
+            loader,
+            data,
+            options.fit,
+            law=law,
+            starts=settings.starts,
+            loss=options.loss.value,
+            priors=settings.priors,
+            as_responses=settings.as_responses,
+            progress=bar.show,
+        )
+        bar.describe("report")
+        page = write_identification(
+            found,
+            options.out,
+            options.units,
+            settings,
+            estimated=_estimated(found, data),
+            inputs=inputs,
+            replace=options.replace,
+        )
+    written = None if found.loader is None else options.out / LOADER
+    if options.json:
+        paths = {"page": str(page), "loader_file": written and str(written)}
+        print_json({**paths, **identification_json(found, options.units, settings)})
+    else:
+        _show(Terminal(), found, options.units)
+        print(f"page: {page}")
+        if written:
+            print(f"loader: {written}")
+    if found.loader is None:
+        raise SystemExit(BAD_ANSWER)
+
+
+def _percent(share: float) -> str:
+    from forcefeel.bench.identification.digits import rounded
+
+    return rounded(100 * share, 2) if math.isfinite(share) else _NONE
+
+
+def _loader_file(path: Path | None) -> list[Path]:
+    """The loader file, where it is one and not a built-in loader."""
+    from forcefeel.loader.built_in import BUILT_IN
+
+    return [] if path is None or (str(path) in BUILT_IN and not path.exists()) else [path]
+
+
+def _estimated(found: "Identification", given: "Sequence[Response | BenchRecord]") -> "list[Response]":
+    """Responses that were not given but estimated from records."""
+    from forcefeel.bench.identification.result import data_of
+    from forcefeel.bench.responses import Response
+
+    own = {id(one) for one in given}
+    return [one for one in data_of(found.fitted) if isinstance(one, Response) and id(one) not in own]
+
+
+_COLUMNS: Mapping[str, Literal["left", "right"]] = {
+    "parameter": "left",
+    "file": "right",
+    "estimate": "right",
+    "unit": "right",
+    "error": "right",
+    "error, %": "right",
+    "95 % interval": "right",
+    "status": "left",
+}
+_WIDE, _WIDE_ONLY = 120, ("error", "95 % interval")
+"""Characters from which on a terminal has room for all columns, and those that the page has too."""
+
+
+def _show(console: Console, found: "Identification", units: UnitSystem) -> None:
+    from forcefeel.bench.identification.findings import identification_conclusions
+
+    table = Table(
+        title=f"{found.before.name}, identified; error is the standard error", title_justify="left", title_style="bold"
+    )
+    narrow = console.width < _WIDE
+    shown = [name for name in _COLUMNS if not narrow or name not in _WIDE_ONLY]
+    for name in shown:
+        table.add_column(name, justify=_COLUMNS[name], no_wrap=name != "unit")
+    for one in found.estimates:
+        row = dict(zip(_COLUMNS, _row(one, units), strict=True))
+        table.add_row(*(row[name] for name in shown))
+    console.print(table)
+    said = identification_conclusions(found, units)
+    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)
+
+
+def _row(one: "Estimate", units: UnitSystem) -> tuple[str, ...]:
+    from forcefeel.bench.identification.digits import error, estimated, interval, nominal, relative_error, unit_of
+    from forcefeel.bench.identification.result import Status
+
+    unknown = one.unknown
+    start = (f"{unknown.symbol} {unknown.key}", nominal(one, units))
+    if one.status is Status.UNDETERMINED:
+        return (*start, _NONE, unit_of(one, units), *[_NONE] * 3, str(one.status))
+    return (
+        *start,
+        estimated(one, one.value, units),
+        unit_of(one, units),
+        error(one, units),
+        _percent(relative_error(one)),
+        interval(one, units),
+        str(one.status),
+    )

@@ -1,0 +1,258 @@
+"""``forcefeel qualify``."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Group
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.bench_data import options_named
+from forcefeel.cli.exit_status import BAD_ANSWER
+from forcefeel.cli.law_option import LAW_METAVAR, ORIGINAL, check_law_name
+from forcefeel.cli.options import (
+    EDITION,
+    LOADER,
+    OUTPUT,
+    FolderOptions,
+    LoaderFile,
+    LoaderOptions,
+    OutputOptions,
+    option,
+)
+from forcefeel.cli.scenario_text import value
+from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.errors import InputError
+
+if TYPE_CHECKING:
+    from forcefeel.loader.loader import Loader
+    from forcefeel.qualification.programme import Qualification, QualificationSetup
+
+TESTS = Group("Tests", sort_key=10)
+RECORDS = Group("Records", sort_key=20)
+
+
+class ControlAxis(StrEnum):
+    """Which control of the rule."""
+
+    PITCH = "pitch"
+    ROLL = "roll"
+    YAW = "yaw"
+    NOSEWHEEL = "nosewheel"
+    COLLECTIVE = "collective"
+
+
+class Overdamped(StrEnum):
+    """What a response without overshoots is judged by."""
+
+    FALL_TIME = "fall time"
+    RISE_TIME = "rise time"
+
+
+def _law_names(_: type, tokens: Any) -> tuple[str, ...]:
+    return tuple(check_law_name(token.value) for token in tokens)
+
+
+@dataclass(frozen=True, kw_only=True)
+class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
+    """The options of ``forcefeel qualify``."""
+
+    rule: Annotated[
+        str,
+        option(
+            "Edition of the rule: part60-a-2014, part60-c-2014, part60-d-2014, cs-fstd-a, icao-9625, part60-a-2016. Rows that "
+            "nobody has held against the document are marked.",
+            TESTS,
+            metavar="EDITION",
+        ),
+    ] = EDITION
+    test: Annotated[
+        tuple[str, ...],
+        option(
+            "Make this test alone, such as release-25-positive, static, medium or fast. May be given again. Exit status 0 if all "
+            "that are asked for pass; without the rest of the programme that is incomplete, and marked so.",
+            TESTS,
+            default="the programme",
+            metavar="NAME",
+        ),
+    ] = ()
+    axis: Annotated[ControlAxis, option("Which control of the rule.", TESTS)] = ControlAxis.PITCH
+    throw: Annotated[
+        str | None,
+        option(
+            "Throw to either side, such as '18 deg'.",
+            TESTS,
+            default="the column's end stops, else the feel's hard stops, else 20 deg",
+            metavar="ANGLE",
+        ),
+    ] = None
+    overdamped: Annotated[
+        Overdamped,
+        option(
+            "What a reference without overshoots is judged by: the time from 0.9 to 0.1 of the displacement, or that to 90 % of "
+            "the way.",
+            TESTS,
+        ),
+    ] = Overdamped.FALL_TIME
+    dynamic_pressure: Annotated[
+        str | None, option("For a loader with feel.stiffness_factor, such as '5 kPa'.", TESTS, metavar="PRESSURE")
+    ] = None
+    reference: Annotated[
+        tuple[str, ...],
+        option(
+            "A recorded aircraft in place of the programmed feel: NAME=FILE, NAME being a test such as release-25-positive, "
+            "static, medium or fast; a file alone, whose test is told from its name or from what is in it; or a folder of files "
+            "named after tests. CSV, Parquet or MATLAB. May be given again.",
+            RECORDS,
+            metavar="[NAME=]FILE",
+        ),
+    ] = ()
+    record: Annotated[
+        tuple[str, ...],
+        option(
+            "A recorded simulator in place of the simulated loader, as --reference.", RECORDS, metavar="[NAME=]FILE"
+        ),
+    ] = ()
+    column: Annotated[
+        tuple[str, ...],
+        option(
+            "What the files of --record and --reference call a column, such as 'position=theta'; with STEM:, the file's name "
+            "without its ending, in that file alone. May be given again.",
+            RECORDS,
+            metavar="[STEM:]COLUMN=NAME",
+        ),
+    ] = ()
+    unit: Annotated[
+        tuple[str, ...],
+        option(
+            "Unit of a column whose header has none, such as 'theta=deg'. May be given again.",
+            RECORDS,
+            metavar="[STEM:]NAME=UNIT",
+        ),
+    ] = ()
+    law: Annotated[
+        tuple[str, ...],
+        option(
+            "The law: the original position loop, or one that is designed for this loader: feedback gains of recursion (22), over "
+            "the published or an endless horizon, or a sampled law; or the file of one, from compensate --save-law. Given "
+            "again, a section each.",
+            LOADER,
+            default="original",
+            metavar=LAW_METAVAR,
+            converter=_law_names,
+        ),
+    ] = ()
+    compare: Annotated[bool, option("Every --law side by side.", LOADER)] = False
+    out: Annotated[Path, option("Folder for qualification.html and results.json.", OUTPUT)] = Path(
+        "forcefeel-qualification"
+    )
+    pdf: Annotated[bool, option("Print the page as qualification.pdf too; it takes a Chromium.", OUTPUT)] = False
+    simulator: Annotated[
+        str, option("Which simulator, for its field on the page.", OUTPUT, default="a blank line", metavar="TEXT")
+    ] = ""
+    operator: Annotated[
+        str, option("Who made the tests, for the field on the page.", OUTPUT, default="a blank line", metavar="TEXT")
+    ] = ""
+
+    def setup(self, loader: "Loader") -> "QualificationSetup":
+        """How a loader is qualified.
+
+        Raises:
+            InputError: If an option is bad or does not go with another.
+        """
+        from forcefeel.laws.law import names_for
+        from forcefeel.qualification.programme import QualificationSetup
+
+        for name, given in (("--law", self.law), ("--compare", self.compare)):
+            if given and self.record:
+                raise InputError(f"{name}: is about the simulated loader, and --record takes its place; leave one out")
+        if self.law and self.compare:
+            raise InputError("--compare: takes every law, and --law some; leave one out")
+        pressure = self.dynamic_pressure
+        return QualificationSetup(
+            laws=names_for(loader) if self.compare else self.law or (ORIGINAL,),
+            rule=self.rule,
+            axis=self.axis.value,
+            throw_rad=None if self.throw is None else value("--throw", self.throw, "rad", "18 deg"),
+            references=self.reference,
+            records=self.record,
+            tests=self.test,
+            columns=self.column,
+            units=self.unit,
+            dynamic_pressure_pa=None if pressure is None else value("--dynamic-pressure", pressure, "Pa", "5 kPa"),
+            overdamped=self.overdamped.value,
+            system=self.units,
+            simulator=self.simulator,
+            operator=self.operator,
+        )
+
+
+def run(path: LoaderFile = None, /, *, options: QualifyOptions = QualifyOptions()) -> None:
+    """Make the control feel tests of a qualification rule on a loader, or on records of a simulator.
+
+    The reference is the programmed feel, or a recorded aircraft. What is tested qualifies, does not qualify, or is incomplete.
+    Exit status 0 if it qualifies, or passed all that --test asked for; else 1.
+
+    Example: forcefeel qualify my.toml --compare --pdf
+    """
+    from forcefeel.page.chromium import find_chromium
+    from forcefeel.qualification.page.folder import FOLDER, write_qualification
+    from forcefeel.qualification.programme import qualify_loader
+    from forcefeel.qualification.programme.as_json import qualification_json
+
+    FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
+    if options.pdf:
+        find_chromium()
+    loader = options.loader(path)
+    with options_named():
+        found = qualify_loader(loader, options.setup(loader))
+    page = write_qualification(found, options.out, pdf=options.pdf)
+    if options.json:
+        print_json({"page": str(page), **qualification_json(found)})
+    else:
+        _show(Terminal(), found)
+        print(f"page: {page}")
+    if not found.fulfilled:
+        raise SystemExit(BAD_ANSWER)
+
+
+def _show(console: Console, found: "Qualification") -> None:
+    from forcefeel.qualification.programme.sentences import conclusions
+
+    title = f"{found.loader.name}, {found.rules.title} ({found.rules.edition}), {found.axis}"
+    console.print((_tests if len(found.sections) <= _SIDE_BY_SIDE else _counts)(found, title))
+    said = conclusions(found)
+    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)
+
+
+_SIDE_BY_SIDE = 3
+"""Laws whose outcomes a terminal shows test by test."""
+
+
+def _tests(found: "Qualification", title: str) -> Table:
+    """Test by test, a column for each law."""
+    table = Table("test", title=title, title_justify="left", title_style="bold")
+    for section in found.sections:
+        table.add_column(section.title)
+    table.add_column("number")
+    for results in zip(*(section.results for section in found.sections), strict=True):
+        trial = results[0].trial
+        table.add_row(trial.key, *(str(one.outcome) for one in results), trial.test.number)
+    return table
+
+
+def _counts(found: "Qualification", title: str) -> Table:
+    """What each law came to, and how many tests came to what."""
+    from forcefeel.qualification import Outcome
+
+    table = Table("law", "standing", title=title, title_justify="left", title_style="bold")
+    for outcome in Outcome:
+        table.add_column(str(outcome), justify="right")
+    for section in found.sections:
+        counts = (str(section.count(outcome)) for outcome in Outcome)
+        table.add_row(section.title, str(section.standing), *counts)
+    return table

@@ -1,0 +1,109 @@
+"""The options of recursion (22)."""
+
+import io
+import warnings
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Group
+
+from forcefeel.cli.options import option
+from forcefeel.errors import InputError, shortened
+from forcefeel.files import MOST_TEXT_BYTES, read_input
+
+if TYPE_CHECKING:
+    from forcefeel.laws.analog.recursion import DesignSettings
+    from forcefeel.loader.loader import Loader
+
+RECURSION = Group("Recursion (22)", sort_key=30)
+
+
+class Coupling(StrEnum):
+    """How the pilot's force enters the feel computer's row of eq. (19)."""
+
+    REPORT = "report"
+    COLUMN = "column"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecursionOptions:
+    """The options as given; ``None`` is not given."""
+
+    horizon: Annotated[
+        float | None, option("Length of the horizon in s.", RECURSION, default="0.05, the published one")
+    ] = None
+    converge: Annotated[bool, option("Run until the gains stand still instead.", RECURSION)] = False
+    step: Annotated[float | None, option("Sampling step in s.", RECURSION, default="1e-4")] = None
+    tolerance: Annotated[
+        float | None, option("With --converge: largest change of a gain.", RECURSION, default="1e-10")
+    ] = None
+    position_weight: Annotated[float | None, option("Weight of (delta - theta)^2.", RECURSION, default="100")] = None
+    r1: Annotated[float | None, option("Weight R_1 of the squared velocity error.", RECURSION, default="0")] = None
+    r2: Annotated[float | None, option("Weight R_2 of e^2.", RECURSION, default="0.1")] = None
+    pilot_coupling: Annotated[
+        Coupling | None,
+        option(
+            "How F_p enters the computer's row, for c_7: as the report did (-alpha R_b) or as the column does (R_p).",
+            RECURSION,
+            default="report; column with --converge",
+        ),
+    ] = None
+    q: Annotated[
+        Path | None,
+        option(
+            "[Q] whole: CSV, 7 rows of 7, SI units, order x_p p delta delta' x_b x_b' F_p.", RECURSION, metavar="FILE"
+        ),
+    ] = None
+
+    def settings(self, loader: "Loader") -> "DesignSettings":
+        """The settings for ``loader``: the published ones, changed as asked.
+
+        Raises:
+            InputError: If an option is bad or does not go with another.
+        """
+        from forcefeel.laws.analog.recursion import (
+            PUBLISHED_HORIZON_S,
+            DesignSettings,
+            published_settings,
+        )
+
+        self._check()
+        coupling = self.pilot_coupling or (Coupling.COLUMN if self.converge else Coupling.REPORT)
+        base = (
+            published_settings(loader) if coupling is Coupling.REPORT else DesignSettings(horizon_s=PUBLISHED_HORIZON_S)
+        )
+        given = {
+            "horizon_s": self.horizon,
+            "step_s": self.step,
+            "tolerance": self.tolerance,
+            "position_weight": self.position_weight,
+            "r1": self.r1,
+            "r2": self.r2,
+        }
+        changes: dict[str, float | None] = {name: value for name, value in given.items() if value is not None}
+        if self.converge:
+            changes["horizon_s"] = None
+        return replace(base, q=_read_q(self.q), **changes)  # type: ignore[arg-type]
+
+    def _check(self) -> None:
+        if self.converge and self.horizon is not None:
+            raise InputError("--converge and --horizon: given both; an endless horizon has no length, leave one out")
+        if self.tolerance is not None and not self.converge:
+            raise InputError("--tolerance: is for --converge; a horizon ends by its length")
+        if self.q is not None and (self.position_weight is not None or self.r1 is not None):
+            raise InputError("--q: gives [Q] whole; leave out --position-weight and --r1")
+
+
+def _read_q(path: Path | None) -> tuple[tuple[float, ...], ...] | None:
+    if path is None:
+        return None
+    import numpy as np
+
+    data = read_input(path, MOST_TEXT_BYTES, "[Q] as CSV, 7 rows of 7 numbers")
+    try:
+        with warnings.catch_warnings(action="error"):  # NumPy only warns of an empty file
+            return tuple(tuple(row) for row in np.loadtxt(io.BytesIO(data), delimiter=",", ndmin=2).tolist())
+    except (ValueError, UserWarning) as error:
+        raise InputError(f"{path}: expected [Q] as CSV, 7 rows of 7 numbers: {shortened(str(error), 120)}") from error

@@ -1,0 +1,90 @@
+"""``forcefeel schedule``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.exit_status import BAD_ANSWER
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
+from forcefeel.cli.progress import all_or_nothing
+from forcefeel.cli.release_options import ASKED, ReleaseOptions
+from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.units import to_text
+
+if TYPE_CHECKING:
+    from forcefeel.flight_schedule import ScheduleCheck
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScheduleOptions(ReleaseOptions, FolderOptions, ThreadOptions, OutputOptions):
+    """The options of ``forcefeel schedule``."""
+
+    knots: Annotated[
+        Path,
+        option(
+            "CSV with a row for each knot of a full grid: a column for each axis, such as 'dynamic pressure (lb/ft^2)', and the "
+            "setting as 'stiffness (lb in/rad)', 'frequency (Hz)', 'damping ratio', or as I, B, G with their units.",
+            ASKED,
+            metavar="FILE",
+        ),
+    ]
+    method: Annotated[
+        str, option("How the laws are designed: robust, h-infinity, recovered, observer or load-cell.", ASKED)
+    ] = "robust"
+    refine: Annotated[int, option("Into how many parts the way between two knots is cut.", ASKED)] = 10
+    out: Annotated[Path, option("Folder for schedule.html, gains.csv and results.json.", OUTPUT)] = Path(
+        "forcefeel-schedule"
+    )
+
+
+def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
+    """Design laws over the settings an aircraft runs through, and check them at, between and on the way between the knots.
+
+    Exit status 1 unless every loop that was checked is stable.
+
+    Example: forcefeel schedule elevator-2khz --knots knots.csv --out schedule
+    """
+    from forcefeel.flight_schedule import check_schedule, design_schedule, read_knots
+    from forcefeel.flight_schedule.as_json import schedule_json
+    from forcefeel.flight_schedule.page.folder import FOLDER, write_schedule
+
+    loader, knots = options.loader(path), read_knots(options.knots)
+    deviations = options.deviations(loader)
+    FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
+    with all_or_nothing("schedule", "loops", silent=options.json) as bar:
+        schedule = design_schedule(loader, knots.axes, knots.feel, options.method)
+        found = check_schedule(
+            schedule,
+            options.refine,
+            changes=deviations,
+            rule=options.rule,
+            threads=options.threads,
+            progress=bar.show,
+        )
+        bar.describe("report")
+        page = write_schedule(found, options.out, options.units, replace=options.replace)
+    if options.json:
+        print_json({"page": str(page), **schedule_json(found, options.units)})
+    else:
+        _show(Terminal(), found)
+        print(f"page: {page}")
+    if not found.stable:
+        raise SystemExit(BAD_ANSWER)
+
+
+def _show(console: Console, found: "ScheduleCheck") -> None:
+    from forcefeel.flight_schedule.findings import schedule_conclusions
+
+    table = Table("where", title="Sampled loops", title_justify="left", title_style="bold")
+    for name in ("loops", "unstable", "pole nearest to the edge"):
+        table.add_column(name, justify="right")
+    for part in found.parts:
+        table.add_row(str(part.part), f"{part.loops:,}", f"{part.unstable:,}", to_text(part.critical, 5))
+    console.print(table)
+    said = schedule_conclusions(found)
+    console.print(said.verdict, style="bold", highlight=False)
+    for finding in said.findings:
+        console.print(f"- {finding}", highlight=False)

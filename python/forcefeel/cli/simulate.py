@@ -1,0 +1,84 @@
+"""``forcefeel simulate``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.exit_status import BAD_ANSWER
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, option
+from forcefeel.cli.scenario_options import ScenarioOptions
+from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.conclusions import Conclusions
+from forcefeel.units import UnitSystem
+
+if TYPE_CHECKING:
+    from forcefeel.simulation import Run
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulateOptions(ScenarioOptions, FolderOptions, OutputOptions):
+    """The options of ``forcefeel simulate``."""
+
+    out: Annotated[Path | None, option("Folder for simulation.html, history.csv and results.json.", OUTPUT)] = None
+
+
+def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOptions()) -> None:
+    """Run the loader in time: nonlinear where its file says so.
+
+    Values are text with a unit, such as '20 lb'; times may go without, in seconds. Exit status 1 if the run diverged.
+
+    Example: forcefeel simulate my.toml --input release --angle '10 deg' --out run
+    """
+    from forcefeel.simulation import RunStatus, simulate
+    from forcefeel.simulation.tables import run_json
+
+    out, units = options.out, options.units
+    if out is not None:
+        from forcefeel.simulation.page.folder import FOLDER  # Plotly
+
+        FOLDER.check(out, replace=options.replace)  # before the work, not after it
+    loader = options.loader(path)
+    scenario, driven_by = options.scenario(loader), options.law_of(loader)
+    found = simulate(loader, scenario, driven_by)
+    law = driven_by.name
+    page = None
+    if out is not None:
+        from forcefeel.simulation.page.folder import write_simulation
+
+        page = write_simulation(found, out, units, law)
+    if options.json:
+        report = {} if page is None else {"page": str(page)}
+        print_json({**report, **run_json(found, units, law)})
+    else:
+        _show(Terminal(), found, units)
+        if page is not None:
+            print(f"page: {page}")
+    if found.status is RunStatus.DIVERGED:
+        raise SystemExit(BAD_ANSWER)
+
+
+def _show(console: Console, run: "Run", units: UnitSystem) -> None:
+    from forcefeel.simulation.findings import input_text, run_conclusions
+
+    found = run_conclusions(run, units)
+    console.print(f"{run.loader.name}, {input_text(run.scenario.force, units)}", highlight=False)
+    console.print(_measures(run, units))
+    _say(console, found)
+
+
+def _measures(run: "Run", units: UnitSystem) -> Table:
+    from forcefeel.simulation.tables import measure_rows
+
+    table = Table("measure", "value", title="Measures", title_justify="left", title_style="bold")
+    for name, value, unit in measure_rows(run, units):
+        table.add_row(name, f"{value} {unit}".rstrip())
+    return table
+
+
+def _say(console: Console, found: Conclusions) -> None:
+    console.print(found.verdict, style="bold" if found.good else "bold red", highlight=False)
+    for finding in found.findings:
+        console.print(f"- {finding}", highlight=False)

@@ -1,0 +1,186 @@
+"""``forcefeel sweep``."""
+
+import shlex
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Group
+from rich.console import Console
+from rich.table import Table
+
+from forcefeel.cli.exit_status import BAD_ANSWER, INTERRUPTED
+from forcefeel.cli.options import OUTPUT, WORK, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
+from forcefeel.cli.progress import Bar
+from forcefeel.cli.scenario_options import ScenarioOptions
+from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.conclusions import share_text
+from forcefeel.errors import InputError
+from forcefeel.units import UnitSystem
+
+if TYPE_CHECKING:
+    from forcefeel.sweep import Sweep, SweepResult
+    from forcefeel.sweep.summary import Summary
+
+REDESIGNED = ("published", "converged")
+"""Laws of which --redesign makes one for each setting."""
+
+
+SWEEP = Group("What is swept", sort_key=5)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepOptions(ScenarioOptions, FolderOptions, ThreadOptions, OutputOptions):
+    """The options of ``forcefeel sweep``."""
+
+    runs: Annotated[
+        int | None,
+        option(
+            "How many loaders are drawn from the tolerances; with --grid, at each of its points.",
+            SWEEP,
+            default="10000; with --grid the nominal one alone",
+        ),
+    ] = None
+    vary: Annotated[
+        tuple[str, ...],
+        option(
+            "A tolerance beside or in place of the loader file's: 'linkage.stiffness=20 %', "
+            '\'column.coulomb_friction=1 lb..5 lb\', \'load_cell.gain={ normal = "2 %", low = "-6 %", high = "6 %" }\', '
+            "'valve.rated_flow=none'. May be given again.",
+            SWEEP,
+            metavar="NAME=TOLERANCE",
+        ),
+    ] = ()
+    grid: Annotated[
+        tuple[str, ...],
+        option(
+            "A setting over a grid: 'feel.stiffness=288..28800 lb in/rad:40:log' for 40 values evenly in proportion. Given "
+            "twice, a map over two.",
+            SWEEP,
+            metavar="NAME=VALUES",
+        ),
+    ] = ()
+    redesign: Annotated[
+        bool,
+        option(
+            "Design the gains of --law anew for each setting I, B, G of the feel that --grid or --vary gives, for the nominal "
+            "machine; not given, one law, that of the loader file's setting, drives all.",
+            SWEEP,
+        ),
+    ] = False
+    scheduler: Annotated[
+        str | None,
+        option(
+            "Compute on a Dask cluster instead, such as tcp://host:8786; needs the extra forcefeel[cluster].",
+            WORK,
+            metavar="ADDRESS",
+        ),
+    ] = None
+    out: Annotated[Path, option("Folder for sweep.html, summary.json and runs.nc.", OUTPUT)] = Path("forcefeel-sweep")
+    resume: Annotated[bool, option("Go on with what is finished in the folder.", OUTPUT)] = False
+
+    def sweep(self, path: Path | None) -> "Sweep":
+        """What is swept.
+
+        Raises:
+            InputError: If an option is bad or does not go with another.
+        """
+        from forcefeel.laws.law import named
+        from forcefeel.sweep import Sweep, text
+
+        loader = self.loader(path)
+        found = self.scenario(loader)
+        if self.redesign and self.law not in REDESIGNED:
+            raise InputError("--redesign: is about designed gains; add --law published or converged")
+        return Sweep(
+            loader,
+            found,
+            named((str(self.law),), loader)[str(self.law)] if self.redesign else self.law_of(loader),
+            self.runs,
+            found.seed,
+            text.assignments("--vary", self.vary, "linkage.stiffness=20 %"),
+            text.assignments("--grid", self.grid, "feel.stiffness=1000..9000 lb in/rad:20"),
+        )
+
+
+def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -> None:
+    """Run many loaders: drawn from the tolerances of the loader file, or over a grid of settings.
+
+    The same seed gives the same numbers, whatever the threads or workers. Ctrl-C keeps what is finished and tells how to go on
+    (exit status 130). Exit status 1 if a loader within the tolerances diverged.
+
+    Example: forcefeel sweep my.toml --runs 100000 --out sweep
+    """
+    from forcefeel.simulation import RunStatus
+    from forcefeel.sweep import run_sweep
+    from forcefeel.sweep.as_json import sweep_json
+    from forcefeel.sweep.page.folder import FOLDER, RUNS_FOLDER, write_sweep
+    from forcefeel.sweep.summary import summarize
+
+    units = options.units
+    for part in (FOLDER, RUNS_FOLDER):  # before the work, not after it
+        part.check(options.out)
+    sweep = options.sweep(path)
+    law = str(options.law) if options.redesign else sweep.nominal_law.name
+    with Bar("sweep", "runs", silent=options.json) as bar:
+        try:
+            result = run_sweep(
+                sweep,
+                options.out,
+                scheduler=options.scheduler,
+                threads=options.threads,
+                resume=options.resume,
+                replace=options.replace,
+                progress=bar.show,
+            )
+            bar.describe("report")
+            summary = summarize(result)
+            page = write_sweep(result, summary, options.out, units, law)
+        except KeyboardInterrupt:
+            bar.stop()
+            print(f"\nforcefeel: interrupted; {_kept(bar, options.out)}", file=sys.stderr)
+            raise SystemExit(INTERRUPTED) from None
+        except InputError as error:
+            raise InputError(f"{error}\n{_kept(bar, options.out)}" if bar.done else str(error)) from error
+    if options.json:
+        print_json({"page": str(page), **sweep_json(result, summary, units)})
+    else:
+        _show(Terminal(), result, summary, units)
+        print(f"page: {page}")
+    if not sweep.axes and summary.share(RunStatus.DIVERGED).runs:
+        raise SystemExit(BAD_ANSWER)
+
+
+def _kept(bar: Bar, out: Path) -> str:
+    """What is kept, and the command that goes on."""
+    words = [word for word in sys.argv[1:] if word not in {"--replace", "--resume"}]
+    command = shlex.join(["forcefeel", *words, "--resume"])
+    return f"{bar.done:,} of {bar.total:,} runs are kept in {out}; go on with: {command}"
+
+
+def _show(console: Console, result: "SweepResult", summary: "Summary", units: UnitSystem) -> None:
+    from forcefeel.sweep.findings import sweep_conclusions
+
+    found = sweep_conclusions(result, summary, units)
+    console.print(_measures(result, summary, units))
+    ended = ", ".join(f"{one.status} {share_text(one.share)}" for one in summary.shares if one.runs)
+    console.print(f"{result.sweep.total:,} runs: {ended}", highlight=False)
+    console.print(found.verdict, style="bold" if found.good else "bold red", highlight=False)
+    for finding in found.findings:
+        console.print(f"- {finding}", highlight=False)
+
+
+def _measures(result: "SweepResult", summary: "Summary", units: UnitSystem) -> Table:
+    from forcefeel.sweep.findings import main_measures, number_of
+    from forcefeel.sweep.summary import measure_name, measure_unit
+
+    table = Table("measure", title="Measures", title_justify="left", title_style="bold")
+    for name in ("nominal", "lowest", "5 %", "median", "95 %", "highest"):
+        table.add_column(name, justify="right")
+    for name in main_measures(result, summary):
+        spread = summary.spreads[name]
+        marks = (spread.nominal, spread.lowest, *map(spread.quantile, (0.05, 0.5, 0.95)), spread.highest)
+        values = (number_of(name, value, units) for value in marks)
+        table.add_row(f"{measure_name(name)}, {measure_unit(name).shown(units)}", *values)
+    return table
