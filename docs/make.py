@@ -23,7 +23,7 @@ what the text says of them; figures 1, 3 to 6, 12 and 13 are drawings.
 
 
 def main() -> None:
-    write_whole(HERE / "validation.md", VALIDATION + markdown(ff.reproduce()))
+    write_whole(HERE / "validation.md", VALIDATION + markdown(ff.reproduction.reproduce()))
     picture(HERE / "step-response.png")
 
 
@@ -33,7 +33,7 @@ def picture(path: Path) -> None:
     if browser is None:
         raise SystemExit("docs: no Chromium found; install one to draw the picture")
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        page_file = ff.write_report(ff.design(ff.elevator()), Path(folder), ff.UnitSystem.US)
+        page_file = ff.design.write_report(ff.design_loader(ff.elevator()), Path(folder), ff.UnitSystem.US)
         chromium = playwright.chromium.launch(executable_path=browser, args=["--no-sandbox", "--disable-gpu"])
         page = chromium.new_page(viewport={"width": 1100, "height": 900}, device_scale_factor=1.5)
         page.goto(page_file.as_uri())
