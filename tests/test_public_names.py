@@ -2,6 +2,8 @@
 
 import ast
 import inspect
+import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
 
@@ -75,3 +77,12 @@ def test_no_old_name_is_used_by_the_project():
         if node.attr not in imports_of(PACKAGE / "__init__.pyi")
     ]
     assert [one for one in used if not one.endswith(("ff.__file__", "ff._core"))] == []
+
+
+HEAVY = ("control", "matplotlib", "scipy", "xarray", "pandas", "plotly", "pint", "pydantic", "jinja2", "rich")
+
+
+def test_a_loader_needs_no_heavy_library():
+    code = f"import sys, forcefeel as ff; ff.elevator(); ff.loader; print([m for m in {HEAVY} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

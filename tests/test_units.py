@@ -4,6 +4,7 @@ import datetime
 import math
 import re
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pint
@@ -11,12 +12,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import forcefeel.units
 from forcefeel._core import Parameter
 from forcefeel.errors import InputError
 from forcefeel.loader.parameters import ALTERNATIVES, TABLE, is_switch
 from forcefeel.units import ANGLE, HERTZ, PERCENT, RATIO, Unit, UnitSystem, factor, parse, show, to_text
 
 INCH = 0.0254  # m, exact: international yard and pound agreement, 1959
+DEFINITIONS = Path(forcefeel.units.__file__).parent / "data" / "units.txt"
+BASES = {"[length]": "m", "[time]": "s", "[force]": "N", "[angle]": "rad", "[current]": "A", "[voltage]": "V"}
 POUND = 4.4482216152605  # N, exact: 0.45359237 kg times 9.80665 m/s^2
 ROUNDING = 4e-15  # relative; a conversion multiplies about ten times, each good to 1.1e-16, some in powers
 
@@ -109,6 +113,40 @@ def test_factors_agree_with_pints_own_registry() -> None:
         quantity = registry.Quantity(1.0, words).to_base_units()
         cycles = 2 * math.pi if "Hz" in text else 1.0
         assert quantity.magnitude * cycles == pytest.approx(expected, rel=ROUNDING), text
+
+
+@pytest.fixture(scope="module")
+def witness() -> pint.UnitRegistry[float]:
+    """Our definitions as pint reads them."""
+    registry = pint.UnitRegistry[float](None)
+    registry.load_definitions(DEFINITIONS.read_text(encoding="utf-8").splitlines())
+    return registry
+
+
+LINES = [
+    line
+    for line in DEFINITIONS.read_text(encoding="utf-8").splitlines()
+    if line and line[0] != "#" and "- =" not in line
+]
+NAMES = [name for line in LINES for name in line.split(" = ")[2:] if name != "%"]
+FACTORS = st.tuples(
+    st.sampled_from(["", "", "k", "m", "milli"]),
+    st.sampled_from(NAMES),
+    st.sampled_from(["", "", "^2", "²", "**-1", "^ 3"]),
+)
+SIGNS = st.sampled_from([" ", "*", "/", " · ", " / "])
+
+
+@given(st.lists(st.tuples(SIGNS, FACTORS), min_size=1, max_size=4), st.booleans())
+def test_products_are_what_pint_makes_of_them(witness, factors, bracket) -> None:
+    text = "".join(f"{sign if k else ''}{''.join(one)}" for k, (sign, one) in enumerate(factors))
+    text = f"m/({text})" if bracket else text
+    expected = witness.parse_units(text)
+    base = expected.dimensionality
+    unit_si = " ".join(f"{BASES[name]}^{int(power)}" for name, power in base.items())
+    assert factor(text, unit_si) == pytest.approx(
+        witness.Quantity(1.0, expected).to_base_units().magnitude, rel=1e2 * ROUNDING
+    )
 
 
 @pytest.mark.parametrize(

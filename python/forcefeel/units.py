@@ -12,18 +12,16 @@ Five rules differ from a general unit library, because this field writes them so
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from datetime import date, time
 from enum import StrEnum
+from fractions import Fraction
 from functools import cache
 from importlib import resources
 from numbers import Real
-from typing import TYPE_CHECKING
 
 from forcefeel.errors import InputError
-
-if TYPE_CHECKING:
-    import pint
 
 _QUANTITIES = {
     "": "a ratio",
@@ -60,10 +58,11 @@ _NUMBER = r"[+-]?(?:(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|(?i:nan
 _UNIT = r"%|(?:(?<= )1/)?[A-Za-zµμ°(](?:[A-Za-zµμ°() */·^.0-9⁰¹²³⁴⁵⁶⁷⁸⁹⁻]|(?<=[\^*])-){0,59}"
 _VALUE = re.compile(rf"(?P<number>{_NUMBER}) ?(?P<unit>{_UNIT})?")
 _SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
-_POWER = re.compile(
-    rf"(?:(?:\^|\*\*) ?-?[0-9]{{1,2}}|⁻?[{_SUPERSCRIPTS}]{{1,2}})(?! ?(?:\^|\*\*|[0-9.{_SUPERSCRIPTS}⁻]))"
-)
-_NO_POWER = re.compile(rf"[0-9^{_SUPERSCRIPTS}⁻]|\*\*")
+_DIGITS = str.maketrans(f"⁻{_SUPERSCRIPTS}", "-0123456789")
+_TOKEN = re.compile(r" *([A-Za-zµμ°_]+|%|[()*·/]|\^ ?-?[0-9]{1,2}(?![0-9.])) *")
+_MOST_POWERS = 999
+"""Of a base unit. What is beyond, such as (m^99)^99, would take for ever to work out."""
+
 _LONGEST_SHOWN = 60
 
 
@@ -114,42 +113,138 @@ INERTIA = Unit("N m s^2/rad", "N m s^2/rad", "lb in s^2/rad", "n_m_s2_per_rad")
 ROTARY_STIFFNESS = Unit("N m/rad", "N m/rad", "lb in/rad", "n_m_per_rad")
 
 
+@dataclass(frozen=True)
+class _Size:
+    """What a unit is: how many of the base units, to which powers. Exact, so that a factor is right to its last bit."""
+
+    scale: Fraction = Fraction(1)
+    powers: Mapping[str, int] = field(default_factory=dict)
+
+    def times(self, other: "_Size", power: int = 1) -> "_Size":
+        """This one times another to a power.
+
+        Raises:
+            ValueError: If it has more powers than anybody writes.
+        """
+        both = {it: self.powers.get(it, 0) + power * other.powers.get(it, 0) for it in {*self.powers, *other.powers}}
+        if any(abs(it) > _MOST_POWERS for it in both.values()):
+            raise ValueError("^")
+        return _Size(self.scale * other.scale**power, {it: count for it, count in both.items() if count})
+
+
 @cache
-def _registry() -> "pint.UnitRegistry[float]":
-    import pint  # noqa: PLC0415  a quarter of a second that `forcefeel --help` need not wait for
-
-    registry: pint.UnitRegistry[float] = pint.UnitRegistry(None)
-    registry.load_definitions(_definitions())
-    return registry
-
-
-@cache
-def _definitions() -> list[str]:
-    return resources.files("forcefeel").joinpath("data/units.txt").read_text(encoding="utf-8").splitlines()
+def _definitions() -> list[list[str]]:
+    """Name, definition, symbol and other names of each unit and prefix."""
+    text = resources.files("forcefeel").joinpath("data/units.txt").read_text(encoding="utf-8")
+    return [line.split(" = ") for line in text.splitlines() if line and not line.startswith("#")]
 
 
 def _known() -> str:
     """Symbols of the units, for a message."""
-    return ", ".join(line.split(" = ")[2] for line in _definitions() if line.count(" = ") > 1 and "- =" not in line)
+    return ", ".join(others[0] for name, _, *others in _definitions() if others and not name.endswith("-"))
 
 
 @cache
-def _parse_unit(text: str) -> "pint.Unit":
-    # The parser would work out s^9^9^9^9 to the last digit, which takes for ever.
-    if _NO_POWER.search(_POWER.sub("", text.removeprefix("1/"))):
-        raise InputError(f"unknown unit {text!r}; write a power as one whole number of one or two digits, such as s^2")
+def _prefixes() -> dict[str, Fraction]:
+    prefixes = (entry for entry in _definitions() if entry[0].endswith("-"))
+    return {it.removesuffix("-"): Fraction(scale) for name, scale, *others in prefixes for it in (name, *others)}
+
+
+@cache
+def _units() -> dict[str, _Size]:
+    """The units by all their names; no unit is a ratio."""
+    found = {"": _Size()}
+    for name, definition, *others in _definitions():
+        if not name.endswith("-"):
+            number, _, rest = definition.partition(" * ") if definition[0].isdigit() else ("1", "", definition)
+            one = _Size(powers={name: 1}) if rest.startswith("[") else _product(_tokens(rest), found)
+            found |= dict.fromkeys((name, *others), _Size(Fraction(number)).times(one))
+    return found
+
+
+@cache
+def _parse_unit(text: str) -> _Size:
     if "%" in text and text.strip() != "%":
         raise InputError(f"unknown unit {text!r}; a percent is a unit by itself, of a ratio")
     try:
-        return _registry().parse_units(text)
-    except Exception as error:  # the parser raises half a dozen kinds, AssertionError among them
+        tokens = ["", "/", *_tokens(text[2:])] if text.startswith("1/") else _tokens(text)
+        size = _product(tokens, _units())
+        if tokens:  # a closing bracket that none opens
+            raise ValueError(tokens[0])
+    except (KeyError, ValueError) as error:
+        if re.search(r"[0-9.^]", error.args[0]):
+            remedy = "write a power as one whole number of one or two digits, such as s^2"
+            raise InputError(f"unknown unit {text!r}; {remedy}") from error
         remedy = "write products with a space and powers with ^, such as lb in s^2"
         raise InputError(f"unknown unit {text!r}; units are {_known()}, also as kN or mA; {remedy}") from error
+    return size
 
 
-@cache
-def _names() -> "dict[pint.util.UnitsContainer, str]":
-    return {_parse_unit(text).dimensionality: name for text, name in _QUANTITIES.items()}
+def _tokens(text: str) -> list[str]:
+    """Names, signs, brackets, and powers as ``^2``.
+
+    Raises:
+        ValueError: If there is anything else, with the rest of the text.
+    """
+    plain = re.sub(rf"⁻?[{_SUPERSCRIPTS}]+", lambda power: f"^{power[0].translate(_DIGITS)}", text.replace("**", "^"))
+    found, at = [], 0
+    while at < len(plain):
+        match = _TOKEN.match(plain, at)
+        if not match:
+            raise ValueError(plain[at:])
+        found.append(match[1])
+        at = match.end()
+    return found or [""]
+
+
+def _product(tokens: list[str], units: Mapping[str, _Size]) -> _Size:
+    """What tokens spell up to a closing bracket or the end; takes them.
+
+    Raises:
+        KeyError: With a name that no unit has, or a power that stands alone.
+        ValueError: If a sign stands alone, or a bracket is not closed.
+    """
+    whole, divides, wanting = _Size(), False, True
+    while tokens and tokens[0] != ")":
+        token = tokens.pop(0)
+        if token in ("*", "·", "/"):
+            if wanting:
+                raise ValueError(token)
+            divides, wanting = token == "/", True
+            continue
+        if token == "(":
+            one = _product(tokens, units)
+            if not tokens:
+                raise ValueError(token)
+            tokens.pop(0)
+        else:
+            one = _named(token, units)
+        power = int(tokens.pop(0)[1:]) if tokens and tokens[0].startswith("^") else 1
+        whole, divides, wanting = whole.times(one, -power if divides else power), False, False
+    if wanting:
+        raise ValueError("")
+    return whole
+
+
+def _named(name: str, units: Mapping[str, _Size]) -> _Size:
+    """The unit of that name, with a prefix or without; a word may be in the plural, as lbs and meters.
+
+    Raises:
+        KeyError: If there is none.
+    """
+    for one in (name, name.removesuffix("s")) if re.fullmatch("[a-z]{2,}s", name) else (name,):
+        if one in units:
+            return units[one]
+        for prefix, scale in _prefixes().items():
+            rest = one.removeprefix(prefix)
+            if rest and rest != one and rest in units:
+                return _Size(scale).times(units[rest])
+    raise KeyError(name)
+
+
+def _quantity(size: _Size) -> str | None:
+    """What a unit measures, in words."""
+    return next((name for text, name in _QUANTITIES.items() if _parse_unit(text).powers == size.powers), None)
 
 
 @cache
@@ -160,17 +255,16 @@ def factor(source: str, target: str) -> float:
         InputError: If a unit is unknown or the dimensions differ.
     """
     given, wanted = _parse_unit(source), _parse_unit(target)
-    radian = _parse_unit("rad")
-    if wanted.dimensionality.get("[angle]") == -1 and "[angle]" not in given.dimensionality:
-        given = given / radian  # what is per radian may leave it unsaid
-    if given.dimensionality != wanted.dimensionality:
-        name, other = _names().get(wanted.dimensionality), _names().get(_parse_unit(source).dimensionality)
+    if wanted.powers.get("radian") == -1 and "radian" not in given.powers:
+        given = given.times(_parse_unit("rad"), -1)  # what is per radian may leave it unsaid
+    if given.powers != wanted.powers:
+        name, other = _quantity(wanted), _quantity(_parse_unit(source))
         if (name, other) == ("a frequency", "a rate"):
             other = "a bare rate (say rad/s or Hz)"
         measures = f"measures {other}, not" if other else "does not measure"
         raise InputError(f"{source!r} {measures} {name or f'what {target!r} does'}")
     try:
-        found = float(_registry().Quantity(1.0, given).to(wanted).magnitude)
+        found = float(given.scale / wanted.scale)
     except OverflowError:
         found = math.inf
     if not 0 < found < math.inf:
