@@ -25,7 +25,8 @@ from forcefeel.linear.models import compliant_model
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import INDEX
-from forcefeel.qualification import judge_releases, measure_releases
+from forcefeel.qualification.batch_verdicts import judge_releases
+from forcefeel.qualification.release_batch import measure_releases
 
 GRID = {"stiffness": "1..100 %:50:log", "frequency": "0.5..4 Hz:25:log", "damping": "0.1..1.5:16"}
 LIMIT_S, LIMIT_GB = 60.0, 1.0

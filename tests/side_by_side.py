@@ -82,9 +82,9 @@ def loader_of(machine):
     curves = {}
     if machine.feel_curve:
         angles, forces = machine.feel_curve
-        curves["force_curve"] = ff.Curve(angles, tuple(LB * force for force in forces))
+        curves["force_curve"] = ff.loader.Curve(angles, tuple(LB * force for force in forces))
     if machine.feel_q:
-        curves["stiffness_factor"] = ff.Curve(*machine.feel_q)
+        curves["stiffness_factor"] = ff.loader.Curve(*machine.feel_q)
     return replace(ff.elevator().replace(changes), **curves)
 
 
@@ -94,7 +94,7 @@ def law_of(machine):
         return None
     units = (1 / IN, 1 / PSI, 1.0, 1.0, 1 / IN, 1 / IN, 1 / LB)
     gains = [gain * unit for gain, unit in zip(machine.gains, units, strict=True)]
-    return ff.Compensator(gains, machine.ratio * machine.base_arm * IN, "rad")
+    return ff.laws.Compensator(gains, machine.ratio * machine.base_arm * IN, "rad")
 
 
 def schedule(steps):

@@ -1,22 +1,88 @@
-"""The public names: listed once for the program, once for type checkers, and all there."""
+"""The public names: few at the top, the rest in the commands' modules, all there, each of them where it is said to be."""
 
 import ast
 import inspect
+import subprocess
+import sys
+from importlib import import_module
 from pathlib import Path
 
+import pytest
+
 import forcefeel as ff
+from forcefeel.public_names import imports_of
 
-STUB = Path(ff.__file__).with_suffix(".pyi")
-
-
-def test_stub_and_module_list_the_same_names_from_the_same_modules():
-    imports = [node for node in ast.parse(STUB.read_text(encoding="utf-8")).body if isinstance(node, ast.ImportFrom)]
-    listed = {alias.name: node.module.removeprefix("forcefeel.") for node in imports for alias in node.names}
-    assert listed == ff._HOME
+PACKAGE = Path(ff.__file__).parent
+MODULES = ["forcefeel", *(f"forcefeel.{stub.parent.name}" for stub in sorted(PACKAGE.glob("*/__init__.pyi")))]
+NAMES = [(module, name) for module in MODULES for name in import_module(module).__all__]
+MOST = 25
 
 
-def test_every_name_is_there_and_documented():
-    for name in ff.__all__:
-        thing = getattr(ff, name)
-        assert inspect.getdoc(thing), f"{name} has no docstring"
-        assert not inspect.ismodule(thing)
+@pytest.mark.parametrize("module", MODULES)
+def test_few_names(module):
+    assert 0 < len(import_module(module).__all__) <= MOST
+
+
+@pytest.mark.parametrize(("module", "name"), NAMES)
+def test_every_name_is_there_and_documented(module, name):
+    thing = getattr(import_module(module), name)
+    assert inspect.getdoc(thing), f"{module}.{name} has no docstring"
+    assert not inspect.ismodule(thing), "a module of that name hides it"
+
+
+def test_the_top_shows_its_names_and_the_modules():
+    assert dir(ff) == sorted([*ff.__all__, *(module.removeprefix("forcefeel.") for module in MODULES[1:])])
+
+
+def test_an_unknown_name_is_refused():
+    with pytest.raises(AttributeError, match="module 'forcefeel' has no attribute 'elevater'"):
+        _ = ff.elevater
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("margins", "linear.margins"), ("Compensator", "laws.Compensator"), ("Conclusions", "conclusions.Conclusions")],
+)
+def test_a_name_that_has_moved_says_where(old, new):
+    with pytest.warns(DeprecationWarning, match=f"forcefeel.{old} is now forcefeel.{new}") as seen:
+        found = getattr(ff, old)
+    module, _, name = f"forcefeel.{new}".rpartition(".")
+    assert found is getattr(import_module(module), name)
+    assert seen[0].filename == __file__
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("design", "design_loader"), ("envelope", "find_envelope"), ("conclusions", "design.conclusions")],
+)
+def test_a_module_that_was_a_function_still_is_one(old, new):
+    called = getattr(ff, old)
+    with (
+        pytest.warns(DeprecationWarning, match=f"forcefeel.{old} is now forcefeel.{new}"),
+        pytest.raises(TypeError, match="required positional argument"),
+    ):
+        called()
+
+
+def test_no_old_name_is_used_by_the_project():
+    """What mypy shows of the package, for the rest: tests and documents make warnings errors where they run."""
+    root = Path(__file__).parents[1]
+    files = [path for folder in ("tests", "benchmarks", "docs", "examples") for path in (root / folder).rglob("*.py")]
+    used = [
+        f"{path.name}: ff.{node.attr}"
+        for path in files
+        if path != Path(__file__)
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "ff"
+        if node.attr not in imports_of(PACKAGE / "__init__.pyi")
+    ]
+    assert [one for one in used if not one.endswith(("ff.__file__", "ff._core"))] == []
+
+
+HEAVY = ("control", "matplotlib", "scipy", "xarray", "pandas", "plotly", "pint", "pydantic", "jinja2", "rich")
+
+
+def test_a_loader_needs_no_heavy_library():
+    code = f"import sys, forcefeel as ff; ff.elevator(); ff.loader; print([m for m in {HEAVY} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

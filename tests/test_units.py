@@ -4,6 +4,7 @@ import datetime
 import math
 import re
 from fractions import Fraction
+from importlib import resources
 
 import numpy as np
 import pint
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 from forcefeel._core import Parameter
 from forcefeel.errors import InputError
 from forcefeel.loader.parameters import ALTERNATIVES, TABLE, is_switch
-from forcefeel.units import ANGLE, HERTZ, PERCENT, RATIO, Unit, UnitSystem, factor, parse, show, to_text
+from forcefeel.units import ANGLE, HERTZ, PERCENT, RATIO, Unit, UnitSystem, factor, factor_by_pint, parse, show, to_text
 
 INCH = 0.0254  # m, exact: international yard and pound agreement, 1959
 POUND = 4.4482216152605  # N, exact: 0.45359237 kg times 9.80665 m/s^2
@@ -401,3 +402,14 @@ def test_numbers_for_people(unit: Unit, value: float, metric: float, us: float) 
 )
 def test_what_came_is_shown_in_a_line(given: object, text: str) -> None:
     assert show(given) == text
+
+
+def test_the_table_of_common_factors_is_pints():
+    """`make docs` writes it; a loader then need not wait for Pint."""
+    text = (resources.files("forcefeel") / "data" / "factors.csv").read_text(encoding="utf-8")
+    rows = [row.split(",") for row in text.splitlines()[1:]]
+    assert len(rows) > 50
+    assert [float(number) for _, _, number in rows] == [factor_by_pint(one, other) for one, other, _ in rows]
+    for row in (TABLE | ALTERNATIVES).values():
+        if not is_switch(row):
+            assert [row.unit_us, row.unit_si] in [pair[:2] for pair in rows]

@@ -95,7 +95,7 @@ def response(loop, channel, volts, out):
     fast = under_test_signal(loop, volts, (channel,), 2000.0, 2)
     record = out / f"{loop}-record.csv"
     csv(record, [f"experiment: {loop}"], fast)
-    found = ff.estimate_response(ff.read_bench_record(record), channel.replace(" ", "_"))
+    found = ff.bench.estimate_response(ff.bench.read_bench_record(record), channel.replace(" ", "_"))
     record.unlink()  # of the analyser only the response is left
     unit, size, _, _ = SENSORS[channel]
     gain = np.abs(found.value) / (size * bench_machine.SI[channel.replace(" ", "_")])

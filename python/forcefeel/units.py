@@ -159,6 +159,25 @@ def factor(source: str, target: str) -> float:
     Raises:
         InputError: If a unit is unknown or the dimensions differ.
     """
+    if (source, target) in _ready():
+        return _ready()[source, target]
+    return factor_by_pint(source, target)
+
+
+@cache
+def _ready() -> dict[tuple[str, str], float]:
+    """The factors of the units that the program writes itself, as Pint gives them: a loader need not wait half a second for it."""
+    rows = resources.files("forcefeel").joinpath("data/factors.csv").read_text(encoding="utf-8").splitlines()[1:]
+    split = (row.split(",") for row in rows)
+    return {(source, target): float(number) for source, target, number in split}
+
+
+def factor_by_pint(source: str, target: str) -> float:
+    """``factor``, worked out.
+
+    Raises:
+        InputError: As ``factor``.
+    """
     given, wanted = _parse_unit(source), _parse_unit(target)
     radian = _parse_unit("rad")
     if wanted.dimensionality.get("[angle]") == -1 and "[angle]" not in given.dimensionality:

@@ -58,7 +58,7 @@ def test_a_tenth_of_the_record_finds_the_machine():
     whole = ff.read_bench_data(BENCH / "shaken.parquet")
     early = whole.time_s <= SECONDS
     channels = {name: values[early] for name, values in whole.channels.items()}
-    record = ff.BenchRecord("early", whole.experiment, whole.time_s[early], channels)
+    record = ff.bench.BenchRecord("early", whole.experiment, whole.time_s[early], channels)
     found = ff.identify(ff.load(BENCH / "loader.toml"), [record], FIT, starts=1)
     assert found.loader is not None
     for it in found.estimates:

@@ -27,7 +27,7 @@ BEGIN = 300  # samples at rest before the drive begins
 REST = np.arange(len(T)) < BEGIN
 
 ELEVATOR = ff.elevator()
-SERVO = ff.servo(ELEVATOR, ff.Linkage.COMPLIANT, closed=True)
+SERVO = ff.linear.servo(ELEVATOR, ff.linear.Linkage.COMPLIANT, closed=True)
 
 
 def shifted(values):
@@ -37,7 +37,7 @@ def shifted(values):
 
 def multisine():
     lines = tuple((np.arange(1, 25) / 2).tolist())
-    sample = ff.Multisine(1.0, lines, 2.0, seed=3).sample(6.0, H)
+    sample = ff.simulation.Multisine(1.0, lines, 2.0, seed=3).sample(6.0, H)
     return shifted(sample.start)
 
 
@@ -271,8 +271,8 @@ ENDS = [
 def predictions(loader, lines_hz=LINES_HZ):
     """Responses of a loader, by python-control from its model's matrices."""
     models = {
-        "servo-open": ff.servo(loader, ff.Linkage.COMPLIANT, closed=False),
-        "servo-closed": ff.servo(loader, ff.Linkage.COMPLIANT, closed=True),
+        "servo-open": ff.linear.servo(loader, ff.linear.Linkage.COMPLIANT, closed=False),
+        "servo-closed": ff.linear.servo(loader, ff.linear.Linkage.COMPLIANT, closed=True),
         "loader": ff.compliant_model(loader),
     }
     values = {name: model(2j * np.pi * lines_hz) for name, model in models.items()}
@@ -388,7 +388,9 @@ def test_predictions_that_are_none_are_refused(predicted):
         misreading(GOOD, predicted)
 
 
-@pytest.mark.parametrize("force", [ff.Chirp(60.0, 0.3, 4.0, 5.0), ff.Doublet(80.0, 0.5, 0.7), ff.Step(100.0, 0.5)])
+@pytest.mark.parametrize(
+    "force", [ff.simulation.Chirp(60.0, 0.3, 4.0, 5.0), ff.simulation.Doublet(80.0, 0.5, 0.7), ff.Step(100.0, 0.5)]
+)
 def test_a_column_that_friction_stops_is_not_clipped(force):
     loader = ELEVATOR.replace({"column.coulomb_friction": "5 lb", "column.static_friction": "6 lb"})
     history = ff.simulate(loader, ff.Scenario(force, duration_s=6.0)).history
@@ -411,9 +413,9 @@ MACHINES = {
 @pytest.mark.parametrize("kind", ["multisine", "square"])
 @pytest.mark.parametrize("loader", MACHINES.values(), ids=MACHINES)
 def test_records_of_the_simulated_machine_pass(loader, kind):
-    drive = ff.Schedule(tuple(T.tolist()), tuple((0.5 * DRIVES[kind]).tolist()))
-    law = ff.Compensator.position_loop(loader.values)
-    scenario = ff.Scenario(ff.HandsOff(), duration_s=T[-1], step_s=H, test_signal_v=drive)
+    drive = ff.simulation.Schedule(tuple(T.tolist()), tuple((0.5 * DRIVES[kind]).tolist()))
+    law = ff.laws.Compensator.position_loop(loader.values)
+    scenario = ff.Scenario(ff.simulation.HandsOff(), duration_s=T[-1], step_s=H, test_signal_v=drive)
     history = ff.simulate(loader, scenario, law).history
     channels = {
         "column_angle": "column_angle_rad",

@@ -208,7 +208,7 @@ def test_welchs_averages():
 
 
 def test_a_chirp_and_its_band():
-    drive = ff.Chirp(1.0, 1.0, 30.0, 40.0).sample(48.0, H).start
+    drive = ff.simulation.Chirp(1.0, 1.0, 30.0, 40.0).sample(48.0, H).start
     num, den, _ = scipy.signal.cont2discrete((SECOND_ORDER.num, SECOND_ORDER.den), H, "foh")
     given = record(drive, scipy.signal.lfilter(num.ravel(), den, drive))
     found = estimate_response(given, "column_angle")

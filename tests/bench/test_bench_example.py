@@ -54,7 +54,7 @@ def test_the_truth_is_found():
     whole = ff.read_bench_data(BENCH / "multisine.parquet")
     early = whole.time_s <= 10.0
     channels = {name: values[early] for name, values in whole.channels.items()}
-    record = ff.BenchRecord("early", whole.experiment, whole.time_s[early], channels)
+    record = ff.bench.BenchRecord("early", whole.experiment, whole.time_s[early], channels)
     found = ff.identify(file, [record], FIT, starts=1)
     assert found.loader is not None
     for it in found.estimates:

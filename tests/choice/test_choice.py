@@ -35,7 +35,7 @@ def scored():
 
 def test_the_shares_are_those_of_the_envelope(scored):
     names = [score.name for score in scored.scores]
-    found = ff.envelope(DIGITAL, names, GRID, **FEW)
+    found = ff.find_envelope(DIGITAL, names, GRID, **FEW)
     assert [score.over.shares for score in scored.scores] == [found.shares(name) for name in names]
 
 
@@ -51,7 +51,7 @@ def test_the_release_at_the_own_setting_is_the_simulation_s(scored):
             abs=1e-5,  # rad; records hold another number of samples, so noise of the sensors falls alike but in another stream
         )
     )
-    ideal = ff.ideal_feel(DIGITAL)
+    ideal = ff.linear.ideal_feel(DIGITAL)
     poles = sorted(ideal.poles(), key=lambda pole: pole.imag)
     w, zeta = abs(poles[0]), -poles[0].real / abs(poles[0])
     mode = min(own.modes, key=lambda one: abs(one.frequency_rad_per_s - w))

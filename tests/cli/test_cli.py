@@ -146,7 +146,7 @@ def test_gains_that_do_not_settle_are_a_bad_answer(run, monkeypatch):
 
 
 def test_q_from_a_file(run, tmp_path):
-    weight = ff.published_settings(ff.elevator()).weight(ff.elevator())
+    weight = ff.laws.published_settings(ff.elevator()).weight(ff.elevator())
     (tmp_path / "q.csv").write_text(
         "\n".join(",".join(repr(float(x)) for x in row) for row in weight), encoding="utf-8"
     )

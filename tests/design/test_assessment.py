@@ -25,25 +25,25 @@ def loader():
 
 @pytest.fixture(scope="module")
 def gains(loader):
-    return ff.compensate(loader, ff.published_settings(loader)).gains
+    return ff.compensate(loader, ff.laws.published_settings(loader)).gains
 
 
 @pytest.fixture(scope="module")
 def dropped(loader, gains):
-    return ff.drop_paths(loader, gains)
+    return ff.design.drop_paths(loader, gains)
 
 
 @pytest.fixture(scope="module")
 def deviations(loader, gains):
-    return ff.sensitivity(loader, gains)
+    return ff.design.sensitivity(loader, gains)
 
 
 def test_tracking_error_and_cost_are_the_integrals_over_the_sampled_response(loader, gains):
-    law = ff.state_feedback(loader, gains[:6])
-    found = ff.assess(loader, law)
+    law = ff.linear.state_feedback(loader, gains[:6])
+    found = ff.design.assess(loader, law)
     force = loader["pilot.force"]
     column = ff.step_response(ff.compliant_model(loader, law), force, samples=20001)
-    ideal = ff.step_response(ff.ideal_feel(loader), force, samples=20001)
+    ideal = ff.step_response(ff.linear.ideal_feel(loader), force, samples=20001)
     deviation = column.column_angle_rad - ideal.column_angle_rad
     wanted = 31.375 * 96 / 9600
     assert found.tracking_error == pytest.approx(
@@ -55,17 +55,17 @@ def test_tracking_error_and_cost_are_the_integrals_over_the_sampled_response(loa
 
 
 def test_static_angle_is_where_the_response_ends(loader, gains):
-    law = ff.state_feedback(loader, gains[:6])
+    law = ff.linear.state_feedback(loader, gains[:6])
     response = ff.step_response(ff.compliant_model(loader, law), loader["pilot.force"], duration_s=10.0)
-    found = ff.assess(loader, law)
+    found = ff.design.assess(loader, law)
     assert float(response.column_angle_rad[-1]) == pytest.approx(found.static_angle_rad, rel=1e-8)  # exp(-24) is left
     assert found.static_error == pytest.approx(found.static_angle_rad / (31.375 * 96 / 9600) - 1)
 
 
 def test_peaks_against_the_ratings(loader, gains):
-    law = ff.state_feedback(loader, gains[:6])
-    halved = ff.peaks(loader.replace({"valve.rated_current": "7.5 mA", "valve.rated_flow": "50 in^3/s"}), law)
-    found = ff.peaks(loader, law)
+    law = ff.linear.state_feedback(loader, gains[:6])
+    halved = ff.design.peaks(loader.replace({"valve.rated_current": "7.5 mA", "valve.rated_flow": "50 in^3/s"}), law)
+    found = ff.design.peaks(loader, law)
     assert (halved.current_share, halved.flow_share) == pytest.approx((2 * found.current_share, 2 * found.flow_share))
     assert found.current_share == pytest.approx(found.current_a / 0.015)
     assert found.flow_share == pytest.approx(found.flow_m3_per_s / (100 * 0.0254**3))
@@ -73,7 +73,7 @@ def test_peaks_against_the_ratings(loader, gains):
 
 
 def test_an_unstable_loop_is_said_to_be_so(loader):
-    found = ff.assess(loader, ff.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0])))
+    found = ff.design.assess(loader, ff.linear.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0])))
     assert not found.stable
     assert found.abscissa_per_s > 0
     assert np.isnan(found.tracking_error)
@@ -83,7 +83,7 @@ def test_an_integrator_is_not_stable(loader, gains):
     """Without x_p, delta and x_b nothing holds the piston: a pole at zero, which rounding may put on either side."""
     left = gains[:6].copy()
     left[[0, 2, 4]] = 0
-    assert not ff.assess(loader, ff.state_feedback(loader, left)).stable
+    assert not ff.design.assess(loader, ff.linear.state_feedback(loader, left)).stable
 
 
 def test_every_set_of_paths_is_tried_once(dropped):
@@ -93,7 +93,7 @@ def test_every_set_of_paths_is_tried_once(dropped):
 
 def test_dropping_the_position_path_is_fatal_and_dropping_pressure_is_free(dropped, loader, gains):
     by_path = {row.paths: row for row in dropped}
-    full = ff.assess(loader, ff.state_feedback(loader, gains[:6]))
+    full = ff.design.assess(loader, ff.linear.state_feedback(loader, gains[:6]))
     assert not by_path["c_1",].assessment.stable
     assert by_path["c_2",].assessment.tracking_error == pytest.approx(full.tracking_error, abs=FREE)
     assert by_path["c_4",].cost_increase > 0.3
@@ -123,15 +123,17 @@ def test_small_deviations_are_the_derivative(loader, gains, deviations):
     at = {row.change: row.assessment.static_error for row in deviations if row.quantity == "c_3"}
     nudged = gains[:6].copy()
     nudged[2] *= 1 + 1e-5
-    here, there = (ff.assess(loader, ff.state_feedback(loader, g)).static_error for g in (gains[:6], nudged))
+    here, there = (
+        ff.design.assess(loader, ff.linear.state_feedback(loader, g)).static_error for g in (gains[:6], nudged)
+    )
     assert (at[0.05] - at[-0.05]) / 0.1 == pytest.approx((there - here) / 1e-5, rel=0.02)  # third-order terms
 
 
 def test_worst_is_the_largest_tracking_error_and_an_unstable_loop_before_any(loader, deviations):
     named = worst(deviations)
     assert named.assessment.tracking_error == max(row.assessment.tracking_error for row in deviations)
-    runaway = ff.assess(loader, ff.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0])))
-    unstable = ff.Deviation("c_1", 0.05, runaway)
+    runaway = ff.design.assess(loader, ff.linear.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0])))
+    unstable = ff.design.Deviation("c_1", 0.05, runaway)
     assert worst((*deviations, unstable)) is unstable
 
 
@@ -144,51 +146,51 @@ def test_dropping_a_path_may_cost_stability_though_the_feel_stays(dropped):
 
 
 def test_what_can_be_dropped_keeps_fidelity_and_stability(loader, gains, dropped):
-    law = ff.state_feedback(loader, gains[:6])
-    edge = ff.smallest_stable_stiffness(loader, compensator=law)
-    assert droppable(dropped, ff.assess(loader, law), edge).paths == ("c_2", "c_6")
-    strict = ff.StabilityBoundary(edge.stiffness_n_m_per_rad / 2, 0.0, "")
-    assert droppable(dropped, ff.assess(loader, law), strict) is None
+    law = ff.linear.state_feedback(loader, gains[:6])
+    edge = ff.linear.smallest_stable_stiffness(loader, compensator=law)
+    assert droppable(dropped, ff.design.assess(loader, law), edge).paths == ("c_2", "c_6")
+    strict = ff.linear.StabilityBoundary(edge.stiffness_n_m_per_rad / 2, 0.0, "")
+    assert droppable(dropped, ff.design.assess(loader, law), strict) is None
 
 
 def test_a_deviation_out_of_range_is_not_evaluated(loader, gains):
     straight = loader.replace({"linkage.ratio": "0.95"})
-    rows = ff.sensitivity(straight, gains)
+    rows = ff.design.sensitivity(straight, gains)
     missing = [row for row in rows if row.assessment is None]
     assert {row.quantity for row in missing} == {"linkage.ratio"}
     assert worst(rows).assessment is not None
 
 
 def test_one_cost_index_in_a_design(loader):
-    found = ff.design(loader, ff.DesignSettings(horizon_s=0.05, r2=10.0))
+    found = ff.design_loader(loader, ff.laws.DesignSettings(horizon_s=0.05, r2=10.0))
     law = found.compensation.compensator(loader)
-    full = ff.assess(loader, law, found.compensation.settings)
+    full = ff.design.assess(loader, law, found.compensation.settings)
     assert found.configuration("compensated").programmed.assessment.cost == full.cost
     first = found.dropped[0].assessment, found.dropped[0].cost_increase
     assert np.isnan(first[1]) or first[0].cost / full.cost - 1 == pytest.approx(first[1])
 
 
 def test_the_original_law_given_by_name_is_judged_like_the_default(loader):
-    named = ff.assess(loader, ff.Compensator.original(loader.values))
+    named = ff.design.assess(loader, ff.laws.Compensator.original(loader.values))
     assert np.isnan(named.cost)
-    assert named.tracking_error == ff.assess(loader, None).tracking_error
+    assert named.tracking_error == ff.design.assess(loader, None).tracking_error
 
 
 def test_state_feedback_on_a_rigid_link_is_judged_without_a_cost(loader, gains):
-    found = ff.assess(loader, ff.state_feedback(loader, gains[:6]), linkage=ff.Linkage.RIGID)
+    found = ff.design.assess(loader, ff.linear.state_feedback(loader, gains[:6]), linkage=ff.linear.Linkage.RIGID)
     assert found.stable
     assert np.isnan(found.cost)
 
 
 def test_gains_that_are_no_numbers_are_refused(loader):
     with pytest.raises(ff.InputError, match="six or seven finite numbers"):
-        ff.state_feedback(loader, np.full(6, np.nan))
+        ff.linear.state_feedback(loader, np.full(6, np.nan))
 
 
 def test_a_design_can_be_sent_to_another_process(loader):
-    law = ff.Compensator.original(loader.values)
+    law = ff.laws.Compensator.original(loader.values)
     assert pickle.loads(pickle.dumps(law)) == law
-    found = ff.design(loader)
+    found = ff.design_loader(loader)
     again = pickle.loads(pickle.dumps(found))
     np.testing.assert_array_equal(again.compensation.gains, found.compensation.gains)
     assert [one.compensator for one in again.configurations] == [one.compensator for one in found.configurations]

@@ -28,11 +28,11 @@ def loader():
 
 @pytest.fixture(scope="module")
 def found(loader):
-    return ff.design(loader)
+    return ff.design_loader(loader)
 
 
 def said(design):
-    return ff.conclusions(design, ff.UnitSystem.US)
+    return ff.design.conclusions(design, ff.UnitSystem.US)
 
 
 def test_the_elevator_settles_right_and_moves_wrong(found):
@@ -58,27 +58,27 @@ def test_the_elevator_settles_right_and_moves_wrong(found):
 @pytest.mark.parametrize(
     ("changes", "settings", "verdict"),
     [
-        ({}, ff.DesignSettings(), "does not settle"),
+        ({}, ff.laws.DesignSettings(), "does not settle"),
         ({"valve.natural_frequency": "5 rad/s"}, None, "do not close this loop"),
-        ({}, ff.DesignSettings(r2=1e4), "no compensation to judge"),
-        (HEAVY, ff.DesignSettings(r2=0.14), "at rest and in motion"),
+        ({}, ff.laws.DesignSettings(r2=1e4), "no compensation to judge"),
+        (HEAVY, ff.laws.DesignSettings(r2=0.14), "at rest and in motion"),
     ],
 )
 def test_verdicts(loader, changes, settings, verdict, monkeypatch):
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)  # of one that never settles
-    words = said(ff.design(loader.replace(changes), settings))
+    words = said(ff.design_loader(loader.replace(changes), settings))
     assert verdict in words.verdict
     assert words.good is (verdict in {"does not settle", "at rest and in motion"})
 
 
 def test_a_stiff_link_is_said_to_be_as_good_as_rigid(loader):
     stiff = loader.replace({"linkage.stiffness": "1e8 lb/in", "linkage.damping": "3000 lb s/in"})
-    assert said(ff.design(stiff)).findings[0].startswith("The linkage is as good as rigid")
+    assert said(ff.design_loader(stiff)).findings[0].startswith("The linkage is as good as rigid")
 
 
 def test_the_line_in_figure_2_touches_its_curve(loader):
     other = loader.replace({"valve.pressure_gain": "0.05 in^5/(lb s)"})
-    curves = ff.figures(ff.design(other))[0].curves
+    curves = ff.design.figures(ff.design_loader(other))[0].curves
     curve, line = (curves[name].flow_m3_per_s.values for name in ("20% of rated current", "tangent at 20%, eq. (2)"))
     touch = int(np.argmin(np.abs(curve - line)))
     assert curves["20% of rated current"].load_pressure_pa.values[touch] == pytest.approx(
@@ -88,16 +88,16 @@ def test_the_line_in_figure_2_touches_its_curve(loader):
 
 
 def test_column_and_piston_agree_at_low_frequency_in_figures_8_and_9(found):
-    for figure in ff.figures(found)[1:3]:
+    for figure in ff.design.figures(found)[1:3]:
         piston, column = (figure.curves[f"compliant link, {name}"].gain_db.values[0] for name in ("piston", "column"))
         assert column == pytest.approx(piston, abs=LINK_DB)
 
 
 def test_what_the_linear_models_leave_out_is_said(loader):
-    assert not any("leave out" in finding for finding in said(ff.design(loader)).findings)
-    curve = ff.Curve((-0.5, 0.0, 0.5), (-300.0, 0.0, 200.0))
+    assert not any("leave out" in finding for finding in said(ff.design_loader(loader)).findings)
+    curve = ff.loader.Curve((-0.5, 0.0, 0.5), (-300.0, 0.0, 200.0))
     more = replace(loader.replace({"valve.orifice": True}), force_curve=curve)
-    assert said(ff.design(more)).findings[-1] == (
+    assert said(ff.design_loader(more)).findings[-1] == (
         "The linear models leave out valve.orifice and feel.force_curve; forcefeel simulate has all of it in play."
     )
     assert left_out(loader.replace({"valve.orifice": True})).startswith("The linear models leave out valve.orifice;")

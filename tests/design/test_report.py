@@ -12,7 +12,7 @@ import pytest
 
 from forcefeel.design.figure_data import figures
 from forcefeel.design.page import folder, write_report
-from forcefeel.design.workflow import Design, design
+from forcefeel.design.workflow import Design, design_loader
 from forcefeel.errors import InputError
 from forcefeel.loader.built_in import elevator
 from forcefeel.page.typography import number_text, percent_text, prose_html, split_symbol, symbol_html, unit_text
@@ -27,7 +27,7 @@ ANCHORS = ("conclusions", "loader", "feel", "loops", "stability", "gains", "drop
 
 @pytest.fixture(scope="module")
 def designed() -> Design:
-    return design(elevator())
+    return design_loader(elevator())
 
 
 @pytest.fixture(scope="module")
@@ -159,7 +159,7 @@ def test_the_same_design_gives_the_same_bytes(out, designed, tmp_path):
 
 def test_names_are_text_not_markup(tmp_path):
     loader = replace(elevator(), name="<script>alert(1)</script>", source="a & b < c")
-    text = write_report(design(loader), tmp_path, UnitSystem.US).read_text(encoding="utf-8")
+    text = write_report(design_loader(loader), tmp_path, UnitSystem.US).read_text(encoding="utf-8")
     assert "<script>alert" not in text
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in text
     assert "a &amp; b &lt; c" in text

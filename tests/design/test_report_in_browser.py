@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from forcefeel.design.page import write_report
-from forcefeel.design.workflow import design
+from forcefeel.design.workflow import design_loader
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import Loader
 from forcefeel.units import UnitSystem
@@ -58,7 +58,7 @@ def browser() -> Iterator[Browser]:
 @pytest.fixture(scope="module")
 def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
-    return {name: write_report(design(make()), folder / name, units) for name, (make, units) in REPORTS.items()}
+    return {name: write_report(design_loader(make()), folder / name, units) for name, (make, units) in REPORTS.items()}
 
 
 @pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)

@@ -33,7 +33,7 @@ NEAR = (
 
 @pytest.fixture(scope="module")
 def found():
-    return ff.envelope(ff.elevator(), grid=GRID)
+    return ff.find_envelope(ff.elevator(), grid=GRID)
 
 
 def _machine(found, compensator, case, setting):
@@ -99,7 +99,7 @@ def test_stability_is_that_of_numpys_poles(found):
                 law = laws.single(plan.loader, setting).fixed  # with the nominal plant's geometry
                 if case.parameter:
                     values[INDEX[case.parameter]] *= 1 + case.change
-                a = ff._core.compliant(values, law or ff.Compensator.original(values))[0]
+                a = ff._core.compliant(values, law or ff.laws.Compensator.original(values))[0]
                 if case.arm:
                     a = _with_arm(a, values, case.arm)
                 poles = np.linalg.eigvals(a)
@@ -168,7 +168,7 @@ def test_the_ideal_is_the_closed_form(damping):
 
 def test_the_numbers_do_not_depend_on_threads_or_pieces(found, monkeypatch):
     monkeypatch.setattr(releases, "_CHUNK_BYTES", 2**18)
-    again = ff.envelope(ff.elevator(), grid=GRID, threads=1)
+    again = ff.find_envelope(ff.elevator(), grid=GRID, threads=1)
     assert again.data.identical(found.data)
 
 
@@ -206,7 +206,7 @@ def test_shares_are_counts(found):
 
 def test_the_default_grid_is_near_the_independent_reckoning():
     """Issue 5's own linear reckoning: 60 % stable and 22 % within tolerance, 75 % and 18 %; its grid is not stated."""
-    found = ff.envelope(ff.elevator(), ("original", "published"), changes={}, arms=())
+    found = ff.find_envelope(ff.elevator(), ("original", "published"), changes={}, arms=())
     original, published = (found.shares(name) for name in found.compensators)
     spacing = 0.04  # what another spacing of as many points does to a share
     assert (original.stable, original.passes) == pytest.approx((0.60, 0.22), abs=spacing)
@@ -240,7 +240,7 @@ def test_a_loader_with_optional_rows_is_stepped():
     rows = {"valve.orifice": True, "column.stop_low": "-12 deg", "column.stop_high": "12 deg", "feel.breakout": "1 lb"}
     loader = ff.elevator().replace(rows | {"feel.breakout_travel": "0.5 deg"})
     grid = {"stiffness": "10, 60, 100 %", "frequency": "1, 3 Hz", "damping": "0.4, 1.2"}
-    found = ff.envelope(
+    found = ff.find_envelope(
         loader, ("published",), grid, changes={"linkage.ratio": 0.2}, arms=(PilotArm("loose", 1.0, 10.0, 50.0, True),)
     )
     plan = found.plan

@@ -170,6 +170,6 @@ def test_the_page_has_no_endless_numbers_and_says_what_is_not_verified(run, tmp_
 
 def test_a_law_of_ones_own_is_escaped_in_the_page(tmp_path):
     grid = {"stiffness": "10, 100 %", "frequency": "1, 2 Hz", "damping": "0.3, 1"}
-    found = ff.envelope(ff.elevator(), {"<b>mine": None}, grid, changes={}, arms=())
-    page = ff.write_envelope(found, tmp_path, ff.UnitSystem.SI).read_text(encoding="utf-8")
+    found = ff.find_envelope(ff.elevator(), {"<b>mine": None}, grid, changes={}, arms=())
+    page = ff.envelope.write_envelope(found, tmp_path, ff.UnitSystem.SI).read_text(encoding="utf-8")
     assert "<b>mine" not in re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL)

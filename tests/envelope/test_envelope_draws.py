@@ -55,7 +55,7 @@ TORQUE = witness.LBF * INCH
 
 @pytest.fixture(scope="module")
 def found():
-    return ff.envelope(ff.elevator(), (LAW,), GRID, arms=(), draws=Draws(MACHINES, 7))
+    return ff.find_envelope(ff.elevator(), (LAW,), GRID, arms=(), draws=Draws(MACHINES, 7))
 
 
 @contextmanager
@@ -204,6 +204,6 @@ def test_draws_that_are_none(given):
 
 
 def test_no_draws_have_no_shares():
-    few = ff.envelope(ff.elevator(), ("original",), GRID, changes={}, arms=())
+    few = ff.find_envelope(ff.elevator(), ("original",), GRID, changes={}, arms=())
     with pytest.raises(InputError, match="machines that were drawn"):
         few.drawn_shares("original")

@@ -27,17 +27,17 @@ SMALLEST_PANEL_PX = 60
 GRID = {"stiffness": "1..100 %:9:log", "frequency": "0.5..4 Hz:6:log"}
 
 
-def _stepped() -> ff.Envelope:
+def _stepped() -> ff.envelope.Envelope:
     """A loader with optional rows, one compensator, a rule that is not verified."""
     loader = ff.elevator().replace(
         {"valve.orifice": True, "column.coulomb_friction": "1 lb", "feel.coulomb_friction": "1 lb"}
     )
     grid = {"stiffness": "10, 30, 100 %", "frequency": "1..3 Hz:3", "damping": "0.3, 1"}
-    return ff.envelope(loader, ("published",), grid, changes={"linkage.stiffness": 0.2}, arms=(), rule="cs-fstd-a")
+    return ff.find_envelope(loader, ("published",), grid, changes={"linkage.stiffness": 0.2}, arms=(), rule="cs-fstd-a")
 
 
 ENVELOPES = {
-    "compared": (lambda: ff.envelope(ff.elevator(), grid=GRID), UnitSystem.US),
+    "compared": (lambda: ff.find_envelope(ff.elevator(), grid=GRID), UnitSystem.US),
     "stepped": (_stepped, UnitSystem.SI),
 }
 VIEWS = {f"{name}-{width}": (name, width) for name in ENVELOPES for width in WIDTHS}
@@ -46,7 +46,7 @@ VIEWS = {f"{name}-{width}": (name, width) for name in ENVELOPES for width in WID
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("envelopes")
-    return {name: ff.write_envelope(make(), folder / name, units) for name, (make, units) in ENVELOPES.items()}
+    return {name: ff.envelope.write_envelope(make(), folder / name, units) for name, (make, units) in ENVELOPES.items()}
 
 
 @pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)

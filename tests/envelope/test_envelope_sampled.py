@@ -100,7 +100,7 @@ def test_verdicts_and_releases_are_those_of_the_exact_plant(loader: ff.Loader, n
 
 def test_trust_in_the_potentiometer_is_what_a_softer_link_takes_away(loader: ff.Loader) -> None:
     changes = {"linkage.stiffness": 0.2}
-    found = ff.envelope(loader, ("observer", "recovered", "robust"), GRID, changes=changes, arms=())
+    found = ff.find_envelope(loader, ("observer", "recovered", "robust"), GRID, changes=changes, arms=())
     lost = {name: found.shares(name).stable - found.shares(name).stable_worst for name in found.compensators}
     assert lost["recovered"] > 0.9
     assert lost["observer"] > 0.1

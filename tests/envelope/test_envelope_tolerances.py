@@ -36,7 +36,7 @@ def test_what_a_file_knows_to_one_per_cent_loses_less_than_what_it_knows_to_twen
     file, lost = tmp_path / "mine.toml", []
     for share in ("1 %", "20 %"):
         file.write_text(stating(ff.elevator(), inertia=share).to_toml(), encoding="utf-8")
-        rows = ff.envelope(ff.load(file), ("converged",), GRID, arms=()).case_shares("converged")
+        rows = ff.find_envelope(ff.load(file), ("converged",), GRID, arms=()).case_shares("converged")
         lost.append(sum(row.lost for row in rows if row.case.startswith(INERTIA)))
     assert lost[0] < lost[1]
 

@@ -22,18 +22,18 @@ def loader() -> ff.Loader:
 
 
 @pytest.fixture(scope="module")
-def found(loader: ff.Loader) -> ff.Tuned:
-    return ff.tune(loader, SLOW, 12, seed=3, **OPTIONS)
+def found(loader: ff.Loader) -> ff.envelope.Tuned:
+    return ff.envelope.tune(loader, SLOW, 12, seed=3, **OPTIONS)
 
 
-def test_it_finds_a_better_one(found: ff.Tuned) -> None:
+def test_it_finds_a_better_one(found: ff.envelope.Tuned) -> None:
     assert found.score > found.first
     assert found.evaluations == 12
     assert found.tuning != SLOW
 
 
-def test_score_is_the_envelopes(loader: ff.Loader, found: ff.Tuned) -> None:
-    own = ff.envelope(loader, {"it": tuned("it", "", found.tuning)}, GRID, changes=OPTIONS["changes"], arms=())
+def test_score_is_the_envelopes(loader: ff.Loader, found: ff.envelope.Tuned) -> None:
+    own = ff.find_envelope(loader, {"it": tuned("it", "", found.tuning)}, GRID, changes=OPTIONS["changes"], arms=())
     passes, stable = own.passes("it"), own.stable("it")
     margins = np.array(own.data["margin"].values[0].reshape(passes.shape), dtype=float)
     margins = np.where(stable & np.isfinite(margins), margins, -1.0).clip(-1.0, 0.2)
@@ -48,13 +48,13 @@ def test_score_is_the_envelopes(loader: ff.Loader, found: ff.Tuned) -> None:
 
 
 def test_same_seed_same_tuning(loader: ff.Loader) -> None:
-    once, again = (ff.tune(loader, SLOW, 3, seed=5, **OPTIONS) for _ in range(2))
+    once, again = (ff.envelope.tune(loader, SLOW, 3, seed=5, **OPTIONS) for _ in range(2))
     assert (once.tuning, once.score) == (again.tuning, again.score)
 
 
 def test_progress_and_one_evaluation(loader: ff.Loader) -> None:
     seen: list[tuple[int, int, float]] = []
-    found = ff.tune(loader, SLOW, 1, progress=lambda *args: seen.append(args), **OPTIONS)
+    found = ff.envelope.tune(loader, SLOW, 1, progress=lambda *args: seen.append(args), **OPTIONS)
     assert found.tuning is SLOW
     assert found.score == found.first
     assert seen == [(1, 1, found.score)]
@@ -62,6 +62,6 @@ def test_progress_and_one_evaluation(loader: ff.Loader) -> None:
 
 def test_bad_arguments(loader: ff.Loader) -> None:
     with pytest.raises(InputError, match="evaluations: expected at least 1, got 0"):
-        ff.tune(loader, evaluations=0)
+        ff.envelope.tune(loader, evaluations=0)
     with pytest.raises(InputError, match=r"controller\.period: expected a sample period"):
-        ff.tune(ff.elevator(), evaluations=1, **OPTIONS)
+        ff.envelope.tune(ff.elevator(), evaluations=1, **OPTIONS)

@@ -34,7 +34,7 @@ OFF = 0.01
 
 SENSORS = ("load_cell", "potentiometer", "column_sensor")
 QUIET = dict.fromkeys(f"{sensor}.{row}" for sensor in SENSORS for row in ("noise", "resolution"))
-PUSHED = ff.Multisine(100.0, (0.5, 1.0, 1.5, 2.5), 4.0, seed=1)
+PUSHED = ff.simulation.Multisine(100.0, (0.5, 1.0, 1.5, 2.5), 4.0, seed=1)
 MOTIONS = {"multisine": PUSHED, "free swing": ff.Release(np.radians(8.0), 1.05)}
 FORCES = {"multisine": PUSHED, "step": ff.Step(60.0, 1.0)}
 WAYS = {"stiffer": (60.0, 380.0), "softer": (380.0, 60.0), "a little": (100.0, 200.0)}
@@ -48,13 +48,13 @@ def schedule() -> FlightSchedule:
     return design_schedule(loader, [axis], second_order_feel(stiffness, [1.0, 1.2, 1.5, 2.0], 0.6))
 
 
-def run(schedule: FlightSchedule, start: float, force: Force, *changes: ff.FeelChange) -> ff.Run:
+def run(schedule: FlightSchedule, start: float, force: Force, *changes: ff.simulation.FeelChange) -> ff.simulation.Run:
     there = schedule.at(dynamic_pressure=start)
     scenario = ff.Scenario(force, DURATION_S, STEP_S, STEP_S, feel_changes=changes)
     return ff.simulate(there.loader, scenario, there.compensator)
 
 
-def steps(found: ff.Run) -> dict[str, float]:
+def steps(found: ff.simulation.Run) -> dict[str, float]:
     """Largest change from one sample to the next, near the change: of the command, and of the programmed acceleration."""
     current, velocity = (found.history[name].values[NEAR] for name in ("valve_current_a", "feel_velocity_rad_per_s"))
     return {
@@ -78,7 +78,7 @@ def test_a_change_does_not_bump(schedule: FlightSchedule, motion: str, way: str)
 def test_a_law_that_is_switched_at_once_does(schedule: FlightSchedule, way: str) -> None:
     """The measure of the test before would see a bump."""
     start, end = WAYS[way]
-    switched = ff.FeelChange(AT_S, {}, STEP_S, schedule.at(dynamic_pressure=end).compensator)
+    switched = ff.simulation.FeelChange(AT_S, {}, STEP_S, schedule.at(dynamic_pressure=end).compensator)
     natural = max(steps(run(schedule, each, PUSHED))["command"] for each in (start, end))
     assert steps(run(schedule, start, PUSHED, switched))["command"] > JUMP * natural
 

@@ -25,7 +25,7 @@ pytestmark = pytest.mark.browser
 SMALLEST_PANEL_PX = 100
 
 
-def _digital() -> ff.Frontier:
+def _digital() -> ff.frontier.Frontier:
     """A digital loader whose spool is too small for some settings, few cases, a rule that is not verified."""
     loader = ff.digital_elevator().replace({"valve.flow_limit": "25 in^3/s", "column.coulomb_friction": "1 lb"})
     grid = {"stiffness": "10, 100 %", "frequency": "2, 4 Hz", "damping": "0.4, 1"}
@@ -34,7 +34,7 @@ def _digital() -> ff.Frontier:
     )
 
 
-def _analog() -> ff.Frontier:
+def _analog() -> ff.frontier.Frontier:
     grid = {"stiffness": "1..100 %:6:log", "frequency": "1..4 Hz:3:log", "damping": "0.4, 1.5"}
     changes = {"column.inertia": 0.2, "linkage.ratio": 0.2, "linkage.stiffness": 0.2, "valve.current_gain": 0.3}
     return ff.find_frontier(ff.elevator(), grid=grid, changes=changes)
@@ -47,7 +47,7 @@ VIEWS = {f"{name}-{width}": (name, width) for name in FRONTIERS for width in WID
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("frontiers")
-    return {name: ff.write_frontier(make(), folder / name, units) for name, (make, units) in FRONTIERS.items()}
+    return {name: ff.frontier.write_frontier(make(), folder / name, units) for name, (make, units) in FRONTIERS.items()}
 
 
 @pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)

@@ -31,7 +31,7 @@ def test_tolerances_that_are_mixed_are_those_of_an_envelope(rungs, rung, rest):
         for key, share in SMALL.items()
         if not (key in KNOWN_BETTER and factors[rung] is None)
     }
-    found = ff.envelope(ff.elevator(), (LAW,), GRID, changes=changes)
+    found = ff.find_envelope(ff.elevator(), (LAW,), GRID, changes=changes)
     known = [key for key in SMALL if key in KNOWN_BETTER]
     assert np.array_equal(rungs.worst(known, rung, rest), found.passes(LAW).all(axis=0))
     assert np.array_equal(rungs.worst(known, rung, rest, stable=True), found.stable(LAW).all(axis=0))
@@ -116,7 +116,7 @@ def test_gains_are_those_of_the_changed_loader(rungs):
     for change in CHANGES:
         assert (change.name in gains) == change.applies(rungs.full.plan.loader)
         if change.name in gains:
-            after = ff.envelope(change.on(ff.elevator()), (LAW,), GRID, changes=SMALL).shares(LAW)
+            after = ff.find_envelope(change.on(ff.elevator()), (LAW,), GRID, changes=SMALL).shares(LAW)
             gain = gains[change.name]
             assert (gain.nominal, gain.worst, gain.stable_worst) == (
                 after.passes,

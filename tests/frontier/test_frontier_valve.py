@@ -89,7 +89,7 @@ def test_what_is_forbidden_does_not_pass_on_the_engine():
     loader = ff.digital_elevator().replace({"valve.flow_limit": "25 in^3/s"})
     grid = {"stiffness": "10, 100 %", "frequency": "1, 4 Hz", "damping": "0.2, 1"}
     for name in ("robust", "observer"):
-        found = ff.envelope(loader, (name,), grid, changes={}, arms=())
+        found = ff.find_envelope(loader, (name,), grid, changes={}, arms=())
         limits = valve_limits(found.plan, threads=1)
         assert 0 < limits.forbidden_share < 1
         passes = found.passes(name)[0]

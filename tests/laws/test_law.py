@@ -74,11 +74,11 @@ def consumers(loader, law):
     hz = np.array([1.0, 2.0])
     found = {
         "simulate": lambda: ff.simulate(loader, PUSH, law),
-        "simulate_batch": lambda: ff.simulate_batch(loader, PUSH, values, law),
+        "simulate_batch": lambda: ff.simulation.simulate_batch(loader, PUSH, values, law),
         "sweep": lambda: ff.Sweep(loader, PUSH, law, runs=2, vary={"linkage.stiffness": "5 %"}).nominal_law,
-        "envelope": lambda: ff.envelope(loader, {"law": law}, GRID, changes={}, arms=()),
+        "envelope": lambda: ff.find_envelope(loader, {"law": law}, GRID, changes={}, arms=()),
         "qualify": lambda: qualify_loader(loader, QualificationSetup(laws={"law": law})),
-        "identify": lambda: ff.model_response(loader, experiment, "test_signal", "column_angle", hz, law=law),
+        "identify": lambda: ff.bench.model_response(loader, experiment, "test_signal", "column_angle", hz, law=law),
     }
     return found | ({"loops": lambda: sampled_loops(loader, law)} if loader["controller.period"] else {})
 
@@ -119,7 +119,7 @@ def test_laws_are_found_by_their_setting():
 
 
 def test_one_law_for_any_setting_stays_as_it_is():
-    law = Law.of(ff.Compensator.original(ANALOG.values), ANALOG)
+    law = Law.of(ff.laws.Compensator.original(ANALOG.values), ANALOG)
     assert law.at(settings(ANALOG, 500.0, 900.0)) is law
 
 

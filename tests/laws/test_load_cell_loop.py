@@ -34,7 +34,7 @@ def witness(loader: ff.Loader, feel: np.ndarray, law: SampledCompensator) -> np.
 
     One period of the plant, of the computer and of the law, each by itself, the base's velocity taken as measured.
     """
-    plant = ff.design_plant(loader)
+    plant = ff.linear.design_plant(loader)
     kept = [0, 1, 4, 5]
     a, b = np.asarray(plant.A)[np.ix_(kept, kept)], np.asarray(plant.B)[kept]
     whole = scipy.linalg.expm(np.block([[a, b], [np.zeros((1, 5))]]) * PERIOD)

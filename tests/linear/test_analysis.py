@@ -43,7 +43,8 @@ def low(loader):
 
 
 @pytest.mark.parametrize(
-    ("model", "derivative", "states"), [(ff.rigid_model, witness.rigid, 7), (ff.compliant_model, witness.compliant, 8)]
+    ("model", "derivative", "states"),
+    [(ff.linear.rigid_model, witness.rigid, 7), (ff.compliant_model, witness.compliant, 8)],
 )
 def test_step_response_is_that_of_the_equations_integrated(loader, model, derivative, states):
     """Against an implicit solver on the hand-written equations in U.S. units."""
@@ -62,7 +63,7 @@ def test_step_response_is_that_of_the_equations_integrated(loader, model, deriva
 
 def test_frequency_response_is_the_transfer_function(loader):
     f = np.array([0.5, 2.0, 12.0, 50.0])
-    response = ff.frequency_response(ff.servo(loader, ff.Linkage.COMPLIANT, closed=False)[0, 0], f)
+    response = ff.linear.frequency_response(ff.linear.servo(loader, ff.linear.Linkage.COMPLIANT, closed=False)[0, 0], f)
     a = witness.jacobian(witness.compliant, 8)
     a[3, [0, 4]] = 0.0  # loops open: no feedback, no computer
     keep = [0, 1, 2, 3, 6, 7]
@@ -76,30 +77,30 @@ def test_frequency_response_is_the_transfer_function(loader):
         assert (turned + 180) % 360 - 180 == pytest.approx(0, abs=SOLVED_DEG)
 
 
-@pytest.mark.parametrize("linkage", list(ff.Linkage))
+@pytest.mark.parametrize("linkage", list(ff.linear.Linkage))
 def test_gain_margin_takes_the_loop_to_the_edge(loader, low, linkage):
-    build = _core.rigid if linkage is ff.Linkage.RIGID else _core.compliant
+    build = _core.rigid if linkage is ff.linear.Linkage.RIGID else _core.compliant
     for one in (loader, low):
-        law = ff.Compensator.original(one.values)
-        found = ff.margins(ff.overall_open_loop(one, linkage))
-        edge = ff.Compensator(tuple(law.gains), law.load_cell_arm * found.gain_margin)
+        law = ff.laws.Compensator.original(one.values)
+        found = ff.linear.margins(ff.linear.overall_open_loop(one, linkage))
+        edge = ff.laws.Compensator(tuple(law.gains), law.load_cell_arm * found.gain_margin)
         poles = np.linalg.eigvals(build(one.values, edge)[0])
         top = poles[np.argmax(poles.real)]
         assert top.real == pytest.approx(0, abs=100 * MARGIN)  # 1/s; the poles near are some 100 1/s large
         assert abs(top.imag) == pytest.approx(found.phase_crossover_rad_per_s, rel=MARGIN)
 
 
-@pytest.mark.parametrize("linkage", list(ff.Linkage))
+@pytest.mark.parametrize("linkage", list(ff.linear.Linkage))
 def test_phase_margin_is_the_lag_that_makes_the_loop_minus_one(low, linkage):
-    loop = ff.overall_open_loop(low, linkage)
-    found = ff.margins(loop)
+    loop = ff.linear.overall_open_loop(low, linkage)
+    found = ff.linear.margins(loop)
     turned = complex(loop(1j * found.gain_crossover_rad_per_s)) * np.exp(-1j * found.phase_margin_rad)
     assert turned == pytest.approx(-1, abs=MARGIN)
 
 
 def test_margins_of_a_loop_in_closed_form():
     """L = 4 / (s (s + 1) (s + 2)): phase -180 degrees at sqrt 2, where the gain is 4/6."""
-    found = ff.margins(control.ss(control.tf([4], [1, 3, 2, 0])))
+    found = ff.linear.margins(control.ss(control.tf([4], [1, 3, 2, 0])))
     assert found.gain_margin == pytest.approx(1.5)
     assert found.phase_crossover_rad_per_s == pytest.approx(np.sqrt(2))
     w = found.gain_crossover_rad_per_s
@@ -107,7 +108,10 @@ def test_margins_of_a_loop_in_closed_form():
 
 
 def test_phase_margin_falls_from_stable_to_unstable_as_the_report_says(low):
-    rigid, compliant = (np.degrees(ff.margins(ff.overall_open_loop(low, link)).phase_margin_rad) for link in ff.Linkage)
+    rigid, compliant = (
+        np.degrees(ff.linear.margins(ff.linear.overall_open_loop(low, link)).phase_margin_rad)
+        for link in ff.linear.Linkage
+    )
     assert rigid > 30
     assert compliant < 0
 
@@ -126,11 +130,11 @@ def test_modes_of_an_oscillator_in_closed_form():
     assert (mode.frequency_rad_per_s, mode.damping_ratio) == pytest.approx((w, zeta))
 
 
-@pytest.mark.parametrize("linkage", list(ff.Linkage))
+@pytest.mark.parametrize("linkage", list(ff.linear.Linkage))
 def test_stability_is_lost_at_the_boundary(loader, linkage):
-    found = ff.smallest_stable_stiffness(loader, linkage)
-    build = _core.rigid if linkage is ff.Linkage.RIGID else _core.compliant
-    law = ff.Compensator.original(loader.values)
+    found = ff.linear.smallest_stable_stiffness(loader, linkage)
+    build = _core.rigid if linkage is ff.linear.Linkage.RIGID else _core.compliant
+    law = ff.laws.Compensator.original(loader.values)
     for factor, stable in ((1 + 1e-6, True), (1 - 1e-6, False)):
         scale = factor * found.stiffness_n_m_per_rad / loader["feel.stiffness"]
         assert (spectral_abscissa(build(loader.scale_feel(scale).values, law)[0]) < 0) is stable
@@ -138,16 +142,19 @@ def test_stability_is_lost_at_the_boundary(loader, linkage):
 
 def test_boundary_agrees_with_the_gain_margin(loader):
     """Scaling I, B, G down by a factor is raising the loop's gain by it."""
-    found = ff.smallest_stable_stiffness(loader)
-    gain_margin = ff.margins(ff.overall_open_loop(loader, ff.Linkage.COMPLIANT)).gain_margin
+    found = ff.linear.smallest_stable_stiffness(loader)
+    gain_margin = ff.linear.margins(ff.linear.overall_open_loop(loader, ff.linear.Linkage.COMPLIANT)).gain_margin
     assert found.stiffness_n_m_per_rad == pytest.approx(loader["feel.stiffness"] / gain_margin, rel=MARGIN)
 
 
 def test_boundary_of_a_loader_that_is_never_stable_or_always(loader):
-    runaway = ff.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0]))
-    assert ff.smallest_stable_stiffness(loader, ff.Linkage.COMPLIANT, runaway).stiffness_n_m_per_rad == np.inf
-    deaf = ff.Compensator(tuple(ff.Compensator.original(loader.values).gains), 0.0)
-    found = ff.smallest_stable_stiffness(loader, ff.Linkage.COMPLIANT, deaf)
+    runaway = ff.linear.state_feedback(loader, np.array([500.0, 0, 0, 0, 0, 0]))
+    assert (
+        ff.linear.smallest_stable_stiffness(loader, ff.linear.Linkage.COMPLIANT, runaway).stiffness_n_m_per_rad
+        == np.inf
+    )
+    deaf = ff.laws.Compensator(tuple(ff.laws.Compensator.original(loader.values).gains), 0.0)
+    found = ff.linear.smallest_stable_stiffness(loader, ff.linear.Linkage.COMPLIANT, deaf)
     assert found.stiffness_n_m_per_rad == 0
     assert "stable from G_max down" in found.note
 
@@ -155,10 +162,10 @@ def test_boundary_of_a_loader_that_is_never_stable_or_always(loader):
 def test_resonance_of_an_oscillator_in_closed_form():
     w, zeta = 10.0, 0.1
     system = control.ss(control.tf([w * w], [1, 2 * zeta * w, w * w]))
-    found = ff.resonance(system, 1.0, 100.0)
+    found = ff.linear.resonance(system, 1.0, 100.0)
     assert found.frequency_rad_per_s == pytest.approx(w * np.sqrt(1 - 2 * zeta**2), rel=FOUND)
     assert found.gain == pytest.approx(1 / (2 * zeta * np.sqrt(1 - zeta**2)), rel=1e-9)  # flat there: FOUND squared
-    assert ff.resonance(system, 20.0, 100.0) is None
+    assert ff.linear.resonance(system, 20.0, 100.0) is None
 
 
 def test_gramian_in_closed_form_and_when_stiff():
@@ -181,11 +188,12 @@ def test_the_mode_that_renders_the_feel_is_the_feel_itself_when_ideal(w, zeta):
     assert (found.frequency_rad_per_s, found.damping_ratio) == pytest.approx((w, zeta), rel=1e-6)  # a double root's
 
 
-@pytest.mark.parametrize("linkage", list(ff.Linkage))
+@pytest.mark.parametrize("linkage", list(ff.linear.Linkage))
 def test_phase_of_an_undamped_feel_is_the_limit_of_a_lightly_damped_one(loader, linkage):
     """A pole on the axis turns the phase by half a turn at once, and downwards."""
     found = [
-        ff.margins(ff.overall_open_loop(loader.replace({"feel.damping": f"{b} lb in s"}), linkage)) for b in (0, 0.001)
+        ff.linear.margins(ff.linear.overall_open_loop(loader.replace({"feel.damping": f"{b} lb in s"}), linkage))
+        for b in (0, 0.001)
     ]
     assert found[0].phase_margin_rad == pytest.approx(found[1].phase_margin_rad, abs=LIGHT_RAD)
 
@@ -194,5 +202,5 @@ def test_phase_is_followed_through_light_poles_and_zeros():
     w = np.array([0.5, 2.0, 4.0, 8.0])
     zeros, poles = np.poly1d([1, 2e-6 * 3, 9]), np.poly1d([1, 2e-6, 1]) * np.poly1d([1, 2e-6 * 6, 36])
     model = control.ss(control.tf(zeros.coeffs, poles.coeffs))
-    phase = ff.frequency_response(model, w / (2 * np.pi)).phase_deg.values
+    phase = ff.linear.frequency_response(model, w / (2 * np.pi)).phase_deg.values
     np.testing.assert_allclose(phase, [0, -180, 0, -180], atol=LIGHT_DEG)

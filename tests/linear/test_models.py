@@ -34,14 +34,14 @@ def assert_entries(actual, expected):
 
 
 def test_rigid_model_is_eq_15(loader, as_printed):
-    a, b, _, _ = _core.rigid(as_printed, ff.Compensator.original(as_printed))
+    a, b, _, _ = _core.rigid(as_printed, ff.laws.Compensator.original(as_printed))
     expected_a, expected_b = printed.rigid(printed.letters(loader))
     assert_entries(a, expected_a)
     assert_entries(b[:, 0], expected_b)
 
 
 def test_compliant_model_is_eq_17(loader, as_printed):
-    a, b, _, _ = _core.compliant(as_printed, ff.Compensator.original(as_printed))
+    a, b, _, _ = _core.compliant(as_printed, ff.laws.Compensator.original(as_printed))
     expected_a, expected_b = printed.compliant(printed.letters(loader))
     assert_entries(a, expected_a)
     assert_entries(b[:, 0], expected_b)
@@ -56,7 +56,7 @@ def test_design_plant_is_eq_19(loader):
 
 def test_sign_of_the_load_cell_is_the_only_difference_from_the_printed_models(loader):
     for model, expected, entry in (
-        (ff.rigid_model(loader), printed.rigid(printed.letters(loader))[0], (6, 2)),
+        (ff.linear.rigid_model(loader), printed.rigid(printed.letters(loader))[0], (6, 2)),
         (ff.compliant_model(loader), printed.compliant(printed.letters(loader))[0], (5, 1)),
     ):
         flipped = expected.copy()
@@ -74,13 +74,13 @@ def test_state_matrices_are_the_hand_written_equations_in_us_units(loader):
     compliant = witness.jacobian(witness.compliant, 8) * COMPLIANT_UNITS[:, None] / COMPLIANT_UNITS
     rigid = witness.jacobian(witness.rigid, 7) * RIGID_UNITS[:, None] / RIGID_UNITS
     np.testing.assert_allclose(ff.compliant_model(loader).A, compliant, rtol=ROUNDING)
-    np.testing.assert_allclose(ff.rigid_model(loader).A, rigid, rtol=ROUNDING)
+    np.testing.assert_allclose(ff.linear.rigid_model(loader).A, rigid, rtol=ROUNDING)
 
 
 def test_compensated_model_is_the_hand_written_one(loader):
     gains = np.array([-4.93, -0.000026, 22.02, 0.669, 0.506, -0.018])
     us_units = COMPLIANT_UNITS[[0, 1, 4, 5, 6, 7]]
-    model = ff.compliant_model(loader, ff.state_feedback(loader, gains / us_units))
+    model = ff.compliant_model(loader, ff.linear.state_feedback(loader, gains / us_units))
     expected = witness.jacobian(witness.compliant, 8, gains=gains) * COMPLIANT_UNITS[:, None] / COMPLIANT_UNITS
     np.testing.assert_allclose(model.A, expected, rtol=ROUNDING)
 
@@ -91,10 +91,13 @@ def test_signals_are_named(loader):
     assert model.output_labels == ["feel_position_v" if name == "feel_position" else name for name in OUTPUTS]
     assert model.state_labels[0] == "piston_position_m"
     assert model.state_labels[4] == "feel_position_v"
-    feedback = ff.compliant_model(loader, ff.state_feedback(loader, np.ones(6)))
+    feedback = ff.compliant_model(loader, ff.linear.state_feedback(loader, np.ones(6)))
     assert feedback.state_labels[4] == feedback.output_labels[1] == "feel_position_rad"
-    assert ff.design_plant(loader).state_labels == list(DESIGN_STATES)
-    assert all(one.isctime() for one in (model, ff.rigid_model(loader), ff.design_plant(loader), ff.ideal_feel(loader)))
+    assert ff.linear.design_plant(loader).state_labels == list(DESIGN_STATES)
+    assert all(
+        one.isctime()
+        for one in (model, ff.linear.rigid_model(loader), ff.linear.design_plant(loader), ff.linear.ideal_feel(loader))
+    )
 
 
 def test_outputs_follow_from_the_states(loader):
@@ -112,28 +115,28 @@ def test_outputs_follow_from_the_states(loader):
 
 def test_flow_into_the_actuator_is_what_pressure_leaves_of_the_commanded(loader):
     x = np.array([0.01, 0.2, 2e5, 1e-4, 1e-2, 0.3, 0.1])
-    flow = (ff.rigid_model(loader).C @ x)[OUTPUTS.index("actuator_flow_m3_per_s")]
+    flow = (ff.linear.rigid_model(loader).C @ x)[OUTPUTS.index("actuator_flow_m3_per_s")]
     assert flow == pytest.approx(x[3] - loader["valve.pressure_gain"] * x[2])
 
 
 def test_ideal_feel_settles_at_torque_over_stiffness(loader):
-    assert float(ff.ideal_feel(loader).dcgain()) * loader["pilot.force"] == pytest.approx(31.375 * 96 / 9600)
+    assert float(ff.linear.ideal_feel(loader).dcgain()) * loader["pilot.force"] == pytest.approx(31.375 * 96 / 9600)
 
 
 def test_overall_loop_closes_to_the_loader(loader):
     """1 + L = 0 at every pole of the closed loop that the load cell moves."""
-    loop = ff.overall_open_loop(loader, ff.Linkage.COMPLIANT)
+    loop = ff.linear.overall_open_loop(loader, ff.linear.Linkage.COMPLIANT)
     feel = min(ff.compliant_model(loader).poles(), key=abs)
     assert abs(1 + complex(loop(feel))) < 1e-9  # rounding of a pole times the slope of L there
 
 
 def test_servo_leaves_out_only_the_feel_computer(loader):
-    whole = ff.compliant_model(loader, ff.Compensator.position_loop(loader.values))
-    alone = ff.servo(loader, ff.Linkage.COMPLIANT, closed=True)
+    whole = ff.compliant_model(loader, ff.laws.Compensator.position_loop(loader.values))
+    alone = ff.linear.servo(loader, ff.linear.Linkage.COMPLIANT, closed=True)
     s = 2j * np.pi * 7.0
     assert complex(alone[0, 0](s)) == pytest.approx(complex(whole[4, 1](s)), rel=SOLVED)
 
 
 def test_wrong_number_of_gains_is_refused(loader):
     with pytest.raises(ff.InputError, match="expected six or seven finite numbers, got"):
-        ff.state_feedback(loader, np.ones(5))
+        ff.linear.state_feedback(loader, np.ones(5))

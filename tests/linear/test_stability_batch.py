@@ -140,7 +140,7 @@ def test_gains_for_each_loop():
     varied = {"feel.stiffness": np.full(2, LOADER["feel.stiffness"])}
     found = stability_batch(LOADER, varied, gains)
     for k in range(2):
-        own = ff.state_feedback(LOADER, gains[k])
+        own = ff.linear.state_feedback(LOADER, gains[k])
         assert bool(found.stable[k]) == (np.linalg.eigvals(matrix(LOADER.values, own)).real.max() < 0)
     assert found.stable.values.tolist() == [True, False]
 
@@ -188,11 +188,14 @@ def test_damping_map_is_that_of_numpys_poles(law):
 def test_damping_map_of_a_law_designed_for_each_setting():
     stiffness = tuple(np.geomspace(300, 3000, 4))
     sweep = ff.Sweep(
-        LOADER, ff.Scenario(ff.Step(96 * LB), 1.0), grids={"feel.stiffness": stiffness}, compensator=ff.DesignSettings()
+        LOADER,
+        ff.Scenario(ff.Step(96 * LB), 1.0),
+        grids={"feel.stiffness": stiffness},
+        compensator=ff.laws.DesignSettings(),
     )
     found = damping_map(sweep)
     for k, value in enumerate(stiffness):
         values = row({"feel.stiffness": stiffness}, k)
         gains = sweep.law(values[np.newaxis]).gains[0]
-        poles = np.linalg.eigvals(matrix(values, ff.state_feedback(LOADER, gains)))
+        poles = np.linalg.eigvals(matrix(values, ff.linear.state_feedback(LOADER, gains)))
         assert math.isclose(found.values[k], np.min(-poles.real / np.abs(poles)), rel_tol=NUMPYS), value

@@ -47,7 +47,7 @@ def loaders(draw, keys=tuple(TABLE)):
 @pytest.mark.parametrize("force", [ff.Release(0.1, 0.1), ff.Step(50.0, 0.1)], ids=["release", "step"])
 def test_every_loader_runs(force, loader):
     with suppress(InputError):  # a period of which the run has no whole number
-        assert ff.simulate(loader, ff.Scenario(force, duration_s=0.2)).status in ff.RunStatus
+        assert ff.simulate(loader, ff.Scenario(force, duration_s=0.2)).status in ff.simulation.RunStatus
 
 
 @given(loaders(tuple(REQUIRED)))

@@ -569,5 +569,5 @@ def good_or_refused(key: str, stated: Any) -> bool:
 
 
 def test_public_names() -> None:
-    assert ff.Tolerance is Tolerance
-    assert ff.Distribution is Distribution
+    assert ff.loader.Tolerance is Tolerance
+    assert ff.loader.Distribution is Distribution

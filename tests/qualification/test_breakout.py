@@ -9,7 +9,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from forcefeel.qualification import Record, measure_sweep
+from forcefeel.qualification import Record
+from forcefeel.qualification.sweep import measure_sweep
 
 DEGREE = math.pi / 180
 STOP = 20.0  # deg

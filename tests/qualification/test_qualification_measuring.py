@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from forcefeel.errors import InputError
-from forcefeel.qualification import Record, measure_sweep
+from forcefeel.qualification import Record
+from forcefeel.qualification.sweep import measure_sweep
 from tests.qualification_records import swept
 
 SURE = 3.0

@@ -57,7 +57,7 @@ def _small_inputs():
 
 def _recorded():
     both = _small_inputs()
-    setup = ff.QualificationSetup(
+    setup = ff.qualification.QualificationSetup(
         records={"small-inputs": both["simulator"]},
         references={"small-inputs": both["aircraft"]},
         system=UnitSystem.SI,
@@ -68,12 +68,14 @@ def _recorded():
 
 MADE = {
     "compare": lambda: ff.qualify_loader(
-        ff.elevator(), ff.QualificationSetup(laws=("original", "published", "converged"), tests=COMPARED)
+        ff.elevator(), ff.qualification.QualificationSetup(laws=("original", "published", "converged"), tests=COMPARED)
     ),
     "friction": lambda: ff.qualify_loader(
-        ff.elevator().replace(FRICTION), ff.QualificationSetup(laws=("published",), system=UnitSystem.SI)
+        ff.elevator().replace(FRICTION), ff.qualification.QualificationSetup(laws=("published",), system=UnitSystem.SI)
     ),
-    "unstable": lambda: ff.qualify_loader(ff.elevator().replace(UNSTABLE), ff.QualificationSetup(rule="cs-fstd-a")),
+    "unstable": lambda: ff.qualify_loader(
+        ff.elevator().replace(UNSTABLE), ff.qualification.QualificationSetup(rule="cs-fstd-a")
+    ),
     "recorded": _recorded,
 }
 SECTIONS = {
@@ -92,7 +94,7 @@ def made():
 @pytest.fixture(scope="module")
 def pages(made, tmp_path_factory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("qualifications")
-    return {name: ff.write_qualification(found, folder / name) for name, found in made.items()}
+    return {name: ff.qualification.write_qualification(found, folder / name) for name, found in made.items()}
 
 
 def _told(page: Path) -> str:
@@ -154,8 +156,10 @@ def test_simulator_operator_date_and_signature_have_their_lines(pages):
 def test_rows_that_nobody_has_checked_are_named_on_the_page_and_under_each_sheet(tmp_path, edition):
     frequency, damping = 2.0, 0.2
     records = {"release-25-positive": released(damping, frequency, 200, way=0.1, name="mine")}
-    setup = ff.QualificationSetup(rule=edition, records=records, references=records, tests=tuple(records))
-    text = ff.write_qualification(ff.qualify_loader(ff.elevator(), setup), tmp_path).read_text(encoding="utf-8")
+    setup = ff.qualification.QualificationSetup(rule=edition, records=records, references=records, tests=tuple(records))
+    text = ff.qualification.write_qualification(ff.qualify_loader(ff.elevator(), setup), tmp_path).read_text(
+        encoding="utf-8"
+    )
     (under,) = re.findall(r"@bottom-left \{.*?content: (.*?); \}", text, flags=re.DOTALL)
     for place in (under, *re.findall(r'<section id="conclusions">.*?</section>', text, flags=re.DOTALL)):
         assert "unverified" in place
@@ -205,19 +209,19 @@ def test_rule_conditions_versions_and_day_are_there(pages, made):
 def test_names_are_text_not_markup(made, tmp_path):
     found = made["unstable"]
     named = replace(found.loader, name="<script>alert(1)</script>", source="a & b < c")
-    text = ff.write_qualification(replace(found, loader=named), tmp_path).read_text(encoding="utf-8")
+    text = ff.qualification.write_qualification(replace(found, loader=named), tmp_path).read_text(encoding="utf-8")
     assert "<script>alert" not in text
     assert "a &amp; b &lt; c" in text
 
 
 def test_the_same_qualification_gives_the_same_bytes(made, tmp_path):
-    first, second = (ff.write_qualification(made["friction"], tmp_path / name) for name in "ab")
+    first, second = (ff.qualification.write_qualification(made["friction"], tmp_path / name) for name in "ab")
     for name in ("qualification.html", "results.json"):
         assert (first.parent / name).read_bytes() == (second.parent / name).read_bytes()
 
 
 def test_a_failure_leaves_what_was_there(made, tmp_path, monkeypatch):
-    out = ff.write_qualification(made["unstable"], tmp_path).parent
+    out = ff.qualification.write_qualification(made["unstable"], tmp_path).parent
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     write_text = Path.write_text
 
@@ -228,7 +232,7 @@ def test_a_failure_leaves_what_was_there(made, tmp_path, monkeypatch):
 
     monkeypatch.setattr(Path, "write_text", full_disk)
     with pytest.raises(InputError, match="No space left on device"):
-        ff.write_qualification(made["friction"], out)
+        ff.qualification.write_qualification(made["friction"], out)
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
@@ -246,7 +250,7 @@ def test_a_chromium_that_prints_nothing(made, tmp_path, monkeypatch):
     monkeypatch.setenv("FORCEFEEL_CHROMIUM", str(dumb))
     assert find_chromium() == str(dumb)
     with pytest.raises(InputError, match=r"printed no PDF \(cannot print\)"):
-        ff.write_qualification(made["unstable"], tmp_path / "out", pdf=True)
+        ff.qualification.write_qualification(made["unstable"], tmp_path / "out", pdf=True)
     assert not (tmp_path / "out").exists()
 
 
@@ -263,7 +267,9 @@ def test_a_release_shows_where_what_is_judged_lies(case):
     damping, overdamped = DAMPED[case]
     hertz, way, held = 2.0, 0.1, 0.5037
     records = {"release-25-positive": released(damping, hertz, RATE, way=way, held_s=held)}
-    setup = ff.QualificationSetup(records=records, references=records, tests=tuple(records), overdamped=overdamped)
+    setup = ff.qualification.QualificationSetup(
+        records=records, references=records, tests=tuple(records), overdamped=overdamped
+    )
     found = ff.qualify_loader(ff.elevator(), setup)
     picture = release(found.sections[0].results[0], found, "#009E73")
     when = {share: _falls_to(share, damping, hertz) for share in (0.9, 0.1)}
@@ -354,7 +360,7 @@ def test_no_heading_is_left_alone_at_the_foot_of_a_sheet(page):
 def test_the_pdf_holds_the_plots(browser, made, tmp_path, monkeypatch):  # noqa: F811
     """Printed by the same Chromium; as vectors the plots make it larger than the words alone would."""
     monkeypatch.setenv("FORCEFEEL_CHROMIUM", find_chromium())
-    page = ff.write_qualification(made["friction"], tmp_path, pdf=True)
+    page = ff.qualification.write_qualification(made["friction"], tmp_path, pdf=True)
     data = (page.parent / "qualification.pdf").read_bytes()
     assert data.startswith(b"%PDF")
     assert len(re.findall(rb"/Type\s*/Page\b", data)) >= 4

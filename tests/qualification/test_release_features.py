@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from forcefeel.errors import InputError
-from forcefeel.qualification import Record, measure_release, measure_releases
+from forcefeel.qualification import Record, measure_release
+from forcefeel.qualification.release_batch import measure_releases
 from tests.qualification_records import exact, lasts, released, second_order
 
 RATES = (50, 60, 100, 500, 1000)

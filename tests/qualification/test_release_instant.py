@@ -11,9 +11,10 @@ import pytest
 
 from forcefeel.laws.law import names_for
 from forcefeel.loader.built_in import BUILT_IN, open_loader
-from forcefeel.qualification import Outcome, Record, judge_release, load_rules, measure_release, overall
+from forcefeel.qualification import Outcome, Record, judge_release, load_rules, measure_release
 from forcefeel.qualification.programme.law_names import named_laws
 from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
+from forcefeel.qualification.verdicts import overall
 
 ANGLE = math.radians(5.0)
 HELD_S = 0.1

@@ -6,8 +6,9 @@ import re
 import pytest
 
 from forcefeel.errors import InputError
-from forcefeel.qualification import DEFAULT_EDITION, Tolerance, editions, load_rules
+from forcefeel.qualification import DEFAULT_EDITION, editions, load_rules
 from forcefeel.qualification.rules import parse_rules
+from forcefeel.qualification.tolerance import Tolerance
 from forcefeel.units import UnitSystem
 
 ROUNDING = 1e-14

@@ -5,16 +5,9 @@ import itertools
 import numpy as np
 import pytest
 
-from forcefeel.qualification import (
-    Outcome,
-    Record,
-    judge_release,
-    judge_small_inputs,
-    judge_sweep,
-    load_rules,
-    measure_release,
-    measure_sweep,
-)
+from forcefeel.qualification import Outcome, Record, judge_release, load_rules, measure_release
+from forcefeel.qualification.sweep import measure_sweep
+from forcefeel.qualification.sweep_verdicts import judge_small_inputs, judge_sweep
 from tests.qualification_records import exact, released, swept
 
 RULES = load_rules()

@@ -6,23 +6,13 @@ import numpy as np
 import pytest
 
 from forcefeel.errors import InputError
-from forcefeel.qualification import (
-    Figure,
-    Outcome,
-    Record,
-    editions,
-    judge_dynamic_sweep,
-    judge_release,
-    judge_releases,
-    judge_small_inputs,
-    judge_sweep,
-    load_rules,
-    measure_release,
-    measure_releases,
-    measure_sweep,
-    overall,
-)
-from forcefeel.qualification.verdicts import Row
+from forcefeel.qualification import Outcome, Record, editions, judge_release, load_rules, measure_release
+from forcefeel.qualification.batch_verdicts import judge_releases
+from forcefeel.qualification.figures import Figure
+from forcefeel.qualification.release_batch import measure_releases
+from forcefeel.qualification.sweep import measure_sweep
+from forcefeel.qualification.sweep_verdicts import judge_dynamic_sweep, judge_small_inputs, judge_sweep
+from forcefeel.qualification.verdicts import Row, overall
 from forcefeel.units import UnitSystem
 from tests.qualification_records import lasts, released, second_order, swept
 

@@ -15,7 +15,7 @@ VALIDATION = Path(__file__).parents[2] / "docs" / "validation.md"
 
 @pytest.fixture(scope="module")
 def sections():
-    return ff.reproduce()
+    return ff.reproduction.reproduce()
 
 
 @pytest.fixture(scope="module")

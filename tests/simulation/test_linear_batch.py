@@ -113,7 +113,9 @@ def test_gains_for_each_run_and_force_scaled():
     found = simulate_linear_batch(LOADER, STEP, values, np.tile(LAW.gains, (5, 1)))
     for run in range(5):
         loader = Loader("one", "here", values[run])
-        single = simulate(loader, STEP, ff.state_feedback(loader, np.array(LAW.gains))).history.column_angle_rad.values
+        single = simulate(
+            loader, STEP, ff.linear.state_feedback(loader, np.array(LAW.gains))
+        ).history.column_angle_rad.values
         assert_close(found.column_angle_rad.values[run], single * (run + 1))
 
 

@@ -10,7 +10,7 @@ from forcefeel import _core
 from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import Scenario, simulate, simulate_batch
 from forcefeel.simulation.inputs import Doublet, Pulse, Release, Step
-from forcefeel.simulation.limits import known_measures, why_no_overshoot
+from forcefeel.simulation.limits_met import known_measures, why_no_overshoot
 from forcefeel.simulation.outcome import MEASURES, Measures
 from forcefeel.simulation.tables import measure_rows
 from forcefeel.units import UnitSystem
@@ -126,14 +126,14 @@ def test_a_step_that_leads_back_says_so():
 
 
 def test_a_step_against_its_way_back_says_so_in_the_verdict():
-    trim = ff.Schedule((0.0, 1.0, 1.0), (0.0, 0.0, -0.1))
+    trim = ff.simulation.Schedule((0.0, 1.0, 1.0), (0.0, 0.0, -0.1))
     loader = ff.elevator()
     pull = Scenario(Step(100.0, 0.1), 6.0)
     angle = simulate(loader.replace({"feel.hysteresis_travel": None}), pull).measures.final_angle_rad
-    back = Scenario(Step(100.0, 0.1), 6.0, trim_rad=ff.Schedule(trim.times_s, (0.0, 0.0, -angle)))
+    back = Scenario(Step(100.0, 0.1), 6.0, trim_rad=ff.simulation.Schedule(trim.times_s, (0.0, 0.0, -angle)))
     run = simulate(loader, back)
     assert math.isnan(run.measures.overshoot)
-    verdict = ff.run_conclusions(run, UnitSystem.SI).verdict
+    verdict = ff.simulation.run_conclusions(run, UnitSystem.SI).verdict
     assert "Settled at" in verdict
     assert "the column ended where it began" in verdict
     assert "undefined" not in verdict

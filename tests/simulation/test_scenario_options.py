@@ -38,26 +38,26 @@ def test_nothing_given_is_a_step_of_the_loaders_force():
     ("options", "force"),
     [
         ({"input": InputKind.STEP, "force": "20 lb", "start": "0.25 s"}, ff.Step(20 * LB, 0.25)),
-        ({"input": InputKind.PULSE, "force": "-50 N", "width": "0.2"}, ff.Pulse(-50.0, 0.1, 0.2)),
-        ({"input": InputKind.DOUBLET, "force": "20 lb", "start": "0"}, ff.Doublet(20 * LB, 0.0, 0.5)),
+        ({"input": InputKind.PULSE, "force": "-50 N", "width": "0.2"}, ff.simulation.Pulse(-50.0, 0.1, 0.2)),
+        ({"input": InputKind.DOUBLET, "force": "20 lb", "start": "0"}, ff.simulation.Doublet(20 * LB, 0.0, 0.5)),
         ({"input": InputKind.STOP_TO_STOP, "force": "60 lb"}, StopToStop(60 * LB, 100.0)),
         ({"input": InputKind.STOP_TO_STOP, "force": "60 lb", "lasts": "4", "duration": "5"}, StopToStop(60 * LB, 4.0)),
         (
             {"input": InputKind.CHIRP, "force": "10 N", "from_": "0.5 Hz", "to": "1 kHz", "step": "0.4 ms"}
             | {"spacing": Spacing.LOGARITHMIC, "sample": "0.8 ms"},
-            ff.Chirp(10.0, 0.5, 1000.0, 20.0, "logarithmic"),
+            ff.simulation.Chirp(10.0, 0.5, 1000.0, 20.0, "logarithmic"),
         ),
         (
             {"input": InputKind.MULTISINE, "force": "10 N", "lines": "0.5 Hz, 1.5 Hz", "lasts": "2 s"},
-            ff.Multisine(10.0, (0.5, 1.5), 2.0),
+            ff.simulation.Multisine(10.0, (0.5, 1.5), 2.0),
         ),
         (
             {"input": InputKind.MULTISINE, "force": "10 N", "from_": "0.9 Hz", "to": "2 Hz", "lasts": "2 s"},
-            ff.Multisine(10.0, (1.0, 1.5, 2.0), 2.0),
+            ff.simulation.Multisine(10.0, (1.0, 1.5, 2.0), 2.0),
         ),
         ({"input": InputKind.RELEASE, "angle": "10 deg"}, ff.Release(math.radians(10))),
         ({"input": InputKind.RELEASE, "angle": "10 deg", "start": "0.5 s"}, ff.Release(math.radians(10), 0.5)),
-        ({"input": InputKind.HANDS_OFF}, ff.HandsOff()),
+        ({"input": InputKind.HANDS_OFF}, ff.simulation.HandsOff()),
     ],
 )
 def test_every_input(options, force):
@@ -131,7 +131,7 @@ def test_laws_are_designed_for_the_changed_loader():
     published = ScenarioOptions(law="published").law_of(loader).fixed
     converged = ScenarioOptions(law="converged").law_of(loader).fixed
     assert published == ff.compensate(loader).compensator(loader)
-    assert converged == ff.compensate(loader, ff.DesignSettings()).compensator(loader)
+    assert converged == ff.compensate(loader, ff.laws.DesignSettings()).compensator(loader)
     assert ScenarioOptions(law="original").law_of(loader).numbers is None
 
 
@@ -146,7 +146,7 @@ def test_schedules():
 
 def test_dynamic_pressure_for_a_feel_that_depends_on_it():
 
-    loader = replace(ff.elevator(), stiffness_factor=ff.Curve((0.0, 5000.0), (0.5, 1.5)))
+    loader = replace(ff.elevator(), stiffness_factor=ff.loader.Curve((0.0, 5000.0), (0.5, 1.5)))
     assert scenario(loader, dynamic_pressure="2 kPa").dynamic_pressure_pa.values == (2000.0,)
     with pytest.raises(InputError, match=r"feel.stiffness_factor depends on it; give it"):
         ff.simulate(loader, scenario(loader))
@@ -155,9 +155,11 @@ def test_dynamic_pressure_for_a_feel_that_depends_on_it():
 def test_changes_of_the_feel():
     found = scenario(change=["1 s: feel.stiffness=5000 lb in/rad, feel.damping=200 lb in s/rad"], over="0.25 s")
     assert found.feel_changes == (
-        ff.FeelChange(1.0, {"feel.stiffness": "5000 lb in/rad", "feel.damping": "200 lb in s/rad"}, 0.25),
+        ff.simulation.FeelChange(1.0, {"feel.stiffness": "5000 lb in/rad", "feel.damping": "200 lb in s/rad"}, 0.25),
     )
-    assert scenario(change=["1: feel.breakout=off"]).feel_changes == (ff.FeelChange(1.0, {"feel.breakout": None}),)
+    assert scenario(change=["1: feel.breakout=off"]).feel_changes == (
+        ff.simulation.FeelChange(1.0, {"feel.breakout": None}),
+    )
 
 
 @pytest.mark.parametrize(

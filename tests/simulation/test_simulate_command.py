@@ -168,7 +168,9 @@ def test_out_writes_page_history_and_numbers(run, tmp_path):
         "pilot force (lb)",
     ]
     loader = ff.elevator()
-    direct = ff.simulate(loader, ff.Scenario(force=ff.Doublet(20 * factor("lb", "N"), 0.1, 0.5), duration_s=1.5))
+    direct = ff.simulate(
+        loader, ff.Scenario(force=ff.simulation.Doublet(20 * factor("lb", "N"), 0.1, 0.5), duration_s=1.5)
+    )
     values = np.array([row.split(",") for row in rows], dtype=float)
     assert len(values) == 1501
     for column, (name, unit, shown) in enumerate(

@@ -16,7 +16,7 @@ from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm
 from forcefeel.page.canvas import drawn
 from forcefeel.simulation.findings import input_text
 from forcefeel.simulation.inputs import StopToStop
-from forcefeel.simulation.limits import known_measures
+from forcefeel.simulation.limits_met import known_measures
 from forcefeel.simulation.page.plots import MOST_POINTS
 from forcefeel.simulation.programmed_feel import ideal_angle
 from forcefeel.units import UnitSystem, factor
@@ -57,7 +57,7 @@ RUNS = {
     "stops": lambda: _run(STOPS),
     "release": lambda: _run({"column.coulomb_friction": "3 lb"}, ff.Release(math.radians(10)), compensated=True),
     "sweep": lambda: _run(STOPS, StopToStop(150 * LB, 20.0), 20.0, compensated=True),
-    "chirp": lambda: _run({"feel.hysteresis": "1 lb"}, ff.Chirp(10 * LB, 0.2, 20.0, 10.0), 10.0),
+    "chirp": lambda: _run({"feel.hysteresis": "1 lb"}, ff.simulation.Chirp(10 * LB, 0.2, 20.0, 10.0), 10.0),
     "diverged": lambda: _run(UNSTABLE),
 }
 
@@ -65,7 +65,7 @@ RUNS = {
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("runs")
-    return {name: ff.write_simulation(make(), folder / name, UnitSystem.US) for name, make in RUNS.items()}
+    return {name: ff.simulation.write_simulation(make(), folder / name, UnitSystem.US) for name, make in RUNS.items()}
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -99,13 +99,13 @@ def test_the_page_says_what_came_of_the_run_and_what_limited_it(pages):
 def test_names_are_text_not_markup(tmp_path):
     run = _run(duration_s=0.2)
     run = replace(run, loader=replace(run.loader, name="<script>alert(1)</script>", source="a & b < c"))
-    text = ff.write_simulation(run, tmp_path, UnitSystem.US).read_text(encoding="utf-8")
+    text = ff.simulation.write_simulation(run, tmp_path, UnitSystem.US).read_text(encoding="utf-8")
     assert "<script>alert" not in text
     assert "a &amp; b &lt; c" in text
 
 
 def test_the_same_run_gives_the_same_bytes(tmp_path):
-    first, second = (ff.write_simulation(_run(STOPS), tmp_path / name, UnitSystem.SI) for name in "ab")
+    first, second = (ff.simulation.write_simulation(_run(STOPS), tmp_path / name, UnitSystem.SI) for name in "ab")
     for name in ("simulation.html", "history.csv", "results.json"):
         assert (first.parent / name).read_bytes() == (second.parent / name).read_bytes()
 
@@ -122,7 +122,9 @@ def test_results_list_the_columns_of_the_history(pages):
 
 def test_the_ideal_feel_after_a_step_is_the_step_response():
     run = _run(force=ff.Step(100.0, 0.5), duration_s=2.5)
-    expected = ff.step_response(ff.ideal_feel(run.loader), 100.0, duration_s=2.0, samples=2001)["column_angle_rad"]
+    expected = ff.step_response(ff.linear.ideal_feel(run.loader), 100.0, duration_s=2.0, samples=2001)[
+        "column_angle_rad"
+    ]
     found = ideal_angle(run)
     assert np.all(found[:501] == 0)
     np.testing.assert_allclose(found[500:], expected.values, atol=ROUNDING * float(np.max(np.abs(expected))))
@@ -145,10 +147,10 @@ def test_the_ideal_feel_after_a_release_is_the_free_response():
 
 
 def test_the_ideal_feel_is_left_out_where_it_says_nothing():
-    trim = ff.Schedule((0.0,), (0.1,))
+    trim = ff.simulation.Schedule((0.0,), (0.1,))
     assert ideal_angle(_run(trim_rad=trim)) is None
-    assert ideal_angle(_run(feel_changes=(ff.FeelChange(1.0, {"feel.damping": "200 lb in s/rad"}),))) is None
-    assert ideal_angle(_run(force=ff.Chirp(10.0, 1.0, 2.0, 2.0))) is None
+    assert ideal_angle(_run(feel_changes=(ff.simulation.FeelChange(1.0, {"feel.damping": "200 lb in s/rad"}),))) is None
+    assert ideal_angle(_run(force=ff.simulation.Chirp(10.0, 1.0, 2.0, 2.0))) is None
 
 
 # What limited a run.
@@ -156,7 +158,7 @@ def test_the_ideal_feel_is_left_out_where_it_says_nothing():
 
 def _synthetic(changes, **signals):
     """A run whose history is what it is said to be, 10 samples of 0.1 s."""
-    run = _run(changes, ff.HandsOff(), duration_s=0.9, sample_s=0.1)
+    run = _run(changes, ff.simulation.HandsOff(), duration_s=0.9, sample_s=0.1)
     history = run.history.copy(deep=True)
     for name, values in signals.items():
         history[name].values[:] = values
@@ -167,7 +169,7 @@ def test_limits_count_samples():
     angle = np.radians([0, 6, 11, 12.1, 12.2, 11, 0, -12.5, -11, 0])
     current = np.array([0, 1, 2, 2, 2, 0, -2, 0, 0, 0]) * 1e-3
     velocity = np.array([0, 1, 1, 1, 0, 0, 1, 1, 0, 0])
-    found = ff.limits(
+    found = ff.simulation.limits(
         _synthetic(STOPS, column_angle_rad=angle, valve_current_a=current, column_velocity_rad_per_s=velocity)
     )
     assert found.current == pytest.approx(0.4)
@@ -183,7 +185,7 @@ def test_limits_of_the_feel_and_of_what_has_no_limit():
     per_angle = np.prod([ff.elevator()[key] for key in ("potentiometer.gain", "linkage.ratio", "column.base_arm")])
     feel = per_angle * np.radians([0, 4, 5, 5, 4, 0, -5, -4, 0, 0])
     flow = ff.elevator()["valve.rated_flow"] * np.array([0, 0.5, 1.1, 1.2, 1.0, 0, 0, -1.5, 0, 0])
-    found = ff.limits(_synthetic(stops, feel_position_v=feel, actuator_flow_m3_per_s=flow))
+    found = ff.simulation.limits(_synthetic(stops, feel_position_v=feel, actuator_flow_m3_per_s=flow))
     assert found.feel_high_s == pytest.approx(0.2)
     assert found.feel_low_s == pytest.approx(0.1)
     assert found.over_flow == pytest.approx(0.3)
@@ -192,7 +194,7 @@ def test_limits_of_the_feel_and_of_what_has_no_limit():
 
 
 def test_limits_of_a_run_that_diverged_end_with_it():
-    found = ff.limits(_run(UNSTABLE))
+    found = ff.simulation.limits(_run(UNSTABLE))
     assert 0 < found.over_current < 1
 
 
@@ -200,11 +202,11 @@ def test_measures_that_mean_nothing_are_left_out():
     diverged = known_measures(_run(UNSTABLE))
     assert diverged.diverged_at_s == pytest.approx(0.236)
     assert math.isnan(diverged.maximum_angle_rad)
-    doublet = known_measures(_run(force=ff.Doublet(50.0, 0.1, 0.3)))
+    doublet = known_measures(_run(force=ff.simulation.Doublet(50.0, 0.1, 0.3)))
     assert math.isnan(doublet.overshoot)
     assert math.isfinite(doublet.final_angle_rad)
     assert math.isfinite(doublet.settling_time_s)
-    assert math.isnan(known_measures(_run(force=ff.Chirp(10.0, 1.0, 2.0, 2.0))).final_angle_rad)
+    assert math.isnan(known_measures(_run(force=ff.simulation.Chirp(10.0, 1.0, 2.0, 2.0))).final_angle_rad)
     step = _run()
     assert known_measures(step).overshoot == step.measures.overshoot
 
@@ -213,23 +215,26 @@ def test_measures_that_mean_nothing_are_left_out():
     ("run", "said"),
     [
         (lambda: _run(duration_s=0.5), "Still moving after 0.5 s"),
-        (lambda: _run(force=ff.HandsOff()), "The column did not move."),
+        (lambda: _run(force=ff.simulation.HandsOff()), "The column did not move."),
         (
-            lambda: _run(force=ff.Doublet(50.0, 0.1, 0.3), duration_s=4.0),
+            lambda: _run(force=ff.simulation.Doublet(50.0, 0.1, 0.3), duration_s=4.0),
             r"between -[\d.]+ and [\d.]+ deg and settled at 1\.\d+ s\.",
         ),
-        (lambda: _run(force=ff.Pulse(50.0, 0.1, 0.3), duration_s=0.5), "was still moving after 0.5 s"),
-        (lambda: _run(force=ff.Chirp(10.0, 1.0, 2.0, 2.0)), r"The column moved between -[\d.]+ and [\d.]+ deg\.$"),
+        (lambda: _run(force=ff.simulation.Pulse(50.0, 0.1, 0.3), duration_s=0.5), "was still moving after 0.5 s"),
+        (
+            lambda: _run(force=ff.simulation.Chirp(10.0, 1.0, 2.0, 2.0)),
+            r"The column moved between -[\d.]+ and [\d.]+ deg\.$",
+        ),
         (lambda: _run(UNSTABLE), r"Diverged at 0.236 s: the column left every bound\."),
     ],
 )
 def test_verdicts(run, said):
-    assert re.search(said, ff.run_conclusions(run(), UnitSystem.US).verdict)
+    assert re.search(said, ff.simulation.run_conclusions(run(), UnitSystem.US).verdict)
 
 
 def test_findings():
     def told(*given, **named):
-        return " ".join(ff.run_conclusions(_run(*given, **named), UnitSystem.US).findings)
+        return " ".join(ff.simulation.run_conclusions(_run(*given, **named), UnitSystem.US).findings)
 
     assert "10.8 deg, 60 % of the 18 deg that the spring G alone allows" in told()
     assert "I and G alone give 2.01 Hz" in told()
@@ -238,7 +243,7 @@ def test_findings():
     assert "The pilot's arm is the firm one, whose numbers are unverified." in told(firm)
     assert "unverified" not in told(dict(zip(ARM_ROWS, ARMS[Arm.LOOSE], strict=True)))
     assert "never reached the amplifier's limit of 10 mA" in told({"amplifier.current_limit": "10 mA"})
-    changed = told(force=ff.Step(50 * LB, 0.1), duration_s=2.0, trim_rad=ff.Schedule((0.0,), (0.01,)))
+    changed = told(force=ff.Step(50 * LB, 0.1), duration_s=2.0, trim_rad=ff.simulation.Schedule((0.0,), (0.01,)))
     assert "It swings at" in changed
     assert "alone" not in changed  # G about zero is not what is programmed
     assert "leave out" not in told({"valve.orifice": True})
@@ -256,15 +261,18 @@ def test_findings():
 @pytest.mark.parametrize(
     ("force", "told"),
     [
-        (ff.HandsOff(), "hands off"),
+        (ff.simulation.HandsOff(), "hands off"),
         (ff.Release(math.radians(10)), "a release from 10 deg"),
         (ff.Release(math.radians(-10), 0.5), "a release from -10 deg at 0.5 s"),
         (ff.Step(20 * LB, 0.1), "a step of 20 lb at 0.1 s"),
-        (ff.Pulse(20 * LB, 0.1, 0.5), "a pulse of 20 lb from 0.1 s on, 0.5 s long"),
-        (ff.Doublet(20 * LB, 0.1, 0.5), "a doublet of ±20 lb from 0.1 s on, 0.5 s each way"),
+        (ff.simulation.Pulse(20 * LB, 0.1, 0.5), "a pulse of 20 lb from 0.1 s on, 0.5 s long"),
+        (ff.simulation.Doublet(20 * LB, 0.1, 0.5), "a doublet of ±20 lb from 0.1 s on, 0.5 s each way"),
         (StopToStop(60 * LB, 100.0), "a stop-to-stop sweep to 60 lb either way and back, 100 s long"),
-        (ff.Chirp(10 * LB, 0.2, 20.0, 20.0), "a linear chirp of ±10 lb from 0.2 to 20 Hz, 20 s long"),
-        (ff.Multisine(10 * LB, (0.5, 1.0), 2.0), "a multisine of ±10 lb, 2 lines from 0.5 to 1 Hz, period 2 s"),
+        (ff.simulation.Chirp(10 * LB, 0.2, 20.0, 20.0), "a linear chirp of ±10 lb from 0.2 to 20 Hz, 20 s long"),
+        (
+            ff.simulation.Multisine(10 * LB, (0.5, 1.0), 2.0),
+            "a multisine of ±10 lb, 2 lines from 0.5 to 1 Hz, period 2 s",
+        ),
         (ff.Recorded([0, 1], [-3 * LB, 5 * LB], "bench"), "the recording bench, -3 lb to 5 lb"),
     ],
 )

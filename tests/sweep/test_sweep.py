@@ -154,7 +154,9 @@ def test_pieces_cover_every_run_once_and_depend_on_the_sweep_alone():
 
 
 def test_a_sweep_can_be_sent():
-    sweep = small(30, vary={"feel.damping": "5 %"}, compensator=ff.Compensator.original(nonlinear().values), seed=3)
+    sweep = small(
+        30, vary={"feel.damping": "5 %"}, compensator=ff.laws.Compensator.original(nonlinear().values), seed=3
+    )
     sent = pickle.loads(pickle.dumps(sweep))
     assert np.array_equal(sent.values(range(30)), sweep.values(range(30)))
     assert np.array_equal(measure(sent, range(30)), measure(sweep, range(30)), equal_nan=True)
@@ -171,7 +173,7 @@ def test_results_are_labelled():
 
 def test_a_law_holds_for_all_machines():
     loader = ff.elevator()
-    law = ff.Compensator.original(loader.values)
+    law = ff.laws.Compensator.original(loader.values)
     own, fixed = (run_sweep(Sweep(loader, PUSH, given, runs=16)).runs for given in (None, law))
     assert not np.array_equal(own["final_angle_rad"], fixed["final_angle_rad"])
 
@@ -262,7 +264,7 @@ def test_a_map_is_the_median_of_the_machines_at_each_point():
 
 def test_the_damping_map_changes_sign_where_the_loader_becomes_unstable():
     loader = ff.elevator()
-    edge = ff.smallest_stable_stiffness(loader).stiffness_n_m_per_rad
+    edge = ff.linear.smallest_stable_stiffness(loader).stiffness_n_m_per_rad
     scale = edge / loader["feel.stiffness"]
     at_edge = loader.scale_feel(scale)
     grids = {

@@ -19,7 +19,7 @@ STIFFNESS = (500.0, 1000.0, 2000.0)
 INERTIA = (4.0, 7.0, 12.0)
 GRID = {"feel.stiffness": STIFFNESS, "feel.inertia": INERTIA}
 
-DESIGNS = {"published": published_settings, "converged": lambda _: ff.DesignSettings()}
+DESIGNS = {"published": published_settings, "converged": lambda _: ff.laws.DesignSettings()}
 
 SOLVED = 1e-11
 """Relative: one recursion of hundreds of steps, alone and side by side with others. Measured: 7e-14."""
@@ -129,7 +129,7 @@ def test_a_sweep_goes_on_with_the_same_design_only(tmp_path):
     plan = json.loads((tmp_path / "plan.json").read_text(encoding="utf-8"))
     assert plan["law"]["kind"] == "DesignSettings"
     assert plan["law"]["horizon_s"] == 0.05
-    other = Sweep(loader, PUSH, ff.DesignSettings(), grids=dict(sweep.grids))
+    other = Sweep(loader, PUSH, ff.laws.DesignSettings(), grids=dict(sweep.grids))
     with pytest.raises(InputError, match=r"law\.horizon_s: 0\.05 there, null here"):
         run_sweep(other, tmp_path, resume=True)
     one = Sweep(loader, PUSH, ff.compensate(loader).compensator(loader), grids=dict(sweep.grids))
@@ -153,12 +153,12 @@ def test_a_sweep_goes_on_with_the_same_design_only(tmp_path):
 )
 def test_what_cannot_be_designed_anew_is_refused(options, said):
     with pytest.raises(InputError) as refused:
-        Sweep(nonlinear(), PUSH, ff.DesignSettings(), **options)
+        Sweep(nonlinear(), PUSH, ff.laws.DesignSettings(), **options)
     assert said in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
 def test_a_design_that_cannot_be_is_refused_before_the_sweep():
-    whole = ff.DesignSettings(q=tuple(map(tuple, np.eye(7).tolist())))
+    whole = ff.laws.DesignSettings(q=tuple(map(tuple, np.eye(7).tolist())))
     with pytest.raises(InputError, match="leave out q"):
         Sweep(nonlinear(), Scenario(PUSH.force), whole, grids=GRID)

@@ -1,6 +1,5 @@
 """Choosing for the engineer: every method tried on a loader, scored, and one chosen by a rule that is written down."""
 
-from forcefeel.choice.rule import Choice, choose
-from forcefeel.choice.score import Score, Scored, score_methods
+from forcefeel.public_names import public_names
 
-__all__ = ["Choice", "Score", "Scored", "choose", "score_methods"]
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

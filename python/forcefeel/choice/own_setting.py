@@ -16,7 +16,7 @@ from forcefeel.linear.modes import Mode
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loops.command_loop import command_loops
 from forcefeel.loops.margins import LoopMargins, loop_margins
-from forcefeel.qualification import judge_releases
+from forcefeel.qualification.batch_verdicts import judge_releases
 
 
 @dataclass(frozen=True, eq=False)

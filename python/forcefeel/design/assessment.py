@@ -12,7 +12,7 @@ from forcefeel._core import Compensator
 from forcefeel.laws.analog.recursion import DesignSettings
 from forcefeel.linear.models import DESIGN_STATES, OUTPUTS, Linkage, ideal_feel, loader_model
 from forcefeel.linear.modes import feel_mode, is_stable, modes, spectral_abscissa
-from forcefeel.linear.step import DURATION_S, equilibrium, gramian, step_response
+from forcefeel.linear.step import DURATION_S, equilibrium, gramian, step_outputs
 from forcefeel.loader.loader import Loader
 from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, PERCENT, RATE, RATIO
 
@@ -128,9 +128,9 @@ def programmed_angle_rad(loader: Loader) -> float:
 
 def peaks(loader: Loader, compensator: Compensator | None, linkage: Linkage = Linkage.COMPLIANT) -> Peaks:
     """Largest valve current and flow in the two seconds after the step of pilot force."""
-    response = step_response(loader_model(loader, compensator, linkage), loader["pilot.force"])
-    current = float(np.max(np.abs(response["valve_current_a"])))
-    flow = float(np.max(np.abs(response["actuator_flow_m3_per_s"])))
+    _, outputs = step_outputs(loader_model(loader, compensator, linkage), loader["pilot.force"])
+    largest = dict(zip(OUTPUTS, np.nanmax(np.abs(outputs), axis=1).tolist(), strict=True))
+    current, flow = largest["valve_current_a"], largest["actuator_flow_m3_per_s"]
     return Peaks(current, current / loader["valve.rated_current"], flow, flow / loader["valve.rated_flow"])
 
 

@@ -23,7 +23,7 @@ The pilot's force is lowered along, so that the programmed deflection stays the 
 
 
 STEPS = ("compensation", "original system", "compensated system", "dropped paths", "sensitivity")
-"""What ``design`` reports as it goes."""
+"""What ``design_loader`` reports as it goes."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def analyze(loader: Loader) -> Analysis:
     )
 
 
-def design(
+def design_loader(
     loader: Loader, settings: DesignSettings | None = None, progress: Callable[[str], None] = lambda _: None
 ) -> Design:
     """Analyses ``loader``, designs its compensation and judges the result.
@@ -223,3 +223,6 @@ def _loop(loader: Loader, linkage: Linkage, law: Compensator | None, weights: De
         found,
         peaks(loader, law, linkage) if found.stable else None,
     )
+
+
+design = design_loader  # as `forcefeel design` calls it

@@ -1,8 +1,5 @@
 """The envelope of feels that a loader can render: over the programmed settings, what is stable and what passes."""
 
-from forcefeel.envelope.draws import Draws
-from forcefeel.envelope.plan import Plan
-from forcefeel.envelope.result import Envelope
-from forcefeel.envelope.run import envelope
+from forcefeel.public_names import public_names
 
-__all__ = ["Draws", "Envelope", "Plan", "envelope"]
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

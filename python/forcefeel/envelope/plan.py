@@ -14,7 +14,8 @@ from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
 from forcefeel.laws.law import NAMED_LAWS, LawLike, check_given, named
 from forcefeel.loader.loader import Loader
-from forcefeel.qualification import DEFAULT_EDITION, Rules, Test, load_rules
+from forcefeel.qualification import DEFAULT_EDITION, Rules, load_rules
+from forcefeel.qualification.rules import Test
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import ANGLE, show
 

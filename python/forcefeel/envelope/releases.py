@@ -20,7 +20,7 @@ from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
 from forcefeel.loops.sampled_loop import sampled_loops
-from forcefeel.qualification import ReleaseBatch, measure_releases
+from forcefeel.qualification.release_batch import ReleaseBatch, measure_releases
 from forcefeel.simulation import RunStatus, Scenario, simulate_batch
 from forcefeel.simulation.inputs import Release
 from forcefeel.simulation.programmed_feel import with_arm

@@ -16,14 +16,15 @@ from forcefeel.envelope.result import PASSES, UNSTABLE, Envelope
 from forcefeel.envelope.settings import AXES
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
-from forcefeel.qualification import ReleaseBatch, judge_releases
+from forcefeel.qualification.batch_verdicts import judge_releases
+from forcefeel.qualification.release_batch import ReleaseBatch
 from forcefeel.threads import threads_or_cores
 
 Progress = Callable[[int, int], None]
 """Called with the releases that are done and all there are."""
 
 
-def envelope(
+def find_envelope(
     loader: Loader,
     compensators: Sequence[str] | Mapping[str, Law] = ("original", "published", "converged"),
     grid: Mapping[str, str | Sequence[float]] | None = None,

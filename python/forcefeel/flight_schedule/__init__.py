@@ -3,18 +3,6 @@
 Not ``forcefeel.laws.analog.gain_schedule``, which is the report's gains for many settings.
 """
 
-from forcefeel.flight_schedule.axes import ScheduleAxis
-from forcefeel.flight_schedule.check import check_schedule
-from forcefeel.flight_schedule.knots import read_knots
-from forcefeel.flight_schedule.result import ScheduleCheck
-from forcefeel.flight_schedule.schedule import FlightSchedule, design_schedule, second_order_feel
+from forcefeel.public_names import public_names
 
-__all__ = [
-    "FlightSchedule",
-    "ScheduleAxis",
-    "ScheduleCheck",
-    "check_schedule",
-    "design_schedule",
-    "read_knots",
-    "second_order_feel",
-]
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -13,7 +13,9 @@ from forcefeel.envelope.settings import AXES
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import Loader
-from forcefeel.qualification import Rules, judge_releases, measure_releases
+from forcefeel.qualification import Rules
+from forcefeel.qualification.batch_verdicts import judge_releases
+from forcefeel.qualification.release_batch import measure_releases
 from forcefeel.qualification.throw import Throw
 from forcefeel.simulation import RunStatus, Scenario, simulate_batch
 from forcefeel.simulation.inputs import Release

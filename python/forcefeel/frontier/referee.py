@@ -10,7 +10,8 @@ from forcefeel.envelope.cases import PilotArm
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.releases import Record, carrying, measured, pieces
-from forcefeel.qualification import ReleaseBatch, judge_releases
+from forcefeel.qualification.batch_verdicts import judge_releases
+from forcefeel.qualification.release_batch import ReleaseBatch
 
 
 @dataclass(frozen=True, eq=False)

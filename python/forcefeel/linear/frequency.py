@@ -1,15 +1,17 @@
 """Frequency responses and the margins of a loop."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import control
 import numpy as np
 import scipy.optimize
-import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.units import ANGLE, HERTZ, RATIO
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class Peak:
     gain: Annotated[float, RATIO]
 
 
-def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float64]) -> xr.Dataset:
+def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float64]) -> "xr.Dataset":
     """Gain and unwrapped phase of a model with one input and one output.
 
     Args:
@@ -53,6 +55,8 @@ def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float
     Returns:
         ``gain_db`` and ``phase_deg`` over the coordinate ``frequency_hz``.
     """
+    import xarray as xr  # noqa: PLC0415  with pandas, for which `forcefeel analyze` need not wait
+
     response = model(2j * np.pi * frequency_hz)
     phase = np.degrees(_phase(model, 2 * np.pi * frequency_hz))
     return xr.Dataset(

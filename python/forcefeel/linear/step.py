@@ -1,10 +1,14 @@
 """Responses to a step of pilot force, and exact integrals over them."""
 
+from typing import TYPE_CHECKING
+
 import control
 import numpy as np
 import scipy.linalg
-import xarray as xr
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 DURATION_S = 2.0
 """Length of the time responses, and of the window over which they are judged."""
@@ -15,7 +19,7 @@ _UNITS = {"_m3_per_s": "m^3/s", "_rad": "rad", "_v": "V", "_m": "m", "_n": "N", 
 
 def step_response(
     model: control.StateSpace, force_n: float, duration_s: float = DURATION_S, samples: int = 2001
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Response from rest to a step of pilot force at time zero (figs. 11, 14).
 
     Args:
@@ -28,18 +32,27 @@ def step_response(
         Every output of the model over the coordinate ``time_s``; exact at the samples, since the input is constant;
         not a number once an unstable response has left the range of double precision.
     """
-    time = np.linspace(0.0, duration_s, samples)
-    force = np.zeros((model.ninputs, samples))
-    force[0] = force_n
-    with np.errstate(over="ignore", invalid="ignore"):
-        outputs = control.forced_response(model, time, force, squeeze=False).outputs
-    outputs = np.where(np.isfinite(outputs), outputs, np.nan)
+    import xarray as xr  # noqa: PLC0415  with pandas, for which `forcefeel analyze` need not wait
+
+    time, outputs = step_outputs(model, force_n, duration_s, samples)
     data = {
         name: ("time_s", row, {"units": _unit_of(name)}) for name, row in zip(model.output_labels, outputs, strict=True)
     }
     return xr.Dataset(
         data, {"time_s": ("time_s", time, {"units": "s"})}, {"model": model.name, "pilot_force_n": force_n}
     )
+
+
+def step_outputs(
+    model: control.StateSpace, force_n: float, duration_s: float = DURATION_S, samples: int = 2001
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Times, and a row for each output of the model, of ``step_response``."""
+    time = np.linspace(0.0, duration_s, samples)
+    force = np.zeros((model.ninputs, samples))
+    force[0] = force_n
+    with np.errstate(over="ignore", invalid="ignore"):
+        outputs = control.forced_response(model, time, force, squeeze=False).outputs
+    return time, np.where(np.isfinite(outputs), outputs, np.nan)
 
 
 def _unit_of(name: str) -> str:

@@ -31,7 +31,8 @@ from forcefeel import _core
 from forcefeel._core import Parameter
 from forcefeel.errors import MOST_LINES, InputError
 from forcefeel.files import MOST_TEXT_BYTES, read_input
-from forcefeel.loader import consistency, curve_text, tolerance_text
+from forcefeel.loader import curve_text, tolerance_text
+from forcefeel.loader.contents import Contents, misfits
 from forcefeel.loader.curves import CURVES
 from forcefeel.loader.parameters import (
     INDEX,
@@ -47,10 +48,8 @@ from forcefeel.loader.parameters import (
     with_unit,
     without,
 )
-from forcefeel.loader.text import Contents, toml_value
+from forcefeel.loader.text import toml_value
 from forcefeel.loader.tolerances import Tolerance, beyond
-from forcefeel.loader.tolerances import check as check_tolerances
-from forcefeel.printable import unprintable
 from forcefeel.units import UnitSystem, parse, show
 
 _MOST_DOTS = 100
@@ -107,25 +106,6 @@ def _contents(checked: BaseModel) -> tuple[Contents, list[str]]:
     curves = {name: curve for name in CURVES if (curve := parts["feel"][name]) is not None}
     contents = Contents(top["name"], top["source"], values, curves, tolerances)
     return contents, complaints or misfits(contents) or beyond(tolerances)
-
-
-def misfits(contents: Contents) -> list[str]:
-    """A line for each thing that is good by itself, but does not go with the rest."""
-    return [
-        *_unprintable(contents),
-        *consistency.complaints(contents.values),
-        *check_tolerances(contents.tolerances, contents.values),
-    ]
-
-
-def _unprintable(contents: Contents) -> list[str]:
-    """A line for a name or a source that would steer a terminal."""
-    found = ((key, unprintable(getattr(contents, key), allowed)) for key, allowed in (("name", ""), ("source", "\n\t")))
-    return [
-        f"{key}: has the control character U+{ord(c):04X}; expected text that prints; take it out"
-        for key, c in found
-        if c
-    ]
 
 
 def _document(path: Path) -> dict[str, Any]:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from forcefeel.errors import InputError
 from forcefeel.json_values import Json, quantity
 from forcefeel.loader import tolerance_text
+from forcefeel.loader.contents import Contents, misfits
 from forcefeel.loader.curves import CURVES, Curve
 from forcefeel.loader.curves import check as check_curve
-from forcefeel.loader.file import misfits, read
 from forcefeel.loader.parameters import (
     INDEX,
     OFF,
@@ -30,7 +30,6 @@ from forcefeel.loader.parameters import (
     value_text,
     without,
 )
-from forcefeel.loader.text import Contents, write
 from forcefeel.loader.tolerances import Tolerance, beyond, nothing
 from forcefeel.units import UnitSystem, parse, show, to_text
 
@@ -215,6 +214,8 @@ class Loader:
 
     def to_toml(self, units: UnitSystem = UnitSystem.US) -> str:
         """The loader as a commented loader file."""
+        from forcefeel.loader.text import write  # noqa: PLC0415  Jinja, which few loaders need
+
         return write(self._contents(), units)
 
 
@@ -251,6 +252,8 @@ def load(path: str | Path) -> Loader:
     Raises:
         InputError: With a line for each thing that is wrong: the file, the key, what was expected and what came.
     """
+    from forcefeel.loader.file import read  # noqa: PLC0415  pydantic, which a built-in loader does not need
+
     found = read(Path(path))
     values = np.array([found.values[key] for key in TABLE])
     return Loader(found.name, found.source, values, **found.curves, tolerances=found.tolerances)

@@ -1,11 +1,11 @@
-"""A loader file's contents, and how they are written."""
+"""A loader file, as it is written."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from forcefeel._core import Parameter
 from forcefeel.loader import curve_text, tolerance_text
-from forcefeel.loader.curves import CURVES, Curve
+from forcefeel.loader.contents import Contents
+from forcefeel.loader.curves import CURVES
 from forcefeel.loader.parameters import (
     DIGITS,
     PARTS,
@@ -18,30 +18,12 @@ from forcefeel.loader.parameters import (
     replaced,
     with_unit,
 )
-from forcefeel.loader.tolerances import Tolerance, nothing
+from forcefeel.loader.tolerances import nothing
 from forcefeel.templating import environment
 from forcefeel.units import UnitSystem
 
 _EXAMPLE_DIGITS = 4
 """An example in the other unit system is as good rounded."""
-
-
-@dataclass(frozen=True)
-class Contents:
-    """What a loader file holds.
-
-    Attributes:
-        name, source: Of the loader.
-        values: SI values by ``part.name``.
-        curves: Curves by name, SI units.
-        tolerances: Tolerances by ``part.name``, SI units.
-    """
-
-    name: str
-    source: str
-    values: Mapping[str, float]
-    curves: Mapping[str, Curve]
-    tolerances: Mapping[str, Tolerance]
 
 
 def write(contents: Contents, units: UnitSystem) -> str:

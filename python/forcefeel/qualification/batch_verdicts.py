@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.qualification.judge_release import Overdamped
 from forcefeel.qualification.release_batch import ReleaseBatch
+from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Test
 from forcefeel.qualification.tolerance import Tolerance
 from forcefeel.units import show

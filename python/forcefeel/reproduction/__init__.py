@@ -3,8 +3,6 @@
 The report's matrices and digits are typed in here as an independent witness; nothing else in the package reads them.
 """
 
-from forcefeel.reproduction.markdown import markdown, summary
-from forcefeel.reproduction.run import reproduce
-from forcefeel.reproduction.table import Row, Section, Verdict
+from forcefeel.public_names import public_names
 
-__all__ = ["Row", "Section", "Verdict", "markdown", "reproduce", "summary"]
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from forcefeel.design.workflow import design
+from forcefeel.design.workflow import design_loader
 from forcefeel.loader.built_in import elevator
 from forcefeel.reproduction import appendix, claims, curves, equations, gains
 from forcefeel.reproduction.table import Section
@@ -15,7 +15,7 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> tuple[Section
         progress: Called with the name of each step of the design as it begins.
     """
     loader = elevator()
-    found = design(loader, progress=progress)
+    found = design_loader(loader, progress=progress)
     return (
         appendix.columns(),
         appendix.origins(loader),

@@ -1,7 +1,5 @@
 """Runs in time of the nonlinear loader: one, or a batch of them."""
 
-from forcefeel.simulation.engine import SHARED, simulate, simulate_batch
-from forcefeel.simulation.outcome import Measures, Run, RunStatus
-from forcefeel.simulation.scenario import FeelChange, Scenario
+from forcefeel.public_names import public_names
 
-__all__ = ["SHARED", "FeelChange", "Measures", "Run", "RunStatus", "Scenario", "simulate", "simulate_batch"]
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

@@ -20,7 +20,14 @@ from forcefeel.simulation.inputs import (
     Step,
     StopToStop,
 )
-from forcefeel.simulation.limits import Limits, feel_position, goes_to_a_place, keeps_moving, limits, why_no_overshoot
+from forcefeel.simulation.limits_met import (
+    Limits,
+    feel_position,
+    goes_to_a_place,
+    keeps_moving,
+    limits,
+    why_no_overshoot,
+)
 from forcefeel.simulation.programmed_feel import has_arm, programmed, spring_is_g
 from forcefeel.units import ANGLE, CURRENT, FORCE, Unit, UnitSystem, to_text
 

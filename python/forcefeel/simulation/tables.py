@@ -13,7 +13,7 @@ from forcefeel.conclusions import of_result
 from forcefeel.json_values import Json, json_value
 from forcefeel.simulation import Measures, Run
 from forcefeel.simulation.findings import input_text, run_conclusions
-from forcefeel.simulation.limits import known_measures, limits, why_no_overshoot
+from forcefeel.simulation.limits_met import known_measures, limits, why_no_overshoot
 from forcefeel.units import (
     ANGLE,
     CURRENT,

@@ -1,7 +1,5 @@
 """Sweeps: many machines of one design, or one machine at many settings, through one scenario."""
 
-from forcefeel.sweep.plan import Sweep
-from forcefeel.sweep.result import SweepResult
-from forcefeel.sweep.run import run_sweep
+from forcefeel.public_names import public_names
 
-__all__ = ["Sweep", "SweepResult", "run_sweep"]
+__getattr__, __dir__, __all__ = public_names(__name__, __file__)

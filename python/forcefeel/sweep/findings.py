@@ -7,7 +7,7 @@ import numpy as np
 from forcefeel.conclusions import Conclusions, capital, interval_text, of_result, share_text
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.simulation import RunStatus
-from forcefeel.simulation.limits import goes_to_a_place, keeps_moving
+from forcefeel.simulation.limits_met import goes_to_a_place, keeps_moving
 from forcefeel.sweep.result import IMPOSSIBLE, SweepResult
 from forcefeel.sweep.summary import Spread, Summary, measure_name, measure_unit
 from forcefeel.units import UnitSystem, to_text

@@ -18,7 +18,7 @@ import numpy as np
 
 from forcefeel.errors import InputError
 from forcefeel.loader.parameters import TABLE, did_you_mean, in_range, is_switch, range_text, value_text
-from forcefeel.simulation import SHARED
+from forcefeel.simulation.engine import SHARED
 from forcefeel.units import parse, show
 
 MOST_STEPS = 10_000

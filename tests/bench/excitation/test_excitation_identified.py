@@ -27,9 +27,9 @@ def test_an_identification_is_as_sure_as_was_promised(loader, valve):
     found = excite(loader, f"k,c,J,{valve}", plan=ExcitationPlan(time_s=20.0, rate_hz=500.0, to_hz=60.0))
     bench = loader.replace({key: loader[key] * factor for key, factor in OFF.items()})
     step, steps = 1 / found.plan.rate_hz, len(found.time_s) - 1
-    drive = ff.Schedule(tuple(found.time_s), tuple(found.signal))
+    drive = ff.simulation.Schedule(tuple(found.time_s), tuple(found.signal))
     scenario = Scenario(test_signal_v=drive, duration_s=steps * step, step_s=1e-3, sample_s=step)
-    run = ff.simulate(bench, scenario, ff.Compensator.position_loop(bench.values))
+    run = ff.simulate(bench, scenario, ff.laws.Compensator.position_loop(bench.values))
     rng = np.random.default_rng(12)
     channels = {"test_signal": found.signal} | {
         name: run.history[HISTORY[name]].values + sigma * rng.normal(size=len(found.signal))

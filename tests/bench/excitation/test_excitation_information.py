@@ -39,11 +39,11 @@ def in_time(loader, found):
     """The measured channels over the samples, (channels, samples), by runs of the loader; nothing of the frequency domain."""
     step = 1 / found.plan.rate_hz
     steps = len(found.time_s) - 1
-    drive = ff.Schedule(tuple(found.time_s), tuple(found.signal))
+    drive = ff.simulation.Schedule(tuple(found.time_s), tuple(found.signal))
     run = ff.simulate(
         loader,
         Scenario(test_signal_v=drive, duration_s=steps * step, step_s=step, sample_s=step),
-        ff.Compensator.position_loop(loader.values),
+        ff.laws.Compensator.position_loop(loader.values),
     )
     return np.array([run.history[HISTORY[name]].values for name in found.plan.measured])
 
@@ -92,7 +92,7 @@ def test_slopes_of_lines_against_the_report_s_servo():
     loader, line = ff.elevator(), np.array([0.5, 5.0, 12.0, 30.0])
 
     def angle(of):
-        servo = models.servo(of, ff.Linkage.COMPLIANT, closed=True)
+        servo = models.servo(of, ff.linear.Linkage.COMPLIANT, closed=True)
         return servo(2j * np.pi * line)[1, 0]
 
     h = 1e-4

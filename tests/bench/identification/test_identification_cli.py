@@ -209,7 +209,7 @@ def test_a_law_is_that_of_the_whole_loader(identify, found, tmp_path):
     assert asked["law"] is None
     other = [word.replace("servo-closed", "loader test_signal") for word in GOOD]
     assert identify(*other, "--law", "published", "--replace")[0] == 0
-    assert isinstance(asked["law"].fixed, ff.Compensator)
+    assert isinstance(asked["law"].fixed, ff.laws.Compensator)
     results = json.loads((tmp_path / "forcefeel-identified" / RESULTS).read_text())
     assert results["settings"]["law"] == "published"
 
@@ -231,7 +231,7 @@ def test_a_record_is_identified_through_its_response(identify, tmp_path):
     file = ff.elevator()
     bench = file.replace({key: factor * file[key] for key, factor in TRUTH.items()})
     model = servo(bench, Linkage.COMPLIANT, closed=True)
-    wave = ff.Multisine(2.0, tuple(np.arange(1, 61) / 2), 2.0, seed=3).sample(12.0, 0.002).start
+    wave = ff.simulation.Multisine(2.0, tuple(np.arange(1, 61) / 2), 2.0, seed=3).sample(12.0, 0.002).start
     drive = np.concatenate([np.zeros(100), wave])
     time = np.arange(len(drive)) * 0.002
     column = list(model.output_labels).index("column_angle_rad")

@@ -13,7 +13,7 @@ from forcefeel.loader.consistency import AT_LEAST
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import OFF, TABLE, did_you_mean, is_switch, limits_si, value_text
 from forcefeel.loader.tolerances import Distribution, Tolerance
-from forcefeel.simulation import SHARED
+from forcefeel.simulation.engine import SHARED
 from forcefeel.units import show
 
 _FARTHEST = 2.0

@@ -7,10 +7,11 @@ from plotly.subplots import make_subplots
 
 from forcefeel.page.canvas import frame, line
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, RIGID, Look
-from forcefeel.qualification import SweepFeatures, Tolerance
 from forcefeel.qualification.page.release_plot import BAND, REFERENCE, release
 from forcefeel.qualification.programme.result import Qualification, Result, Side
 from forcefeel.qualification.programme.sentences import UNITS
+from forcefeel.qualification.sweep import SweepFeatures
+from forcefeel.qualification.tolerance import Tolerance
 from forcefeel.units import FORCE, factor
 
 _COLORS = {"original": COMPLIANT, "published": COMPENSATED, "converged": RIGID}

@@ -10,9 +10,9 @@ from plotly.subplots import make_subplots
 
 from forcefeel.page.canvas import drawn, frame, line
 from forcefeel.page.palette import IDEAL, Look
-from forcefeel.qualification import ReleaseFeatures
 from forcefeel.qualification.programme.result import Qualification, Result, Side
 from forcefeel.qualification.programme.sentences import UNITS
+from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.rules import ReleaseRules
 
 REFERENCE = Look(IDEAL, "dot", 2.0)

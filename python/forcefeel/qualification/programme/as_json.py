@@ -6,9 +6,12 @@ from math import isfinite
 
 from forcefeel.json_values import Json, json_value
 from forcefeel.json_values import quantity as json_quantity
-from forcefeel.qualification import Figure, ReleaseFeatures, SweepFeatures, Verdict
+from forcefeel.qualification import Verdict
+from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Side
 from forcefeel.qualification.programme.sentences import UNITS, conclusions, result_text, tally, unverified_tests
+from forcefeel.qualification.release import ReleaseFeatures
+from forcefeel.qualification.sweep import SweepFeatures
 from forcefeel.units import SECONDS, UnitSystem
 
 _RELEASE = ("release_s", "steady", "displacement", "fall_time", "rise_time")

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from forcefeel.errors import InputError
-from forcefeel.qualification import Rules, Test
-from forcefeel.qualification.rules import Axis, Kind
+from forcefeel.qualification import Rules
+from forcefeel.qualification.rules import Axis, Kind, Test
 from forcefeel.units import show
 
 SweepName = Literal["slow", "medium", "fast"]

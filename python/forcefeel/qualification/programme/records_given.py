@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from forcefeel.errors import InputError
-from forcefeel.qualification import Record, ReleaseFeatures, Rules, measure_release, read_record
+from forcefeel.qualification import Record, Rules, measure_release, read_record
 from forcefeel.qualification.programme.programme import SIGNS, SMALL, STATIC, Trial
+from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.throw import Throw
 from forcefeel.tables.column_names import ColumnNames
 from forcefeel.tables.table_file import ENDINGS

@@ -6,10 +6,12 @@ from datetime import date
 from enum import StrEnum
 
 from forcefeel.loader.loader import Loader
-from forcefeel.qualification import Outcome, Record, ReleaseFeatures, Rules, SweepFeatures, Verdict
+from forcefeel.qualification import Outcome, Record, Rules, Verdict
 from forcefeel.qualification.programme.programme import Programme, Trial
 from forcefeel.qualification.programme.records_given import Given
+from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.rules import Axis
+from forcefeel.qualification.sweep import SweepFeatures
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import UnitSystem
 

@@ -9,7 +9,6 @@ from forcefeel.laws.law import ORIGINAL, Law, LawLike
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
-from forcefeel.qualification.judge_release import Overdamped
 from forcefeel.qualification.programme.feel_alone import FeelAlone
 from forcefeel.qualification.programme.law_names import LAW_TEXTS, named_laws
 from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
@@ -17,6 +16,7 @@ from forcefeel.qualification.programme.programme import Trial, programme_of, tri
 from forcefeel.qualification.programme.records_given import Given, Recognition, given_files
 from forcefeel.qualification.programme.result import Qualification, Section
 from forcefeel.qualification.programme.test_bench import Task, TestBench
+from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualification.throw import Throw
 from forcefeel.tables.column_names import ColumnNames

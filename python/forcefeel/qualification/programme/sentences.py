@@ -3,9 +3,11 @@
 from math import isfinite
 
 from forcefeel.conclusions import Conclusions, of_result
-from forcefeel.qualification import Figure, Outcome, ReleaseFeatures, Verdict
+from forcefeel.qualification import Outcome, Verdict
+from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
+from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.units import ANGLE, FORCE, LENGTH, RATIO, SECONDS, Unit, UnitSystem, to_text
 
 UNITS = {

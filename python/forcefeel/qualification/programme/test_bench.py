@@ -7,29 +7,19 @@ from typing import TypeVar
 
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
-from forcefeel.qualification import (
-    Figure,
-    Outcome,
-    Record,
-    ReleaseFeatures,
-    Rules,
-    SweepFeatures,
-    Verdict,
-    judge_dynamic_sweep,
-    judge_release,
-    judge_small_inputs,
-    judge_sweep,
-    measure_release,
-    measure_sweep,
-    overall,
-)
-from forcefeel.qualification.judge_release import Overdamped
+from forcefeel.qualification import Outcome, Record, Rules, Verdict, measure_release
+from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.programme.feel_alone import FeelAlone
 from forcefeel.qualification.programme.motions import LoopError, Motions, Moved, first_force, release_duration_s
 from forcefeel.qualification.programme.programme import STATIC, SURFACE, SweepName, Trial, duration_s
 from forcefeel.qualification.programme.records_given import Given, check_cover
 from forcefeel.qualification.programme.result import Result, Side
+from forcefeel.qualification.release import ReleaseFeatures
+from forcefeel.qualification.release_verdicts import Overdamped, judge_release
+from forcefeel.qualification.sweep import SweepFeatures, measure_sweep
+from forcefeel.qualification.sweep_verdicts import judge_dynamic_sweep, judge_small_inputs, judge_sweep
 from forcefeel.qualification.throw import Throw
+from forcefeel.qualification.verdicts import overall
 from forcefeel.simulation.inputs import Recorded
 from forcefeel.units import UnitSystem
 

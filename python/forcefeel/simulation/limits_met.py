@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.conclusions import of_result
-from forcefeel.simulation import Measures, Run, RunStatus
 from forcefeel.simulation.inputs import Chirp, Force, Multisine, Release, Step, StopToStop
+from forcefeel.simulation.outcome import Measures, Run, RunStatus
 from forcefeel.units import PERCENT, SECONDS
 
 _AT = 1e-6

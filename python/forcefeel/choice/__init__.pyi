@@ -1,0 +1,8 @@
+"""Public names; ``__init__.py`` fetches them when first used."""
+
+from forcefeel.choice.page.folder import write_choice as write_choice
+from forcefeel.choice.rule import Choice as Choice
+from forcefeel.choice.rule import choose as choose
+from forcefeel.choice.score import Score as Score
+from forcefeel.choice.score import Scored as Scored
+from forcefeel.choice.score import score_methods as score_methods

@@ -1,0 +1,8 @@
+"""Public names; ``__init__.py`` fetches them when first used."""
+
+from forcefeel.envelope.draws import Draws as Draws
+from forcefeel.envelope.page.folder import write_envelope as write_envelope
+from forcefeel.envelope.result import Envelope as Envelope
+from forcefeel.envelope.run import find_envelope as find_envelope
+from forcefeel.envelope.tuning import Tuned as Tuned
+from forcefeel.envelope.tuning import tune as tune

@@ -1,0 +1,19 @@
+"""Public names; ``__init__.py`` fetches them when first used."""
+
+from forcefeel.linear.boundary import StabilityBoundary as StabilityBoundary
+from forcefeel.linear.boundary import smallest_stable_stiffness as smallest_stable_stiffness
+from forcefeel.linear.frequency import Margins as Margins
+from forcefeel.linear.frequency import Peak as Peak
+from forcefeel.linear.frequency import frequency_response as frequency_response
+from forcefeel.linear.frequency import margins as margins
+from forcefeel.linear.frequency import resonance as resonance
+from forcefeel.linear.models import Linkage as Linkage
+from forcefeel.linear.models import compliant_model as compliant_model
+from forcefeel.linear.models import design_plant as design_plant
+from forcefeel.linear.models import ideal_feel as ideal_feel
+from forcefeel.linear.models import overall_open_loop as overall_open_loop
+from forcefeel.linear.models import rigid_model as rigid_model
+from forcefeel.linear.models import servo as servo
+from forcefeel.linear.models import state_feedback as state_feedback
+from forcefeel.linear.modes import Mode as Mode
+from forcefeel.linear.step import step_response as step_response

@@ -1,0 +1,47 @@
+"""What a loader file holds, and what of it does not go together."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from forcefeel.loader import consistency
+from forcefeel.loader.curves import Curve
+from forcefeel.loader.tolerances import Tolerance
+from forcefeel.loader.tolerances import check as check_tolerances
+from forcefeel.printable import unprintable
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a loader file holds.
+
+    Attributes:
+        name, source: Of the loader.
+        values: SI values by ``part.name``.
+        curves: Curves by name, SI units.
+        tolerances: Tolerances by ``part.name``, SI units.
+    """
+
+    name: str
+    source: str
+    values: Mapping[str, float]
+    curves: Mapping[str, Curve]
+    tolerances: Mapping[str, Tolerance]
+
+
+def misfits(contents: Contents) -> list[str]:
+    """A line for each thing that is good by itself, but does not go with the rest."""
+    return [
+        *_unprintable(contents),
+        *consistency.complaints(contents.values),
+        *check_tolerances(contents.tolerances, contents.values),
+    ]
+
+
+def _unprintable(contents: Contents) -> list[str]:
+    """A line for a name or a source that would steer a terminal."""
+    found = ((key, unprintable(getattr(contents, key), allowed)) for key, allowed in (("name", ""), ("source", "\n\t")))
+    return [
+        f"{key}: has the control character U+{ord(c):04X}; expected text that prints; take it out"
+        for key, c in found
+        if c
+    ]

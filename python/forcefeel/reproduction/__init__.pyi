@@ -1,0 +1,8 @@
+"""Public names; ``__init__.py`` fetches them when first used."""
+
+from forcefeel.reproduction.markdown import markdown as markdown
+from forcefeel.reproduction.markdown import summary as summary
+from forcefeel.reproduction.run import reproduce as reproduce
+from forcefeel.reproduction.table import Row as Row
+from forcefeel.reproduction.table import Section as Section
+from forcefeel.reproduction.table import Verdict as Verdict
