@@ -1,7 +1,10 @@
 """Makes what the program can make of itself: the validation table, the README's picture, the table of common factors of units."""
 
+import gc
+import pkgutil
 import shutil
 import tempfile
+from importlib import import_module
 from pathlib import Path
 
 from playwright.sync_api import sync_playwright
@@ -32,8 +35,10 @@ def main() -> None:
 
 
 def factors() -> str:
-    """Pint's factors between the units that the program writes: of the parameters, and of `forcefeel.units`."""
-    own = [one for one in vars(units).values() if isinstance(one, units.Unit)]
+    """Pint's factors between the units that the program writes: of the parameters, and of every `Unit` of every module."""
+    for module in pkgutil.walk_packages(ff.__path__, "forcefeel."):
+        import_module(module.name)
+    own = [one for one in gc.get_objects() if isinstance(one, units.Unit)]
     rows = set()
     for one in [*own, *map(unit, (TABLE | ALTERNATIVES).values())]:
         for shown in {one.si, one.metric, one.us}:
