@@ -3,6 +3,7 @@
 # make lint     format and type checks
 # make bench    speed against the peers
 # make docs     validation table and the README's picture from the program itself
+# make wheel    one wheel for every Python from 3.11 on, checked and tried in a clean environment
 
 PYTHON ?= python3
 VENV := .venv
@@ -11,7 +12,7 @@ PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.toml' -o -name '*.txt')
 
-.PHONY: report test lint bench docs clean
+.PHONY: report test lint bench docs wheel clean
 
 report: report/report.html
 	@echo "The report is $(CURDIR)/report/report.html"
@@ -20,7 +21,7 @@ report/report.html: $(VENV)/built $(PACKAGE)
 	$(BIN)/forcefeel design --out report --replace
 
 # The crates as the extension has them: built once, and tested as they run.
-test: $(VENV)/built
+test: $(VENV)/built dist/built
 	tests/browser/install
 	cargo test --release --workspace --locked --quiet
 	$(BIN)/pytest
@@ -47,8 +48,18 @@ docs: $(VENV)/built
 	$(BIN)/python docs/make.py
 	$(BIN)/python docs/house.py
 
+wheel: dist/built
+	$(BIN)/pytest -n 0 tests/wheel
+	@echo "The wheel is $(CURDIR)/$$(ls dist/*.whl)"
+
+# From the crates that the extension was built from: nothing is compiled twice.
+dist/built: $(VENV)/built $(PACKAGE) LICENSE README.md
+	rm -rf dist
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/maturin build --release --quiet --compatibility pypi --auditwheel check --out dist
+	touch $@
+
 clean:
-	rm -rf $(VENV) target report
+	rm -rf $(VENV) target report dist
 
 # The extension is built while the other packages are fetched: each takes a minute. It is built again only when Rust changes; the
 # Python package is used from where it lies.

@@ -30,7 +30,7 @@ what the text says of them; figures 1, 3 to 6, 12 and 13 are drawings.
 
 def main() -> None:
     write_whole(FACTORS, factors())
-    write_whole(HERE / "validation.md", VALIDATION + markdown(ff.reproduction.reproduce()))
+    write_whole(HERE / "reference" / "validation.md", VALIDATION + markdown(ff.reproduction.reproduce()))
     picture(HERE / "step-response.png")
 
 

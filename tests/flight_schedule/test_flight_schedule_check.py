@@ -226,7 +226,7 @@ def test_a_thousand_knots_are_one_design(loader: ff.Loader) -> None:
     count = 1000
     axis = ScheduleAxis("mach", "", tuple(np.linspace(0.2, 0.9, count)))
     stiffness = np.geomspace(0.05, 1, count) * loader["feel.maximum_stiffness"]
-    inertia = 5.0  # one, so that the test is fast; docs/schedule.md says what a thousand inertias take
+    inertia = 5.0  # one, so that the test is fast; docs/how-to/flight-schedule.md says what a thousand inertias take
     feel = np.column_stack([np.full(count, inertia), 0.6 * 2 * np.sqrt(stiffness * inertia), stiffness])
     schedule = design_schedule(loader, [axis], feel)
     alone = METHODS["robust"].design(loader, feel[[617]])

@@ -54,7 +54,7 @@ def test_published_gains_have_the_printed_digits(published, k):
 
 
 def test_published_gain_of_the_computer_is_one_unit_of_the_last_digit_off(published):
-    # 22.033 for the printed 22.02: C_i = 5.445, also printed as 5.45, would give it (docs/validation.md). A step less
+    # 22.033 for the printed 22.02: C_i = 5.445, also printed as 5.45, would give it (docs/reference/validation.md). A step less
     # gives 22.003, and -4.919 for the first gain, printed
     # -4.93; steps twice as long give 22.007, and 0.509 for the fifth, printed 0.506.
     third = gains_in(UnitSystem.US, published.gains)[2]

@@ -331,7 +331,7 @@ def test_values_that_follow_are_held_to_their_range_too(path: Path) -> None:
     ]
 
 
-DOCUMENTATION = Path(__file__).parents[2] / "docs" / "loader-file.md"
+DOCUMENTATION = Path(__file__).parents[2] / "docs" / "reference" / "loader-file.md"
 BLOCKS = re.findall(r"```toml\n(.+?)```", DOCUMENTATION.read_text(encoding="utf-8"), re.DOTALL)
 
 

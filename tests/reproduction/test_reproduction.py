@@ -10,7 +10,7 @@ from forcefeel.reproduction import markdown
 from forcefeel.reproduction.appendix import printed
 from forcefeel.reproduction.table import Reason, Verdict, agrees_to_digits, number
 
-VALIDATION = Path(__file__).parents[2] / "docs" / "validation.md"
+VALIDATION = Path(__file__).parents[2] / "docs" / "reference" / "validation.md"
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ This asks nothing of the hands, and it is what is computed.
 **Any law**, adaptive or not, is bound where it must be right for a hand that may hold any mass up to 2 e J / R_p^2: one motion must
 then pass as the release of I and as that of I + 2 e J. A law that may know more gets around this: from a sensor of the force at the
 grip, from a switch that says that no hand is there, or from knowing arms, which have a damper and a spring that a column alone has
-not. See docs/laws.md.
+not. See docs/concepts/no-law.md.
 
 **Not proved**: that no rendering of higher order does better. The bound is taken over I' = I + s e J, s of ``SHIFTS``, and
 B' = b B, b of ``DAMPINGS``, with G as programmed, which the static force asks for. Laws that pass where it says none can are

@@ -64,7 +64,7 @@ SEARCHED = 1e-7
 ROUNDING = 1e-14
 """Relative: a root. Measured: 0."""
 ENGINE = 5e-3
-"""Of a channel's largest value: 2e-5 of the column's full travel, see docs/simulation.md, in motions of a fortieth of it."""
+"""Of a channel's largest value: 2e-5 of the column's full travel, see docs/how-to/simulate.md, in motions of a fortieth of it."""
 
 
 @pytest.fixture

@@ -40,7 +40,7 @@ MOST_STEPS = _core.MOST_RECURSION_STEPS
 """Longest recursion: some two seconds of computing, and 200 s of horizon at the report's step."""
 
 PUBLISHED_HORIZON_S = 0.05
-"""Horizon that gives the published gains; see ``docs/validation.md``."""
+"""Horizon that gives the published gains; see ``docs/reference/validation.md``."""
 
 _MOTIONS = tuple(
     (DESIGN_STATES.index(f"{of}_position_{unit}"), DESIGN_STATES.index(f"{of}_velocity_{unit}_per_s"))

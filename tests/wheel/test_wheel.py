@@ -1,0 +1,84 @@
+"""The wheel of ``make wheel``: one for every Python from 3.11 on, and it runs where nothing else of the project is."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def wheel() -> Path:
+    found = sorted((ROOT / "dist").glob("*.whl"))
+    if not found and not int(os.environ.get("FORCEFEEL_REQUIRE_WHEEL", "0")):
+        pytest.skip("no wheel in dist/: make wheel builds it")
+    (only,) = found
+    return only
+
+
+def audited(tool: str, *words: str | Path) -> str:
+    said = subprocess.run([sys.executable, "-m", tool, *words], capture_output=True, text=True, check=False)
+    assert said.returncode == 0, said.stdout + said.stderr
+    return said.stdout + said.stderr
+
+
+def test_it_asks_for_nothing_but_the_stable_interface_of_python(wheel):
+    assert "-cp311-abi3-" in wheel.name
+    assert "0 ABI version mismatches and 0 ABI violations" in audited("abi3audit", "--strict", "--summary", wheel)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="auditwheel reads Linux wheels")
+def test_it_runs_on_every_linux_that_its_name_says(wheel):
+    words = " ".join(audited("auditwheel", "show", wheel).split())
+    tag = re.search(r'following platform tag: "(\w+)"', words)[1]
+    assert tag.startswith("manylinux_")
+    assert tag in wheel.stem.split("-")[-1].split(".")
+
+
+def test_it_holds_every_file_of_the_package(wheel):
+    package = ROOT / "python"
+    sources = {path for path in (package / "forcefeel").rglob("*") if path.is_file()}
+    wanted = {path.relative_to(package).as_posix() for path in sources if path.suffix not in {".pyc", ".so", ".pyd"}}
+    held = set(zipfile.ZipFile(wheel).namelist())
+    assert wanted - held == set()
+    assert not any(name.endswith(".pyc") for name in held)
+
+
+@pytest.fixture(scope="module")
+def clean(wheel, tmp_path_factory) -> Path:
+    """A new environment with the wheel, which sees the dependencies of the tests' own, but nothing of the project."""
+    folder = tmp_path_factory.mktemp("clean")
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True)
+    places = {"base": str(folder), "platbase": str(folder)}
+    packages = Path(sysconfig.get_path("purelib", "venv", places))
+    # A .pth of a folder that is added by a .pth is not read: an editable forcefeel stays out.
+    (packages / "dependencies.pth").write_text(sysconfig.get_path("purelib"), encoding="utf-8")
+    pip = [sys.executable, "-m", "pip", "--python", folder, "install", "--quiet", "--no-index", "--no-deps"]
+    subprocess.run([*pip, "--disable-pip-version-check", wheel], check=True)
+    return Path(sysconfig.get_path("scripts", "venv", places))
+
+
+def ran(clean: Path, *words: str, folder: Path) -> str:
+    alone = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    said = subprocess.run(
+        [clean / words[0], *words[1:]], cwd=folder, env=alone, capture_output=True, text=True, check=False
+    )
+    assert said.returncode == 0, said.stdout + said.stderr
+    return said.stdout.strip()
+
+
+def test_it_designs_the_built_in_loader(clean, wheel, tmp_path):
+    place = ran(clean, "python", "-c", "import forcefeel; print(forcefeel.__file__)", folder=tmp_path)
+    assert Path(place).is_relative_to(clean.parent)
+    ran(clean, "forcefeel", "design", "--out", "report", folder=tmp_path)
+    found = json.loads((tmp_path / "report" / "results.json").read_text(encoding="utf-8"))
+    assert found
+    assert (tmp_path / "report" / "report.html").stat().st_size > 100_000
+    assert wheel.name.split("-")[1] in ran(clean, "forcefeel", "--version", folder=tmp_path)
