@@ -165,6 +165,7 @@ def _restore(app: Sphinx, what: str, name: str, thing: object, given: object, li
 
 
 def setup(app: Sphinx) -> None:
+    app.setup_extension("sphinx.ext.autodoc")
     app.connect("autodoc-process-docstring", _keep, priority=400)
     app.connect("autodoc-process-docstring", _restore, priority=600)
     app.add_directive("commands", Commands)
