@@ -3,16 +3,18 @@
 # make lint     format and type checks
 # make bench    speed against the peers
 # make docs     validation table and the README's picture from the program itself
+# make site     the documentation as pages, in site/; PICTURES=0 where there is no Chromium
 # make wheel    one wheel for every Python from 3.11 on, checked and tried in a clean environment
 
 PYTHON ?= python3
+PICTURES ?= 1
 VENV := .venv
 BIN := $(VENV)/bin
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.toml' -o -name '*.txt')
 
-.PHONY: report test lint bench docs wheel clean
+.PHONY: report test lint bench docs site links wheel clean
 
 report: report/report.html
 	@echo "The report is $(CURDIR)/report/report.html"
@@ -48,6 +50,17 @@ docs: $(VENV)/built
 	$(BIN)/python docs/make.py
 	$(BIN)/python docs/house.py
 
+SPHINX = $(BIN)/python -m sphinx -W -n --keep-going --quiet
+
+site: $(VENV)/built
+	tests/browser/install
+	PICTURES=$(PICTURES) $(SPHINX) docs site
+	@echo "The site is $(CURDIR)/site/index.html"
+
+# Links to other people's pages, which a machine without a network cannot follow.
+links: $(VENV)/built
+	$(SPHINX) -b linkcheck -D manual_runs=0 docs site/links
+
 wheel: dist/built
 	$(BIN)/pytest -n 0 tests/wheel
 	@echo "The wheel is $(CURDIR)/$$(ls dist/*.whl)"
@@ -59,7 +72,7 @@ dist/built: $(VENV)/built $(PACKAGE) LICENSE README.md
 	touch $@
 
 clean:
-	rm -rf $(VENV) target report dist
+	rm -rf $(VENV) target report dist site
 
 # The extension is built while the other packages are fetched: each takes a minute. It is built again only when Rust changes; the
 # Python package is used from where it lies.

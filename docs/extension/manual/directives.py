@@ -42,24 +42,25 @@ class TerminalBlock(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         body = "\n".join(self.content)
         if not self.config.manual_runs:
-            return [self._literal("\n".join(f"$ {line}" for line in commands(body)))]
+            return [self._shown(line, "") for line in commands(body)]
         answers = terminal(self.env.docname).run(body)
         _must_show(self.options, answers, self.get_location())
-        return [self._literal("\n".join(self._shown(one) for one in answers))]
+        return [self._shown(one.command, self._cut(one.output)) for one in answers]
 
-    def _shown(self, answer: Answer) -> str:
-        lines = [line.rstrip() for line in answer.output.strip("\n").splitlines()]
+    def _cut(self, output: str) -> str:
+        lines = [line.rstrip() for line in output.strip("\n").splitlines()]
         if "lines" in self.options:
             low, high = (int(one) if one else None for one in self.options["lines"].split("-"))
             first, last = (low or 1) - 1, high or len(lines)
             lines = ["..."] * (first > 0) + lines[first:last] + ["..."] * (last < len(lines))
-        return "\n".join([f"$ {answer.command}", *lines])
+        return "\n".join(lines)
 
-    def _literal(self, text: str) -> nodes.Node:
-        block = nodes.literal_block(text, text, language="console", classes=["terminal"])
-        block["force_highlighting"] = True
-        self.set_source_info(block)
-        return block
+    def _shown(self, command: str, output: str) -> nodes.Node:
+        typed = f"$ {command}".replace("\n", "\n> ")
+        shown = nodes.container("", nodes.literal_block(typed, typed, language="console"), classes=["terminal"])
+        if output:
+            shown += nodes.literal_block(output, output, language="text", classes=["output"])
+        return shown
 
 
 def _must_show(given: dict[str, Any], answers: list[Answer], where: str) -> None:

@@ -39,7 +39,8 @@ def drawn(latex: str) -> str:
         f"width:{float(width) * em:.3f}em;height:{float(height) * em:.3f}em;vertical-align:{-depth * em / 1.0:.3f}em"
     )
     told = latex.replace("&", "&amp;").replace('"', "&quot;").replace("<", "&lt;")
-    return f'<svg class="equation" role="img" aria-label="{told}" style="{style}" viewBox="{box}" fill="currentColor">{paths}'
+    head = f'<svg class="equation" role="img" aria-label="{told}" style="{style}" viewBox="{box}" fill="currentColor">'
+    return head + paths.strip()
 
 
 def inline(self, node: nodes.math) -> None:

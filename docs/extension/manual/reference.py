@@ -86,14 +86,17 @@ def _table(rows: list[tuple[str, ...]]) -> nodes.table:
     widths = (18, 8, 38, 22, 14)
     group = nodes.tgroup(cols=len(widths))
     group += [nodes.colspec(colwidth=width) for width in widths]
-    lines = [nodes.row("", *(_entry(k, cell) for k, cell in enumerate(row))) for row in rows]
+    lines = [
+        nodes.row("", *(_entry(cell, literal=n > 0 and k == 0) for k, cell in enumerate(row)))
+        for n, row in enumerate(rows)
+    ]
     head, body = nodes.thead("", lines[0]), nodes.tbody("", *lines[1:])
     group += [head, body]
     return nodes.table("", group, classes=["parameters"])
 
 
-def _entry(column: int, cell: str) -> nodes.entry:
-    text = nodes.literal("", cell) if column == 0 else nodes.Text(cell)
+def _entry(cell: str, *, literal: bool) -> nodes.entry:
+    text = nodes.literal("", cell) if literal else nodes.Text(cell)
     return nodes.entry("", nodes.paragraph("", "", text))
 
 
@@ -146,7 +149,25 @@ class PublicPython(SphinxDirective):
         return [f".. autodata:: {module}.{name}", "   :no-value:", ""]
 
 
+_AS_WRITTEN: dict[str, list[str]] = {}
+"""Docstrings of properties, which napoleon would cut at their first colon."""
+
+
+def _keep(app: Sphinx, what: str, name: str, thing: object, given: object, lines: list[str]) -> None:
+    if what in {"property", "attribute"}:
+        _AS_WRITTEN[name] = list(lines)
+
+
+def _restore(app: Sphinx, what: str, name: str, thing: object, given: object, lines: list[str]) -> None:
+    written = _AS_WRITTEN.pop(name, [])
+    if written and not any(re.fullmatch(r"(Raises|Returns|Args):", line) for line in written):
+        lines[:] = written
+
+
 def setup(app: Sphinx) -> None:
+    app.setup_extension("sphinx.ext.autodoc")
+    app.connect("autodoc-process-docstring", _keep, priority=400)
+    app.connect("autodoc-process-docstring", _restore, priority=600)
     app.add_directive("commands", Commands)
     app.add_directive("parameters", Parameters)
     app.add_directive("public-python", PublicPython)

@@ -87,16 +87,25 @@ class Terminal:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def run(self, body: str) -> list[Answer]:
-        """Types the lines of a block.
+    def run(self, body: str, *, fresh: bool = False) -> list[Answer]:
+        """Types the lines of a block, each where the folders without a name of those before are gone if it is ``fresh``.
 
         Raises:
             ValueError: If a command is not of a kind that is known here, or its input is bad.
         """
-        return [self._typed(line) for line in commands(body)]
+        answers = []
+        for line in commands(body):
+            if fresh:
+                self._tidy()
+            answers.append(self._typed(line))
+        return answers
+
+    def _tidy(self) -> None:
+        for folder in self.folder.glob("forcefeel-*"):
+            shutil.rmtree(folder)
 
     def _typed(self, line: str) -> Answer:
-        program, *words = shlex.split(line, comments=True)
+        program, *words = shlex.split(line.replace("\\\n", " "), comments=True)
         if any(word.startswith(f"{EXAMPLES}/") for word in words) and not (self.folder / EXAMPLES).exists():
             shutil.copytree(PROJECT / EXAMPLES, self.folder / EXAMPLES)
         if program in INSTALLS:
@@ -124,9 +133,9 @@ class Terminal:
 
 
 def commands(body: str) -> Iterator[str]:
-    """The commands of a block: lines without those that are empty or a comment, each with its continuations."""
-    for line in re.sub(r"\\\n\s*", "", body).splitlines():
-        if line.strip() and not line.lstrip().startswith("#"):
+    """The commands of a block as they are typed: without lines that are empty or a comment, each with its continuations."""
+    for line in re.findall(r"(?:[^\n]*\\\n)*[^\n]+", body):
+        if not line.lstrip().startswith("#"):
             yield line.strip()
 
 
