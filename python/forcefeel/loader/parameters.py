@@ -81,9 +81,9 @@ def with_unit(row: Parameter, value: float, system: UnitSystem, digits: int = DI
     return f"{unit(row).from_si(value, system):.{digits}g} {unit(row).shown(system)}".strip()
 
 
-def value_text(row: Parameter, value: float) -> str:
+def value_text(row: Parameter, value: float, digits: int = DIGITS) -> str:
     """A SI value as a message shows it."""
-    return with_unit(row, value, UnitSystem.US)
+    return with_unit(row, value, UnitSystem.US, digits)
 
 
 def without(row: Parameter, how: str = "leave the row out") -> str:
