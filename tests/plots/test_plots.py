@@ -11,7 +11,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.bench.identification.result import Estimate, Identification, Status
 from forcefeel.bench.identification.unknowns import Unknown
-from forcefeel.envelope.kinds import COLORS, kinds
+from forcefeel.envelope.result import COLORS
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -100,7 +100,7 @@ def test_bode_on_axes_that_are_given_and_what_is_refused():
 def test_an_envelope_draws_the_map_nearest_to_the_damping(envelope):
     ax = envelope.plot("original", damping=0.6, worst=False)
     drawn = np.asarray(ax.collections[0].get_array()).reshape(4, 5)
-    np.testing.assert_array_equal(drawn, kinds(envelope, "original", worst=False)[1])
+    np.testing.assert_array_equal(drawn, envelope.kinds("original", worst=False)[1])
     assert set(legend(ax)) == {list(COLORS)[k] for k in np.unique(drawn)} | {"the loader's own setting"}
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("Stiffness, % of $G_{max}$", "Natural frequency, Hz")
     with pytest.raises(ff.InputError, match=r"^compensator: expected one of original, converged, got 'best'$"):

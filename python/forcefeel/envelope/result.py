@@ -37,6 +37,23 @@ class Failure(StrEnum):
     REST = "rest, or none reached"
 
 
+EVERY, NOMINAL = "passes in every case", "passes nominally only"
+
+COLORS = {
+    EVERY: "#009E73",
+    NOMINAL: "#A9E3CC",
+    Failure.FIRST_CROSSING: "#0072B2",
+    Failure.CYCLES: "#74C1EE",
+    Failure.OVERSHOOTS: "#E69F00",
+    Failure.COUNT: "#F6E65A",
+    Failure.FALL: "#CC79A7",
+    Failure.REST: "#9AA3AD",
+    Failure.UNSTABLE: "#2B2B2B",
+}
+"""What becomes of a setting, and its colour on every map: Okabe and Ito's hues, which the colour-blind can tell apart; light and
+dark differ too, for print without colour."""
+
+
 def failure_of(outcome: str) -> Failure | None:
     """The kind of failure of an outcome; ``None`` for one that passes."""
     if outcome == PASSES:
@@ -214,7 +231,6 @@ class Envelope:
             >>> found.plot(damping=0.7).get_ylabel()
             'Natural frequency, Hz'
         """
-        from forcefeel.envelope.kinds import COLORS, kinds  # noqa: PLC0415  of this result
         from forcefeel.plots.draw import cells  # noqa: PLC0415  Matplotlib, for whoever plots
 
         name = self.compensators[-1] if compensator is None else compensator
@@ -226,7 +242,7 @@ class Envelope:
         wanted = friction / (2 * inertia * frequency) if damping is None else damping
         row = int(np.argmin(np.abs(np.array(settings.damping) - wanted)))
         return cells(
-            kinds(self, name, worst=worst)[row],
+            self.kinds(name, worst=worst)[row],
             COLORS,
             100 * np.array(settings.stiffness),
             HERTZ.from_si(1.0, units) * np.array(settings.frequency),
@@ -329,6 +345,15 @@ class Envelope:
         else:
             one = found[0]
         return np.asarray(one.astype(np.int8).reshape(self.plan.settings.shape))
+
+    def kinds(self, compensator: str, *, worst: bool) -> NDArray[np.int8]:
+        """What becomes of each setting (damping, frequency, stiffness): places in ``COLORS``."""
+        order = list(COLORS)
+        table = np.array([order.index(kind) for kind in Failure], dtype=np.int8)
+        failing = self.failures(compensator, worst=worst)
+        every = self.passes(compensator).all(axis=0).reshape(failing.shape)
+        passing = np.where(every, order.index(EVERY), order.index(NOMINAL)).astype(np.int8)
+        return np.asarray(np.where(failing < 0, passing, table[failing]))
 
     def failure_shares(self, compensator: str, *, worst: bool = False) -> dict[Failure, float]:
         """Share of all settings that fail for each reason."""

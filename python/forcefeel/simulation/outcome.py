@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from enum import StrEnum
 from html import escape
+from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -128,9 +129,9 @@ class Run:
 
     def _repr_html_(self) -> str:
         from forcefeel.plots.draw import image, small_axes  # noqa: PLC0415  Matplotlib, for whoever looks
-        from forcefeel.simulation.findings import run_conclusions  # noqa: PLC0415  of this result
 
-        verdict = escape(run_conclusions(self, UnitSystem.SI).verdict)
+        overshoot = f", overshoot {self.measures.overshoot:.0%}" if isfinite(self.measures.overshoot) else ""
+        verdict = f"{self.note}{overshoot}"
         return f"<p><b>{escape(self.loader.name)}</b>: {verdict}</p>{image(self.plot(ax=small_axes()), verdict)}"
 
     def plot(self, *outputs: str, units: UnitSystem = UnitSystem.SI, ax: "Axes | None" = None) -> "Axes":
@@ -177,10 +178,21 @@ class Run:
 
     def _angles(self) -> dict[str, NDArray[np.float64]]:
         """The column's angle, and that which the feel programs."""
-        from forcefeel.simulation.limits_met import feel_position, per_feel_angle  # noqa: PLC0415  of this result
-
         programmed = self.history[feel_position(self)].to_numpy() / per_feel_angle(self)
         return {"column_angle_rad": self.history["column_angle_rad"].to_numpy(), "programmed_angle_rad": programmed}
+
+
+def feel_position(run: Run) -> str:
+    """Name of the programmed displacement in the history; its unit is that of the law."""
+    return next(str(name) for name in run.history.data_vars if str(name).startswith("feel_position"))
+
+
+def per_feel_angle(run: Run) -> float:
+    """Programmed displacement, in its unit, per column angle: 1, or K_3 alpha R_b where it is a voltage."""
+    if feel_position(run).endswith("_rad"):
+        return 1.0
+    loader = run.loader
+    return loader["potentiometer.gain"] * loader["linkage.ratio"] * loader["column.base_arm"]
 
 
 _SHOWN = {unit.si: unit for unit in (ANGLE, LENGTH, CURRENT, PRESSURE, FLOW, FORCE)}

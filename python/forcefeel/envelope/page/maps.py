@@ -10,8 +10,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from forcefeel.envelope.kinds import COLORS, kinds
-from forcefeel.envelope.result import Envelope
+from forcefeel.envelope.result import COLORS, Envelope
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.page.typography import number_text
 from forcefeel.units import HERTZ, UnitSystem
@@ -57,7 +56,7 @@ def rows(found: Envelope, *, worst: bool) -> tuple[Row, ...]:
     """
     damping = found.plan.settings.damping
     shown = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_ROWS, len(damping))).round().astype(int))
-    maps = {name: kinds(found, name, worst=worst) for name in found.compensators}
+    maps = {name: found.kinds(name, worst=worst) for name in found.compensators}
     own = _own(found)
     return tuple(
         Row(
@@ -77,7 +76,7 @@ def legend(found: Envelope) -> tuple[tuple[str, str], ...]:
         int(kind)
         for name in found.compensators
         for worst in (False, True)
-        for kind in np.unique(kinds(found, name, worst=worst))
+        for kind in np.unique(found.kinds(name, worst=worst))
     }
     return tuple((str(name), COLORS[name]) for place, name in enumerate(order) if place in seen)
 
