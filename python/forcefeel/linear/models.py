@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.errors import InputError
-from forcefeel.loader.loader import Loader
+from forcefeel.errors import InputError, expect
+from forcefeel.loader.loader import Loader, check_loader
 
 INPUTS = ("pilot_force_n", "test_signal_v")
 """Inputs of the loader models: pilot force F_p, test signal e_T at the amplifier."""
@@ -87,6 +87,11 @@ def compliant_model(loader: Loader, compensator: Compensator | None = None) -> c
 
 def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linkage) -> control.StateSpace:
     """``rigid_model`` or ``compliant_model``, as ``linkage`` says."""
+    check_loader(loader)
+    if compensator is not None:
+        expect(
+            "compensator", compensator, Compensator, "an analog law, as compensate(loader).compensator(loader) gives it"
+        )
     law = compensator or Compensator.original(loader.values)
     unit = law.displacement_unit.lower()
     feel = [f"feel_position_{unit}", f"feel_velocity_{unit}_per_s"]
@@ -156,6 +161,7 @@ def design_plant(loader: Loader, pilot_arm_m: float | None = None) -> control.St
         pilot_arm_m: Torque that the feel computer sees per newton of pilot force. Not given, it is the pilot's lever
             arm R_p: what the load cell reports at rest, eq. (6).
     """
+    check_loader(loader)
     arm = loader["column.grip_arm"] if pilot_arm_m is None else pilot_arm_m
     matrices = _core.design_plant(loader.values, arm)
     return _state_space(f"{loader.name} design plant", matrices, DESIGN_STATES, ("amplifier_input_v",), ("error_rad",))
@@ -163,6 +169,7 @@ def design_plant(loader: Loader, pilot_arm_m: float | None = None) -> control.St
 
 def ideal_feel(loader: Loader) -> control.StateSpace:
     """The programmed feel, eq. (11), driven by the pilot's torque: from pilot force to column angle."""
+    check_loader(loader)
     states = ("column_angle_rad", "column_velocity_rad_per_s")
     return _state_space(f"{loader.name} ideal feel", _core.ideal_feel(loader.values), states, INPUTS[:1], OUTPUTS[:1])
 

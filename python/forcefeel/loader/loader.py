@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect, expect_number
 from forcefeel.json_values import Json, quantity
 from forcefeel.loader import tolerance_text
 from forcefeel.loader.contents import Contents, misfits
@@ -78,7 +78,12 @@ class Loader:
     tolerances: Mapping[str, Tolerance] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        values = np.array(self.values, dtype=np.float64)
+        expect("name", self.name, str, "text")
+        expect("source", self.source, str, "text")
+        try:
+            values = np.array(self.values, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"values: expected {len(TABLE)} numbers, one per parameter ({error})") from error
         if values.shape != (len(TABLE),):
             raise InputError(f"values: expected {len(TABLE)}, one per parameter, got shape {values.shape}")
         for key, value in zip(TABLE, values.tolist(), strict=True):
@@ -226,6 +231,7 @@ class Loader:
         Example:
             ``loader.replace({"linkage.stiffness": "7000 lb/in", "valve.orifice": True, "feel.breakout": None})``
         """
+        expect("changes", changes, Mapping, 'values by part.name such as {"linkage.stiffness": "7000 lb/in"}')
         values = self.values.copy()
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
@@ -248,6 +254,7 @@ class Loader:
         Example:
             ``loader.with_tolerances({"linkage.stiffness": "10 %", "column.coulomb_friction": {"uniform": ["1 lb", "5 lb"]}})``
         """
+        expect("changes", changes, Mapping, 'tolerances by part.name such as {"linkage.stiffness": "10 %"}')
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
             position = _position(key)
@@ -266,6 +273,7 @@ class Loader:
 
         Unlike ``replace`` this does not check the range, for settings beyond what one would build.
         """
+        expect_number("scale", scale)
         values, tolerances = self.values.copy(), dict(self.tolerances)
         for key in (*FEEL_SETTING, "pilot.force"):
             values[INDEX[key]] *= scale
@@ -339,6 +347,7 @@ def load(path: str | Path) -> Loader:
     """
     from forcefeel.loader.file import read  # noqa: PLC0415  pydantic, which a built-in loader does not need
 
+    expect("path", path, (str, Path), "the path of a loader file")
     found = read(Path(path))
     values = np.array([found.values[key] for key in TABLE])
     return Loader(found.name, found.source, values, **found.curves, tolerances=found.tolerances)
@@ -380,6 +389,15 @@ def _about(key: str, tolerance: Tolerance, value: float) -> Tolerance | None:
     if tolerance.nominal is not None and (value == 0 or nothing(TABLE[key], value)):
         return None
     return tolerance.about(value)
+
+
+def check_loader(given: object) -> None:
+    """Refuses what is no loader.
+
+    Raises:
+        InputError: If so.
+    """
+    expect("loader", given, Loader, "a Loader, as elevator() makes it or load(path) reads it")
 
 
 def _position(key: str) -> int:

@@ -108,6 +108,8 @@ def main_rows(part: str) -> dict[str, Parameter]:
 
 def did_you_mean(key: str) -> str:
     """What may have been meant by ``part.name`` that is no row."""
+    if not isinstance(key, str):
+        return "name it as text, part.name"
     if key in ALTERNATIVES:
         return f"a loader file may state it; a loader holds {' and '.join(ALTERNATIVES[key].instead_of)} instead"
     if close := [known for known in TABLE if known.endswith(f".{key}")] or get_close_matches(key, TABLE, n=1):
