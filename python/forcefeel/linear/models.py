@@ -151,20 +151,36 @@ def overall_open_loop(loader: Loader, linkage: Linkage, compensator: Compensator
     return _state_space(name, (opened.A, b, c, np.zeros((1, 1))), opened.state_labels, *signals)
 
 
-def design_plant(loader: Loader, pilot_arm_m: float | None = None) -> control.StateSpace:
+def design_plant(loader: Loader, pilot_arm_m: float | None = None, *, pilot_state: bool = True) -> control.StateSpace:
     """The plant for the design of the compensation, eq. (19): states ``DESIGN_STATES``, input e, output delta - theta.
 
-    Valve dynamics are neglected, the load-cell loop is open and the pilot force is a constant state.
+    Valve dynamics are neglected, the load-cell loop is open and the pilot force F_p is a constant state. No command moves such a
+    state, so the plant is not stabilizable and ``control.lqr`` refuses it; recursion (22) over a horizon, ``compensate``, does not.
+    Without that state it is, and the six gains are those on the other states.
 
     Args:
         loader: The loader.
         pilot_arm_m: Torque that the feel computer sees per newton of pilot force. Not given, it is the pilot's lever
             arm R_p: what the load cell reports at rest, eq. (6).
+        pilot_state: Whether F_p is a state; without it there are the first six of ``DESIGN_STATES``.
+
+    Raises:
+        InputError: If ``loader`` is no loader.
+
+    Example:
+        >>> import control, forcefeel as ff
+        >>> plant = ff.linear.design_plant(ff.elevator(), pilot_state=False)
+        >>> gains, _, poles = control.lqr(plant, 1e4 * plant.C.T @ plant.C, 1.0)
+        >>> gains.shape, bool(max(poles.real) < 0)
+        ((1, 6), True)
     """
     check_loader(loader)
     arm = loader["column.grip_arm"] if pilot_arm_m is None else pilot_arm_m
-    matrices = _core.design_plant(loader.values, arm)
-    return _state_space(f"{loader.name} design plant", matrices, DESIGN_STATES, ("amplifier_input_v",), ("error_rad",))
+    a, b, c, d = _core.design_plant(loader.values, arm)
+    states = DESIGN_STATES if pilot_state else DESIGN_STATES[:-1]
+    kept = len(states)
+    matrices = (a[:kept, :kept], b[:kept], c[:, :kept], d)
+    return _state_space(f"{loader.name} design plant", matrices, states, ("amplifier_input_v",), ("error_rad",))
 
 
 def ideal_feel(loader: Loader) -> control.StateSpace:
