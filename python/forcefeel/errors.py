@@ -1,5 +1,7 @@
 """What can be wrong with what a user hands over."""
 
+from numbers import Integral, Real
+
 MOST_LINES = 20
 """Lines that a message shows; of more, how many there are."""
 
@@ -23,3 +25,44 @@ class InputError(ValueError):
 def shortened(text: str, longest: int) -> str:
     """The text; of one that is longer than so many characters, its beginning."""
     return text if len(text) <= longest else f"{text[: longest - 4]} ..."
+
+
+def expect(name: str, given: object, kind: type | tuple[type, ...], what: str) -> None:
+    """Refuses an argument of another type.
+
+    Args:
+        name: The argument.
+        given: What came.
+        kind: What it may be.
+        what: The same in words, with an example.
+
+    Raises:
+        InputError: If it is something else.
+    """
+    if not isinstance(given, kind):
+        raise InputError(f"{name}: expected {what}, got {type_text(given)}")
+
+
+def expect_number(name: str, given: object, *, whole: bool = False) -> None:
+    """Refuses an argument that is no real number, or no whole one.
+
+    Raises:
+        InputError: If so.
+    """
+    if isinstance(given, bool) or not isinstance(given, Integral if whole else Real):
+        raise InputError(f"{name}: expected a {'whole ' if whole else ''}number, got {type_text(given)}")
+
+
+def type_text(given: object) -> str:
+    """What came, by its type; numbers and short texts as they are."""
+    match given:
+        case None | bool() | int() | float():
+            return shortened(repr(given), _LONGEST_GIVEN)
+        case str():
+            return f"the text {shortened(given, _LONGEST_GIVEN)!r}"
+        case type():
+            return f"the class {given.__name__} itself"
+    return f"a value of type {type(given).__name__}"
+
+
+_LONGEST_GIVEN = 60

@@ -20,7 +20,7 @@ from importlib import resources
 from numbers import Real
 from typing import TYPE_CHECKING
 
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect
 
 if TYPE_CHECKING:
     import pint
@@ -91,7 +91,12 @@ class Unit:
     suffix: str = ""
 
     def shown(self, system: UnitSystem) -> str:
-        """The unit that people read in ``system``."""
+        """The unit that people read in ``system``.
+
+        Raises:
+            InputError: If that is no ``UnitSystem``.
+        """
+        expect("units", system, UnitSystem, "UnitSystem.SI or UnitSystem.US")
         return self.metric if system is UnitSystem.SI else self.us
 
     def from_si(self, value: float, system: UnitSystem) -> float:

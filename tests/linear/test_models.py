@@ -1,5 +1,6 @@
 """The models against the printed matrices and against the equations written out by hand."""
 
+import control
 import numpy as np
 import pytest
 
@@ -11,6 +12,7 @@ from forcefeel.reproduction import printed_matrices as printed
 from tests import witness
 
 ROUNDING = 1e-13
+RICCATI = 1e-7  # relative; states in SI units differ by ten powers of ten, and SciPy does not balance them
 SOLVED = 1e-11  # relative; two linear solves of as many as eight equations
 """Entries are the same formula in another order of multiplication, some after a conversion of units."""
 
@@ -140,3 +142,23 @@ def test_servo_leaves_out_only_the_feel_computer(loader):
 def test_wrong_number_of_gains_is_refused(loader):
     with pytest.raises(ff.InputError, match="expected six or seven finite numbers, got"):
         ff.linear.state_feedback(loader, np.ones(5))
+
+
+def test_lqr_takes_the_design_plant_without_the_pilots_force():
+    """Riccati's equation and the poles; with the constant force as a state there is no such regulator."""
+    loader = ff.elevator()
+    plant = ff.linear.design_plant(loader, pilot_state=False)
+    assert plant.state_labels == list(DESIGN_STATES[:-1])
+    q = 1e4 * plant.C.T @ plant.C
+    gains, solution, poles = control.lqr(plant, q, 1.0)
+    residual = plant.A.T @ solution + solution @ plant.A - solution @ plant.B @ plant.B.T @ solution + q
+    size = np.abs(plant.A.T) @ np.abs(solution)
+    assert np.all(np.abs(residual) <= RICCATI * np.maximum(size + size.T, np.max(np.abs(q))))
+    np.testing.assert_allclose(
+        np.sort(np.linalg.eigvals(plant.A - plant.B @ gains).real), np.sort(poles.real), rtol=RICCATI
+    )
+    assert max(poles.real) < 0
+    whole = ff.linear.design_plant(loader)
+    np.testing.assert_array_equal(whole.A[:6, :6], plant.A)
+    np.testing.assert_array_equal(whole.A[6], 0.0)  # nothing moves F_p
+    np.testing.assert_array_equal(whole.B[6], 0.0)

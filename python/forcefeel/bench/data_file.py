@@ -7,7 +7,7 @@ from forcefeel.bench import record_file, response_file
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.records import BenchRecord, Hold
 from forcefeel.bench.responses import Response
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect
 from forcefeel.tables.header import columns_called
 from forcefeel.tables.table_file import open_table
 from forcefeel.units import show
@@ -31,6 +31,9 @@ def read_bench_data(
     Raises:
         InputError: As these two, and if the file has neither column or both.
     """
+    expect("path", path, (str, Path), "the path of a file with a frequency response or a record")
+    for argument, texts in (("columns", columns), ("units", units)):
+        expect(argument, texts or {}, Mapping, "texts by channel")
     table = open_table(path, response_file.EXAMPLE)
     own = columns or {}
     is_response, is_record = (bool(columns_called(table, own.get(name, name))) for name in ("frequency", "time"))

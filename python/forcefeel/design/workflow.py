@@ -12,7 +12,7 @@ from forcefeel.linear.boundary import StabilityBoundary, smallest_stable_stiffne
 from forcefeel.linear.frequency import Margins, Peak, margins, resonance
 from forcefeel.linear.models import Linkage, loader_model, overall_open_loop, servo
 from forcefeel.linear.modes import Mode, least_damped, modes
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.units import HERTZ, RATIO
 
 LOW_SHARE = 0.1
@@ -139,6 +139,7 @@ class Design(Analysis):
 
 def analyze(loader: Loader) -> Analysis:
     """Analyses the original system: servo, loops, stability and response, with rigid and with compliant link."""
+    check_loader(loader)
     low = loader.scale_feel(LOW_SHARE)
     frequency, damping_ratio = feel_frequency(loader.values)
     return Analysis(
@@ -161,6 +162,7 @@ def design_loader(
         settings: How the gains that close the loop are computed; the published horizon if not given.
         progress: Called with each of ``STEPS`` as it begins.
     """
+    check_loader(loader)
     progress(STEPS[0])
     published, converged = compensate(loader), compensate(loader, DesignSettings())
     chosen = published if settings is None else compensate(loader, settings)

@@ -11,9 +11,9 @@ from forcefeel.envelope.deviations import Deviation, chosen_deviations
 from forcefeel.envelope.draws import NO_DRAWS, Draws
 from forcefeel.envelope.machines import feel_json
 from forcefeel.envelope.settings import Settings
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect
 from forcefeel.laws.law import NAMED_LAWS, LawLike, check_given, named
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification import DEFAULT_EDITION, Rules, load_rules
 from forcefeel.qualification.rules import Test
 from forcefeel.qualification.throw import Throw
@@ -125,9 +125,11 @@ def make_plan(
     Raises:
         InputError: If one of them is bad.
     """
-    if isinstance(compensators, str):
+    check_loader(loader)
+    if isinstance(compensators, str) or not isinstance(compensators, Sequence | Mapping):
         raise InputError(f"compensators: expected a list of names or laws by name, got {show(compensators)}")
     chosen = dict(compensators) if isinstance(compensators, Mapping) else named(tuple(compensators), loader)
     for name, law in chosen.items():
         check_given(law, f"compensators: {name}")
+    expect("grid", grid or {}, Mapping, 'values by axis such as {"stiffness": "1..100 %:40:log"}')
     return Plan(loader, chosen, Settings.of(grid or {}), **options)  # type: ignore[arg-type]

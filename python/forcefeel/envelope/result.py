@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import xarray as xr
@@ -14,8 +14,12 @@ from forcefeel.envelope.cases import Case, Kind
 from forcefeel.envelope.passivity import Passivity
 from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
-from forcefeel.units import HERTZ, INERTIA, PERCENT, ROTARY_STIFFNESS
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.units import HERTZ, INERTIA, PERCENT, ROTARY_STIFFNESS, UnitSystem, show, to_text
 from forcefeel.wilson import wilson_interval
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 PASSES, UNSTABLE = "passes", "unstable"
 """Outcomes beside the figure that fails first."""
@@ -31,6 +35,23 @@ class Failure(StrEnum):
     OVERSHOOTS = "size of overshoots"
     COUNT = "number of overshoots"
     REST = "rest, or none reached"
+
+
+EVERY, NOMINAL = "passes in every case", "passes nominally only"
+
+COLORS = {
+    EVERY: "#009E73",
+    NOMINAL: "#A9E3CC",
+    Failure.FIRST_CROSSING: "#0072B2",
+    Failure.CYCLES: "#74C1EE",
+    Failure.OVERSHOOTS: "#E69F00",
+    Failure.COUNT: "#F6E65A",
+    Failure.FALL: "#CC79A7",
+    Failure.REST: "#9AA3AD",
+    Failure.UNSTABLE: "#2B2B2B",
+}
+"""What becomes of a setting, and its colour on every map: Okabe and Ito's hues, which the colour-blind can tell apart; light and
+dark differ too, for print without colour."""
 
 
 def failure_of(outcome: str) -> Failure | None:
@@ -172,6 +193,68 @@ class Envelope:
     outcomes: tuple[str, ...]
     passivity: Mapping[str, Passivity]
 
+    def __repr__(self) -> str:
+        found = map(self.shares, self.compensators)
+        each = "; ".join(
+            f"{it.compensator} passes at {it.passes:.1%}, in every case at {it.passes_worst:.1%}" for it in found
+        )
+        return f"<Envelope of {self.plan.given.name!r}, {self.plan.settings.count:,} settings: {each}>"
+
+    def plot(
+        self,
+        compensator: str | None = None,
+        *,
+        damping: float | None = None,
+        worst: bool = True,
+        units: UnitSystem = UnitSystem.SI,
+        ax: "Axes | None" = None,
+    ) -> "Axes":
+        """Draws the map of what passes, and of what fails first where it does not, over stiffness and natural frequency.
+
+        Args:
+            compensator: Which law; the last if not given.
+            damping: The map of the damping ratio nearest to this; the loader's own if not given.
+            worst: Coloured by what fails in the first case that fails, in place of what fails nominally.
+            units: Units of the labels.
+            ax: Matplotlib axes to draw on; of a figure of its own if not given.
+
+        Returns:
+            The axes.
+
+        Raises:
+            InputError: If the envelope has no such law.
+
+        Example:
+            >>> import forcefeel as ff
+            >>> grid = {"stiffness": "5..100 %:4:log", "frequency": "1..4 Hz:3", "damping": "0.3, 0.7"}
+            >>> found = ff.find_envelope(ff.elevator(), ["converged"], grid)
+            >>> found.plot(damping=0.7).get_ylabel()
+            'Natural frequency, Hz'
+        """
+        from forcefeel.plots.draw import cells  # noqa: PLC0415  Matplotlib, for whoever plots
+
+        name = self.compensators[-1] if compensator is None else compensator
+        if name not in self.compensators:
+            raise InputError(f"compensator: expected one of {', '.join(self.compensators)}, got {show(name)}")
+        settings, loader = self.plan.settings, self.plan.given
+        inertia, friction, stiffness = (loader[key] for key in FEEL_SETTING)
+        frequency = (stiffness / inertia) ** 0.5
+        wanted = friction / (2 * inertia * frequency) if damping is None else damping
+        row = int(np.argmin(np.abs(np.array(settings.damping) - wanted)))
+        return cells(
+            self.kinds(name, worst=worst)[row],
+            COLORS,
+            100 * np.array(settings.stiffness),
+            HERTZ.from_si(1.0, units) * np.array(settings.frequency),
+            labels=(
+                "Stiffness, % of $G_{max}$",
+                f"Natural frequency, {HERTZ.shown(units)}",
+                f"{loader.name}, {name}: damping ratio {to_text(settings.damping[row], 3)}, {'every case' if worst else 'nominal'}",
+            ),
+            own=(100 * stiffness / loader["feel.maximum_stiffness"], HERTZ.from_si(frequency, units)),
+            ax=ax,
+        )
+
     @cached_property
     def _codes(self) -> NDArray[np.int8]:
         """Outcomes (compensator, case, settings)."""
@@ -262,6 +345,15 @@ class Envelope:
         else:
             one = found[0]
         return np.asarray(one.astype(np.int8).reshape(self.plan.settings.shape))
+
+    def kinds(self, compensator: str, *, worst: bool) -> NDArray[np.int8]:
+        """What becomes of each setting (damping, frequency, stiffness): places in ``COLORS``."""
+        order = list(COLORS)
+        table = np.array([order.index(kind) for kind in Failure], dtype=np.int8)
+        failing = self.failures(compensator, worst=worst)
+        every = self.passes(compensator).all(axis=0).reshape(failing.shape)
+        passing = np.where(every, order.index(EVERY), order.index(NOMINAL)).astype(np.int8)
+        return np.asarray(np.where(failing < 0, passing, table[failing]))
 
     def failure_shares(self, compensator: str, *, worst: bool = False) -> dict[Failure, float]:
         """Share of all settings that fail for each reason."""

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from math import isclose
 
 from forcefeel.envelope.plan import Plan, make_plan
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect
 from forcefeel.frontier.bound import ERRORS, inertia_bound
 from forcefeel.frontier.friction import smallest_friction
 from forcefeel.frontier.hardware import hardware, hardware_releases
@@ -13,7 +13,7 @@ from forcefeel.frontier.rungs import FACTORS, Rungs, climb, rung_releases
 from forcefeel.frontier.tightening import INERTIA, tightening
 from forcefeel.frontier.valve_limits import valve_limits
 from forcefeel.laws.law_file import LAW_FILE
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_loader
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, the releases that are done and all there are."""
@@ -63,6 +63,9 @@ def frontier_plan(
     **options: object,
 ) -> Plan:
     """The envelope that a frontier is about; arguments as ``find_frontier``."""
+    check_loader(loader)
+    expect("compensator", compensator or "", str, "the name of a law, such as robust")
+    expect("grid", grid or {}, Mapping, 'values by axis such as {"stiffness": "1..100 %:40:log"}')
     name = compensator or ("robust" if loader["controller.period"] else "published")
     if name.endswith(LAW_FILE):
         raise InputError(

@@ -23,7 +23,7 @@ from forcefeel.laws.sampled.methods import METHODS, Method
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.linear.models import state_feedback
 from forcefeel.loader.feel_settings import own_feel
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.units import show
 
 NAMED_LAWS = (*NAMED_DESIGNS, *METHODS)
@@ -81,6 +81,7 @@ class Law:
                 controller or for other settings.
         """
         check_given(given)
+        check_loader(loader)
         if isinstance(given, Law):
             given.check(loader)
             return given if feel is None else given.at(feel)
@@ -215,6 +216,10 @@ LawLike = Law | str | Path | DesignSettings | Method | Compensator | SampledComp
 """What ``Law.of`` makes a law of."""
 
 
+_GAINS_OF_SETTINGS = 2
+"""Dimensions: settings or runs, gains."""
+
+
 def check_given(given: object, name: str = "compensator") -> None:
     """Refuses what ``Law.of`` makes no law of; ``name`` is what the message calls it.
 
@@ -224,6 +229,10 @@ def check_given(given: object, name: str = "compensator") -> None:
     kinds = Law | str | Path | DesignSettings | Method | Compensator | SampledCompensator | np.ndarray | None
     if not isinstance(given, kinds):
         raise InputError(f"{name}: expected a law, its name, its file, its design or its numbers, got {show(given)}")
+    if isinstance(given, np.ndarray) and (given.ndim != _GAINS_OF_SETTINGS or given.shape[1] != len(GAIN_SYMBOLS)):
+        raise InputError(
+            f"{name}: expected gains c_1 .. c_7, a row for each setting or run, got an array of shape {given.shape}"
+        )
 
 
 def names_for(loader: Loader) -> tuple[str, ...]:

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.errors import InputError
-from forcefeel.loader.loader import Loader
+from forcefeel.errors import InputError, expect
+from forcefeel.loader.loader import Loader, check_loader
 
 INPUTS = ("pilot_force_n", "test_signal_v")
 """Inputs of the loader models: pilot force F_p, test signal e_T at the amplifier."""
@@ -87,6 +87,11 @@ def compliant_model(loader: Loader, compensator: Compensator | None = None) -> c
 
 def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linkage) -> control.StateSpace:
     """``rigid_model`` or ``compliant_model``, as ``linkage`` says."""
+    check_loader(loader)
+    if compensator is not None:
+        expect(
+            "compensator", compensator, Compensator, "an analog law, as compensate(loader).compensator(loader) gives it"
+        )
     law = compensator or Compensator.original(loader.values)
     unit = law.displacement_unit.lower()
     feel = [f"feel_position_{unit}", f"feel_velocity_{unit}_per_s"]
@@ -146,23 +151,41 @@ def overall_open_loop(loader: Loader, linkage: Linkage, compensator: Compensator
     return _state_space(name, (opened.A, b, c, np.zeros((1, 1))), opened.state_labels, *signals)
 
 
-def design_plant(loader: Loader, pilot_arm_m: float | None = None) -> control.StateSpace:
+def design_plant(loader: Loader, pilot_arm_m: float | None = None, *, pilot_state: bool = True) -> control.StateSpace:
     """The plant for the design of the compensation, eq. (19): states ``DESIGN_STATES``, input e, output delta - theta.
 
-    Valve dynamics are neglected, the load-cell loop is open and the pilot force is a constant state.
+    Valve dynamics are neglected, the load-cell loop is open and the pilot force F_p is a constant state. No command moves such a
+    state, so the plant is not stabilizable and ``control.lqr`` refuses it; recursion (22) over a horizon, ``compensate``, does not.
+    Without that state it is, and the six gains are those on the other states.
 
     Args:
         loader: The loader.
         pilot_arm_m: Torque that the feel computer sees per newton of pilot force. Not given, it is the pilot's lever
             arm R_p: what the load cell reports at rest, eq. (6).
+        pilot_state: Whether F_p is a state; without it there are the first six of ``DESIGN_STATES``.
+
+    Raises:
+        InputError: If ``loader`` is no loader.
+
+    Example:
+        >>> import control, forcefeel as ff
+        >>> plant = ff.linear.design_plant(ff.elevator(), pilot_state=False)
+        >>> gains, _, poles = control.lqr(plant, 1e4 * plant.C.T @ plant.C, 1.0)
+        >>> gains.shape, bool(max(poles.real) < 0)
+        ((1, 6), True)
     """
+    check_loader(loader)
     arm = loader["column.grip_arm"] if pilot_arm_m is None else pilot_arm_m
-    matrices = _core.design_plant(loader.values, arm)
-    return _state_space(f"{loader.name} design plant", matrices, DESIGN_STATES, ("amplifier_input_v",), ("error_rad",))
+    a, b, c, d = _core.design_plant(loader.values, arm)
+    states = DESIGN_STATES if pilot_state else DESIGN_STATES[:-1]
+    kept = len(states)
+    matrices = (a[:kept, :kept], b[:kept], c[:, :kept], d)
+    return _state_space(f"{loader.name} design plant", matrices, states, ("amplifier_input_v",), ("error_rad",))
 
 
 def ideal_feel(loader: Loader) -> control.StateSpace:
     """The programmed feel, eq. (11), driven by the pilot's torque: from pilot force to column angle."""
+    check_loader(loader)
     states = ("column_angle_rad", "column_velocity_rad_per_s")
     return _state_space(f"{loader.name} ideal feel", _core.ideal_feel(loader.values), states, INPUTS[:1], OUTPUTS[:1])
 

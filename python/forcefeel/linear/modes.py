@@ -8,6 +8,7 @@ import control
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.errors import expect
 from forcefeel.units import HERTZ, RATE, RATIO
 
 
@@ -30,6 +31,7 @@ class Mode:
 
 def modes(model: control.StateSpace) -> tuple[Mode, ...]:
     """The modes of ``model``, slowest first; a conjugate pair counts once."""
+    expect("model", model, control.StateSpace, "a control.StateSpace, such as compliant_model(loader)")
     poles = sorted((complex(s) for s in model.poles() if s.imag >= 0), key=abs)
     return tuple(Mode(s.real, s.imag, abs(s), -s.real / abs(s) if s != 0 else 0.0) for s in poles)
 

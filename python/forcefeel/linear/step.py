@@ -7,6 +7,8 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from forcefeel.errors import expect, expect_number
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -47,6 +49,10 @@ def step_outputs(
     model: control.StateSpace, force_n: float, duration_s: float = DURATION_S, samples: int = 2001
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Times, and a row for each output of the model, of ``step_response``."""
+    expect("model", model, control.StateSpace, "a control.StateSpace, such as compliant_model(loader)")
+    for name, number in (("force_n", force_n), ("duration_s", duration_s)):
+        expect_number(name, number)
+    expect_number("samples", samples, whole=True)
     time = np.linspace(0.0, duration_s, samples)
     force = np.zeros((model.ninputs, samples))
     force[0] = force_n

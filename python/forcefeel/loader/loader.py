@@ -5,12 +5,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.errors import InputError
+from forcefeel import _core
+from forcefeel._core import Compensator
+from forcefeel.errors import InputError, expect, expect_number
 from forcefeel.json_values import Json, quantity
 from forcefeel.loader import tolerance_text
 from forcefeel.loader.contents import Contents, misfits
@@ -31,11 +33,17 @@ from forcefeel.loader.parameters import (
     without,
 )
 from forcefeel.loader.tolerances import Tolerance, beyond, nothing
-from forcefeel.units import UnitSystem, parse, show, to_text
+from forcefeel.units import ANGLE, FORCE, HERTZ, UnitSystem, parse, show, to_text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _OFF = "give None, or off on the command line,"
 """How one switches an optional row off who changes a loader."""
 
+
+_READ = 4
+"""Digits of a value that people read in a line."""
 
 FEEL_SETTING = ("feel.inertia", "feel.damping", "feel.stiffness")
 """The computer setting I, B, G."""
@@ -70,7 +78,12 @@ class Loader:
     tolerances: Mapping[str, Tolerance] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        values = np.array(self.values, dtype=np.float64)
+        expect("name", self.name, str, "text")
+        expect("source", self.source, str, "text")
+        try:
+            values = np.array(self.values, dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            raise InputError(f"values: expected {len(TABLE)} numbers, one per parameter ({error})") from error
         if values.shape != (len(TABLE),):
             raise InputError(f"values: expected {len(TABLE)}, one per parameter, got shape {values.shape}")
         for key, value in zip(TABLE, values.tolist(), strict=True):
@@ -92,6 +105,71 @@ class Loader:
     def __hash__(self) -> int:
         name, source, values, *curves, tolerances = self._parts()
         return hash((name, source, *values, *curves, frozenset(tolerances.items())))
+
+    def __repr__(self) -> str:
+        frequency, ratio = _core.feel_frequency(self.values)
+        stiffness = value_text(TABLE["feel.stiffness"], self["feel.stiffness"], _READ)
+        feel = f"G = {stiffness}, {HERTZ.from_si(frequency, UnitSystem.SI):.3g} Hz, damping ratio {ratio:.2g}"
+        period = self["controller.period"]
+        law = f"digital, {1e3 * period:g} ms" if period else "analog"
+        return f"<Loader {self.name!r}: feel {feel}; {law}; {len(self.tolerances)} tolerances>"
+
+    def _repr_html_(self) -> str:
+        from forcefeel.loader.html import table  # noqa: PLC0415  for notebooks
+
+        return table(self._contents())
+
+    def plot_bode(
+        self,
+        compensator: Compensator | None = None,
+        *,
+        frequency_hz: Sequence[float] | NDArray[np.float64] | None = None,
+        units: UnitSystem = UnitSystem.SI,
+        ax: "Sequence[Axes] | None" = None,
+    ) -> NDArray[np.object_]:
+        """Draws gain and phase from the pilot's force to the column's angle, beside those of the programmed feel.
+
+        Of the linear model with a compliant link, eq. (17), and of eq. (11).
+
+        Args:
+            compensator: The analog law; the original position loop, eq. (13), if not given.
+            frequency_hz: Frequencies in Hz, above 0; a tenth of the feel's to 100 Hz if not given.
+            units: Units of the labels.
+            ax: Two Matplotlib axes to draw on, for gain and phase; of a figure of their own if not given.
+
+        Returns:
+            The two axes.
+
+        Raises:
+            InputError: If the law or the frequencies are none.
+
+        Example:
+            >>> import forcefeel as ff
+            >>> gain, phase = ff.elevator().plot_bode()
+            >>> gain.get_ylabel()
+            'Angle per force, deg/N'
+        """
+        from forcefeel.plots.draw import bode  # noqa: PLC0415  Matplotlib, for whoever plots
+
+        law = Compensator.original(self.values) if compensator is None else compensator
+        if not isinstance(law, Compensator):
+            raise InputError(f"compensator: expected an analog law, a Compensator, got {show(law)}")
+        feel_hz = HERTZ.from_si(_core.feel_frequency(self.values)[0], UnitSystem.SI)
+        given = np.geomspace(feel_hz / 10, 100.0, 1000) if frequency_hz is None else frequency_hz
+        try:
+            at = np.atleast_1d(np.asarray(given, dtype=np.float64))
+        except (TypeError, ValueError):
+            at = np.empty(0)
+        if at.ndim != 1 or not len(at) or not np.all((at > 0) & np.isfinite(at)):
+            raise InputError(f"frequency_hz: expected frequencies above 0 Hz, got {show(given)}")
+        models = {"loader": _core.compliant(self.values, law), "programmed feel": _core.ideal_feel(self.values)}
+        scale = ANGLE.from_si(1.0, units) / FORCE.from_si(1.0, units)
+        return bode(
+            {name: (at, scale * _angle_per_force(*matrices, 2 * np.pi * at)) for name, matrices in models.items()},
+            f"Angle per force, {ANGLE.shown(units)}/{FORCE.shown(units)}",
+            f"{self.name}: from the pilot's force to the column",
+            ax,
+        )
 
     def __reduce__(self) -> tuple[Callable[..., "Loader"], tuple[Any, ...]]:
         return _unchecked, self._parts()  # so that a copy is read-only too
@@ -153,6 +231,7 @@ class Loader:
         Example:
             ``loader.replace({"linkage.stiffness": "7000 lb/in", "valve.orifice": True, "feel.breakout": None})``
         """
+        expect("changes", changes, Mapping, 'values by part.name such as {"linkage.stiffness": "7000 lb/in"}')
         values = self.values.copy()
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
@@ -175,6 +254,7 @@ class Loader:
         Example:
             ``loader.with_tolerances({"linkage.stiffness": "10 %", "column.coulomb_friction": {"uniform": ["1 lb", "5 lb"]}})``
         """
+        expect("changes", changes, Mapping, 'tolerances by part.name such as {"linkage.stiffness": "10 %"}')
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
             position = _position(key)
@@ -193,6 +273,7 @@ class Loader:
 
         Unlike ``replace`` this does not check the range, for settings beyond what one would build.
         """
+        expect_number("scale", scale)
         values, tolerances = self.values.copy(), dict(self.tolerances)
         for key in (*FEEL_SETTING, "pilot.force"):
             values[INDEX[key]] *= scale
@@ -217,6 +298,18 @@ class Loader:
         from forcefeel.loader.text import write  # noqa: PLC0415  Jinja, which few loaders need
 
         return write(self._contents(), units)
+
+
+def _angle_per_force(
+    a: NDArray[np.float64],
+    b: NDArray[np.float64],
+    c: NDArray[np.float64],
+    d: NDArray[np.float64],
+    w: NDArray[np.float64],
+) -> NDArray[np.complex128]:
+    """``C (jw - A)^-1 B + D`` at ``w`` in rad/s, from the first input, the force, to the first output, the angle."""
+    inverted = np.linalg.solve(1j * w[:, np.newaxis, np.newaxis] * np.eye(len(a)) - a, b[:, :1])
+    return np.asarray((c[:1] @ inverted)[:, 0, 0] + d[0, 0])
 
 
 def _unchecked(name: str, source: str, values: Any, *others: Any) -> Loader:
@@ -254,6 +347,7 @@ def load(path: str | Path) -> Loader:
     """
     from forcefeel.loader.file import read  # noqa: PLC0415  pydantic, which a built-in loader does not need
 
+    expect("path", path, (str, Path), "the path of a loader file")
     found = read(Path(path))
     values = np.array([found.values[key] for key in TABLE])
     return Loader(found.name, found.source, values, **found.curves, tolerances=found.tolerances)
@@ -295,6 +389,15 @@ def _about(key: str, tolerance: Tolerance, value: float) -> Tolerance | None:
     if tolerance.nominal is not None and (value == 0 or nothing(TABLE[key], value)):
         return None
     return tolerance.about(value)
+
+
+def check_loader(given: object) -> None:
+    """Refuses what is no loader.
+
+    Raises:
+        InputError: If so.
+    """
+    expect("loader", given, Loader, "a Loader, as elevator() makes it or load(path) reads it")
 
 
 def _position(key: str) -> int:

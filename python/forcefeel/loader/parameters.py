@@ -81,9 +81,9 @@ def with_unit(row: Parameter, value: float, system: UnitSystem, digits: int = DI
     return f"{unit(row).from_si(value, system):.{digits}g} {unit(row).shown(system)}".strip()
 
 
-def value_text(row: Parameter, value: float) -> str:
+def value_text(row: Parameter, value: float, digits: int = DIGITS) -> str:
     """A SI value as a message shows it."""
-    return with_unit(row, value, UnitSystem.US)
+    return with_unit(row, value, UnitSystem.US, digits)
 
 
 def without(row: Parameter, how: str = "leave the row out") -> str:
@@ -108,6 +108,8 @@ def main_rows(part: str) -> dict[str, Parameter]:
 
 def did_you_mean(key: str) -> str:
     """What may have been meant by ``part.name`` that is no row."""
+    if not isinstance(key, str):
+        return "name it as text, part.name"
     if key in ALTERNATIVES:
         return f"a loader file may state it; a loader holds {' and '.join(ALTERNATIVES[key].instead_of)} instead"
     if close := [known for known in TABLE if known.endswith(f".{key}")] or get_close_matches(key, TABLE, n=1):

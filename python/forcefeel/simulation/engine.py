@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect
 from forcefeel.laws.law import Law, LawLike
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import linear
 from forcefeel.simulation.outcome import (
@@ -50,6 +50,7 @@ def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) ->
         InputError: If a time does not fall on a step, the loader asks for an input that is not given, or a sampled law was made
             for another controller.
     """
+    expect("scenario", scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")
     law = Law.of(compensator, loader)
     units = outputs(law.displacement_unit)
     exact = _exact(loader, law, scenario)
@@ -117,6 +118,8 @@ def simulate_batch(
     Raises:
         InputError: As ``simulate``; if values have the wrong shape, vary what all runs must share, or the histories are too large.
     """
+    check_loader(loader)
+    expect("scenario", scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")
     values = np.ascontiguousarray(values, dtype=np.float64)
     _check(loader, values)
     law = Law.of(compensator, loader)

@@ -20,14 +20,8 @@ from forcefeel.simulation.inputs import (
     Step,
     StopToStop,
 )
-from forcefeel.simulation.limits_met import (
-    Limits,
-    feel_position,
-    goes_to_a_place,
-    keeps_moving,
-    limits,
-    why_no_overshoot,
-)
+from forcefeel.simulation.limits_met import Limits, goes_to_a_place, keeps_moving, limits, why_no_overshoot
+from forcefeel.simulation.outcome import feel_position
 from forcefeel.simulation.programmed_feel import has_arm, programmed, spring_is_g
 from forcefeel.units import ANGLE, CURRENT, FORCE, Unit, UnitSystem, to_text
 

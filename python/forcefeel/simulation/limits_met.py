@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from forcefeel.conclusions import of_result
 from forcefeel.simulation.inputs import Chirp, Force, Multisine, Release, Step, StopToStop
-from forcefeel.simulation.outcome import Measures, Run, RunStatus
+from forcefeel.simulation.outcome import Measures, Run, RunStatus, feel_position, per_feel_angle
 from forcefeel.units import PERCENT, SECONDS
 
 _AT = 1e-6
@@ -120,19 +120,6 @@ def goes_to_a_place(force: Force) -> bool:
 def keeps_moving(force: Force) -> bool:
     """Whether the input goes on to the end of the run."""
     return isinstance(force, StopToStop | Chirp | Multisine)
-
-
-def feel_position(run: Run) -> str:
-    """Name of the programmed displacement in the history; its unit is that of the law."""
-    return next(str(name) for name in run.history.data_vars if str(name).startswith("feel_position"))
-
-
-def per_feel_angle(run: Run) -> float:
-    """Programmed displacement, in its unit, per column angle: 1, or K_3 alpha R_b where it is a voltage."""
-    if feel_position(run).endswith("_rad"):
-        return 1.0
-    loader = run.loader
-    return loader["potentiometer.gain"] * loader["linkage.ratio"] * loader["column.base_arm"]
 
 
 def _reached(angle: NDArray[np.float64], bound: float) -> NDArray[np.bool_]:

@@ -2,16 +2,22 @@
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Annotated, Any
+from html import escape
+from math import isfinite
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
+from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.scenario import Scenario
-from forcefeel.units import ANGLE, CURRENT, FLOW, PRESSURE, RATIO, SECONDS
+from forcefeel.units import ANGLE, CURRENT, FLOW, FORCE, LENGTH, PRESSURE, RATIO, SECONDS, Unit, UnitSystem, show
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _SUFFIX = {
     "": "",
@@ -117,6 +123,85 @@ class Run:
                 return f"still moving after {self.scenario.duration_s:g} s"
             case RunStatus.SETTLED:
                 return f"settled at {self.measures.settling_time_s:.3f} s"
+
+    def __repr__(self) -> str:
+        return f"<Run of {self.loader.name!r}, {self.scenario.duration_s:g} s, {self.method}: {self.note}>"
+
+    def _repr_html_(self) -> str:
+        from forcefeel.plots.draw import image, small_axes  # noqa: PLC0415  Matplotlib, for whoever looks
+
+        overshoot = f", overshoot {self.measures.overshoot:.0%}" if isfinite(self.measures.overshoot) else ""
+        verdict = f"{self.note}{overshoot}"
+        return f"<p><b>{escape(self.loader.name)}</b>: {verdict}</p>{image(self.plot(ax=small_axes()), verdict)}"
+
+    def plot(self, *outputs: str, units: UnitSystem = UnitSystem.SI, ax: "Axes | None" = None) -> "Axes":
+        """Draws outputs over time; the column's angle beside the programmed one if none is named.
+
+        Args:
+            outputs: Names in ``history``, of one kind of quantity.
+            units: Units of the labels.
+            ax: Matplotlib axes to draw on; of a figure of its own if not given.
+
+        Returns:
+            The axes.
+
+        Raises:
+            InputError: If an output is unknown or two differ in kind.
+
+        Example:
+            >>> import forcefeel as ff
+            >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0), duration_s=0.5))
+            >>> run.plot("valve_current_a").get_ylabel()
+            'Valve current, mA'
+        """
+        from forcefeel.plots.draw import curves  # noqa: PLC0415  Matplotlib, for whoever plots
+
+        if unknown := [name for name in outputs if name not in self.history]:
+            raise InputError(
+                f"outputs: expected names such as {', '.join(map(str, list(self.history)[:3]))}, got {show(unknown[0])}"
+            )
+        shown = {name: self.history[name].to_numpy() for name in outputs} or self._angles()
+        kinds = {self.history[name].attrs["units"] for name in outputs} or {"rad"}
+        if len(kinds) > 1:
+            raise InputError(f"outputs: expected one kind of quantity on one axis, got {', '.join(sorted(kinds))}")
+        unit = _SHOWN.get(kind := kinds.pop(), Unit(kind, kind, kind))
+        scale, time = unit.from_si(1.0, units), self.history["time_s"].to_numpy()
+        words = {name: _words(name, kind) for name in shown}
+        what = next(iter(words.values())) if len(shown) == 1 else _words("angle" if kind == "rad" else "output", kind)
+        return curves(
+            {words[name]: (time, scale * values) for name, values in shown.items()},
+            "Time, s",
+            f"{what[:1].upper()}{what[1:]}, {unit.shown(units)}".rstrip(", "),
+            f"{self.loader.name}: {self.note}",
+            ax,
+        )
+
+    def _angles(self) -> dict[str, NDArray[np.float64]]:
+        """The column's angle, and that which the feel programs."""
+        programmed = self.history[feel_position(self)].to_numpy() / per_feel_angle(self)
+        return {"column_angle_rad": self.history["column_angle_rad"].to_numpy(), "programmed_angle_rad": programmed}
+
+
+def feel_position(run: Run) -> str:
+    """Name of the programmed displacement in the history; its unit is that of the law."""
+    return next(str(name) for name in run.history.data_vars if str(name).startswith("feel_position"))
+
+
+def per_feel_angle(run: Run) -> float:
+    """Programmed displacement, in its unit, per column angle: 1, or K_3 alpha R_b where it is a voltage."""
+    if feel_position(run).endswith("_rad"):
+        return 1.0
+    loader = run.loader
+    return loader["potentiometer.gain"] * loader["linkage.ratio"] * loader["column.base_arm"]
+
+
+_SHOWN = {unit.si: unit for unit in (ANGLE, LENGTH, CURRENT, PRESSURE, FLOW, FORCE)}
+_SHOWN["rad/s"] = Unit("rad/s", "deg/s", "deg/s")
+
+
+def _words(name: str, unit: str) -> str:
+    """An output's name as people write it, without its unit."""
+    return name.removesuffix(_SUFFIX.get(unit, "")).replace("_", " ")
 
 
 def statuses(measures: NDArray[np.float64]) -> NDArray[np.str_]:

@@ -7,7 +7,7 @@ from math import isfinite, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect, expect_number, type_text
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import Loader
@@ -86,6 +86,7 @@ class Scenario:
     seed: int = 0
 
     def __post_init__(self) -> None:
+        self._check_types()
         if not SHORTEST_STEP_S <= self.step_s <= LONGEST_STEP_S:
             raise InputError(f"step_s: expected {SHORTEST_STEP_S:g} to {LONGEST_STEP_S:g} s, got {self.step_s:g}")
         for name in ("duration_s", "sample_s"):
@@ -104,6 +105,22 @@ class Scenario:
             end = change.at_s + change.over_s
             if end > LATEST_S:
                 raise InputError(f"feel_changes: expected changes that are done by {LATEST_S:g} s, got {end:g} s")
+
+    def _check_types(self) -> None:
+        if isinstance(self.force, type) or not callable(getattr(self.force, "sample", None)):
+            example = "Step(100.0) or Release(0.1), or Recorded(time_s, force_n) of arrays"
+            raise InputError(f"force: expected what the pilot does, such as {example}, got {type_text(self.force)}")
+        for name in ("duration_s", "step_s", "sample_s"):
+            expect_number(name, getattr(self, name))
+        expect_number("seed", self.seed, whole=True)
+        for name in ("trim_rad", "dynamic_pressure_pa", "shaker", "test_signal_v", "command_signal_v"):
+            if (given := getattr(self, name)) is not None and not callable(getattr(given, "sample", None)):
+                raise InputError(
+                    f"{name}: expected values over time, simulation.Schedule(times_s, values), got {type_text(given)}"
+                )
+        expect("feel_changes", self.feel_changes, (tuple, list), "a tuple of simulation.FeelChange")
+        for change in self.feel_changes:
+            expect("feel_changes", change, FeelChange, "a tuple of simulation.FeelChange")
 
 
 def on_samples(scenario: Scenario) -> Scenario:

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect
 from forcefeel.laws.analog.gain_schedule import schedule_gains
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, DesignSettings
-from forcefeel.laws.law import Law, LawLike
+from forcefeel.laws.law import Law, LawLike, check_given
 from forcefeel.loader.consistency import without_effect
-from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.loader import FEEL_SETTING, Loader, check_loader
 from forcefeel.loader.parameters import INDEX, TABLE
 from forcefeel.loader.tolerances import Tolerance, beyond
 from forcefeel.seeded_numbers import shares
@@ -84,6 +84,11 @@ class Sweep:
     steps: int = field(init=False)
 
     def __post_init__(self) -> None:
+        check_loader(self.loader)
+        expect("scenario", self.scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")
+        check_given(self.compensator)
+        expect("vary", self.vary, Mapping, 'tolerances by part.name such as {"linkage.stiffness": "20 %"}')
+        expect("grids", self.grids, Mapping, 'values by part.name such as {"feel.stiffness": "300..900 N m/rad:20"}')
         if self.runs is not None:
             _check_whole("runs", self.runs, 1, MOST_RUNS)
         _check_whole("seed", self.seed, 0, LARGEST_SEED)

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect
 from forcefeel.sweep.chunk import measure
 from forcefeel.sweep.folder import Folder
 from forcefeel.sweep.plan import Sweep
@@ -48,6 +48,7 @@ def run_sweep(
         InputError: If the folder cannot be used or holds another sweep, or the cluster fails; what is finished stays.
         KeyboardInterrupt: As it comes; what is finished stays in the folder.
     """
+    expect("sweep", sweep, Sweep, "a Sweep, which says of which loader and scenario")
     if threads is not None and scheduler is not None:
         raise InputError("threads: are for runs on this machine, and a cluster has its own; leave them out")
     threads = threads_or_cores(threads)

@@ -28,9 +28,9 @@ from forcefeel.bench.identification.unknowns import Unknown, parameter_keys, unk
 from forcefeel.bench.plausibility import CLEAR, FAR, distance, misreading
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect, type_text
 from forcefeel.laws.law import LawLike
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_loader
 
 _HALF_RATE = 0.499
 """Cycles of a line in a controller's period at most."""
@@ -74,6 +74,14 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         InputError: If a parameter cannot be fitted, there are no data or fewer points than unknowns, data are not what they are
             said to be, or the model diverges at every start.
     """
+    check_loader(loader)
+    expect("fit", fit, (str, Sequence), 'symbols or rows of parameters such as "k,c,J"')
+    if isinstance(data, str) or not isinstance(data, Sequence):
+        raise InputError(
+            f"data: expected a list of responses and records, as read_bench_data reads them, got {type_text(data)}"
+        )
+    for one in data:
+        expect("data", one, (Response, BenchRecord), "responses and records, as read_bench_data reads them")
     keys = parameter_keys(fit)
     unknowns = unknowns_of(loader, keys)
     if not data:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,10 @@ from forcefeel.bench.identification.unknowns import Unknown
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import TABLE
+from forcefeel.loader.parameters import TABLE, value_text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class Status(StrEnum):
@@ -43,6 +47,12 @@ class Estimate:
     high: float
     share: float
     status: Status
+
+    def __str__(self) -> str:
+        row = TABLE[self.unknown.key]
+        if self.status is Status.UNDETERMINED:
+            return f"{row.symbol} {self.status}"
+        return f"{row.symbol} = {value_text(row, self.value, 5)} ± {100 * abs(self.deviation / self.value):.2g} %"
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,6 +177,36 @@ class Identification:
     rigid: RigidTest | None
     notes: tuple[str, ...]
     loader: Loader | None = field(default=None)
+
+    def __repr__(self) -> str:
+        each = "; ".join(map(str, self.estimates))
+        return f"<Identification of {self.before.name!r}: {each}>"
+
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draws each estimate with its 95 % interval in percent off the file's value, over what the file's tolerances allow.
+
+        Args:
+            ax: Matplotlib axes to draw on; of a figure of its own if not given.
+
+        Returns:
+            The axes.
+        """
+        from forcefeel.plots.draw import intervals  # noqa: PLC0415  Matplotlib, for whoever plots
+
+        def off(one: Estimate, value: float) -> float:
+            return 100 * (value - one.unknown.nominal) / abs(one.unknown.nominal)
+
+        lost = [it for it in self.estimates if it.status is Status.UNDETERMINED]
+        known = [it for it in self.estimates if it not in lost]
+        bounded = [it for it in self.estimates if it.unknown.tolerance]
+        return intervals(
+            {it.unknown.symbol: (off(it, it.value), off(it, it.low), off(it, it.high)) for it in known},
+            {it.unknown.symbol: (off(it, it.unknown.low), off(it, it.unknown.high)) for it in bounded},
+            lost=[it.unknown.symbol for it in lost],
+            x_label="Off the file's value, %",
+            title=f"{self.before.name}: identified",
+            ax=ax,
+        )
 
     @property
     def determined(self) -> bool:

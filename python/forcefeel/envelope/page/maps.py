@@ -10,7 +10,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from forcefeel.envelope.result import Envelope, Failure
+from forcefeel.envelope.result import COLORS, Envelope
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.page.typography import number_text
 from forcefeel.units import HERTZ, UnitSystem
@@ -19,21 +19,6 @@ WIDTH, HEIGHT = 300, 150
 """A panel's room for cells, in the drawing's own units."""
 
 _MOST_ROWS = 8
-
-EVERY, NOMINAL = "passes in every case", "passes nominally only"
-
-COLORS = {
-    EVERY: "#009E73",
-    NOMINAL: "#A9E3CC",
-    Failure.FIRST_CROSSING: "#0072B2",
-    Failure.CYCLES: "#74C1EE",
-    Failure.OVERSHOOTS: "#E69F00",
-    Failure.COUNT: "#F6E65A",
-    Failure.FALL: "#CC79A7",
-    Failure.REST: "#9AA3AD",
-    Failure.UNSTABLE: "#2B2B2B",
-}
-"""Okabe and Ito's hues, which the colour-blind can tell apart; light and dark differ too, for print without colour."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +56,7 @@ def rows(found: Envelope, *, worst: bool) -> tuple[Row, ...]:
     """
     damping = found.plan.settings.damping
     shown = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_ROWS, len(damping))).round().astype(int))
-    maps = {name: kinds(found, name, worst=worst) for name in found.compensators}
+    maps = {name: found.kinds(name, worst=worst) for name in found.compensators}
     own = _own(found)
     return tuple(
         Row(
@@ -91,19 +76,9 @@ def legend(found: Envelope) -> tuple[tuple[str, str], ...]:
         int(kind)
         for name in found.compensators
         for worst in (False, True)
-        for kind in np.unique(kinds(found, name, worst=worst))
+        for kind in np.unique(found.kinds(name, worst=worst))
     }
     return tuple((str(name), COLORS[name]) for place, name in enumerate(order) if place in seen)
-
-
-def kinds(found: Envelope, compensator: str, *, worst: bool) -> NDArray[np.int8]:
-    """Places in ``COLORS`` (damping, frequency, stiffness)."""
-    order = list(COLORS)
-    table = np.array([order.index(kind) for kind in Failure], dtype=np.int8)
-    failing = found.failures(compensator, worst=worst)
-    every = found.passes(compensator).all(axis=0).reshape(failing.shape)
-    passing = np.where(every, order.index(EVERY), order.index(NOMINAL)).astype(np.int8)
-    return np.asarray(np.where(failing < 0, passing, table[failing]))
 
 
 def _panel(found: Envelope, cells: NDArray[np.int8], own: tuple[float, float] | None, compensator: str) -> Panel:

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect
 from forcefeel.json_values import Json, fields_json, quantity
 from forcefeel.linear.models import DESIGN_STATES, design_plant, state_feedback
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.units import LENGTH, RATIO, SECONDS, Unit, UnitSystem
 
 GAIN_UNITS = (
@@ -210,6 +210,9 @@ def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compen
         The gains, and in ``status`` and ``note`` how the recursion ended; gains that have not ``reached`` what was asked
         are those of its last step.
     """
+    check_loader(loader)
+    if settings is not None:
+        expect("settings", settings, DesignSettings, "DesignSettings, such as DesignSettings(r2=0.05)")
     settings = settings or published_settings(loader)
     problem = SampledProblem.of(loader, settings)
     most_steps = MOST_STEPS if settings.horizon_s is None else round(settings.horizon_s / settings.step_s)

@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect
 from forcefeel.laws.law import ORIGINAL, Law, LawLike
 from forcefeel.loader.arms import ARM_ROWS
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
 from forcefeel.qualification.programme.feel_alone import FeelAlone
 from forcefeel.qualification.programme.law_names import LAW_TEXTS, named_laws
@@ -76,6 +76,9 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
     Raises:
         InputError: If a part of the setup or a record is bad, with the record and the time.
     """
+    check_loader(loader)
+    if setup is not None:
+        expect("setup", setup, QualificationSetup, "a QualificationSetup")
     setup = setup or QualificationSetup()
     rules = load_rules(setup.rule)
     planned = trials(rules, setup.axis)

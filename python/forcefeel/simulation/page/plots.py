@@ -14,7 +14,7 @@ from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
 from forcefeel.page.typography import parameter_text
 from forcefeel.simulation import Run, RunStatus
 from forcefeel.simulation.inputs import Chirp, Multisine, Recorded, StopToStop
-from forcefeel.simulation.limits_met import feel_position, per_feel_angle
+from forcefeel.simulation.outcome import feel_position, per_feel_angle
 from forcefeel.units import FORCE, UnitSystem
 
 MOST_POINTS = 4000
