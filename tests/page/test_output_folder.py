@@ -10,7 +10,7 @@ from forcefeel.errors import InputError
 from forcefeel.page import staging
 from forcefeel.page.folder import OutputFolder
 
-FOLDER = OutputFolder("the test", ("page.html", "results.json", "extra.csv"), ("tables",))
+FOLDER = OutputFolder("the test", ("page.html", "results.json", "extra.csv"), ("tables",), plots=False)
 OLD = {"results.json": "old", "extra.csv": "old", "page.html": "old"}
 NEW = {"tables/a.csv": b"new", "results.json": "new", "page.html": "new"}
 WRITTEN = dict.fromkeys(NEW, "new")

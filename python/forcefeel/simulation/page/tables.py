@@ -29,7 +29,7 @@ def measured(run: Run, system: UnitSystem) -> Table:
     """The measures."""
     rows = [
         (words(_sentence(name)), number(value.replace("-", "\N{MINUS SIGN}")), Cell(unit_text(unit)))
-        for name, value, unit in measure_rows(run, system)
+        for name, value, unit in measure_rows(run, system, digits=3)
     ]
     return Table((Cell("Measure"), Cell("Value", "number"), Cell("Unit")), tuple(rows))
 
