@@ -23,9 +23,11 @@ CONFIG = {
     "responsive": True,
     "displaylogo": False,
     "displayModeBar": "hover",
+    "showSendToCloud": False,
+    "plotlyServerURL": "",
     "modeBarButtonsToRemove": ["select2d", "lasso2d", "zoomIn2d", "zoomOut2d"],
 }
-"""Plotly's configuration: no logo, and only the buttons that a reader uses."""
+"""Plotly's configuration: no logo, nothing that sends a loader's data to anybody, and only the buttons that a reader uses."""
 
 ZERO = {"zeroline": True, "zerolinecolor": _MARK, "zerolinewidth": 1.5}
 """For an axis whose zero matters."""
@@ -97,7 +99,7 @@ def html(picture: go.Figure, name: str) -> Markup:
 
 
 _PLOT = Markup(
-    '<div id="{name}" class="plotly-graph-div" role="img" aria-label="{says}"><p class="missing">This plot is drawn by {script}, '
+    '<div id="{name}" class="plotly-graph-div" role="group" aria-label="{says}"><p class="missing">This plot is drawn by {script}, '
     "which did not load: it must lie in one folder with this page, as forcefeel writes them.</p></div>\n"
     '<script>draw("{name}", {data}, {layout})</script>'
 )

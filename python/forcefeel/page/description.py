@@ -1,7 +1,7 @@
 """What a plot shows, in a sentence or two, for those who cannot see it."""
 
 import re
-from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -14,32 +14,43 @@ _DIGITS = 3
 
 
 def described(picture: go.Figure) -> str:
-    """Names of the axes, and each curve with its lowest and highest value in view of its axis."""
-    x, y = (list(dict.fromkeys(_titles(picture, axis))) for axis in "xy")
-    over = f" over {'; '.join(x)}" if x else ""
-    curves = "; ".join(dict.fromkeys(_curves(picture)))
-    return f"Plot of {'; '.join(y) or 'values'}{over}.{f' {curves}.' if curves else ''}"
+    """Names of the axes, and along each the lowest and the highest value of every curve."""
+    curves: dict[str, dict[str, None]] = {_title(axis): {} for axis in picture.select_yaxes()}
+    for trace in picture.data:
+        if told := _told(trace):
+            curves.setdefault(_title(_axis(picture, trace)), {})[told] = None
+    over = "; ".join(dict.fromkeys(filter(None, map(_title, picture.select_xaxes()))))
+    parts = [": ".join(filter(None, (title, "; ".join(told)))) for title, told in curves.items()]
+    return f"Plot{f' over {over}' if over else ''}. {'. '.join(filter(None, parts))}."
 
 
-def _titles(picture: go.Figure, axis: str) -> Iterator[str]:
-    """The titles of all axes of one direction."""
-    for one in picture.select_xaxes() if axis == "x" else picture.select_yaxes():
-        if one.title.text:
-            yield _bare(one.title.text)
+def _axis(picture: go.Figure, trace: Any) -> Any:
+    """The axis along which a trace has its values."""
+    along = "x" if _lies(trace) else "y"
+    name = getattr(trace, f"{along}axis") or along
+    return picture.layout[name.replace(along, f"{along}axis", 1)]
 
 
-def _curves(picture: go.Figure) -> Iterator[str]:
-    for one in picture.data:
-        along = one.z if one.type == "heatmap" else one.x if getattr(one, "orientation", None) == "h" else one.y
-        name = _bare(one.name or ("colour" if one.type == "heatmap" else ""))
-        if along is None or not name:
-            continue
-        values = np.asarray(along)
-        if values.dtype == object:
-            values = np.array([np.nan if value is None else value for value in values.ravel()])
-        if not np.issubdtype(values.dtype, np.number) or not np.isfinite(values).any():
-            continue
-        yield f"{name}: {_range(float(np.nanmin(values)), float(np.nanmax(values)))}"
+def _lies(trace: Any) -> bool:
+    return getattr(trace, "orientation", None) == "h"
+
+
+def _told(trace: Any) -> str:
+    """A trace's name with its lowest and highest value; nothing of one without a name or without numbers."""
+    if trace.type == "heatmap":
+        name, along = trace.colorbar.title.text or "colour", trace.z
+    else:
+        name, along = _bare(trace.name or ""), trace.x if _lies(trace) else trace.y
+    if along is None or not name:
+        return ""
+    values = np.array([np.nan if one is None else one for one in np.ravel(along)])
+    if not np.issubdtype(values.dtype, np.number) or not np.isfinite(values).any():
+        return ""
+    return f"{name} {_range(float(np.nanmin(values)), float(np.nanmax(values)))}"
+
+
+def _title(axis: Any) -> str:
+    return _bare(axis.title.text or "")
 
 
 def _range(low: float, high: float) -> str:

@@ -2,7 +2,7 @@
 
 from math import isfinite
 
-from forcefeel.conclusions import Conclusions, of_result
+from forcefeel.conclusions import Conclusions, capital, of_result
 from forcefeel.qualification import Figure, Outcome, ReleaseFeatures, Verdict
 from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
@@ -227,4 +227,4 @@ def recorded(found: Qualification, kind: str) -> bool:
 
 
 def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}".rstrip(".") + "."
+    return capital(text).rstrip(".") + "."
