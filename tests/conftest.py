@@ -1,10 +1,36 @@
-"""Hypothesis: a fast profile for every run, a slow one by ``HYPOTHESIS_PROFILE=slow``."""
+"""Hypothesis: a fast profile for every run, a slow one by ``HYPOTHESIS_PROFILE=slow``. And the browser of the page tests."""
 
 import os
+import shutil
+from collections.abc import Iterator
 
+import pytest
 from hypothesis import settings
 
 # Derandomized: a failure is one of the code, not of the day.
 settings.register_profile("fast", max_examples=40, deadline=None, derandomize=True, database=None)
 settings.register_profile("slow", max_examples=2000, deadline=None, database=None, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "fast"))
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator:
+    """A Chromium; without one the tests are skipped, or fail where it is required."""
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415  for few of the tests
+
+    path = _chromium()
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
+        yield opened
+        opened.close()
+
+
+def _chromium() -> str:
+    given = os.environ.get("FORCEFEEL_CHROMIUM")
+    found = given or next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if found:
+        return found
+    missing = "no Chromium found: install chromium, or set FORCEFEEL_CHROMIUM to its path"
+    if os.environ.get("FORCEFEEL_REQUIRE_BROWSER") == "1":
+        pytest.fail(missing)
+    pytest.skip(missing)

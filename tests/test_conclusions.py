@@ -6,7 +6,7 @@ from importlib import import_module
 import pytest
 
 import forcefeel as ff
-from forcefeel.conclusions import of_result
+from forcefeel.conclusions import capital, of_result
 from tests.command_line import runner
 
 US, SI = ff.UnitSystem.US, ff.UnitSystem.SI
@@ -63,3 +63,16 @@ def test_a_command_works_its_conclusions_out_once(command, printed, tmp_path, mo
     monkeypatch.setattr(module, "_verdict", lambda *given, **options: calls.append(1) or original(*given, **options))
     runner(monkeypatch, capsys, tmp_path, words[0])(*words[1:], "--out", "out", *printed)
     assert len(calls) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "begun"),
+    [
+        ("robust", "Robust"),
+        ("robust (law.json)", "Robust (law.json)"),
+        ("law.json", "law.json"),
+        ("law.json: 3", "law.json: 3"),
+    ],
+)
+def test_a_sentence_begins_with_a_capital_but_not_the_name_of_a_file(text, begun):
+    assert capital(text) == begun

@@ -60,5 +60,6 @@ def interval_text(low: float, high: float) -> str:
 
 
 def capital(text: str) -> str:
-    """The text with a capital at its beginning."""
-    return text[:1].upper() + text[1:]
+    """The text with a capital at its beginning, unless it begins with the name of a file or a parameter, which has a dot."""
+    named = "." in text.partition(" ")[0].rstrip(".:,")
+    return text if named else text[:1].upper() + text[1:]

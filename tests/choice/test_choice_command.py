@@ -25,7 +25,7 @@ def test_one_method_at_the_own_setting(run, tmp_path):
     assert (status, err) == (0, "")
     assert "Robust is stable" in out
     assert "every case" not in out
-    assert {one.name for one in (tmp_path / FOLDER).iterdir()} == {PAGE, RESULTS}
+    assert {one.name for one in (tmp_path / FOLDER).iterdir()} == {PAGE, RESULTS, "plotly.min.js"}
     stored = json.loads((tmp_path / FOLDER / RESULTS).read_text(encoding="utf-8"))
     assert (stored["chosen"], stored["law"]["period_s"]) == ("robust", 0.0005)
     assert "envelope" not in stored["methods"]["robust"]

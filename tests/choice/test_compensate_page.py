@@ -1,27 +1,28 @@
 """The page of methods that were tried in a browser, at the width of a desk and of a phone."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page
 
 import forcefeel as ff
 from forcefeel.choice import choose, score_methods
 from forcefeel.choice.page.folder import write_choice
 from forcefeel.laws.law import names_for
 from forcefeel.units import UnitSystem
-from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
+from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
-    WIDTHS,
-    browser,
-    test_nothing_is_asked_for_but_the_page,
+    test_a_page_is_small_and_every_plot_has_its_text,
+    test_heads_name_rows_and_columns_and_keep_their_words_whole,
+    test_nothing_is_asked_for_but_the_page_and_its_script,
     test_nothing_is_cut_off,
     test_tables_and_drawing_stay_in_their_boxes,
     test_the_console_is_silent,
+    test_the_navigation_stays_in_view,
+    test_the_tool_bar_leaves_the_legend_free,
     test_tick_labels_do_not_overlap,
+    views_of,
+    words_cut,
 )
-from tests.pages import opened, words_cut
 
 pytestmark = pytest.mark.browser
 
@@ -43,21 +44,13 @@ def _write(name: str, folder: Path) -> Path:
     return write_choice(scored, choose(scored), folder, UnitSystem.US)
 
 
-VIEWS = {f"{name}-{width}": (name, width) for name in PLOTS for width in WIDTHS}
-
-
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("methods")
     return {name: _write(name, folder / name) for name in PLOTS}
 
 
-@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
-def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811  the browser's fixture
-    name, width = request.param
-    with opened(browser, pages[name], width) as window:
-        window.called = name
-        yield window
+page = views_of(PLOTS)
 
 
 def test_every_plot_is_there(page):

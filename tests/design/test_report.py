@@ -12,6 +12,7 @@ import pytest
 
 from forcefeel.design.figure_data import figures
 from forcefeel.design.page import folder, write_report
+from forcefeel.design.page.plots import draw
 from forcefeel.design.workflow import Design, design_loader
 from forcefeel.errors import InputError
 from forcefeel.loader.built_in import elevator
@@ -42,19 +43,30 @@ def _files(folder: Path) -> dict[str, bytes]:
 
 
 def test_every_file_is_there_and_nothing_else(out):
-    assert set(_files(out)) == {"report.html", "results.json", *(f"responses/{key}.csv" for key in KEYS)}
+    assert set(_files(out)) == {
+        "report.html",
+        "plotly.min.js",
+        "results.json",
+        *(f"responses/{key}.csv" for key in KEYS),
+    }
     assert [path.name for path in out.iterdir() if path.name.startswith(".")] == []
 
 
-def test_the_page_has_every_section_and_one_plotly(out):
+def test_the_page_has_every_section_and_plot(out):
     text = (out / "report.html").read_text(encoding="utf-8")
     assert all(f'<section id="{anchor}">' in text for anchor in ANCHORS)
     assert all(f'id="{key}" class="plotly-graph-div"' in text for key in KEYS)
-    assert text.count("plotly.js v") == 1
+
+
+def test_the_tangent_of_figure_2_is_dashed_and_no_other_curve_is(designed):
+    (figure,) = (one for one in figures(designed) if one.key == "figure-02")
+    dashes = {trace.name.partition(" at")[0]: trace.line.dash for trace in draw(figure, designed, UnitSystem.US).data}
+    assert dashes.pop("tangent") == "dash"
+    assert set(dashes.values()) == {"solid"}
 
 
 def test_the_page_loads_nothing_from_elsewhere(out):
-    beside = {"results.json", "data:,", *(f"responses/{key}.csv" for key in KEYS)}
+    beside = {"plotly.min.js", "results.json", "data:,", *(f"responses/{key}.csv" for key in KEYS)}
     references = set(words(out / "report.html").references)
     assert references == beside | {f"#{anchor}" for anchor in ANCHORS}
 

@@ -1,25 +1,37 @@
 """The report in a real browser, at the width of a desk and of a phone."""
 
-import os
+import re
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Page
 
 from forcefeel.design.page import write_report
 from forcefeel.design.workflow import design_loader
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import Loader
 from forcefeel.units import UnitSystem
-from tests.pages import opened
+from tests.pages import (  # noqa: F401  what is asked of every page
+    ROUNDING_PX,
+    WIDTHS,
+    opened,
+    test_a_page_is_small_and_every_plot_has_its_text,
+    test_heads_name_rows_and_columns_and_keep_their_words_whole,
+    test_nothing_is_asked_for_but_the_page_and_its_script,
+    test_nothing_is_cut_off,
+    test_tables_and_drawing_stay_in_their_boxes,
+    test_the_console_is_silent,
+    test_the_navigation_stays_in_view,
+    test_the_tool_bar_leaves_the_legend_free,
+    test_tick_labels_do_not_overlap,
+    views_of,
+)
 
 pytestmark = pytest.mark.browser
 
 PLOTS = 10  # figures 2, 8, 9, 10, 11a, 11b, 14 and three views of the s-plane
-WIDTHS = (1280, 390)
-ROUNDING_PX = 1.0
 SMALLEST_LETTERS_PX = 9
 
 
@@ -32,49 +44,13 @@ def _soft() -> Loader:
 REPORTS = {"us": (elevator, UnitSystem.US), "si": (elevator, UnitSystem.SI), "unstable": (_soft, UnitSystem.US)}
 
 
-VIEWS = {f"{name}-{width}": (name, width) for name in REPORTS for width in WIDTHS}
-
-
-def _chromium() -> str:
-    given = os.environ.get("FORCEFEEL_CHROMIUM")
-    found = given or next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-    if found:
-        return found
-    missing = "no Chromium found: install chromium, or set FORCEFEEL_CHROMIUM to its path"
-    if os.environ.get("FORCEFEEL_REQUIRE_BROWSER") == "1":
-        pytest.fail(missing)
-    pytest.skip(missing)
-
-
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    path = _chromium()
-    with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-gpu"])
-        yield opened
-        opened.close()
-
-
-@pytest.fixture(scope="module")
-def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
     return {name: write_report(design_loader(make()), folder / name, units) for name, (make, units) in REPORTS.items()}
 
 
-@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
-def page(request, browser, reports) -> Iterator[Page]:
-    name, width = request.param
-    with opened(browser, reports[name], width) as window:
-        yield window
-
-
-def test_the_console_is_silent(page):
-    assert page.complaints == []
-
-
-def test_nothing_is_asked_for_but_the_page(page):
-    asked = {url for url in page.requested if not url.startswith(("data:", "blob:"))}
-    assert asked == {page.url}
+page = views_of(REPORTS)
 
 
 def test_every_curve_is_drawn(page):
@@ -101,23 +77,6 @@ def test_every_curve_is_drawn(page):
     assert all(one["drawn"] == one["asked"] for one in drawn if one["name"] == "poles-all")
 
 
-def test_nothing_is_cut_off(page):
-    folded = page.evaluate("document.documentElement.scrollWidth")
-    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = true)")
-    unfolded = page.evaluate("document.documentElement.scrollWidth")
-    page.evaluate("document.querySelectorAll('details').forEach(one => one.open = false)")
-    assert max(folded, unfolded) <= page.evaluate("innerWidth")
-
-
-def test_tables_and_drawing_stay_in_their_boxes(page):
-    wide = page.evaluate(
-        """() => [...document.querySelectorAll('main *')].filter(one =>
-            !one.closest('.box') && !one.closest('.drawing') && !one.closest('.plotly-graph-div') &&
-            one.getBoundingClientRect().right > innerWidth + 1).map(one => one.outerHTML.slice(0, 80))"""
-    )
-    assert wide == []
-
-
 def test_the_plots_show_their_words_whole(page):
     """Titles, legend and tick labels lie inside their plot; the legend lies above the curves."""
     cut = page.evaluate(
@@ -135,24 +94,10 @@ def test_the_plots_show_their_words_whole(page):
             return legend.bottom > curves + rounding ? [...outside, plot.id + ': legend over the curves'] : outside;
         })""",
         ROUNDING_PX,
+        WIDTHS,
+        opened,
     )
     assert cut == []
-
-
-def test_tick_labels_do_not_overlap(page):
-    clashes = page.evaluate(
-        """() => [...document.querySelectorAll('.plotly-graph-div')].flatMap(plot =>
-            ['x', 'x2', 'x3', 'y', 'y2', 'y3'].flatMap(axis => {
-                const labels = [...plot.querySelectorAll(`.${axis}tick text`)].map(text =>
-                    ({text: text.textContent, box: text.getBoundingClientRect()})).filter(one => one.box.width > 0);
-                return labels.slice(1).filter((one, k) => {
-                    const before = labels[k].box;
-                    return one.box.left < before.right && before.left < one.box.right
-                        && one.box.top < before.bottom && before.top < one.box.bottom;
-                }).map(one => plot.id + ': ' + one.text);
-            }))"""
-    )
-    assert clashes == []
 
 
 def _boxes(page: Page, selector: str) -> list[dict]:
@@ -220,3 +165,43 @@ def test_pointing_at_a_curve_shows_its_numbers(page):
     shown = page.locator("#figure-14 .hoverlayer").text_content()
     assert "compensated" in shown
     assert "°" in shown
+
+
+# Light, dark, and without its script.
+
+CONTRAST = 4.5
+"""Least contrast of text on its ground, WCAG 2.2 AA."""
+
+_COLORS = """() => [
+    getComputedStyle(document.body).backgroundColor, getComputedStyle(document.querySelector('main p')).color,
+    document.getElementById('figure-14')._fullLayout.plot_bgcolor, document.querySelector('#figure-14 .ytick text').style.fill,
+]"""
+
+
+def _luminance(color: str) -> float:
+    """Relative luminance of ``rgb(1, 2, 3)`` or ``#010203``."""
+    hexadecimal = [int(color[k : k + 2], 16) for k in (1, 3, 5)] if color.startswith("#") else []
+    parts = [part / 255 for part in hexadecimal or map(int, re.findall(r"\d+", color)[:3])]
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return float(np.dot(linear, (0.2126, 0.7152, 0.0722)))
+
+
+def test_words_and_plots_can_be_read_in_light_and_dark(browser, pages):
+    with opened(browser, pages["us"], WIDTHS[0]) as window:
+        for scheme in ("dark", "light"):  # as the reader's system changes
+            window.emulate_media(color_scheme=scheme)
+            ground, ink, panel, ticks = map(_luminance, window.evaluate(_COLORS))
+            for back, front in ((ground, ink), (panel, ticks)):
+                dark, light = sorted((back, front))
+                assert (light + 0.05) / (dark + 0.05) >= CONTRAST
+                assert (back < front) == (scheme == "dark")
+
+
+def test_a_page_alone_says_what_it_misses(browser, pages, tmp_path):
+    alone = shutil.copy(pages["us"], tmp_path / "report.html")
+    window = browser.new_page()
+    window.goto(alone.as_uri())
+    missing = window.locator(".plotly-graph-div").all_inner_texts()
+    window.close()
+    assert len(missing) == PLOTS
+    assert all("drawn by plotly.min.js, which did not load" in one for one in missing)

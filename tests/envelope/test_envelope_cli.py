@@ -32,7 +32,7 @@ def test_the_built_in_loader_compared(run, tmp_path):
     assert (status, err) == (0, "")
     assert "passes in every case" in out
     assert f"Of {COUNT} programmed feels" in out
-    assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, SETTINGS, MAPS}
+    assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, SETTINGS, MAPS, "plotly.min.js"}
     with xr.open_dataset(tmp_path / "found" / MAPS, engine="scipy") as stored:
         assert stored["outcome"].shape == (3, CASES, 2, 3, 5)
     rows = list(csv.reader(io.StringIO((tmp_path / "found" / SETTINGS).read_text(encoding="utf-8"))))

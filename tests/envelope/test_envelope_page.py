@@ -1,25 +1,25 @@
 """The page of an envelope in a browser, at the width of a desk and of a phone."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page
 
 import forcefeel as ff
 from forcefeel.envelope.page.maps import COLORS
 from forcefeel.units import UnitSystem
-from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
+from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
-    WIDTHS,
-    browser,
-    test_nothing_is_asked_for_but_the_page,
+    test_a_page_is_small_and_every_plot_has_its_text,
+    test_heads_name_rows_and_columns_and_keep_their_words_whole,
+    test_nothing_is_asked_for_but_the_page_and_its_script,
     test_nothing_is_cut_off,
     test_tables_and_drawing_stay_in_their_boxes,
     test_the_console_is_silent,
+    test_the_navigation_stays_in_view,
+    test_the_tool_bar_leaves_the_legend_free,
     test_tick_labels_do_not_overlap,
+    views_of,
 )
-from tests.pages import opened
 
 pytestmark = pytest.mark.browser
 
@@ -40,7 +40,6 @@ ENVELOPES = {
     "compared": (lambda: ff.find_envelope(ff.elevator(), grid=GRID), UnitSystem.US),
     "stepped": (_stepped, UnitSystem.SI),
 }
-VIEWS = {f"{name}-{width}": (name, width) for name in ENVELOPES for width in WIDTHS}
 
 
 @pytest.fixture(scope="module")
@@ -49,11 +48,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {name: ff.envelope.write_envelope(make(), folder / name, units) for name, (make, units) in ENVELOPES.items()}
 
 
-@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
-def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811  the browser's fixture
-    name, width = request.param
-    with opened(browser, pages[name], width) as window:
-        yield window
+page = views_of(ENVELOPES)
 
 
 def test_the_maps_can_be_seen(page):

@@ -1,26 +1,26 @@
 """The page of a flight schedule in a browser, at the width of a desk and of a phone."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page
 
 import forcefeel as ff
 from forcefeel.flight_schedule import ScheduleAxis, ScheduleCheck, check_schedule, design_schedule, second_order_feel
 from forcefeel.flight_schedule.page.folder import write_schedule
 from forcefeel.units import UnitSystem
-from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
-    WIDTHS,
-    browser,
-    test_nothing_is_asked_for_but_the_page,
+from tests.pages import (  # noqa: F401  what is asked of every page
+    test_a_page_is_small_and_every_plot_has_its_text,
+    test_heads_name_rows_and_columns_and_keep_their_words_whole,
+    test_nothing_is_asked_for_but_the_page_and_its_script,
     test_nothing_is_cut_off,
     test_tables_and_drawing_stay_in_their_boxes,
     test_the_console_is_silent,
+    test_the_navigation_stays_in_view,
+    test_the_tool_bar_leaves_the_legend_free,
     test_tick_labels_do_not_overlap,
+    views_of,
 )
-from tests.pages import opened
 
 pytestmark = pytest.mark.browser
 
@@ -44,7 +44,6 @@ def _unstable_plane() -> ScheduleCheck:
 
 
 SCHEDULES = {"line": (_line, UnitSystem.US), "unstable": (_unstable_plane, UnitSystem.SI)}
-VIEWS = {f"{name}-{width}": (name, width) for name in SCHEDULES for width in WIDTHS}
 
 
 @pytest.fixture(scope="module")
@@ -53,11 +52,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {name: write_schedule(make(), folder / name, units) for name, (make, units) in SCHEDULES.items()}
 
 
-@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
-def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811  the browser's fixture
-    name, width = request.param
-    with opened(browser, pages[name], width) as window:
-        yield window
+page = views_of(SCHEDULES)
 
 
 def test_every_axis_has_its_panel_with_name_and_unit(page):
@@ -72,8 +67,8 @@ def test_every_axis_has_its_panel_with_name_and_unit(page):
 
 
 def test_the_verdict_is_the_table_s(page):
-    unstable = page.locator("#conclusions td:nth-child(4)")
-    bad = [cell for cell in page.locator("#conclusions table tbody td.bad").all_inner_texts() if cell]
+    unstable = page.locator("#stability td:nth-child(4)")
+    bad = [cell for cell in page.locator("#stability table tbody td.bad").all_inner_texts() if cell]
     verdict = page.inner_text(".verdict")
     assert unstable.count() == 3
     assert bool(bad) == verdict.startswith("Not stable")

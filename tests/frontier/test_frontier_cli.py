@@ -34,7 +34,7 @@ def test_the_built_in_loader(run, tmp_path):
     assert f"Of {COUNT} programmed feels" in out
     assert "bound on any linear law" in " ".join(out.split())
     assert "column half as heavy" in out
-    assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS}
+    assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, "plotly.min.js"}
     page = (tmp_path / "found" / PAGE).read_text(encoding="utf-8")
     text = re.sub(r"<[^>]*>", " ", re.sub(r"<(script|style).*?</\1>", "", page, flags=re.DOTALL))
     assert not re.search(r"\d\.\d{7}", text)

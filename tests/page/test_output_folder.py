@@ -9,8 +9,9 @@ import pytest
 from forcefeel.errors import InputError
 from forcefeel.page import staging
 from forcefeel.page.folder import OutputFolder
+from forcefeel.page.script import SCRIPT
 
-FOLDER = OutputFolder("the test", ("page.html", "results.json", "extra.csv"), ("tables",))
+FOLDER = OutputFolder("the test", ("page.html", "results.json", "extra.csv"), ("tables",), plots=False)
 OLD = {"results.json": "old", "extra.csv": "old", "page.html": "old"}
 NEW = {"tables/a.csv": b"new", "results.json": "new", "page.html": "new"}
 WRITTEN = dict.fromkeys(NEW, "new")
@@ -204,3 +205,15 @@ def test_files_are_replaced_only_where_that_is_said(out):
         InputError, match=r"out: holds page\.html already; name another folder with --out, or --replace"
     ):
         FOLDER.check(out, replace=False)
+
+
+def test_the_script_of_the_plots_comes_with_the_page_and_holds_nobody_up(tmp_path):
+    pages = OutputFolder("the test", ("page.html",))
+    pages.write(tmp_path / "out", {"page.html": "old"})
+    assert sorted(held(tmp_path / "out")) == ["page.html", SCRIPT]
+    (tmp_path / "out" / "page.html").unlink()
+    pages.check(tmp_path / "out", replace=False)
+    other = tmp_path / "other"
+    (other / SCRIPT).mkdir(parents=True)
+    with pytest.raises(InputError, match=rf"{SCRIPT}: is a folder; expected to write a file of that name"):
+        pages.check(other)

@@ -2,14 +2,12 @@
 
 import json
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page
 from scipy.optimize import brentq
 
 import forcefeel as ff
@@ -19,17 +17,21 @@ from forcefeel.qualification import Record
 from forcefeel.qualification.page import folder as qualification_folder
 from forcefeel.qualification.page.release_plot import release
 from forcefeel.units import UnitSystem
-from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
+from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
-    WIDTHS,
-    browser,
-    test_nothing_is_asked_for_but_the_page,
+    test_a_page_is_small_and_every_plot_has_its_text,
+    test_heads_name_rows_and_columns_and_keep_their_words_whole,
+    test_nothing_is_asked_for_but_the_page_and_its_script,
     test_nothing_is_cut_off,
     test_tables_and_drawing_stay_in_their_boxes,
     test_the_console_is_silent,
+    test_the_navigation_stays_in_view,
+    test_the_tool_bar_leaves_the_legend_free,
     test_tick_labels_do_not_overlap,
+    views_of,
+    words,
+    words_cut,
 )
-from tests.pages import opened, words, words_cut
 from tests.qualification_records import released, second_order
 
 FRICTION = {
@@ -107,9 +109,8 @@ def test_the_page_has_every_section_and_loads_nothing(pages, name):
     sections = {"conclusions", "conditions", "numbers", *(f"law-{law}" for law in SECTIONS[name])}
     assert text.startswith("<!DOCTYPE html>")
     assert set(re.findall(r'<section id="([\w-]+)"', text)) == sections
-    assert text.count("plotly.js v") == 1
     within = {f"#{section}" for section in sections} | {f"#{test}" for test in _articles(text)}
-    assert set(words(pages[name]).references) == {"results.json", "data:,"} | within
+    assert set(words(pages[name]).references) == {"plotly.min.js", "results.json", "data:,"} | within
 
 
 def _articles(text):
@@ -302,14 +303,8 @@ def _falls_to(share, damping, hertz):
 
 # In a browser.
 
-VIEWS = {f"{name}-{width}": (name, width) for name in MADE for width in WIDTHS}
 
-
-@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
-def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811
-    name, width = request.param
-    with opened(browser, pages[name], width) as window:
-        yield window
+page = views_of(MADE)
 
 
 @pytest.mark.browser
@@ -357,7 +352,7 @@ def test_no_heading_is_left_alone_at_the_foot_of_a_sheet(page):
 
 
 @pytest.mark.browser
-def test_the_pdf_holds_the_plots(browser, made, tmp_path, monkeypatch):  # noqa: F811
+def test_the_pdf_holds_the_plots(browser, made, tmp_path, monkeypatch):
     """Printed by the same Chromium; as vectors the plots make it larger than the words alone would."""
     monkeypatch.setenv("FORCEFEEL_CHROMIUM", find_chromium())
     page = ff.qualification.write_qualification(made["friction"], tmp_path, pdf=True)

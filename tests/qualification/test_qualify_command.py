@@ -16,7 +16,7 @@ import forcefeel as ff
 from forcefeel.cli import main
 from tests.command_line import runner
 
-WRITTEN = {"qualification.html", "results.json"}
+WRITTEN = {"plotly.min.js", "qualification.html", "results.json"}
 ANGLE_DEG = 5.0
 """A quarter of the 20 deg that a loader without stops is given."""
 FIVE_DIGITS_S = 5e-6

@@ -17,7 +17,7 @@ from forcefeel.units import factor
 UNSTABLE = ("feel.inertia=0.6 lb in s^2/rad", "feel.damping=3.04 lb in s/rad", "feel.stiffness=96 lb in/rad")
 ROUNDING = 1e-12  # relative; a conversion, and all digits written
 NINE_DIGITS = 1e-8  # relative rounding of nine significant digits
-WRITTEN = {"simulation.html", "history.csv", "results.json"}
+WRITTEN = {"simulation.html", "plotly.min.js", "history.csv", "results.json"}
 
 
 @pytest.fixture

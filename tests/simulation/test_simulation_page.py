@@ -3,13 +3,11 @@
 import json
 import math
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page
 
 import forcefeel as ff
 from forcefeel.loader.arms import ARM_ROWS, ARMS, Arm
@@ -20,17 +18,21 @@ from forcefeel.simulation.limits_met import known_measures
 from forcefeel.simulation.page.plots import MOST_POINTS
 from forcefeel.simulation.programmed_feel import ideal_angle
 from forcefeel.units import UnitSystem, factor
-from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
+from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
-    WIDTHS,
-    browser,
-    test_nothing_is_asked_for_but_the_page,
+    test_a_page_is_small_and_every_plot_has_its_text,
+    test_heads_name_rows_and_columns_and_keep_their_words_whole,
+    test_nothing_is_asked_for_but_the_page_and_its_script,
     test_nothing_is_cut_off,
     test_tables_and_drawing_stay_in_their_boxes,
     test_the_console_is_silent,
+    test_the_navigation_stays_in_view,
+    test_the_tool_bar_leaves_the_legend_free,
     test_tick_labels_do_not_overlap,
+    views_of,
+    words,
+    words_cut,
 )
-from tests.pages import opened, words, words_cut
 
 LB = factor("lb", "N")
 ROUNDING = 1e-9  # of the largest value; products of a few hundred matrices
@@ -74,8 +76,7 @@ def test_the_page_has_every_section_and_loads_nothing(pages, name):
     sections = [*SECTIONS, *(["loop-section"] if name in {"sweep", "chirp"} else [])]
     assert text.startswith("<!DOCTYPE html>")
     assert set(re.findall(r'<section id="([\w-]+)">', text)) == set(sections)
-    assert text.count("plotly.js v") == 1
-    beside = {"results.json", "history.csv", "data:,"}
+    beside = {"plotly.min.js", "results.json", "history.csv", "data:,"}
     assert set(words(pages[name]).references) == beside | {f"#{section}" for section in sections}
 
 
@@ -292,14 +293,8 @@ def test_a_long_curve_keeps_its_peaks():
 
 # In a browser.
 
-VIEWS = {f"{name}-{width}": (name, width) for name in RUNS for width in WIDTHS}
 
-
-@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
-def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811
-    name, width = request.param
-    with opened(browser, pages[name], width) as window:
-        yield window
+page = views_of(RUNS)
 
 
 @pytest.mark.browser

@@ -79,7 +79,7 @@ def test_a_monte_carlo_sweep_says_what_it_found(run, tmp_path):
     assert "overshoot, %" in out
     assert out.endswith("page: forcefeel-sweep/sweep.html\n")
     there = {path.name for path in (tmp_path / "forcefeel-sweep").iterdir()}
-    assert there == {"plan.json", "runs.nc", "summary.json", "envelope.csv", "sweep.html"}
+    assert there == {"plan.json", "runs.nc", "summary.json", "envelope.csv", "sweep.html", "plotly.min.js"}
 
 
 def test_json_alone_is_printed(run, tmp_path):

@@ -2,12 +2,10 @@
 
 import json
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from playwright.sync_api import Page
 
 import forcefeel as ff
 from forcefeel.errors import InputError
@@ -20,17 +18,20 @@ from forcefeel.sweep.page.folder import FOLDER, RUNS_FOLDER, write_sweep
 from forcefeel.sweep.page.plots import histogram
 from forcefeel.sweep.summary import summarize
 from forcefeel.units import UnitSystem
-from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
+from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
-    WIDTHS,
-    browser,
-    test_nothing_is_asked_for_but_the_page,
+    test_a_page_is_small_and_every_plot_has_its_text,
+    test_heads_name_rows_and_columns_and_keep_their_words_whole,
+    test_nothing_is_asked_for_but_the_page_and_its_script,
     test_nothing_is_cut_off,
     test_tables_and_drawing_stay_in_their_boxes,
     test_the_console_is_silent,
+    test_the_navigation_stays_in_view,
+    test_the_tool_bar_leaves_the_legend_free,
     test_tick_labels_do_not_overlap,
+    views_of,
+    words_cut,
 )
-from tests.pages import opened, words_cut
 from tests.sweeps import PUSH, nonlinear, small
 
 MOST_DIGITS = 7
@@ -177,14 +178,8 @@ def test_a_folder_where_a_file_is_to_be_is_refused(tmp_path, name):
 
 # In a browser.
 
-VIEWS = {f"{name}-{width}": (name, width) for name in SWEEPS for width in WIDTHS}
 
-
-@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
-def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811
-    name, width = request.param
-    with opened(browser, pages[name], width) as window:
-        yield window
+page = views_of(SWEEPS)
 
 
 @pytest.mark.browser

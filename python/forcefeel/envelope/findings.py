@@ -6,7 +6,7 @@ from math import inf, isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.conclusions import Conclusions, interval_text, of_result, share_text
+from forcefeel.conclusions import Conclusions, capital, interval_text, of_result, share_text
 from forcefeel.envelope.cases import Kind
 from forcefeel.envelope.result import MOST, Envelope
 from forcefeel.envelope.settings import AXES, Axis
@@ -168,8 +168,7 @@ def _passive(found: Envelope) -> str:
 
 
 def _sentence(name: str) -> str:
-    text = name_text(name)
-    return text[0].upper() + text[1:]
+    return capital(name_text(name))
 
 
 def _s(name: str) -> str:

@@ -18,7 +18,7 @@ LEAK = (
 def schedule_conclusions(found: ScheduleCheck) -> Conclusions:
     """The conclusions; ``good`` where every loop that was checked is stable."""
     verdict = _stable(found) if found.stable else _unstable(found)
-    lines = [_nearest(found), _margins(found), _knots(found), _between(found)]
+    lines = [_knots(found), _between(found), _margins(found), _nearest(found)]
     return Conclusions(found.stable, verdict, (*(line for line in lines if line), *_caveats(found)))
 
 

@@ -4,21 +4,30 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
+from markupsafe import Markup
 from numpy.typing import NDArray
+from plotly.io.json import to_json_plotly
 
+from forcefeel.page.description import described
 from forcefeel.page.palette import Look
+from forcefeel.page.script import SCRIPT
 
 _INK, _GRID, _AXIS = "#222222", "#E4E7EB", "#8A939E"
 _MARK = "#6B7580"
 _FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", Arial, sans-serif'
 
+_TOOLS_PX = 30
+"""Room right of the curves, in which the tool bar stands: above them it would hide the legend."""
+
 CONFIG = {
     "responsive": True,
     "displaylogo": False,
     "displayModeBar": "hover",
+    "showSendToCloud": False,
+    "plotlyServerURL": "",
     "modeBarButtonsToRemove": ["select2d", "lasso2d", "zoomIn2d", "zoomOut2d"],
 }
-"""Plotly's configuration: no logo, and only the buttons that a reader uses."""
+"""Plotly's configuration: no logo, nothing that sends a loader's data to anybody, and only the buttons that a reader uses."""
 
 ZERO = {"zeroline": True, "zerolinecolor": _MARK, "zerolinewidth": 1.5}
 """For an axis whose zero matters."""
@@ -51,13 +60,13 @@ def frame(picture: go.Figure, height: int, *, top: int = 32, hover: str = "x uni
         height=height,
         autosize=True,
         font={"family": _FONT, "size": 13, "color": _INK},
-        margin={"l": 66, "r": 22, "t": top, "b": 48},
+        margin={"l": 66, "r": _TOOLS_PX, "t": top, "b": 48},
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="#FFFFFF",
         hovermode=hover,
         hoverlabel={"bgcolor": "#FFFFFF", "bordercolor": _AXIS},
         legend={"orientation": "h", "x": 0, "xanchor": "left", "y": 1.01, "yanchor": "bottom", "font": {"size": 12.5}},
-        modebar={"bgcolor": "rgba(255,255,255,0.85)", "color": "#9AA3AD", "activecolor": _INK},
+        modebar={"orientation": "v", "bgcolor": "rgba(255,255,255,0.85)", "color": "#9AA3AD", "activecolor": _INK},
     )
     picture.update_xaxes(**_AXIS_STYLE)
     picture.update_yaxes(**_AXIS_STYLE)
@@ -77,9 +86,23 @@ def mark_level(picture: go.Figure, level: float, *, row: int) -> None:
         picture.add_hline(level, row=row, col=1, line={"color": _MARK, "width": 1})
 
 
-def html(picture: go.Figure, name: str) -> str:
-    """The plot as a piece of HTML that needs plotly.js in the page."""
-    return str(picture.to_html(full_html=False, include_plotlyjs=False, div_id=name, config=CONFIG))
+def html(picture: go.Figure, name: str) -> Markup:
+    """The plot as a piece of HTML that the page's script draws; without it, a sentence that says what is missing."""
+    found = picture.to_plotly_json()
+    return _PLOT.format(
+        name=name,
+        says=described(picture),
+        script=SCRIPT,
+        data=Markup(to_json_plotly(found["data"])),
+        layout=Markup(to_json_plotly(found["layout"])),
+    )
+
+
+_PLOT = Markup(
+    '<div id="{name}" class="plotly-graph-div" role="group" aria-label="{says}"><p class="missing">This plot is drawn by {script}, '
+    "which did not load: it must lie in one folder with this page, as forcefeel writes them.</p></div>\n"
+    '<script>draw("{name}", {data}, {layout})</script>'
+)
 
 
 def drawn(values: NDArray[np.float64], most: int) -> NDArray[np.intp]:

@@ -7,6 +7,7 @@ import tempfile
 from pathlib import Path
 
 from forcefeel.errors import InputError
+from forcefeel.page.script import SCRIPT, script
 
 VARIABLE = "FORCEFEEL_CHROMIUM"
 _NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
@@ -35,7 +36,7 @@ def page_pdf(page: str) -> bytes:
     """A page as PDF.
 
     Args:
-        page: HTML that needs nothing beside it.
+        page: HTML that needs nothing beside it but the script of its plots.
 
     Raises:
         InputError: If there is no Chromium, or it does not print.
@@ -44,6 +45,7 @@ def page_pdf(page: str) -> bytes:
     with tempfile.TemporaryDirectory(prefix="forcefeel-") as folder:
         source, printed = Path(folder) / "page.html", Path(folder) / "page.pdf"
         source.write_text(page, encoding="utf-8")
+        source.with_name(SCRIPT).write_text(script(), encoding="utf-8")
         command = [
             program,
             "--headless",

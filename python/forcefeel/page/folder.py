@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from forcefeel.errors import InputError
+from forcefeel.page.script import SCRIPT, script
 from forcefeel.page.staging import put
 
 
@@ -16,11 +17,13 @@ class OutputFolder:
         what: What it is for, as a message names it: ``the envelope``.
         files: Names of the files that the command writes, whether or not each time; one that a run does not write goes.
         folders: Names of folders within, of files that differ from run to run; what else is in them stays.
+        plots: Whether a page with plots is among the files: the script that draws them is written beside it.
     """
 
     what: str
     files: tuple[str, ...]
     folders: tuple[str, ...] = ()
+    plots: bool = True
 
     def check(self, out: Path, *, replace: bool = True, inputs: Sequence[Path] = ()) -> None:
         """Refuses what would fail halfway, before any work: a file where a folder is wanted, or the other way round.
@@ -42,12 +45,12 @@ class OutputFolder:
             raise InputError(
                 f"{out}: is a file; expected a folder for {self.what}; name another one, or move the file away"
             )
-        for name in self.files:
+        for name in (*self.files, *self._scripts):
             if (out / name).is_dir():
                 raise InputError(
                     f"{out / name}: is a folder; expected to write a file of that name; move the folder away"
                 )
-            if (out / name).exists() and not replace:
+            if name in self.files and (out / name).exists() and not replace:  # the script is the same in every folder
                 raise InputError(
                     f"{out}: holds {name} already; name another folder with --out, or --replace to replace it"
                 )
@@ -65,4 +68,8 @@ class OutputFolder:
         Raises:
             InputError: If the folder cannot be made or written.
         """
-        put(out, contents, self.files)
+        put(out, {**self._scripts, **contents}, self.files)
+
+    @property
+    def _scripts(self) -> dict[str, str | bytes]:
+        return {SCRIPT: script()} if self.plots else {}

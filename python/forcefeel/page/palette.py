@@ -49,5 +49,34 @@ def look(figure: str, label: str, position: int) -> Look:
         position: Its place among the figure's curves.
     """
     if figure == "figure-02":
-        return Look(COMPLIANT, "dash") if label.startswith("linear") else Look(_VALVE[position % len(_VALVE)])
+        return Look(COMPLIANT, "dash") if label.startswith("tangent") else Look(_VALVE[position % len(_VALVE)])
     return _SETTINGS.get(figure, {}).get(label) or _LOOKS.get(label) or Look(IDEAL)
+
+
+DARK = {
+    "#FFFFFF": "#171C21",
+    "#222222": "#E6EAEE",
+    "#E4E7EB": "#2B323A",
+    "#8A939E": "#7F8A96",
+    "#6B7580": "#9AA5B1",
+    "#9AA3AD": "#7F8A96",
+    "#C3CAD2": "#4A545F",
+    "#D9DEE4": "#39424B",
+    "#F3D6D2": "#6B2F2B",
+    "#B3261E": "#F28B82",
+    RIGID: "#4BA3DE",
+    COMPLIANT: "#F0803C",
+    COMPENSATED: "#2DBE94",
+    _OCHRE: "#DDA63A",
+    _PURPLE: "#D98CC0",
+    "#8DBBDD": "#5E93BA",
+    "#9ECAE1": "#33658F",
+    "#6BAED6": "#4585B5",
+    "#2171B5": "#6BAED6",
+    "#084594": "#B3D7F0",
+    "rgba(255,255,255,0.75)": "rgba(23,28,33,0.75)",
+    "rgba(255,255,255,0.8)": "rgba(23,28,33,0.8)",
+    "rgba(255,255,255,0.85)": "rgba(23,28,33,0.85)",
+    "rgba(34,34,34,0.10)": "rgba(230,234,238,0.12)",
+}
+"""What a colour of the plots becomes on a dark page; one that is not here stays, as do the scales of maps."""

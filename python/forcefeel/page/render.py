@@ -1,4 +1,4 @@
-"""A page from its template: everything in one file, so that it opens offline."""
+"""A page from its template: in one file but for the script of its plots, which lies beside it, so that it opens offline."""
 
 from functools import cache
 from importlib.metadata import version
@@ -7,23 +7,24 @@ from typing import Any
 import jinja2
 import plotly.graph_objects as go
 from markupsafe import Markup
-from plotly.offline import get_plotlyjs
 
 from forcefeel.conclusions import capital
-from forcefeel.page.canvas import html
+from forcefeel.page.canvas import CONFIG, html
+from forcefeel.page.palette import DARK
+from forcefeel.page.script import SCRIPT
 from forcefeel.page.typography import change_text, number_text, percent_text, prose_html, symbol_html, symbol_svg
 from forcefeel.templating import environment
 
 
 def render(template: str, /, **values: Any) -> str:
-    """The page of ``template`` with ``values``, the program's version and Plotly's script."""
+    """The page of ``template`` with ``values``, the program's version and what draws its plots."""
     page = _templates().get_template(template)
-    return page.render(version=version("forcefeel"), plotly_js=Markup(get_plotlyjs()), **values)
+    return page.render(version=version("forcefeel"), script=SCRIPT, config=CONFIG, dark_colors=DARK, **values)
 
 
 def drawing(drawn: go.Figure, key: str) -> Markup:
     """A plot for a page; ``key`` is its anchor."""
-    return Markup(html(drawn, key))
+    return html(drawn, key)
 
 
 @cache

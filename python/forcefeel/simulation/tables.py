@@ -78,7 +78,7 @@ class Column:
 
 
 @of_result
-def measure_rows(run: Run, units: UnitSystem) -> tuple[tuple[str, str, str], ...]:
+def measure_rows(run: Run, units: UnitSystem, digits: int = 4) -> tuple[tuple[str, str, str], ...]:
     """Name, value and unit of each measure that there is; a dash for an overshoot that there cannot be, and why."""
     found, hints = known_measures(run), get_type_hints(Measures, include_extras=True)
     rows = []
@@ -90,7 +90,7 @@ def measure_rows(run: Run, units: UnitSystem) -> tuple[tuple[str, str, str], ...
             continue
         if key == "overshoot":
             measured_in = PERCENT
-        rows.append((name, to_text(measured_in.from_si(value, units)), measured_in.shown(units)))
+        rows.append((name, to_text(measured_in.from_si(value, units), digits), measured_in.shown(units)))
     return tuple(rows)
 
 

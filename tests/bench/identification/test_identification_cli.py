@@ -95,7 +95,7 @@ def test_a_loader_is_identified_from_a_response(identify, tmp_path):
     status, out, err = identify(*GOOD, "--starts", "2", "--out", "found")
     assert (status, err) == (0, "")
     assert "All 3 parameters are determined" in out
-    assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, LOADER}
+    assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, LOADER, "plotly.min.js"}
     results = json.loads((tmp_path / "found" / RESULTS).read_text(encoding="utf-8"))
     file, after = ff.elevator(), ff.load(tmp_path / "found" / LOADER)
     for one in results["parameters"]:

@@ -1,28 +1,29 @@
 """The page of an identification in a browser, at the width of a desk and of a phone."""
 
 import dataclasses
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page
 
 from forcefeel.bench.identification.as_json import FitSettings
 from forcefeel.bench.identification.page.folder import write_identification
 from forcefeel.bench.identification.result import Identification
 from forcefeel.units import UnitSystem
-from tests.design.test_report_in_browser import (  # noqa: F401  the same demands on another page
+from tests.identifications import determined, record_fitted, response_fitted, secrets_in, undetermined
+from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
-    WIDTHS,
-    browser,
-    test_nothing_is_asked_for_but_the_page,
+    test_a_page_is_small_and_every_plot_has_its_text,
+    test_heads_name_rows_and_columns_and_keep_their_words_whole,
+    test_nothing_is_asked_for_but_the_page_and_its_script,
     test_nothing_is_cut_off,
     test_tables_and_drawing_stay_in_their_boxes,
     test_the_console_is_silent,
+    test_the_navigation_stays_in_view,
+    test_the_tool_bar_leaves_the_legend_free,
     test_tick_labels_do_not_overlap,
+    views_of,
+    words_cut,
 )
-from tests.identifications import determined, record_fitted, response_fitted, secrets_in, undetermined
-from tests.pages import opened, words_cut
 
 pytestmark = pytest.mark.browser
 
@@ -42,7 +43,6 @@ CASES = {
     "undetermined": (undetermined, UnitSystem.SI),
     "records": (_records_alone, UnitSystem.SI),
 }
-VIEWS = {f"{name}-{width}": (name, width) for name in CASES for width in WIDTHS}
 
 
 @pytest.fixture(scope="module")
@@ -55,12 +55,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     }
 
 
-@pytest.fixture(scope="module", params=VIEWS.values(), ids=VIEWS)
-def page(request, browser, pages) -> Iterator[Page]:  # noqa: F811  the browser's fixture
-    name, width = request.param
-    with opened(browser, pages[name], width) as window:
-        window.case = name
-        yield window
+page = views_of(CASES)
 
 
 def test_the_plots_show_their_words_whole(page):
@@ -74,7 +69,7 @@ def test_each_set_of_data_has_its_plot_and_its_row(page):
         "undetermined": ["estimates-plot", "response-0"],
         "records": ["estimates-plot", "record-0", "record-1"],
     }
-    assert names == expected[page.case]
+    assert names == expected[page.called]
     assert page.locator("#data tbody tr").count() == len(names) - 1
 
 
@@ -97,27 +92,27 @@ def test_measured_before_and_fitted_are_all_drawn(page):
 
 def test_a_response_has_its_panels(page):
     plot = page.locator("#response-0")
-    if page.case == "records":
+    if page.called == "records":
         assert plot.count() == 0
         return
     titles = plot.locator("text[class$='title']").all_text_contents()
-    assert [title for title in titles if title.startswith(("Gain", "Phase", "Left"))] == [
+    assert [title for title in titles if title.startswith(("Gain", "Phase", "Residual"))] == [
         "Gain, dB re 1 deg/V",
         "Phase, deg",
-        "Left, %",
+        "Residual, %",
     ]
-    assert ("Coherence" in titles) == (page.case == "determined")
+    assert ("Coherence" in titles) == (page.called == "determined")
     assert "95 % of the noise" in plot.locator(".legendtext").all_text_contents()
 
 
 def test_units_are_the_system_s(page):
     text = page.inner_text("#estimates")
-    assert ("lb/in" in text) == (page.case == "determined")
-    assert ("N/cm" in text) == (page.case != "determined")
+    assert ("lb/in" in text) == (page.called == "determined")
+    assert ("N/cm" in text) == (page.called != "determined")
 
 
 def test_the_verdict_and_what_follows_from_it(page):
-    lost = page.case == "undetermined"
+    lost = page.called == "undetermined"
     assert page.inner_text(".verdict").startswith(
         "2 of 3 parameters are not determined" if lost else "All 5 parameters are determined"
     )
@@ -129,32 +124,32 @@ def test_the_verdict_and_what_follows_from_it(page):
 
 def test_what_is_not_determined_stands_without_a_number(page):
     cells = page.locator("#estimates tbody td:nth-child(4)").all_inner_texts()
-    assert cells.count("not determined") == (2 if page.case == "undetermined" else 0)
-    if page.case == "undetermined":
+    assert cells.count("not determined") == (2 if page.called == "undetermined" else 0)
+    if page.called == "undetermined":
         annotations = page.locator("#estimates-plot .annotation-text").all_text_contents()
         assert annotations == ["not determined", "not determined"]
         assert secrets_in(page.inner_text("body")) == []
 
 
 def test_the_correlations_are_a_square(page):
-    count = 3 if page.case == "undetermined" else 5
+    count = 3 if page.called == "undetermined" else 5
     assert page.locator("#correlation tbody tr").count() == count
     assert page.locator("#correlation tbody td").count() == count * count
     assert page.locator("#correlation tbody tr:first-child td:nth-child(2)").inner_text() == "1"
 
 
 def test_the_rigid_link_has_its_table_where_it_was_judged(page):
-    assert page.locator("#rigid").count() == (1 if page.case == "determined" else 0)
-    if page.case == "determined":
+    assert page.locator("#rigid").count() == (1 if page.called == "determined" else 0)
+    if page.called == "determined":
         assert "34 %" in page.inner_text("#rigid")
 
 
 def test_every_link_of_the_page_leads_somewhere(page, pages):
     targets = [one.get_attribute("href") for one in page.locator("a").all()]
-    folder = pages[page.case].parent
+    folder = pages[page.called].parent
     for target in targets:
         if target.startswith("#"):
             assert page.locator(target).count() == 1
         else:
             assert (folder / target).is_file()
-    assert (folder / "loader.toml").is_file() == (page.case != "undetermined")
+    assert (folder / "loader.toml").is_file() == (page.called != "undetermined")

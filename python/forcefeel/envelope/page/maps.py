@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from forcefeel.envelope.result import COLORS, Envelope
 from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.page.marks import marks
 from forcefeel.page.typography import number_text
 from forcefeel.units import HERTZ, UnitSystem
 
@@ -147,6 +148,23 @@ def _own(found: Envelope) -> tuple[int, float, float]:
     row = int(np.argmin(np.abs(np.array(settings.damping) - ratio)))
     x = _place(np.array(settings.stiffness), share, WIDTH)
     return row, x, HEIGHT - _place(np.array(settings.frequency), frequency, HEIGHT)
+
+
+def numbers(found: Envelope, units: UnitSystem) -> dict[str, Markup]:
+    """The numbers along the edges of each map."""
+    settings = found.plan.settings
+    along = {
+        "x": (np.array(settings.stiffness), [number_text(100 * value, 3) for value in settings.stiffness], "%"),
+        "y": (
+            np.array(settings.frequency),
+            [number_text(HERTZ.from_si(value, units), 3) for value in settings.frequency],
+            "Hz",
+        ),
+    }
+    return {
+        axis: marks(axis, [_place(points, value, 1.0) for value in points.tolist()], texts, unit)
+        for axis, (points, texts, unit) in along.items()
+    }
 
 
 def shows_own(found: Envelope) -> bool:

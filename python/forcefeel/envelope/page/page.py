@@ -27,6 +27,7 @@ def envelope_page(found: Envelope, units: UnitSystem) -> str:
         legend=envelope_maps.legend(found),
         shows_own=envelope_maps.shows_own(found),
         spans=envelope_maps.spans(found, units),
+        numbers=envelope_maps.numbers(found, units),
         nominal=envelope_maps.rows(found, worst=False),
         worst=envelope_maps.rows(found, worst=True),
         failures=envelope_tables.failures(found),

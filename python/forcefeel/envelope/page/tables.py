@@ -9,7 +9,7 @@ from forcefeel.envelope.result import MOST, Envelope, Failure
 from forcefeel.envelope.settings import AXES
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.table import Cell, Table, heads, number, words
-from forcefeel.page.typography import NONE, heading_text, number_text, parameter_name, value_text
+from forcefeel.page.typography import NONE, heading_text, number_text, parameter_name, prose_html, value_text
 from forcefeel.units import HERTZ, INERTIA, UnitSystem
 
 _BAD = (240, 140, 60)
@@ -146,7 +146,9 @@ def grid(found: Envelope, system: UnitSystem) -> Table:
     for name, axis in AXES.items():
         values = getattr(found.plan.settings, name)
         ends = (number(number_text(axis.unit.from_si(value, system), 3)) for value in (values[0], values[-1]))
-        rows.append((words(capital(axis.title)), *ends, Cell(axis.unit.shown(system)), number(str(len(values)))))
+        rows.append(
+            (words(prose_html(capital(axis.title))), *ends, Cell(axis.unit.shown(system)), number(str(len(values))))
+        )
     head = (Cell("Axis"), Cell("From", "number"), Cell("To", "number"), Cell("Unit"), Cell("Values", "number"))
     return Table(head, tuple(rows))
 

@@ -50,7 +50,7 @@ def poles(found: ScheduleCheck) -> go.Figure:
 
 
 def gains(schedule: FlightSchedule, refine: int, units: UnitSystem) -> go.Figure:
-    """What the command hears of each signal over each axis, the other axes at their middle knot; shares of the largest."""
+    """The command's gain on each signal over each axis, the other axes at their middle knot; shares of the largest."""
     picture = _panels(schedule)
     middle = [[axis.values[len(axis.values) // 2]] for axis in schedule.axes]
     for row, axis in enumerate(schedule.axes):

@@ -56,15 +56,16 @@ def knots(found: ScheduleCheck, units: UnitSystem) -> Table:
                 *(number(value_text(float(value), one, units)) for value, one in feel),
                 number(number_text(float(frequency[k]) / (2 * np.pi), 3)),
                 number(number_text(float(damping[k]), 3)),
+                words(outcomes[k], bad=outcomes[k] != "passes"),
                 number(_magnitude(float(critical[0, k])), bad=critical[0, k] >= 1),
                 number(_magnitude(float(critical[:, k].max())), bad=critical[:, k].max() >= 1),
-                words(outcomes[k], bad=outcomes[k] != "passes"),
             )
         )
     names = [_axis_head(schedule, k) for k in range(len(schedule.axes))]
     names += [heading_text(symbol, one, units) for symbol, one in zip("IBG", FEEL_UNITS, strict=True)]
-    names += ["Frequency, Hz", "Damping ratio", "Pole, nominal", "Pole, worst case"]
-    return Table((*heads(*names), Cell("Release")), tuple(rows))
+    names += ["Frequency, Hz", "Damping ratio"]
+    poles = (Cell(name, "number") for name in ("Pole, nominal", "Pole, worst case"))
+    return Table((*heads(*names), Cell("Release"), *poles), tuple(rows))
 
 
 def middle(found: ScheduleCheck) -> Table:

@@ -3,6 +3,7 @@
 Stiffness runs to the right, natural frequency up; cells are of one size, whatever lies between the values of the grid.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from forcefeel.conclusions import share_text
 from forcefeel.frontier.result import Frontier, Limit
+from forcefeel.page.marks import marks
 from forcefeel.page.typography import number_text
 from forcefeel.units import HERTZ, UnitSystem
 
@@ -36,17 +38,32 @@ class Panel:
     Attributes:
         title: The damping ratio.
         drawing: The SVG.
+        stiffness: Numbers below it.
+        frequency: Numbers beside it.
     """
 
     title: str
     drawing: Markup
+    stiffness: Markup
+    frequency: Markup
 
 
-def panels(found: Frontier) -> tuple[Panel, ...]:
+def panels(found: Frontier, units: UnitSystem) -> tuple[Panel, ...]:
     """The maps by damping ratio; of more than eight, eight evenly spread."""
-    damping = found.plan.settings.damping
+    settings = found.plan.settings
+    damping = settings.damping
+    percent = [number_text(100 * value, 3) for value in settings.stiffness]
+    hertz = [number_text(HERTZ.from_si(value, units), 3) for value in settings.frequency]
+    numbers = (marks("x", _middles(percent), percent, "%"), marks("y", _middles(hertz), hertz, "Hz"))
     shown = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_PANELS, len(damping))).round().astype(int))
-    return tuple(Panel(f"ζ = {number_text(damping[k], 3)}", _drawing(found.limits[k])) for k in map(int, shown))
+    return tuple(
+        Panel(f"ζ = {number_text(damping[k], 3)}", _drawing(found.limits[k]), *numbers) for k in map(int, shown)
+    )
+
+
+def _middles(values: Sequence[str]) -> list[float]:
+    """Where the middles of so many cells of one size lie."""
+    return [(k + 0.5) / len(values) for k in range(len(values))]
 
 
 def legend(found: Frontier) -> tuple[tuple[str, str, str], ...]:

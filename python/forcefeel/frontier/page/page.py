@@ -27,7 +27,7 @@ def frontier_page(found: Frontier, units: UnitSystem) -> str:
         conclusions=frontier_conclusions(found, units),
         curves=drawing(frontier_plots.shares(found), "shares"),
         tolerances=frontier_tables.tolerances(found),
-        panels=frontier_maps.panels(found),
+        panels=frontier_maps.panels(found, units),
         legend=frontier_maps.legend(found),
         spans=frontier_maps.spans(found, units),
         costs=frontier_tables.costs(found),

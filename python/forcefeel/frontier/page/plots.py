@@ -21,13 +21,13 @@ def shares(found: Frontier) -> go.Figure:
     curves = (
         ("bound on any linear law", found.bound.errors, found.bound.shares, Look(IDEAL, "dot")),
         (
-            "achieved, inertia and geometry tightened",
+            "inertia and geometry tightened",
             tight.inertia_and_geometry.tolerances,
             tight.inertia_and_geometry.shares,
             Look(COMPENSATED, "solid", 2.8),
         ),
         (
-            "achieved, all in proportion",
+            "all tightened in proportion",
             tight.all_in_proportion.tolerances,
             tight.all_in_proportion.shares,
             Look(COMPLIANT, "dash"),

@@ -10,7 +10,7 @@ from forcefeel.frontier.friction import FORCE
 from forcefeel.frontier.result import Frontier
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.table import Cell, Table, heads, number, words
-from forcefeel.page.typography import NONE, number_text, parameter_name, quantity_text
+from forcefeel.page.typography import NONE, number_text, parameter_name, prose_html, quantity_text
 from forcefeel.units import FLOW, INERTIA, UnitSystem
 
 _MINUS = "\N{MINUS SIGN}"
@@ -151,7 +151,7 @@ def grid(found: Frontier, system: UnitSystem) -> Table:
     for name, axis in AXES.items():
         values = [number_text(axis.unit.from_si(one, system), 3) for one in getattr(found.plan.settings, name)]
         title = axis.title[:1].upper() + axis.title[1:]
-        rows.append((words(title), words(", ".join(values)), Cell(axis.unit.shown(system))))
+        rows.append((words(prose_html(title)), words(", ".join(values)), Cell(axis.unit.shown(system))))
     return Table((Cell("Axis"), Cell("Values"), Cell("Unit")), tuple(rows))
 
 

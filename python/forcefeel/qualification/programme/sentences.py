@@ -2,7 +2,7 @@
 
 from math import isfinite
 
-from forcefeel.conclusions import Conclusions, of_result
+from forcefeel.conclusions import Conclusions, capital, of_result
 from forcefeel.qualification import Outcome, Verdict
 from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT
@@ -229,4 +229,4 @@ def recorded(found: Qualification, kind: str) -> bool:
 
 
 def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}".rstrip(".") + "."
+    return capital(text).rstrip(".") + "."

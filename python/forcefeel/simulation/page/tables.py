@@ -4,6 +4,7 @@ from math import isfinite
 
 from markupsafe import Markup
 
+from forcefeel.conclusions import capital
 from forcefeel.loader.curves import CURVES
 from forcefeel.loader.parameters import TABLE, is_switch
 from forcefeel.page.table import Cell, Table, number, words
@@ -28,8 +29,8 @@ _METHODS = {
 def measured(run: Run, system: UnitSystem) -> Table:
     """The measures."""
     rows = [
-        (words(_sentence(name)), number(value.replace("-", "\N{MINUS SIGN}")), Cell(unit_text(unit)))
-        for name, value, unit in measure_rows(run, system)
+        (words(capital(name)), number(value.replace("-", "\N{MINUS SIGN}")), Cell(unit_text(unit)))
+        for name, value, unit in measure_rows(run, system, digits=3)
     ]
     return Table((Cell("Measure"), Cell("Value", "number"), Cell("Unit")), tuple(rows))
 
@@ -106,7 +107,3 @@ def _value(run: Run, key: str, system: UnitSystem) -> str:
 def _effect(meaning: str, key: str) -> Markup:
     """An effect and its row in the loader file."""
     return prose_html(meaning) + Markup(" <small>{}</small>").format(key)
-
-
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:]

@@ -19,7 +19,7 @@ PAGE, SUMMARY, ENVELOPE = "sweep.html", "summary.json", "envelope.csv"
 FOLDER = OutputFolder("the sweep", (PAGE, SUMMARY, ENVELOPE))
 """What the report writes."""
 
-RUNS_FOLDER = OutputFolder("the sweep", (PLAN, RUNS), (CHUNKS,))
+RUNS_FOLDER = OutputFolder("the sweep", (PLAN, RUNS), (CHUNKS,), plots=False)
 """What the runs leave."""
 
 

@@ -24,7 +24,7 @@ MOST_SWINGS, SHOWN_SWINGS = 100, 40
 """Crossings of its mean up to which a channel is drawn whole, and how many are drawn of one that has more."""
 
 _NORMAL_95 = 1.96
-_MEASURED, _FITTED, _BEFORE = Look("#8DBBDD", "solid", 1.4), Look(COMPENSATED, "solid", 2.2), Look(IDEAL, "dash", 1.6)
+_MEASURED, _FITTED, _BEFORE = Look("#8DBBDD", "solid", 3.4), Look(COMPENSATED, "solid", 1.8), Look(IDEAL, "dash", 1.6)
 _MISSED, _BAND = "#A8568A", "rgba(138,147,158,0.22)"
 _DB = 20 / math.log(10)
 """Decibels of a relative error."""
@@ -138,7 +138,7 @@ def record(one: Fitted, units: UnitSystem) -> go.Figure:
     frame(picture, 520, top=60)
     picture.update_yaxes(automargin=True)  # small errors have long numbers
     picture.update_yaxes(title_text=f"{one.channel.replace('_', ' ').capitalize()}, {unit}", row=1, col=1)
-    picture.update_yaxes(title_text=f"Left, {unit}", row=2, col=1, **ZERO)
+    picture.update_yaxes(title_text=f"Residual, {unit}", row=2, col=1, **ZERO)
     for row, at in ((1, one.at[near]), (2, one.at)):
         picture.update_xaxes(range=[float(at[0]), float(at[-1])], title_text="Time, s", row=row, col=1)
     picture.update_xaxes(unifiedhovertitle={"text": "%{x:.4~f} s"})
@@ -185,14 +185,16 @@ def _overlay(
     error: NDArray[np.float64] | None,
     unit: str,
 ) -> None:
-    """Measured points with their bars under the two models' lines."""
+    """Measured points with their bars over the two models' lines."""
     hover = f"%{{y:.4~g}}{unit}"
+    for name, look in (("the file's model", _BEFORE), ("fitted", _FITTED)):
+        _line(picture, row, at, curves[name], name, look, hover)
     bars = {} if error is None else {"error_y": {"array": error, "color": RIGID, "thickness": 1.2, "width": 2}}
     picture.add_scatter(
         x=at,
         y=curves["measured"],
         mode="markers",
-        marker={"color": RIGID, "size": 5},
+        marker={"color": RIGID, "size": 6},
         name="measured" if error is None else "measured, 95 %",
         showlegend=row == 1,
         hovertemplate=hover,
@@ -200,8 +202,6 @@ def _overlay(
         col=1,
         **bars,
     )
-    for name, look in (("the file's model", _BEFORE), ("fitted", _FITTED)):
-        _line(picture, row, at, curves[name], name, look, hover)
 
 
 def _left_of_response(picture: go.Figure, one: Fitted, data: Response) -> None:
@@ -233,7 +233,7 @@ def _left_of_response(picture: go.Figure, one: Fitted, data: Response) -> None:
         )
     # The points are what is to be seen; lines of a wide band may leave the panel.
     view = _ROOM * max(float(np.abs(error.real).max()), float(np.abs(error.imag).max()), _LEAST_LEFT)
-    picture.update_yaxes(title_text="Left, %", range=[-view, view], row=3, col=1, **ZERO)
+    picture.update_yaxes(title_text="Residual, %", range=[-view, view], row=3, col=1, **ZERO)
 
 
 def _noise(one: Fitted, data: Response) -> NDArray[np.float64]:

@@ -126,7 +126,7 @@ def data(found: Identification, units: UnitSystem) -> Table:
     """Every set of data: what it is, and what the fit leaves of it."""
     head = (
         *(Cell(text, "words") for text in ("Data", "Experiment", "What")),
-        *(Cell(text, "number") for text in ("Points", "Span", "Left, r.m.s.", "Noise")),
+        *(Cell(text, "number") for text in ("Points", "Span", "Residual, r.m.s.", "Noise")),
         Cell("SHA-256"),
     )
     return Table(head, tuple(_data(one, units) for one in found.fitted))
