@@ -374,7 +374,7 @@ def test_records_of_unknown_tests_and_bad_setups():
         qualify_loader(ff.elevator(), QualificationSetup(laws=("best",)))
     with pytest.raises(InputError, match="axis: part60-a-2014 has tests for"):
         qualify_loader(ff.elevator(), QualificationSetup(axis="collective"))
-    with pytest.raises(InputError, match="edition: expected one of"):
+    with pytest.raises(InputError, match="rule: expected one of"):
         qualify_loader(ff.elevator(), QualificationSetup(rule="part60-z"))
 
 

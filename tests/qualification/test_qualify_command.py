@@ -328,7 +328,7 @@ def test_a_time_in_another_unit_than_is_said(run, tmp_path):
     [
         (["--throw", "20"], "--throw: expected a number with its unit"),
         (["--throw", "-5 deg"], "throw: expected an angle above 0"),
-        (["--rule", "part61"], "edition: expected one of"),
+        (["--rule", "part61"], "rule: expected one of"),
         (["--axis", "collective"], "axis: part60-a-2014 has tests for"),
         (["--record", "a.csv", "--compare"], "--compare: is about the simulated loader"),
         (["--record", "a.csv", "--law", "published"], "--law: is about the simulated loader"),

@@ -192,7 +192,7 @@ def test_a_table_that_breaks_a_law_is_refused(text, message):
 
 def test_what_is_not_there_is_said():
     rules = load_rules(DEFAULT_EDITION)
-    with pytest.raises(InputError, match=r"edition: expected one of cs-fstd-a, .* got 'part61'"):
+    with pytest.raises(InputError, match=r"rule: expected one of cs-fstd-a, .* got 'part61'"):
         load_rules("part61")
     with pytest.raises(InputError, match=r"test: expected one of part60-a-2014: 2\.a\.1\.a, .*; got '9'"):
         rules.test("9")

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group
-from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
@@ -213,14 +212,17 @@ def _law(loader: "Loader", scored: "Scored", choice: "Choice | None") -> "Law | 
     )
 
 
-def _show(console: Console, scored: "Scored", choice: "Choice | None", units: UnitSystem) -> None:
+def _show(console: Terminal, scored: "Scored", choice: "Choice | None", units: UnitSystem) -> None:
     from forcefeel.choice.findings import choice_conclusions, design_conclusions
 
-    console.print(_table(scored, choice))
+    console.show(_table(scored, choice), on_the_page=_MARGINS)
     said = design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units)
     console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
     for finding in said.findings:
         console.print(f"- {finding}", highlight=False)
+
+
+_MARGINS = ("gain", "phase deg", "delay ms")
 
 
 def _table(scored: "Scored", choice: "Choice | None") -> Table:
@@ -228,10 +230,10 @@ def _table(scored: "Scored", choice: "Choice | None") -> Table:
     table.add_column("method", no_wrap=True)
     over = scored.scores[0].over is not None
     names = ["every case", "nominal", "stable"] if over else []
-    names += ["release", "gain", "phase deg", "delay ms", "current"]
+    names += ["release", *_MARGINS, "current"]
     names += ["noise mdeg"] if scored.sampled else []
     for name in names:
-        table.add_column(name, justify="right")
+        table.add_column(name, justify="left" if name == "release" else "right")
     for score in scored.scores:
         taken = choice is not None and score.name == choice.chosen
         table.add_row(score.name, *_cells(score), style="bold" if taken else None)

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group
-from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.law_option import LAW_METAVAR, LAW_NAMES
@@ -108,7 +107,7 @@ def run(path: LoaderFile = None, /, *, options: EnvelopeOptions = EnvelopeOption
         print(f"page: {page}")
 
 
-def _show(console: Console, found: "Envelope", units: UnitSystem) -> None:
+def _show(console: Terminal, found: "Envelope", units: UnitSystem) -> None:
     from forcefeel.envelope.findings import envelope_conclusions
 
     table = Table("compensator", title="Shares of the settings", title_justify="left", title_style="bold")
@@ -117,9 +116,9 @@ def _show(console: Console, found: "Envelope", units: UnitSystem) -> None:
     for name in found.compensators:
         one = found.shares(name)
         table.add_row(name, *map(share_text, (one.stable, one.passes, one.stable_worst, one.passes_worst)))
-    console.print(table)
+    console.show(table)
     if found.plan.machines:
-        console.print(_drawn(found))
+        console.show(_drawn(found))
     said = envelope_conclusions(found, units)
     console.print(said.verdict, style="bold", highlight=False)
     for finding in said.findings:

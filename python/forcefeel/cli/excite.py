@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Group
-from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
@@ -220,7 +219,7 @@ def _limit(name: str, given: str, drive: "Drive") -> float:
     )
 
 
-def _show(console: Console, found: "Excitation", units: UnitSystem) -> None:
+def _show(console: Terminal, found: "Excitation", units: UnitSystem) -> None:
     from forcefeel.bench.identification.digits import percent
     from forcefeel.loader.parameters import TABLE, with_unit
 
@@ -243,8 +242,8 @@ def _show(console: Console, found: "Excitation", units: UnitSystem) -> None:
             limit.reason,
         )
     console.print(f"{found.experiment}: {found.words}", highlight=False)
-    console.print(parameters)
-    console.print(limits)
+    console.show(parameters)
+    console.show(limits)
     console.print(found.verdict, style="bold red" if found.vague else "bold", highlight=False)
     for finding in found.findings(units):
         console.print(f"- {finding}", highlight=False)

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.law_option import LAW_METAVAR
@@ -89,11 +88,11 @@ def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOption
         print(f"page: {page}")
 
 
-def _show(console: Console, found: "Frontier", units: UnitSystem) -> None:
+def _show(console: Terminal, found: "Frontier", units: UnitSystem) -> None:
     from forcefeel.frontier.findings import frontier_conclusions
 
-    console.print(_tolerances(found))
-    console.print(_hardware(found))
+    console.show(_tolerances(found))
+    console.show(_hardware(found))
     said = frontier_conclusions(found, units)
     console.print(said.verdict, style="bold", highlight=False)
     for finding in said.findings:

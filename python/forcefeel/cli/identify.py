@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Group
-from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.bench_data import DATA, BenchOptions
@@ -188,24 +187,19 @@ _COLUMNS: Mapping[str, Literal["left", "right"]] = {
     "95 % interval": "right",
     "status": "left",
 }
-_WIDE, _WIDE_ONLY = 120, ("error", "95 % interval")
-"""Characters from which on a terminal has room for all columns, and those that the page has too."""
 
 
-def _show(console: Console, found: "Identification", units: UnitSystem) -> None:
+def _show(console: Terminal, found: "Identification", units: UnitSystem) -> None:
     from forcefeel.bench.identification.findings import identification_conclusions
 
     table = Table(
         title=f"{found.before.name}, identified; error is the standard error", title_justify="left", title_style="bold"
     )
-    narrow = console.width < _WIDE
-    shown = [name for name in _COLUMNS if not narrow or name not in _WIDE_ONLY]
-    for name in shown:
-        table.add_column(name, justify=_COLUMNS[name], no_wrap=name != "unit")
+    for name, justify in _COLUMNS.items():
+        table.add_column(name, justify=justify, no_wrap=True)
     for one in found.estimates:
-        row = dict(zip(_COLUMNS, _row(one, units), strict=True))
-        table.add_row(*(row[name] for name in shown))
-    console.print(table)
+        table.add_row(*_row(one, units))
+    console.show(table, on_the_page=("error", "95 % interval"))
     said = identification_conclusions(found, units)
     console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
     for finding in said.findings:

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Group
-from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.bench_data import options_named
@@ -218,11 +217,11 @@ def run(path: LoaderFile = None, /, *, options: QualifyOptions = QualifyOptions(
         raise SystemExit(BAD_ANSWER)
 
 
-def _show(console: Console, found: "Qualification") -> None:
+def _show(console: Terminal, found: "Qualification") -> None:
     from forcefeel.qualification.programme.sentences import conclusions
 
     title = f"{found.loader.name}, {found.rules.title} ({found.rules.edition}), {found.axis}"
-    console.print((_tests if len(found.sections) <= _SIDE_BY_SIDE else _counts)(found, title))
+    console.show((_tests if len(found.sections) <= _SIDE_BY_SIDE else _counts)(found, title))
     said = conclusions(found)
     console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
     for finding in said.findings:

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group
-from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.bench_data import DATA, BenchOptions
@@ -147,7 +146,7 @@ def _verdict(response: "Response", found: "Resonance") -> str:
     return f"{response.name} resonates at {_text(found.frequency_hz)} Hz with a damping ratio of {_text(found.damping_ratio)}."
 
 
-def _show(console: Console, response: "Response", found: "Resonance", loader: "Loader", units: UnitSystem) -> None:
+def _show(console: Terminal, response: "Response", found: "Resonance", loader: "Loader", units: UnitSystem) -> None:
     from forcefeel.loader.parameters import TABLE, unit
 
     heads = [f"{TABLE[key].symbol}, {unit(TABLE[key]).shown(units)}" for key in _LINK]
@@ -162,7 +161,7 @@ def _show(console: Console, response: "Response", found: "Resonance", loader: "L
         numbers = [_NONE if it is None else _text(it) for it in (reading.frequency_hz, reading.damping_ratio)]
         numbers += [_NONE, _NONE] if link is None else _link_texts(link, units)
         table.add_row(words, *numbers, reading.note)
-    console.print(table)
+    console.show(table)
     good = found.frequency_hz is not None
     console.print(_verdict(response, found), style="bold" if good else "bold red", highlight=False)
     console.print(f"- {found.note}.", highlight=False)

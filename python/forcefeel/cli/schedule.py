@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
@@ -75,7 +74,7 @@ def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
         raise SystemExit(BAD_ANSWER)
 
 
-def _show(console: Console, found: "ScheduleCheck") -> None:
+def _show(console: Terminal, found: "ScheduleCheck") -> None:
     from forcefeel.flight_schedule.findings import schedule_conclusions
 
     table = Table("where", title="Sampled loops", title_justify="left", title_style="bold")
@@ -83,7 +82,7 @@ def _show(console: Console, found: "ScheduleCheck") -> None:
         table.add_column(name, justify="right")
     for part in found.parts:
         table.add_row(str(part.part), f"{part.loops:,}", f"{part.unstable:,}", to_text(part.critical, 5))
-    console.print(table)
+    console.show(table)
     said = schedule_conclusions(found)
     console.print(said.verdict, style="bold", highlight=False)
     for finding in said.findings:

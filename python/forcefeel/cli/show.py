@@ -2,10 +2,10 @@
 
 from math import isfinite
 
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from forcefeel.cli.terminal import Terminal
 from forcefeel.conclusions import Conclusions
 from forcefeel.design.assessment import Assessment, Peaks
 from forcefeel.design.workflow import Analysis
@@ -21,19 +21,19 @@ from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, ROTARY_STIFFNESS, UnitS
 _COLOURS = {Verdict.AGREES: "green", Verdict.EXPLAINED: "yellow", Verdict.REFUTED: "yellow", Verdict.OPEN: "red"}
 
 
-def conclusions(console: Console, found: Conclusions) -> None:
+def conclusions(console: Terminal, found: Conclusions) -> None:
     """What to conclude from a design."""
     console.print(found.verdict, style="bold" if found.good else "bold red")
     for finding in found.findings:
         console.print(f"- {finding}", highlight=False)
 
 
-def analysis(console: Console, found: Analysis, units: UnitSystem) -> None:
+def analysis(console: Terminal, found: Analysis, units: UnitSystem) -> None:
     """The original system."""
     programmed = f"{_hertz(found.feel_frequency_rad_per_s)} Hz, damping ratio {to_text(found.feel_damping_ratio, 3)}"
     console.print(f"{found.loader.name}: programmed feel {programmed}")
     for one in found.configurations:
-        console.print(_modes(f"Modes, {one.name} link", one.programmed.modes))
+        console.show(_modes(f"Modes, {one.name} link", one.programmed.modes))
     servo = _table(
         "Servo, position loop closed", "link", "least damped mode", "damping ratio", "gain margin", "phase margin"
     )
@@ -45,14 +45,14 @@ def analysis(console: Console, found: Analysis, units: UnitSystem) -> None:
             to_text(mode.damping_ratio, 3),
             *_margins(result.margins),
         )
-    console.print(servo)
+    console.show(servo)
     loops = _table(
         "Overall loop, step of pilot force", "link, setting", "stable", "gain margin", "phase", "at rest", "r.m.s."
     )
     for one in found.configurations:
         for setting, loop in (("programmed", one.programmed), ("low", one.low)):
             loops.add_row(f"{one.name}, {setting}", *_loop(loop.assessment, loop.margins))
-    console.print(loops)
+    console.show(loops)
     console.print(
         "at rest: share of the programmed deflection; r.m.s.: deviation from the ideal over 2 s", highlight=False
     )
@@ -63,12 +63,12 @@ def analysis(console: Console, found: Analysis, units: UnitSystem) -> None:
         edge.add_row(
             one.name, to_text(ROTARY_STIFFNESS.from_si(one.boundary.stiffness_n_m_per_rad, units)), one.boundary.note
         )
-    console.print(edge)
+    console.show(edge)
     _say_left_out(console, found.loader)
 
 
 def compensation(
-    console: Console,
+    console: Terminal,
     loader: Loader,
     found: Compensation,
     judged: Assessment,
@@ -79,7 +79,7 @@ def compensation(
     gains = _table("Feedback gains", "gain", "on", "value", "unit")
     for symbol, state, value, unit in zip(GAIN_SYMBOLS, DESIGN_STATES, found.gains, GAIN_UNITS, strict=True):
         gains.add_row(symbol, state_text(state), to_text(unit.from_si(float(value), units)), unit.shown(units))
-    console.print(gains)
+    console.show(gains)
     console.print("c_7 is not fed back: the pilot's force is not measured.", highlight=False)
     console.print(f"recursion (22): {found.note}", style="" if found.reached else "bold red", highlight=False)
     console.print(f"residual of eqs. (22) at these gains, kept for ever: {found.riccati_residual:.1e}")
@@ -90,28 +90,27 @@ def compensation(
     loop = _table("Loop closed on the compliant model with valve dynamics, step of pilot force", "quantity", "value")
     for name, value in _closed_loop(judged, demand, units):
         loop.add_row(name, value)
-    console.print(loop)
+    console.show(loop)
 
 
-def _say_left_out(console: Console, loader: Loader) -> None:
+def _say_left_out(console: Terminal, loader: Loader) -> None:
     """What the linear models do not have of a loader."""
     if text := left_out(loader):
         console.print(text, highlight=False)
 
 
-def reproduction(console: Console, sections: tuple[Section, ...]) -> None:
+def reproduction(console: Terminal, sections: tuple[Section, ...]) -> None:
     """The comparison with the 1974 report."""
-    table = _table("The 1974 report beside its models", "item", "printed", "computed", "unit", "verdict")
+    console.print(summary(sections), style="bold", highlight=False)
     for section in sections:
-        table.add_section()
-        table.add_row(Text(section.title, "bold"))
+        table = _table(section.title, "item", "printed", "computed", "unit", "verdict")
         for row in section.rows:
-            item = Text(f"{row.item} ({row.where})")
-            if row.reason:
-                item.append(f"\n{row.reason}", "dim")
+            item = f"{row.item} ({row.where})"
             table.add_row(item, row.printed, row.computed, row.unit, Text(row.verdict, _COLOURS[row.verdict]))
-    console.print(table)
-    console.print(summary(sections), highlight=False)
+        console.show(table)
+        for row in section.rows:
+            if row.reason:
+                console.print(f"- {row.item}: {row.reason}", style="dim", highlight=False)
 
 
 def state_text(state: str) -> str:

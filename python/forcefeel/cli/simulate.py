@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
@@ -60,12 +59,12 @@ def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOption
         raise SystemExit(BAD_ANSWER)
 
 
-def _show(console: Console, run: "Run", units: UnitSystem) -> None:
+def _show(console: Terminal, run: "Run", units: UnitSystem) -> None:
     from forcefeel.simulation.findings import input_text, run_conclusions
 
     found = run_conclusions(run, units)
     console.print(f"{run.loader.name}, {input_text(run.scenario.force, units)}", highlight=False)
-    console.print(_measures(run, units))
+    console.show(_measures(run, units))
     _say(console, found)
 
 
@@ -78,7 +77,7 @@ def _measures(run: "Run", units: UnitSystem) -> Table:
     return table
 
 
-def _say(console: Console, found: Conclusions) -> None:
+def _say(console: Terminal, found: Conclusions) -> None:
     console.print(found.verdict, style="bold" if found.good else "bold red", highlight=False)
     for finding in found.findings:
         console.print(f"- {finding}", highlight=False)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Group
-from rich.console import Console
 from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER, INTERRUPTED
@@ -159,11 +158,11 @@ def _kept(bar: Bar, out: Path) -> str:
     return f"{bar.done:,} of {bar.total:,} runs are kept in {out}; go on with: {command}"
 
 
-def _show(console: Console, result: "SweepResult", summary: "Summary", units: UnitSystem) -> None:
+def _show(console: Terminal, result: "SweepResult", summary: "Summary", units: UnitSystem) -> None:
     from forcefeel.sweep.findings import sweep_conclusions
 
     found = sweep_conclusions(result, summary, units)
-    console.print(_measures(result, summary, units))
+    console.show(_measures(result, summary, units))
     ended = ", ".join(f"{one.status} {share_text(one.share)}" for one in summary.shares if one.runs)
     console.print(f"{result.sweep.total:,} runs: {ended}", highlight=False)
     console.print(found.verdict, style="bold" if found.good else "bold red", highlight=False)

@@ -1,6 +1,7 @@
 """The terminal: names and texts of others are printed as they are, neither as mark-up nor as control sequences."""
 
 import json
+from collections.abc import Collection
 from typing import Any
 
 from rich.cells import cell_len
@@ -24,11 +25,34 @@ class Terminal(Console):
         """Text as it is to be printed."""
         return super().render_str(visible(text), **options)
 
-    def show(self, table: Table) -> None:
-        """Prints a table. Words and numbers with their units stay whole: on too narrow a terminal each row becomes a list."""
-        for column in table.columns:
-            column.min_width = _least(column)
-        if sum((column.min_width or 0) + _FRAME for column in table.columns) + 1 <= self.width:
+    def show(self, table: Table, on_the_page: Collection[str] = ()) -> None:
+        """Prints a table. Words and numbers with their units stay whole.
+
+        Args:
+            table: The table.
+            on_the_page: Columns that a page has too. On too narrow a terminal they are left out; if that does not do, each row
+                becomes a list. Either is told.
+        """
+        if self._spare(table) < 0 and on_the_page:
+            table.columns = [column for column in table.columns if column.header not in on_the_page]
+            self._print(table)
+            left_out = ", ".join(on_the_page)
+            self.print(f"The terminal is too narrow for {left_out}; the page has them.", style="dim", highlight=False)
+        else:
+            self._print(table)
+
+    def _spare(self, table: Table) -> int:
+        return self.width - 1 - sum(_least(column) + _FRAME for column in table.columns)
+
+    def _print(self, table: Table) -> None:
+        least, most = [*map(_least, table.columns)], [*map(_most, table.columns)]
+        spare = self._spare(table)
+        if spare >= 0:
+            for _ in range(min(spare, sum(most) - sum(least))):  # to the column that wants most
+                widest = max(range(len(least)), key=lambda k: most[k] - least[k])
+                least[widest] += 1
+            for column, width in zip(table.columns, least, strict=True):
+                column.width = width
             self.print(table)
             return
         if table.title:
@@ -51,6 +75,13 @@ def _least(column: Column) -> int:
     for cell in map(_text, column.cells):
         words += [cell] if column.justify == "right" or column.no_wrap else cell.split()
     return max(map(cell_len, words), default=1)
+
+
+def _most(column: Column) -> int:
+    """The width that breaks no line."""
+    return max(
+        (cell_len(line) for cell in (column.header, *column.cells) for line in _text(cell).splitlines()), default=1
+    )
 
 
 def _text(cell: RenderableType) -> str:

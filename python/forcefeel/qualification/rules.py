@@ -205,7 +205,7 @@ def load_rules(edition: str = DEFAULT_EDITION) -> Rules:
         InputError: If there is no such table.
     """
     if edition not in editions():
-        raise InputError(f"edition: expected one of {', '.join(editions())}; got {show(edition)}")
+        raise InputError(f"rule: expected one of {', '.join(editions())}; got {show(edition)}")
     return parse_rules(_folder().joinpath(f"{edition}.toml").read_text(encoding="utf-8"), edition)
 
 

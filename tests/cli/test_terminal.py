@@ -1,0 +1,90 @@
+"""What a terminal of 80 columns shows: help and tables that break no word, cut nothing off and are no wider."""
+
+import re
+
+import pytest
+from rich.table import Table
+
+from forcefeel.cli.app import command_line
+from forcefeel.cli.options import EDITION, HELP_ALL
+from forcefeel.cli.terminal import Terminal
+from forcefeel.qualification import DEFAULT_EDITION
+from tests.command_line import runner
+
+COMMANDS = [name for name in command_line(listed=False) if not name.startswith("-")]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_fits_and_names_the_choices(command, monkeypatch, capsys, tmp_path):
+    status, out, _ = runner(monkeypatch, capsys, tmp_path, command, columns=80)("--help")
+    assert status == 0
+    assert max(map(len, out.splitlines())) <= 80
+    assert len(out.splitlines()) < 130
+    assert "…" not in out
+    assert "<bool>" not in out
+    assert out.count("CHOICE") == out.count("[choices")
+    assert f"Example: forcefeel {command}" in out
+
+
+def test_what_is_seldom_needed_is_named_and_shown_on_demand(monkeypatch, capsys, tmp_path):
+    run = runner(monkeypatch, capsys, tmp_path, "sweep", columns=80)
+    short, full = run("--help")[1], run(HELP_ALL)[1]
+    assert re.search(r"shown by --help-all: --width, --lasts", short)
+    assert "Seed of all that is random." not in short
+    assert "Seed of all that is random." in full
+
+
+def test_an_option_means_the_same_on_every_command():
+    helps = {}
+    for command in COMMANDS:
+        for option in command_line(listed=False)[command].assemble_argument_collection():
+            if option.name in {"--units", "--json", "--set", "--threads"}:
+                helps.setdefault(option.name, set()).add(option.parameter.help)
+    assert set(helps) == {"--units", "--json", "--set", "--threads"}
+    assert all(len(said) == 1 for said in helps.values())
+
+
+def test_the_rule_that_help_names_is_the_default():
+    assert EDITION == DEFAULT_EDITION
+
+
+@pytest.fixture
+def shown(monkeypatch, capsys):
+    """The lines that a table becomes on a terminal of so many columns."""
+
+    def show(columns, **options):
+        monkeypatch.setenv("COLUMNS", str(columns))
+        table = Table("parameter", title="Found", title_justify="left")
+        for name in ("estimate", "interval"):
+            table.add_column(name, justify="right")
+        table.add_row("stiffness of the linkage", "6108 lb/in", "6100 to 6116 lb/in")
+        Terminal().show(table, **options)
+        return capsys.readouterr().out.splitlines()
+
+    return show
+
+
+@pytest.mark.parametrize(
+    ("columns", "lines"),
+    [
+        (80, ["│ stiffness of the linkage │ 6108 lb/in │ 6100 to 6116 lb/in │"]),
+        (
+            56,
+            [
+                "│ stiffness of the │ 6108 lb/in │ 6100 to 6116 lb/in │",
+                "│ linkage │ │ │",
+            ],
+        ),
+        (44, ["stiffness of the linkage", " estimate 6108 lb/in", " interval 6100 to 6116 lb/in"]),
+    ],
+)
+def test_a_table_keeps_words_and_units_whole(shown, columns, lines):
+    assert max(map(len, shown(columns))) <= columns
+    found = [re.sub(" +", " ", line).rstrip() for line in shown(columns)]
+    assert [line for line in lines if line not in found] == []
+
+
+def test_columns_that_the_page_has_go_first(shown):
+    found = shown(44, on_the_page=("interval",))
+    assert "│ stiffness of the linkage │ 6108 lb/in │" in [line.rstrip() for line in found]
+    assert "too narrow for interval; the page has them" in " ".join(found)
