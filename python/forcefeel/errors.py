@@ -13,6 +13,14 @@ class InputError(ValueError):
     """The input is bad: the message names what was given, what was expected and the remedy, and is of bounded length.
 
     The command line prints the message alone and exits with status 2.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> try:
+        ...     ff.elevator().replace({"linkage.stiffness": "7000 lb"})
+        ... except ff.InputError as error:
+        ...     print(str(error).split(", got ")[1])
+        '7000 lb': 'lb' measures a force, not a spring rate
     """
 
     def __init__(self, message: str) -> None:

@@ -30,6 +30,12 @@ def read_bench_data(
 
     Raises:
         InputError: As these two, and if the file has neither column or both.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> data = ff.read_bench_data("examples/bench/servo-closed.csv")
+        >>> data.input, data.output
+        ('test_signal', 'column_angle')
     """
     expect("path", path, (str, Path), "the path of a file with a frequency response or a record")
     for argument, texts in (("columns", columns), ("units", units)):

@@ -69,6 +69,15 @@ def estimate_response(
 
     Source: J. S. Bendat and A. G. Piersol, Random Data, 4th ed. (2010), ch. 9; R. Pintelon and J. Schoukens, System
     Identification, 2nd ed. (2012), ch. 2.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> record = ff.bench.read_bench_record("examples/bench/sweep.csv")
+        >>> sorted(record.channels)
+        ['column_angle', 'pilot_force']
+        >>> response = ff.bench.estimate_response(record, "column_angle", segments=4)
+        >>> response.input
+        'pilot_force'
     """
     drive = drive_channel(record.experiment)
     if drive is None:

@@ -8,7 +8,13 @@ from forcefeel.units import show
 
 
 class Loop(StrEnum):
-    """Which loop is closed."""
+    """Which loop is closed.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> [loop.value for loop in ff.bench.Loop]
+        ['servo-open', 'servo-closed', 'loader']
+    """
 
     SERVO_OPEN = "servo-open"
     """None: the test signal alone drives the amplifier, the column hangs on the servo, the feel computer is off."""
@@ -19,7 +25,13 @@ class Loop(StrEnum):
 
 
 class Drive(StrEnum):
-    """What moves it."""
+    """What moves it.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> [drive.value for drive in ff.bench.Drive]
+        ['test_signal', 'command_signal', 'pilot_force', 'release']
+    """
 
     TEST_SIGNAL = "test_signal"
     """A voltage at the amplifier's input, beside the law's command."""
@@ -41,6 +53,11 @@ class Experiment:
 
     Raises:
         InputError: When built, if the open servo is released: nothing holds its piston.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.bench.Experiment.read("servo-closed").loop.value
+        'servo-closed'
     """
 
     loop: Loop

@@ -42,6 +42,12 @@ def read_bench_record(
 
     Raises:
         InputError: With the file, the line or row, what is wrong, what was expected and the remedy.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> record = ff.bench.read_bench_record("examples/bench/sweep.csv")
+        >>> sorted(record.channels)
+        ['column_angle', 'pilot_force']
     """
     return record_of(open_table(path, EXAMPLE), experiment, columns or {}, units or {}, hold)
 

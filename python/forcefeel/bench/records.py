@@ -28,6 +28,12 @@ class BenchRecord:
         channels: Values by channel, (samples,) each; those of the drive and at least one that is measured.
         hold: How the drive runs between two samples: straight, or as a staircase that keeps each value until the next.
         data_hash: SHA-256 of the file that it came from, in hexadecimal; empty if from none.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> record = ff.bench.read_bench_record("examples/bench/sweep.csv")
+        >>> len(record.time_s) == len(record.channels["column_angle"])
+        True
     """
 
     name: str

@@ -49,6 +49,16 @@ class Resonance:
         half_power: From the peak and the two points 3 dB below it.
         circle: From a circle through the response about the peak.
         note: For which responses the two hold.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> f = np.arange(4, 24, 0.25)
+        >>> receptance = 1 / (144 - f**2 + 2.4j * f)
+        >>> experiment = ff.bench.Experiment.read("servo-closed")
+        >>> swing = ff.bench.Response("swing", experiment, "pilot_force", "column_angle", f, receptance)
+        >>> round(ff.bench.read_resonance(swing).circle.damping_ratio, 3)
+        0.1
     """
 
     kind: Kind
@@ -92,6 +102,16 @@ def read_resonance(response: Response, band_hz: tuple[float, float] | None = Non
         InputError: If the band does not rise or has fewer than five lines.
 
     Source: D. J. Ewins, Modal Testing, 2nd ed. (2000), ch. 4.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> f = np.arange(4, 24, 0.25)
+        >>> receptance = 1 / (144 - f**2 + 2.4j * f)
+        >>> experiment = ff.bench.Experiment.read("servo-closed")
+        >>> swing = ff.bench.Response("swing", experiment, "pilot_force", "column_angle", f, receptance)
+        >>> round(ff.bench.read_resonance(swing).frequency_hz, 2)
+        12.0
     """
     low, high = (0.0, math.inf) if band_hz is None else band_hz
     if not 0 <= low < high:
@@ -137,6 +157,12 @@ def link_from_resonance(loader: Loader, frequency_hz: float, damping_ratio: floa
         InputError: If a number is not finite and above zero.
 
     Source: The report's appendix, 12 Hz and 0.1.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> k, c = ff.bench.link_from_resonance(ff.elevator(), frequency_hz=12.0, damping_ratio=0.1)
+        >>> f"{k:.4g} N/m, {c:.4g} N s/m"
+        '1.07e+06 N/m, 2837 N s/m'
     """
     for name, given in (("frequency_hz", frequency_hz), ("damping_ratio", damping_ratio)):
         if not 0 < given < math.inf:

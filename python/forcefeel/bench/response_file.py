@@ -56,6 +56,11 @@ def read_response(
 
     Raises:
         InputError: With the file, the line, what is wrong, what was expected and the remedy.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.bench.read_response("examples/bench/servo-closed.csv").output
+        'column_angle'
     """
     table = open_table(path, EXAMPLE)
     return response_of(table, experiment, (input, output), columns or {}, units or {})

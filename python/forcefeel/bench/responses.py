@@ -22,6 +22,12 @@ class Response:
         deviation: Standard deviation of each line's relative error, (lines,): that of ``|G|`` in shares and of its phase in rad;
             ``None`` where it is not known.
         data_hash: SHA-256 of the file that it came from, in hexadecimal; empty if from none.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> response = ff.bench.read_response("examples/bench/servo-closed.csv")
+        >>> len(response.frequency_hz) == len(response.value)
+        True
     """
 
     name: str

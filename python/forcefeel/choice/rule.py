@@ -55,6 +55,11 @@ class Choice:
     Attributes:
         chosen: Its name; ``None`` where none is eligible.
         remarks: One for each method, the chosen one first.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.choice.Choice("robust", ()).chosen
+        'robust'
     """
 
     chosen: str | None
@@ -62,7 +67,15 @@ class Choice:
 
 
 def choose(scored: Scored) -> Choice:
-    """Chooses among methods that were scored over the envelope, by the rule of this file."""
+    """Chooses among methods that were scored over the envelope, by the rule of this file.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> grid = {"stiffness": "20, 100 %", "frequency": "2, 3 Hz", "damping": "0.3, 1"}
+        >>> scored = ff.choice.score_methods(ff.digital_elevator(), ("observer", "robust"), grid, changes={}, arms=())
+        >>> ff.choice.choose(scored).chosen in ("observer", "robust")
+        True
+    """
     wrong = {score.name: obstacles(score, scored.plan.loader["controller.period"]) for score in scored.scores}
     able = [score for score in scored.scores if not wrong[score.name]]
     best = _best(able)

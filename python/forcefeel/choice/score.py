@@ -63,6 +63,12 @@ class Score:
         summary: What it is, in a line.
         own: At the loader's own setting.
         over: Over the grid; ``None`` where it was not asked for.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> scored = ff.choice.score_methods(ff.digital_elevator(), ("robust",), over_envelope=False)
+        >>> scored.scores[0].own.stable
+        True
     """
 
     name: str
@@ -78,6 +84,12 @@ class Scored:
     Attributes:
         plan: Loader, settings, rule and cases.
         scores: One for each method.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> scored = ff.choice.score_methods(ff.digital_elevator(), ("robust",), over_envelope=False)
+        >>> [score.name for score in scored.scores]
+        ['robust']
     """
 
     plan: Plan
@@ -115,6 +127,12 @@ def score_methods(
 
     Raises:
         InputError: If an argument is bad, or a method needs a digital controller that the loader has not.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> scored = ff.choice.score_methods(ff.digital_elevator(), ("published", "robust"), over_envelope=False)
+        >>> [(score.name, score.own.outcome) for score in scored.scores]
+        [('published', 'P0'), ('robust', 'passes')]
     """
     chosen = names_for(loader) if names is None else tuple(names)
     check_names(loader, chosen)

@@ -33,6 +33,12 @@ class Assessment:
             deflection at rest.
         cost: Index V of eq. (20) over 2 s; not a number for the original system, whose computer works in volts,
             and for a rigid link, which has not the states that [Q] weighs.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.design.assess(ff.elevator(), None)
+        >>> f"{found.static_error:.0%} off at rest"
+        '-39% off at rest'
     """
 
     stable: bool
@@ -55,6 +61,12 @@ class Peaks:
         current_share: The same as a share of the rated current.
         flow_m3_per_s: Largest flow into the actuator.
         flow_share: The same as a share of the rated flow.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.design.peaks(ff.elevator(), None)
+        >>> f"{found.current_share:.0%} of the rated current"
+        '21% of the rated current'
     """
 
     current_a: Annotated[float, CURRENT]
@@ -79,6 +91,13 @@ def assess(
         settings: Weights of the cost index; the report's if not given.
         linkage: Rigid or compliant link.
         programmed: The loader whose feel is asked for, where ``loader`` deviates from it; its ideal is the measure.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> loader = ff.elevator()
+        >>> law = ff.compensate(loader).compensator(loader)
+        >>> f"{ff.design.assess(loader, law).tracking_error:.1%}"
+        '19.2%'
     """
     programmed = programmed or loader
     model, ideal = loader_model(loader, compensator, linkage), ideal_feel(programmed)
@@ -127,7 +146,13 @@ def programmed_angle_rad(loader: Loader) -> float:
 
 
 def peaks(loader: Loader, compensator: Compensator | None, linkage: Linkage = Linkage.COMPLIANT) -> Peaks:
-    """Largest valve current and flow in the two seconds after the step of pilot force."""
+    """Largest valve current and flow in the two seconds after the step of pilot force.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> f"{ff.design.peaks(ff.elevator(), None).flow_share:.0%} of the rated flow"
+        '19% of the rated flow'
+    """
     _, outputs = step_outputs(loader_model(loader, compensator, linkage), loader["pilot.force"])
     largest = dict(zip(OUTPUTS, np.nanmax(np.abs(outputs), axis=1).tolist(), strict=True))
     current, flow = largest["valve_current_a"], largest["actuator_flow_m3_per_s"]

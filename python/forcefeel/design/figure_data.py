@@ -36,6 +36,12 @@ class Figure:
         title: What it shows.
         kind: How to draw it.
         curves: A data set per curve, by its label; units stand in the variables' ``units`` attribute.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.design.figures(ff.design_loader(ff.elevator()))[0]
+        >>> found.key, next(iter(found.curves))
+        ('figure-02', '20% of rated current')
     """
 
     key: str
@@ -45,7 +51,13 @@ class Figure:
 
 
 def figures(design: Design) -> tuple[Figure, ...]:
-    """Every figure of the report that has a curve, computed for ``design``."""
+    """Every figure of the report that has a curve, computed for ``design``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> len(ff.design.figures(ff.design_loader(ff.elevator()))) > 5
+        True
+    """
     return (
         _valve(design.loader),
         _servo("figure-08", "Servo, position loop open", design.loader, closed=False),

@@ -30,7 +30,14 @@ SAME_MODE = 0.02
 
 @of_result
 def conclusions(design: Design, units: UnitSystem) -> Conclusions:
-    """The conclusions of ``design``, with numbers in ``units``."""
+    """The conclusions of ``design``, with numbers in ``units``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.design.conclusions(ff.design_loader(ff.elevator()), ff.UnitSystem.US)
+        >>> found.good, len(found.findings) > 3
+        (True, True)
+    """
     return Conclusions(
         design.acceptable,
         _verdict(design),

@@ -29,6 +29,13 @@ class DroppedPaths:
         assessment: How the rest renders the feel.
         cost_increase: Growth of the cost index over the full set, as a share; not a number where unstable.
         boundary: Smallest stable G without them.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> loader = ff.elevator()
+        >>> found = ff.design.drop_paths(loader, ff.compensate(loader).gains)
+        >>> found[0].paths
+        ('c_1',)
     """
 
     paths: tuple[str, ...]
@@ -45,6 +52,13 @@ class Deviation:
         quantity: ``c_1`` .. ``c_6``, or a key of the parameter table.
         change: Deviation as a share of the value.
         assessment: How the loop renders the feel; ``None`` if the changed value is out of the parameter's range.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> loader = ff.elevator()
+        >>> found = ff.design.sensitivity(loader, ff.compensate(loader).gains)
+        >>> found[0].quantity, found[0].change
+        ('c_1', -0.2)
     """
 
     quantity: str
@@ -61,6 +75,12 @@ def drop_paths(
         loader: The loader.
         gains: SI gains c_1 .. c_6 of the full set; the others keep their values when some are dropped.
         settings: Weights of the cost index.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> loader = ff.elevator()
+        >>> len(ff.design.drop_paths(loader, ff.compensate(loader).gains)) > 1
+        True
     """
     full = assess(loader, state_feedback(loader, gains[:6]), settings)
     rows = []
@@ -127,6 +147,12 @@ def sensitivity(
         loader: The loader that the gains were designed for.
         gains: SI gains c_1 .. c_6.
         settings: Weights of the cost index.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> loader = ff.elevator()
+        >>> len(ff.design.sensitivity(loader, ff.compensate(loader).gains)) > 1
+        True
     """
     nominal = state_feedback(loader, gains[:6])
     rows = []

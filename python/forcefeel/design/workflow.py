@@ -95,6 +95,12 @@ class Analysis:
         feel_damping_ratio: Programmed damping ratio.
         servos: The servo with rigid and with compliant link.
         configurations: Rigid and compliant; a design adds the compensated one.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.analyze(ff.elevator())
+        >>> found.configuration("rigid").programmed.assessment.stable
+        True
     """
 
     loader: Loader
@@ -123,6 +129,12 @@ class Design(Analysis):
         converged: Gains over an endless horizon.
         dropped: Which feedback paths can be dropped.
         deviations: Sensitivity of the compensated loop.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.design_loader(ff.elevator())
+        >>> [one.name for one in found.configurations]
+        ['rigid', 'compliant', 'compensated']
     """
 
     compensation: Compensation
@@ -138,7 +150,14 @@ class Design(Analysis):
 
 
 def analyze(loader: Loader) -> Analysis:
-    """Analyses the original system: servo, loops, stability and response, with rigid and with compliant link."""
+    """Analyses the original system: servo, loops, stability and response, with rigid and with compliant link.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.analyze(ff.elevator())
+        >>> found.configuration("compliant").boundary.note
+        'lost by oscillation at 12.0 Hz'
+    """
     check_loader(loader)
     low = loader.scale_feel(LOW_SHARE)
     frequency, damping_ratio = feel_frequency(loader.values)
@@ -161,6 +180,12 @@ def design_loader(
         loader: The loader.
         settings: How the gains that close the loop are computed; the published horizon if not given.
         progress: Called with each of ``STEPS`` as it begins.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.design_loader(ff.elevator())
+        >>> ff.design.conclusions(found, ff.UnitSystem.US).good
+        True
     """
     check_loader(loader)
     progress(STEPS[0])

@@ -27,6 +27,11 @@ class Draws:
 
     Raises:
         InputError: If count or seed is no whole number in its range.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.envelope.Draws(count=20, seed=1).count
+        20
     """
 
     count: int = 0

@@ -186,6 +186,12 @@ class Envelope:
             which share of its value each parameter is off.
         outcomes: ``passes``, ``unstable``, then what can fail first, by the rule's names.
         passivity: How passive the grip is, by compensator.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
+        >>> ff.find_envelope(ff.elevator(), ["original"], grid).compensators
+        ('original',)
     """
 
     plan: Plan

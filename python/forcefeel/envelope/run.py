@@ -57,6 +57,13 @@ def find_envelope(
 
     Raises:
         InputError: If an argument is bad.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
+        >>> found = ff.find_envelope(ff.elevator(), ["original", "published"], grid)
+        >>> found.shares("original").stable
+        0.7777777777777778
     """
     return compute(make_plan(loader, compensators, grid, **options), threads=threads, progress=progress)
 

@@ -55,6 +55,13 @@ class Tuned:
         score: Its score.
         first: The score that it began with.
         evaluations: Envelopes that were computed.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> grid = {"stiffness": "10, 100 %", "frequency": "2, 3 Hz", "damping": "0.3, 1"}
+        >>> found = ff.envelope.tune(ff.digital_elevator(), evaluations=2, grid=grid, changes={}, arms=())
+        >>> found.evaluations
+        2
     """
 
     tuning: Tuning = field(repr=False)
@@ -89,6 +96,13 @@ def tune(
 
     Raises:
         InputError: If an argument is bad, or there is no law with the first tuning.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> grid = {"stiffness": "10, 100 %", "frequency": "2, 3 Hz", "damping": "0.3, 1"}
+        >>> found = ff.envelope.tune(ff.digital_elevator(), evaluations=2, grid=grid, changes={}, arms=())
+        >>> found.score >= found.first
+        True
     """
     if evaluations < 1:
         raise InputError(f"evaluations: expected at least 1, got {evaluations}")

@@ -29,6 +29,11 @@ class ScheduleAxis:
 
     Raises:
         InputError: If the name is not made of words, or the values are fewer, not finite or do not rise.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.flight_schedule.ScheduleAxis("dynamic pressure", "lb/ft^2", (50, 100, 200)).values
+        (50.0, 100.0, 200.0)
     """
 
     name: str

@@ -62,6 +62,14 @@ def check_schedule(
 
     Raises:
         InputError: If an argument is bad, or there would be more than ``MOST_LOOPS`` loops.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> pressure = ff.flight_schedule.ScheduleAxis("pressure", "lb/ft^2", (50, 100))
+        >>> feel = ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6)
+        >>> schedule = ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel)
+        >>> bool(ff.flight_schedule.check_schedule(schedule, refine=2, changes={}, arms=()).stable)
+        True
     """
     if isinstance(refine, bool) or not isinstance(refine, int) or not 2 <= refine <= MOST_LOOPS:
         raise InputError(f"refine: expected a whole number from 2 to {MOST_LOOPS:,}, got {show(refine)}")

@@ -48,7 +48,7 @@ class Knots:
 
 
 def read_knots(path: str | Path) -> Knots:
-    """Reads a file of knots.
+    r"""Reads a file of knots.
 
     Args:
         path: CSV in UTF-8. The setting is in the columns ``stiffness``, ``frequency`` and ``damping ratio``, or ``I``, ``B`` and
@@ -57,6 +57,14 @@ def read_knots(path: str | Path) -> Knots:
 
     Raises:
         InputError: With the file, the line, what is wrong, what was expected and the remedy.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> text = "mach,I (lb in s^2/rad),B (lb in s/rad),G (lb in/rad)\n0.3,60,400,4800\n0.6,60,500,7200\n"
+        >>> size = Path("knots.csv").write_text(text)
+        >>> ff.flight_schedule.read_knots("knots.csv").axes[0].values
+        (0.3, 0.6)
     """
     file = Path(path)
     lines = _lines(file)

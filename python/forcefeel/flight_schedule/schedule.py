@@ -52,6 +52,14 @@ class FlightSchedule:
 
     Raises:
         InputError: If axes, feels and laws do not go together.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> pressure = ff.flight_schedule.ScheduleAxis("pressure", "lb/ft^2", (50, 100))
+        >>> feel = ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6)
+        >>> schedule = ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel)
+        >>> f"{schedule.at(pressure=75).feel[2]:.0f} N m/rad"
+        '750 N m/rad'
     """
 
     loader: Loader
@@ -161,6 +169,13 @@ def design_schedule(
     Raises:
         InputError: If the loader has no period, the feel has another shape or leaves the range of a loader's I, B, G, or the
             method is unknown.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> pressure = ff.flight_schedule.ScheduleAxis("pressure", "lb/ft^2", (50, 100))
+        >>> feel = ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6)
+        >>> ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel).method
+        'robust'
     """
     found = check_axes(axes)
     way = method_of(method)
@@ -191,6 +206,11 @@ def second_order_feel(
 
     Raises:
         InputError: If a frequency is not above 0.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6).shape
+        (2, 3)
     """
     stiffness, frequency, damping = np.broadcast_arrays(
         *(np.asarray(given, dtype=np.float64) for given in (stiffness_n_m_per_rad, frequency_hz, damping_ratio))

@@ -40,6 +40,13 @@ class Frontier:
         valve: What the valve forbids.
         friction: The smallest friction.
         hardware: What changes of the hardware give, the largest gain first.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
+        >>> found = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
+        >>> found.envelope.compensators
+        ('published',)
     """
 
     rungs: Rungs

@@ -52,6 +52,13 @@ def find_frontier(
 
     Raises:
         InputError: If an argument is bad; if ``changes`` leaves the column's inertia out.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
+        >>> found = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
+        >>> found.compensator, found.inertia_tolerance
+        ('published', 0.2)
     """
     return compute_frontier(frontier_plan(loader, compensator, grid, **options), threads=threads, progress=progress)
 

@@ -49,6 +49,12 @@ class Law:
         feel: Settings I, B, G in SI units that the numbers belong to, (settings, 3); ``None`` where they hold for any.
         loader: Name of the loader that it was made for; empty where that is not known.
         loader_hash: ``Loader.fingerprint`` of it.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> law = ff.Law.of("robust", ff.digital_elevator())
+        >>> law.name, law.period_s
+        ('robust', 0.0005)
     """
 
     name: str

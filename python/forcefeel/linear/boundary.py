@@ -29,6 +29,11 @@ class StabilityBoundary:
             is unstable at G_max already.
         frequency_rad_per_s: Frequency of the oscillation at the boundary; zero where a real pole crosses.
         note: What was found, in words.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.linear.smallest_stable_stiffness(ff.elevator()).note
+        'lost by oscillation at 12.0 Hz'
     """
 
     stiffness_n_m_per_rad: Annotated[float, ROTARY_STIFFNESS]
@@ -49,6 +54,12 @@ def smallest_stable_stiffness(
         linkage: Rigid or compliant link.
         compensator: A fixed law; the original one, eq. (13), if not given. State feedback may stay fixed along the
             way, because its gains depend on I, B, G only through G/I and B/I.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> edge = ff.linear.smallest_stable_stiffness(ff.elevator())
+        >>> f"{edge.stiffness_n_m_per_rad:.0f} N m/rad"
+        '428 N m/rad'
     """
     build = _core.rigid if linkage is Linkage.RIGID else _core.compliant
     law = compensator or Compensator.original(loader.values)

@@ -24,6 +24,12 @@ class Margins:
         phase_margin_rad: Lag that the loop bears at the crossover of its gain.
         phase_crossover_rad_per_s: Where the phase is -180 degrees.
         gain_crossover_rad_per_s: Where the gain is one.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> loop = ff.linear.overall_open_loop(ff.elevator(), ff.linear.Linkage.COMPLIANT)
+        >>> f"{ff.linear.margins(loop).phase_margin_rad:.2f} rad"
+        'inf rad'
     """
 
     gain_margin: Annotated[float, RATIO]
@@ -39,6 +45,12 @@ class Peak:
     Attributes:
         frequency_rad_per_s: Where it is.
         gain: How large it is.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> servo = ff.linear.servo(ff.elevator(), ff.linear.Linkage.COMPLIANT, closed=True)
+        >>> f"{ff.linear.resonance(servo[1, 0], 30.0, 200.0).frequency_rad_per_s:.0f} rad/s"
+        '68 rad/s'
     """
 
     frequency_rad_per_s: Annotated[float, HERTZ]
@@ -54,6 +66,13 @@ def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float
 
     Returns:
         ``gain_db`` and ``phase_deg`` over the coordinate ``frequency_hz``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> found = ff.linear.frequency_response(ff.linear.ideal_feel(ff.elevator()), np.array([0.1, 1.0, 10.0]))
+        >>> sorted(found.data_vars)
+        ['gain_db', 'phase_deg']
     """
     import xarray as xr  # noqa: PLC0415  with pandas, for which `forcefeel analyze` need not wait
 
@@ -75,6 +94,12 @@ def margins(loop: control.StateSpace) -> Margins:
     The overall loop of a control loader rises like s^2 at low frequency (phase +180 degrees) before it falls, so its gain
     may cross one upwards and downwards. The phase is followed without jumps from low frequency, and the phase margin is
     the smallest of ``180 degrees + phase`` over all crossings: the lag that the loop bears, negative if it has too much.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> loop = ff.linear.overall_open_loop(ff.elevator(), ff.linear.Linkage.COMPLIANT)
+        >>> f"{ff.linear.margins(loop).gain_margin:.1f}"
+        '2.5'
     """
     with np.errstate(over="ignore", invalid="ignore"):  # of its third margin, which is not asked for
         gains, _, _, w_phase, w_gain, _ = control.stability_margins(loop, returnall=True)
@@ -105,7 +130,14 @@ def _phase(model: control.StateSpace, w: NDArray[np.float64]) -> NDArray[np.floa
 
 
 def resonance(model: control.StateSpace, low_rad_per_s: float, high_rad_per_s: float) -> Peak | None:
-    """The peak of a model with one input and one output between two frequencies; ``None`` if its gain only falls or rises."""
+    """The peak of a model with one input and one output between two frequencies; ``None`` if its gain only falls or rises.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> servo = ff.linear.servo(ff.elevator(), ff.linear.Linkage.COMPLIANT, closed=True)
+        >>> ff.linear.resonance(servo[1, 0], 30.0, 200.0) is not None
+        True
+    """
     w = np.geomspace(low_rad_per_s, high_rad_per_s, 500)
     top = int(np.argmax(np.abs(model(1j * w))))
     if top in {0, len(w) - 1}:

@@ -58,7 +58,13 @@ _SERVO_STATES = ("load_pressure_pa", "commanded_flow_m3_per_s", "commanded_flow_
 
 
 class Linkage(StrEnum):
-    """How the link between piston and column is modelled."""
+    """How the link between piston and column is modelled.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> [linkage.value for linkage in ff.linear.Linkage]
+        ['rigid', 'compliant']
+    """
 
     RIGID = "rigid"
     COMPLIANT = "compliant"
@@ -73,6 +79,11 @@ def rigid_model(loader: Loader, compensator: Compensator | None = None) -> contr
 
     Returns:
         Continuous-time model with inputs ``INPUTS`` and outputs ``OUTPUTS``, SI units.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.linear.rigid_model(ff.elevator()).nstates
+        7
     """
     return loader_model(loader, compensator, Linkage.RIGID)
 
@@ -81,6 +92,12 @@ def compliant_model(loader: Loader, compensator: Compensator | None = None) -> c
     """Loader with a compliant link, eq. (17): states x_p, p, q_i, q_i', delta, delta', x_b, x_b'.
 
     Arguments and result are those of ``rigid_model``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> model = ff.compliant_model(ff.elevator())
+        >>> model.nstates, model.input_labels
+        (8, ['pilot_force_n', 'test_signal_v'])
     """
     return loader_model(loader, compensator, Linkage.COMPLIANT)
 
@@ -112,6 +129,11 @@ def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpa
         loader: The loader; its column hangs on the servo, the feel computer is off.
         linkage: Rigid or compliant link.
         closed: With the position loop of eq. (13) closed, or open.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.linear.servo(ff.elevator(), ff.linear.Linkage.COMPLIANT, closed=True).input_labels
+        ['test_signal_v']
     """
     law = Compensator.position_loop(loader.values) if closed else Compensator.none(loader.values)
     model = loader_model(loader, law, linkage)
@@ -138,6 +160,11 @@ def overall_open_loop(loader: Loader, linkage: Linkage, compensator: Compensator
         loader: The loader.
         linkage: Rigid or compliant link.
         compensator: The law that drives the amplifier; the original one if not given.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.linear.overall_open_loop(ff.elevator(), ff.linear.Linkage.RIGID).nstates
+        7
     """
     law = compensator or Compensator.original(loader.values)
     closed = loader_model(loader, law, linkage)
@@ -184,7 +211,13 @@ def design_plant(loader: Loader, pilot_arm_m: float | None = None, *, pilot_stat
 
 
 def ideal_feel(loader: Loader) -> control.StateSpace:
-    """The programmed feel, eq. (11), driven by the pilot's torque: from pilot force to column angle."""
+    """The programmed feel, eq. (11), driven by the pilot's torque: from pilot force to column angle.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.linear.ideal_feel(ff.elevator()).output_labels
+        ['column_angle_rad']
+    """
     check_loader(loader)
     states = ("column_angle_rad", "column_velocity_rad_per_s")
     return _state_space(f"{loader.name} ideal feel", _core.ideal_feel(loader.values), states, INPUTS[:1], OUTPUTS[:1])
@@ -199,6 +232,13 @@ def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> Compensator:
 
     Raises:
         InputError: If there are not six or seven finite gains.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> loader = ff.elevator()
+        >>> law = ff.linear.state_feedback(loader, ff.compensate(loader).gains)
+        >>> law.displacement_unit
+        'rad'
     """
     if len(gains) not in {6, 7} or not np.all(np.isfinite(gains)):
         raise InputError(f"gains: expected six or seven finite numbers, got {np.asarray(gains).tolist()}")

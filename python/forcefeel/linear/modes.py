@@ -21,6 +21,11 @@ class Mode:
         imaginary_per_s: Imaginary part, zero or positive.
         frequency_rad_per_s: Distance w of the pole from the origin.
         damping_ratio: zeta; 1 for a stable real pole, negative for an unstable one.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.modes(ff.linear.ideal_feel(ff.elevator()))[0].damping_ratio > 0
+        True
     """
 
     real_per_s: Annotated[float, RATE]
@@ -30,7 +35,14 @@ class Mode:
 
 
 def modes(model: control.StateSpace) -> tuple[Mode, ...]:
-    """The modes of ``model``, slowest first; a conjugate pair counts once."""
+    """The modes of ``model``, slowest first; a conjugate pair counts once.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> for mode in ff.modes(ff.linear.ideal_feel(ff.elevator())):
+        ...     print(f"{mode.frequency_rad_per_s:.2f} rad/s, damping ratio {mode.damping_ratio:.2f}")
+        12.65 rad/s, damping ratio 0.20
+    """
     expect("model", model, control.StateSpace, "a control.StateSpace, such as compliant_model(loader)")
     poles = sorted((complex(s) for s in model.poles() if s.imag >= 0), key=abs)
     return tuple(Mode(s.real, s.imag, abs(s), -s.real / abs(s) if s != 0 else 0.0) for s in poles)

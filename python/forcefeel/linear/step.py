@@ -33,6 +33,12 @@ def step_response(
     Returns:
         Every output of the model over the coordinate ``time_s``; exact at the samples, since the input is constant;
         not a number once an unstable response has left the range of double precision.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> response = ff.step_response(ff.compliant_model(ff.elevator()), force_n=100.0)
+        >>> f"{float(response.column_angle_rad[-1]):.3f} rad"
+        '0.045 rad'
     """
     import xarray as xr  # noqa: PLC0415  with pandas, for which `forcefeel analyze` need not wait
 

@@ -38,7 +38,13 @@ less well than the rest."""
 
 
 def elevator() -> Loader:
-    """The elevator loader of the 1974 report, from the appendix's U.S. customary column; its tolerances are assumed."""
+    """The elevator loader of the 1974 report, from the appendix's U.S. customary column; its tolerances are assumed.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.elevator()
+        <Loader 'elevator': feel G = 9600 lb in/rad, 2.01 Hz, damping ratio 0.2; analog; 13 tolerances>
+    """
     values = np.array([OFF.get(key, row.default_si) for key, row in TABLE.items()])
     return Loader("elevator", _REPORT, values).with_tolerances(_ASSUMED)
 
@@ -49,6 +55,11 @@ def digital_elevator() -> Loader:
     The flow follows the orifice, eq. (1), limited by the appendix's rated current and flow. The sensors are of a usual kind, no one
     product: a load cell with 0.1 lb of noise, an encoder of 23 bits a turn at the column, a potentiometer at the piston. There is
     none on flow or valve.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.digital_elevator()["controller.period"]
+        0.0005
     """
     changes: dict[str, str | float | bool | None] = {
         "controller.period": "0.5 ms",

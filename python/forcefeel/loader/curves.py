@@ -35,6 +35,13 @@ class Curve:
     Raises:
         InputError: If the numbers of points differ, there are too few or too many, one is not finite, x does not rise or
             y falls; it names the first pair of points that is wrong.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from dataclasses import replace
+        >>> curve = ff.loader.Curve((-0.3, 0.0, 0.3), (-200.0, 0.0, 250.0))  # rad, N
+        >>> replace(ff.elevator(), force_curve=curve).force_curve is curve
+        True
     """
 
     x: tuple[float, ...]

@@ -68,6 +68,12 @@ class Loader:
         InputError: If there are not as many values as rows, one is out of its row's range (the value of an optional row
             that is off always stands), a curve leaves the limits of its axes, or values or tolerances do not go
             together; a line for each of those.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> loader = ff.elevator().replace({"linkage.stiffness": "7000 lb/in"})
+        >>> f"{loader['linkage.stiffness']:.0f} N/m"
+        '1225888 N/m'
     """
 
     name: str
@@ -344,6 +350,13 @@ def load(path: str | Path) -> Loader:
 
     Raises:
         InputError: With a line for each thing that is wrong: the file, the key, what was expected and what came.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> size = Path("my.toml").write_text(ff.elevator().to_toml(), encoding="utf-8")
+        >>> ff.load("my.toml").name
+        'elevator'
     """
     from forcefeel.loader.file import read  # noqa: PLC0415  pydantic, which a built-in loader does not need
 

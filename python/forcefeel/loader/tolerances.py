@@ -31,7 +31,13 @@ ZERO = "expected bounds as values with their unit, got shares of a value that is
 
 
 class Distribution(StrEnum):
-    """How the values are spread between the bounds."""
+    """How the values are spread between the bounds.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> [one.value for one in ff.loader.Distribution]
+        ['uniform', 'normal', 'triangular']
+    """
 
     UNIFORM = "uniform"
     NORMAL = "normal"
@@ -53,6 +59,11 @@ class Tolerance:
     Raises:
         InputError: If the bounds are not finite or not in order, the peak is not between them, the deviation is not
             above zero, ``nominal`` is zero, or one is missing or too much.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.elevator().tolerances["linkage.stiffness"].distribution.value
+        'uniform'
     """
 
     distribution: Distribution

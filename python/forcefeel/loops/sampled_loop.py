@@ -29,6 +29,11 @@ class SampledLoops:
         by_force: b_F, (loops, states), per N.
         base: Place of the column's base, in m, among the states.
         command: Place of the youngest command, in V.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.loops.sampled_loops(ff.digital_elevator(), "robust").period_s
+        0.0005
     """
 
     period_s: float
@@ -68,6 +73,11 @@ def sampled_loops(
 
     Raises:
         InputError: If the loader has no period, or a sampled law was made for another.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.loops.sampled_loops(ff.digital_elevator(), "robust").matrix.ndim
+        3
     """
     if loader["controller.period"] == 0:
         raise InputError("controller.period: expected a sample period, got none; give one, for example 0.5 ms")

@@ -78,6 +78,16 @@ def judge_releases(
 
     Raises:
         InputError: If there are not as many references, or the test is no release test.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> after = np.arange(0, 6, 1 / 500)
+        >>> runs = np.stack([0.2 * np.exp(-z * 12 * after) * np.cos(12 * after) for z in (0.2, 0.21, 0.4)])
+        >>> batch = ff.qualification.measure_releases(after, runs)
+        >>> test = ff.qualification.load_rules().of("release", "pitch")
+        >>> ff.qualification.judge_releases(batch, ff.qualification.measure_releases(after, runs[:1]), test).passed.tolist()
+        [True, True, False]
     """
     if test.kind != "release":
         raise InputError(f"test: expected a release test, got {show(test.number)}, a {test.kind} test")

@@ -25,7 +25,7 @@ def read_record(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Record:
-    """Reads a record from a ``.csv``, ``.parquet`` or ``.mat`` file, by the ending of its name.
+    r"""Reads a record from a ``.csv``, ``.parquet`` or ``.mat`` file, by the ending of its name.
 
     The columns are ``time`` and ``position`` or ``column angle``, and where they were recorded ``force`` or ``pilot force``,
     ``surface`` and ``body rate``, each with its unit: ``time (s)``, ``position [deg]``, ``force_n``. Others may stand beside them
@@ -39,6 +39,14 @@ def read_record(
 
     Raises:
         InputError: With the file, the line or row and the time, what is wrong, what was expected and the remedy.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> rows = "".join(f"{k / 100},{0.2 if k < 50 else 0.0}\n" for k in range(100))
+        >>> size = Path("record.csv").write_text("time (s),position (rad)\n" + rows)
+        >>> len(ff.qualification.read_record("record.csv").time_s)
+        100
     """
     table = open_table(path, _SIGNALS.example)
     read = _SIGNALS.read(table, columns, units)

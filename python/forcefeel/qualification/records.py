@@ -51,6 +51,13 @@ class Record:
     Raises:
         InputError: When built, with the row and the time at fault: fewer than two rows, signals of other lengths, numbers
             that are not finite, time that runs backwards, stands still or jumps.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> time = np.arange(0, 2, 0.01)
+        >>> ff.qualification.Record(time, 0.2 * np.exp(-time), name="aircraft").name
+        'aircraft'
     """
 
     time_s: NDArray[np.float64]

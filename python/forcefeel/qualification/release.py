@@ -105,6 +105,16 @@ def measure_release(
     Raises:
         InputError: With the record's name and a time: too few samples a second, no release, clipped, ends before its first
             zero crossing or before it rests.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> time = np.arange(0, 8, 1 / 60)
+        >>> let_go = np.maximum(time - 0.5, 0)
+        >>> position = 0.2 * np.exp(-2.5 * let_go) * (np.cos(12 * let_go) + 0.2 * np.sin(12 * let_go))
+        >>> features = ff.qualification.measure_release(ff.qualification.Record(time, position))
+        >>> f"{features.cycles[1].value:.2f} s"
+        '0.52 s'
     """
     rules = rules or load_rules().release
     check_rate(record)

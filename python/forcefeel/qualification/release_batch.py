@@ -121,6 +121,14 @@ def measure_releases(
 
     Raises:
         InputError: If the shapes do not fit, the times do not rise, or there are too few samples.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> after = np.arange(0, 6, 1 / 500)
+        >>> runs = np.stack([0.2 * np.exp(-z * 12 * after) * np.cos(12 * after) for z in (0.2, 0.3)])
+        >>> type(ff.qualification.measure_releases(after, runs)).__name__
+        'ReleaseBatch'
     """
     rules = rules or load_rules().release
     time, runs = np.asarray(time_s, dtype=np.float64), np.ascontiguousarray(position, dtype=np.float64)

@@ -43,6 +43,17 @@ def judge_release(
 
     Raises:
         InputError: If the records are of other quantities or go opposite ways, or the test is no release test.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> time = np.arange(0, 8, 1 / 60)
+        >>> let_go = np.maximum(time - 0.5, 0)
+        >>> position = 0.2 * np.exp(-2.5 * let_go) * (np.cos(12 * let_go) + 0.2 * np.sin(12 * let_go))
+        >>> same = ff.qualification.measure_release(ff.qualification.Record(time, position))
+        >>> test = ff.qualification.load_rules().of("release", "pitch")
+        >>> sorted({verdict.outcome.value for verdict in ff.qualification.judge_release(same, same, test)})
+        ['passed']
     """
     if test.kind != "release":
         raise InputError(f"test: expected a release test, got {show(test.number)}, a {test.kind} test")

@@ -130,6 +130,11 @@ class Rules(BaseModel):
         release: How free responses are made and read.
         sweeps: The sweeps of the alternate method.
         tests: Its tests.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.qualification.load_rules().of("static", "pitch").number
+        '2.a.1.a'
     """
 
     model_config = STRICT
@@ -192,7 +197,13 @@ def _folder() -> Traversable:
 
 @cache
 def editions() -> tuple[str, ...]:
-    """Names of the editions there are tables of."""
+    """Names of the editions there are tables of.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> "part60-a-2014" in ff.qualification.editions()
+        True
+    """
     names = (file.name.removesuffix(".toml") for file in _folder().iterdir() if file.name.endswith(".toml"))
     return tuple(sorted(names))
 
@@ -203,6 +214,11 @@ def load_rules(edition: str = DEFAULT_EDITION) -> Rules:
 
     Raises:
         InputError: If there is no such table.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.qualification.load_rules("part60-a-2014").category
+        'aeroplane'
     """
     if edition not in editions():
         raise InputError(f"rule: expected one of {', '.join(editions())}; got {show(edition)}")

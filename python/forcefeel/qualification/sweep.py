@@ -91,6 +91,15 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
 
     Raises:
         InputError: With the record's name and a time: no force, no way to both sides, a direction that is missing.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> time = np.linspace(0.0, 60.0, 3001)
+        >>> angle = 0.3 * np.interp(time, [0, 15, 45, 60], [0.0, 1.0, -1.0, 0.0])
+        >>> found = ff.qualification.measure_sweep(ff.qualification.Record(time, angle, 600.0 * angle))
+        >>> type(found).__name__
+        'SweepFeatures'
     """
     if record.force_n is None:
         raise InputError(

@@ -46,6 +46,16 @@ def judge_sweep(
 
     Raises:
         InputError: If one position is an angle and the other a length, or the test is of another kind.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> time = np.linspace(0.0, 60.0, 3001)
+        >>> angle = 0.3 * np.interp(time, [0, 15, 45, 60], [0.0, 1.0, -1.0, 0.0])
+        >>> same = ff.qualification.measure_sweep(ff.qualification.Record(time, angle, 600.0 * angle))
+        >>> test = ff.qualification.load_rules().of("static", "pitch")
+        >>> sorted({verdict.outcome.value for verdict in ff.qualification.judge_sweep(same, same, test)})
+        ['not evaluated', 'passed']
     """
     _check_kind(test, "static", "freeplay")
     _check_unit(measured, reference)

@@ -13,7 +13,13 @@ COVERAGE = 2.0
 
 
 class Outcome(StrEnum):
-    """What a comparison came to."""
+    """What a comparison came to.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> [outcome.value for outcome in ff.qualification.Outcome]
+        ['passed', 'failed', 'too close to call', 'not evaluated']
+    """
 
     PASSED = "passed"
     FAILED = "failed"
@@ -39,6 +45,13 @@ class Verdict:
         at: Position or time of a curve's worst point; ``None`` otherwise.
         rule: The tolerance's row.
         verified: Whether a person has held that row against the document.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
+        >>> found = ff.qualify_loader(ff.elevator(), setup).sections[0].results[0]
+        >>> found.verdicts[0].outcome.value
+        'failed'
     """
 
     test: str

@@ -13,6 +13,12 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> tuple[Section
 
     Args:
         progress: Called with the name of each step of the design as it begins.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> sections = ff.reproduction.reproduce()
+        >>> sum(len(section.rows) for section in sections) > 50
+        True
     """
     loader = elevator()
     found = design_loader(loader, progress=progress)

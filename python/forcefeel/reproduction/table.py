@@ -9,7 +9,13 @@ from forcefeel.units import to_text
 
 
 class Verdict(StrEnum):
-    """How a computed value stands to the printed one."""
+    """How a computed value stands to the printed one.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> [verdict.value for verdict in ff.reproduction.Verdict]
+        ['agrees', 'differs, explained', 'does not hold', 'differs']
+    """
 
     AGREES = "agrees"
     """To the printed digits, or the claim holds."""
@@ -38,6 +44,12 @@ class Row:
         unit: Unit of both.
         verdict: How they stand to each other.
         reason: Why, where they differ; a remark otherwise.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> row = ff.reproduction.Row("k", "Table I", "6108", "6108", 6108.0, "lb/in", ff.reproduction.Verdict.AGREES)
+        >>> row.verdict.value
+        'agrees'
     """
 
     item: str
@@ -52,7 +64,14 @@ class Row:
 
 @dataclass(frozen=True)
 class Section:
-    """Rows that belong together."""
+    """Rows that belong together.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> row = ff.reproduction.Row("k", "Table I", "6108", "6108", 6108.0, "lb/in", ff.reproduction.Verdict.AGREES)
+        >>> ff.reproduction.Section("Linkage", (row,)).title
+        'Linkage'
+    """
 
     title: str
     rows: tuple[Row, ...]

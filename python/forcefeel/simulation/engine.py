@@ -49,6 +49,12 @@ def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) ->
     Raises:
         InputError: If a time does not fall on a step, the loader asks for an input that is not given, or a sampled law was made
             for another controller.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> run = ff.simulate(ff.digital_elevator(), ff.Scenario(ff.Step(100.0), duration_s=0.5), "robust")
+        >>> run.status.value
+        'settled'
     """
     expect("scenario", scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")
     law = Law.of(compensator, loader)
@@ -117,6 +123,14 @@ def simulate_batch(
 
     Raises:
         InputError: As ``simulate``; if values have the wrong shape, vary what all runs must share, or the histories are too large.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> loader = ff.elevator()
+        >>> found = ff.simulation.simulate_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.values, (3, 1)))
+        >>> found.sizes["run"]
+        3
     """
     check_loader(loader)
     expect("scenario", scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")

@@ -31,6 +31,12 @@ class Limits:
         feel_high_s: How long at its upper one.
         stuck_s: How long dry friction held the column that had moved before.
         stuck_at_end: Whether it did so at the end.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
+        >>> f"{ff.simulation.limits(run).current:.0%} of the rated current"
+        '0% of the rated current'
     """
 
     current: Annotated[float, PERCENT]
@@ -47,7 +53,14 @@ class Limits:
 
 @of_result
 def limits(run: Run) -> Limits:
-    """What held the machine back, from the samples of the run; up to where it diverged."""
+    """What held the machine back, from the samples of the run; up to where it diverged.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
+        >>> ff.simulation.limits(run).over_current
+        0.0
+    """
     loader, history, sample_s = run.loader, run.history, run.scenario.sample_s
     known = np.isfinite(history["column_angle_rad"].values)
     angle, velocity, current, flow, pressure, feel = (

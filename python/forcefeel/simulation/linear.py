@@ -104,6 +104,14 @@ def simulate_linear_batch(
 
     Source:
         C. F. Van Loan, Computing integrals involving the matrix exponential, 1978.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> loader = ff.elevator()
+        >>> found = ff.simulation.simulate_linear_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.values, (3, 1)))
+        >>> found.column_angle_rad.shape
+        (3, 501)
     """
     values = np.ascontiguousarray(values, dtype=np.float64)
     gains = np.ascontiguousarray(compensator, dtype=np.float64) if isinstance(compensator, np.ndarray) else None

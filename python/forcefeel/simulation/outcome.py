@@ -47,7 +47,13 @@ MEASURES = {named(name, unit): unit for name, unit in _core.simulation_measures(
 
 
 class RunStatus(StrEnum):
-    """How a run ended."""
+    """How a run ended.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> [status.value for status in ff.simulation.RunStatus]
+        ['settled', 'moving', 'diverged']
+    """
 
     SETTLED = "settled"
     MOVING = "moving"
@@ -75,6 +81,12 @@ class Measures:
         peak_pressure_pa: Largest magnitude of the load pressure.
         peak_flow_m3_per_s: Largest magnitude of the flow.
         diverged_at_s: When the run left every bound; infinite if it did not.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
+        >>> f"overshoot {run.measures.overshoot:.0%}"
+        'overshoot 46%'
     """
 
     maximum_angle_rad: Annotated[float, ANGLE]
@@ -104,6 +116,12 @@ class Run:
         measures: What it is judged by.
         history: Every output over ``time_s``, SI units; not a number once the run has diverged.
         method: ``exact`` where everything is linear, ``stepped`` otherwise.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
+        >>> run
+        <Run of 'elevator', 2 s, exact: settled at 1.036 s>
     """
 
     loader: Loader

@@ -42,6 +42,12 @@ class FeelChange:
         over_s: How long it takes.
         compensator: The sampled law that goes with the new feel; its numbers go over along with the feel. The law of before stays
             if there is none.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> softer = ff.simulation.FeelChange(0.5, {"feel.stiffness": "6000 lb in/rad"})
+        >>> ff.simulate(ff.elevator(), ff.Scenario(ff.Step(50.0), feel_changes=(softer,))).method
+        'stepped'
     """
 
     at_s: float
@@ -71,6 +77,12 @@ class Scenario:
 
     Raises:
         InputError: If a time is out of range.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> scenario = ff.Scenario(ff.Step(100.0), duration_s=1.0)
+        >>> ff.simulate(ff.elevator(), scenario).history.sizes["time_s"]
+        1001
     """
 
     force: Force = field(default_factory=HandsOff)

@@ -69,7 +69,10 @@ class Sweep:
             varies; if the scenario does not go with the loader.
 
     Example:
-        ``Sweep(loader, Scenario(Step(400.0, 0.1)), vary={"linkage.stiffness": "20 %"}, runs=100_000)``
+        >>> import forcefeel as ff
+        >>> sweep = ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), vary={"linkage.stiffness": "10 %"}, runs=32)
+        >>> sweep.total
+        32
     """
 
     loader: Loader

@@ -39,6 +39,12 @@ class SweepResult:
         sweep: What was swept.
         runs: Over ``run``: the measures, ``status`` (settled, moving, diverged or impossible), and as coordinates the values of
             what varied, by ``part.name``; SI units, named in ``units``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
+        >>> found.runs.sizes["run"]
+        32
     """
 
     sweep: Sweep

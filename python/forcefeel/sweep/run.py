@@ -47,6 +47,12 @@ def run_sweep(
     Raises:
         InputError: If the folder cannot be used or holds another sweep, or the cluster fails; what is finished stays.
         KeyboardInterrupt: As it comes; what is finished stays in the folder.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
+        >>> len(found.runs.to_dataframe())
+        32
     """
     expect("sweep", sweep, Sweep, "a Sweep, which says of which loader and scenario")
     if threads is not None and scheduler is not None:

@@ -84,6 +84,12 @@ class Summary:
             measure only rises or only falls with the parameter, 0 where it knows nothing of it. Not a number where the
             measure is the same for all.
         chance: Size that a correlation of what has nothing to do with each other stays below in 95 of 100 sweeps.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
+        >>> sorted(ff.sweep.summarize(found).spreads)[:2]
+        ['final_angle_rad', 'last_swing_rad']
     """
 
     shares: tuple[Share, ...]
@@ -103,7 +109,14 @@ class Summary:
 
 
 def summarize(result: SweepResult) -> Summary:
-    """Sums up the runs of a sweep."""
+    """Sums up the runs of a sweep.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
+        >>> sum(share.share for share in ff.sweep.summarize(found).shares) > 0.99
+        True
+    """
     runs = result.runs
     measured = {name: runs[name].values for name in SPREAD}  # not a number where the run diverged or cannot be
     counts = {status: int((runs["status"].values == status).sum()) for status in STATUSES}

@@ -41,6 +41,13 @@ def write_excitation(
 
     Raises:
         InputError: If a file is there and ``replace`` is not said, or it cannot be written.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> plan = ff.bench.ExcitationPlan(time_s=4.0, rate_hz=200.0, to_hz=20.0)
+        >>> found = ff.bench.excite(ff.elevator(), "k", "servo-closed", plan)
+        >>> ff.bench.write_excitation(found, "excite.csv").name
+        'excite.csv'
     """
     path = Path(path)
     check_excitation_file(path, replace=replace)

@@ -55,6 +55,13 @@ def excite(
     Source: G. C. Goodwin and R. L. Payne, Dynamic System Identification, 1977, ch. 6; M. B. Zarrop, Optimal Experiment Design for
     Dynamic System Identification, 1979; R. Pintelon and J. Schoukens, System Identification: A Frequency Domain Approach, 2nd ed.
     2012, ch. 5.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> plan = ff.bench.ExcitationPlan(time_s=4.0, rate_hz=200.0, to_hz=20.0)
+        >>> found = ff.bench.excite(ff.elevator(), "k", "servo-closed", plan)
+        >>> sorted(found.standard_errors)
+        ['linkage.stiffness']
     """
     plan = plan or ExcitationPlan()
     keys = parameter_keys(fit)

@@ -62,6 +62,13 @@ class Excitation:
         efficiency: D-efficiency ``(det M / det M*)^(1/p)`` against the best spectrum without evenly spread power, M* its
             information within the same r.m.s. limits; of a chirp against the best multisine.
         even_efficiency: The same of a spectrum of even lines.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> plan = ff.bench.ExcitationPlan(time_s=4.0, rate_hz=200.0, to_hz=20.0)
+        >>> found = ff.bench.excite(ff.elevator(), "k", "servo-closed", plan)
+        >>> len(found.time_s) == len(found.signal)
+        True
     """
 
     loader: Loader = field(repr=False)

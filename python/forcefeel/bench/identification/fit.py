@@ -73,6 +73,13 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     Raises:
         InputError: If a parameter cannot be fitted, there are no data or fewer points than unknowns, data are not what they are
             said to be, or the model diverges at every start.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
+        >>> found = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
+        >>> found["k"].status.value
+        'determined'
     """
     check_loader(loader)
     expect("fit", fit, (str, Sequence), 'symbols or rows of parameters such as "k,c,J"')

@@ -131,7 +131,16 @@ def model_response(
     *,
     law: LawLike = None,
 ) -> NDArray[np.complex128]:
-    """The response that the loader's linear model has from one channel to another, SI units, (lines,)."""
+    """The response that the loader's linear model has from one channel to another, SI units, (lines,).
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> experiment = ff.bench.Experiment.read("servo-closed")
+        >>> value = ff.bench.model_response(ff.elevator(), experiment, "test_signal", "column_angle", np.array([1.0, 10.0]))
+        >>> value.shape
+        (2,)
+    """
     found = channel_responses(loader, experiment.loop, (), frequency_hz, law=law)
     return found.between(source, target, experiment.drive)[0]
 

@@ -38,6 +38,13 @@ class Estimate:
         share: Half the 95 % interval from the data alone, without prior, as a share of the value's size.
         status: Whether the data determine it. Of what they do not, the value is where the search happened to end and not to be
             reported; the other numbers are infinite.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
+        >>> found = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
+        >>> found["k"].low < found["k"].value < found["k"].high
+        True
     """
 
     unknown: Unknown
@@ -165,6 +172,13 @@ class Identification:
         notes: What is worth knowing, a sentence each.
         loader: The loader with the estimates, their standard errors as tolerances and the data's hash as source; ``None`` where a
             parameter is not determined or ended at its bound, or the model does not explain the data.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
+        >>> found = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
+        >>> found.determined, found.keys
+        (True, ('linkage.stiffness', 'linkage.damping'))
     """
 
     before: Loader

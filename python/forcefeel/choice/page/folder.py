@@ -33,6 +33,13 @@ def write_choice(scored: Scored, choice: Choice | None, out: Path, units: UnitSy
 
     Raises:
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> scored = ff.choice.score_methods(ff.digital_elevator(), ("published", "robust"), over_envelope=False)
+        >>> ff.choice.write_choice(scored, None, Path("choice"), ff.UnitSystem.SI).parent.name
+        'choice'
     """
     FOLDER.check(out, replace=replace)
     results = json_text(choice_json(scored, choice, units))

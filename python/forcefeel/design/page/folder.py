@@ -32,6 +32,12 @@ def write_report(design: Design, out: Path, units: UnitSystem) -> Path:
 
     Raises:
         InputError: If ``out`` is a file, or cannot be made or written.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> ff.design.write_report(ff.design_loader(ff.elevator()), Path("report"), ff.UnitSystem.SI).name
+        'report.html'
     """
     FOLDER.check(out)
     FOLDER.write(out, _contents(design, units))

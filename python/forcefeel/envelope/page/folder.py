@@ -32,6 +32,14 @@ def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bo
 
     Raises:
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
+        >>> found = ff.find_envelope(ff.elevator(), ["original"], grid)
+        >>> ff.envelope.write_envelope(found, Path("envelope"), ff.UnitSystem.SI).parent.name
+        'envelope'
     """
     FOLDER.check(out, replace=replace)
     contents: dict[str, str | bytes] = {

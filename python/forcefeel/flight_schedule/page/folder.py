@@ -32,6 +32,16 @@ def write_schedule(found: ScheduleCheck, out: Path, units: UnitSystem, *, replac
 
     Raises:
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> pressure = ff.flight_schedule.ScheduleAxis("pressure", "lb/ft^2", (50, 100))
+        >>> feel = ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6)
+        >>> schedule = ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel)
+        >>> found = ff.flight_schedule.check_schedule(schedule, refine=2, changes={}, arms=())
+        >>> ff.flight_schedule.write_schedule(found, Path("schedule"), ff.UnitSystem.SI).parent.name
+        'schedule'
     """
     FOLDER.check(out, replace=replace)
     results = json_text(schedule_json(found, units))

@@ -66,6 +66,11 @@ class DesignSettings:
 
     Raises:
         InputError: If a value is not finite or has the wrong sign, or [Q] is not symmetric and positive semidefinite.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.laws.DesignSettings(r2=0.05).r2
+        0.05
     """
 
     step_s: Annotated[float, SECONDS] = 1e-4
@@ -131,6 +136,12 @@ class Compensation:
         status: How the recursion ended.
         change: Change of the gains over the second half of the steps, as a share of the largest, the states scaled.
         riccati_residual: How far the gains are from the best for an endless horizon; see ``SampledProblem.residual``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.compensate(ff.elevator(), ff.laws.DesignSettings())
+        >>> found.status.value
+        'converged'
     """
 
     settings: DesignSettings
@@ -183,6 +194,11 @@ def published_settings(loader: Loader) -> DesignSettings:
 
     The recursion is stopped after 0.05 s, and the pilot force enters the computer's row as though it were the load cell's
     force, with the arm ``-alpha R_b``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.laws.published_settings(ff.elevator()).horizon_s
+        0.05
     """
     law = state_feedback(loader, np.zeros(6))
     return DesignSettings(horizon_s=PUBLISHED_HORIZON_S, pilot_arm_m=-law.load_cell_arm)
@@ -209,6 +225,12 @@ def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compen
     Returns:
         The gains, and in ``status`` and ``note`` how the recursion ended; gains that have not ``reached`` what was asked
         are those of its last step.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.compensate(ff.elevator())
+        >>> len(found.gains), found.note
+        (7, 'horizon of 0.05 s, 500 steps of 0.0001 s')
     """
     check_loader(loader)
     if settings is not None:

@@ -24,6 +24,11 @@ class Method:
         name: What it is called.
         summary: What it is, in a line.
         design: The laws of a loader for settings I, B, G in SI units, a row each.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.laws.method("robust").name
+        'robust'
     """
 
     name: str
@@ -32,7 +37,14 @@ class Method:
 
 
 def tuned(name: str, summary: str, tuning: Tuning) -> Method:
-    """Regulator, feed-forward and observer with these weights and noises."""
+    """Regulator, feed-forward and observer with these weights and noises.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from forcefeel.laws.sampled.tuning import ROBUST
+        >>> ff.laws.tuned("mine", "the robust law by another name", ROBUST).name
+        'mine'
+    """
     return Method(name, summary, partial(laws.design, tuning=tuning))
 
 
@@ -73,6 +85,11 @@ def method(name: str) -> Method:
 
     Raises:
         InputError: If there is none.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.laws.method("observer").summary[:8]
+        'optimal '
     """
     try:
         return METHODS[name]

@@ -52,6 +52,12 @@ class SampledCompensator:
     Raises:
         InputError: If shapes do not go together, a number is not finite, the delay is negative or longer than the period, or
             the state at rest is not determined: a law that integrates without end has any.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> law = ff.Law.of("robust", ff.digital_elevator()).sampled
+        >>> law.period_s, law.delay_s
+        (0.0005, 0.0005)
     """
 
     period_s: Annotated[float, SECONDS]

@@ -23,6 +23,11 @@ class Power:
 
     Raises:
         InputError: If one of the two is beyond ``MOST_DECADES``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.laws.Power(decades=-2.0, slope=0.5).decades
+        -2.0
     """
 
     decades: float
@@ -56,6 +61,13 @@ class Tuning:
         piston_noise: Noise of the piston's position, a density; ``None`` leaves the potentiometer out. Who trusts it trusts
             stiffness and ratio of the link too: the piston's position less the column's is the link's stretch.
         rate_weight: Weight of the squared error of the angle's rate; ``None`` for none.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from dataclasses import replace
+        >>> from forcefeel.laws.sampled.tuning import ROBUST
+        >>> replace(ROBUST, command_weight=ff.laws.Power(-3.0)).command_weight.decades
+        -3.0
     """
 
     command_weight: Power

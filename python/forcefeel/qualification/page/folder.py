@@ -31,6 +31,14 @@ def write_qualification(found: Qualification, out: Path, *, pdf: bool = False) -
 
     Raises:
         InputError: If ``out`` is a file or cannot be made or written, or the PDF cannot be printed.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
+        >>> found = ff.qualify_loader(ff.elevator(), setup)
+        >>> ff.qualification.write_qualification(found, Path("tests-of-mine")).parent.name
+        'tests-of-mine'
     """
     FOLDER.check(out)
     page = qualification_page(found, (NUMBERS, PDF) if pdf else (NUMBERS,))

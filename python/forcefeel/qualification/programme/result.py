@@ -124,6 +124,12 @@ class Qualification:
         files: Files that were read, by what they were given as.
         simulator, operator: Which was tested, and by whom; blank lines of the page where nobody says.
         day: When.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
+        >>> ff.qualify_loader(ff.elevator(), setup).qualifies
+        False
     """
 
     loader: Loader

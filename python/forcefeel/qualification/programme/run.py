@@ -44,6 +44,11 @@ class QualificationSetup:
         overdamped: What a response without overshoots is judged by.
         system: Units; of the rule's two roundings of a force, that one holds.
         simulator, operator: For the page: which was tested, and by whom.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.qualification.QualificationSetup(laws=("original", "published")).axis
+        'pitch'
     """
 
     laws: Sequence[str] | Mapping[str, LawLike] = (ORIGINAL,)
@@ -75,6 +80,12 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
 
     Raises:
         InputError: If a part of the setup or a record is bad, with the record and the time.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> setup = ff.qualification.QualificationSetup(laws=("robust",), tests=("release-25-positive",))
+        >>> ff.qualify_loader(ff.digital_elevator(), setup).fulfilled
+        True
     """
     check_loader(loader)
     if setup is not None:

@@ -41,6 +41,11 @@ class Multisine:
     Source: M. R. Schroeder, Synthesis of Low-Peak-Factor Signals and Binary Sequences with Low Autocorrelation, IEEE
     Trans. Information Theory 16 (1970); E. Van der Ouderaa, J. Schoukens and J. Renneboog, Peak Factor Minimization
     Using a Time-Frequency Domain Swapping Algorithm, IEEE Trans. Instrumentation and Measurement 37 (1988).
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.simulation.Multisine(20.0, (1.0, 2.0, 4.0), 2.0, seed=1).lines_hz
+        (1.0, 2.0, 4.0)
     """
 
     force_n: float

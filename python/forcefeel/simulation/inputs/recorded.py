@@ -34,6 +34,14 @@ class Recorded:
     Raises:
         InputError: When built, with the row at fault: fewer than two rows, numbers that are not finite, time that runs
             backwards or stands still, a gap.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> import numpy as np
+        >>> time = np.linspace(0.0, 1.0, 1001)
+        >>> force = ff.Recorded(time, 50.0 * np.sin(2 * np.pi * time))
+        >>> ff.simulate(ff.elevator(), ff.Scenario(force, duration_s=1.0)).history.sizes["time_s"]
+        1001
     """
 
     time_s: NDArray[np.float64]
@@ -85,7 +93,7 @@ class Recorded:
 def read_recorded(
     path: str | Path, *, columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None
 ) -> Recorded:
-    """Reads a recorded force from a ``.csv``, ``.parquet`` or ``.mat`` file, by the ending of its name.
+    r"""Reads a recorded force from a ``.csv``, ``.parquet`` or ``.mat`` file, by the ending of its name.
 
     The columns are ``time`` and ``force`` or ``pilot force``, each with its unit: ``time (s),force (lb)``, ``time [s], force [N]``
     or ``time_s,force_n``; ``lb`` is a pound of force. Others may stand beside them and are not read.
@@ -103,6 +111,13 @@ def read_recorded(
             is no table; a column that is missing, stands twice, has no unit, an unknown one or one that measures something else;
             a row with another number of values, text that is no number, a number that is not finite; fewer than two rows; time
             that runs backwards or stands still; a gap.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> size = Path("force.csv").write_text("time (s),force (lb)\n0,0\n1,10\n2,0\n")
+        >>> f"{ff.simulation.read_recorded('force.csv').force_n[1]:.2f} N"
+        '44.48 N'
     """
     table = open_table(path, _SIGNALS.example)
     read = _SIGNALS.read(table, columns, units)

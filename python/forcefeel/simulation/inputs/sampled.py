@@ -214,6 +214,12 @@ class Schedule:
 
     Raises:
         InputError: When built, if times or values are not so.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> trim = ff.simulation.Schedule((0.0, 0.5), (0.0, 0.05))
+        >>> ff.Scenario(trim_rad=trim).trim_rad.values
+        (0.0, 0.05)
     """
 
     times_s: tuple[float, ...]

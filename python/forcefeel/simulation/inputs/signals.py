@@ -31,7 +31,13 @@ Spacing = Literal["linear", "logarithmic"]
 
 @dataclass(frozen=True)
 class HandsOff:
-    """Nobody at the grip: ``F(t) = 0``."""
+    """Nobody at the grip: ``F(t) = 0``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.Scenario().force
+        HandsOff()
+    """
 
     def sample(self, time_s: float, step_s: float) -> Sampled:
         """Zeros.
@@ -52,6 +58,11 @@ class Step:
 
     Raises:
         InputError: When built, if a number is not finite or ``start_s`` is below 0.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.Scenario(ff.Step(force_n=100.0, start_s=0.1)).force
+        Step(force_n=100.0, start_s=0.1)
     """
 
     force_n: float
@@ -81,6 +92,11 @@ class Pulse:
 
     Raises:
         InputError: When built, if a number is not finite or below its bound.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.simulation.Pulse(force_n=50.0, start_s=0.1, width_s=0.2).force_n
+        50.0
     """
 
     force_n: float
@@ -114,6 +130,11 @@ class Doublet:
 
     Raises:
         InputError: When built, if a number is not finite or below its bound.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.simulation.Doublet(force_n=50.0, start_s=0.1, width_s=0.2).width_s
+        0.2
     """
 
     force_n: float
@@ -148,6 +169,11 @@ class StopToStop:
 
     Raises:
         InputError: When built, if a number is not finite or ``duration_s`` is not above 0.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.simulation.StopToStop(force_n=400.0, duration_s=60.0).duration_s
+        60.0
     """
 
     force_n: float
@@ -187,6 +213,11 @@ class Chirp:
 
     Raises:
         InputError: When built, if a number is not finite or below its bound, or ``spacing`` is another word.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.Scenario(ff.simulation.Chirp(50.0, 0.5, 5.0, 2.0, "logarithmic")).force.to_hz
+        5.0
     """
 
     force_n: float
@@ -238,6 +269,12 @@ class Release:
 
     Raises:
         InputError: When built, if a number is not finite or ``start_s`` is below 0.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Release(0.1), duration_s=1.0))
+        >>> float(run.history.column_angle_rad[0])
+        0.1
     """
 
     angle_rad: float

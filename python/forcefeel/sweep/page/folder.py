@@ -40,6 +40,13 @@ def write_sweep(result: SweepResult, summary: Summary, out: Path, units: UnitSys
 
     Raises:
         InputError: If ``out`` is a file, or cannot be made or written.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
+        >>> ff.sweep.write_sweep(found, ff.sweep.summarize(found), Path("sweep"), ff.UnitSystem.SI).parent.name
+        'sweep'
     """
     FOLDER.check(out)
     contents = {

@@ -53,6 +53,14 @@ def write_identification(
     Raises:
         InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or one of ``inputs`` under such a
             name, or cannot be written.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
+        >>> found = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
+        >>> ff.bench.write_identification(found, Path("found"), ff.UnitSystem.US).parent.name
+        'found'
     """
     tables = {f"{RESPONSES}/{name}": one for name, one in zip(_names(estimated), estimated, strict=True)}
     dataclasses.replace(FOLDER, files=(*FOLDER.files, *tables)).check(out, replace=replace, inputs=inputs)

@@ -4,7 +4,14 @@ from forcefeel.reproduction.table import Row, Section, Verdict
 
 
 def markdown(sections: tuple[Section, ...]) -> str:
-    """The comparison as Markdown."""
+    """The comparison as Markdown.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> row = ff.reproduction.Row("k", "Table I", "6108", "6108", 6108.0, "lb/in", ff.reproduction.Verdict.AGREES)
+        >>> "Linkage" in ff.reproduction.markdown((ff.reproduction.Section("Linkage", (row,)),))
+        True
+    """
     lines = [summary(sections), ""]
     for section in sections:
         lines += [
@@ -18,7 +25,14 @@ def markdown(sections: tuple[Section, ...]) -> str:
 
 
 def summary(sections: tuple[Section, ...]) -> str:
-    """How many rows have which verdict."""
+    """How many rows have which verdict.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> row = ff.reproduction.Row("k", "Table I", "6108", "6108", 6108.0, "lb/in", ff.reproduction.Verdict.AGREES)
+        >>> len(ff.reproduction.summary((ff.reproduction.Section("Linkage", (row,)),))) > 0
+        True
+    """
     verdicts = [row.verdict for section in sections for row in section.rows]
     agree, explained, refuted, unexplained = (verdicts.count(verdict) for verdict in Verdict)
     return (

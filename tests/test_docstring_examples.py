@@ -1,0 +1,70 @@
+"""Every public name has an example in its docstring, and every example runs and gives what it says."""
+
+import doctest
+import inspect
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+import matplotlib as mpl
+import pytest
+
+import forcefeel as ff
+from forcefeel.design import workflow
+
+ROOT = Path(__file__).parents[1]
+PACKAGE = Path(ff.__file__).parent
+MODULES = ["forcefeel", *(f"forcefeel.{stub.parent.name}" for stub in sorted(PACKAGE.glob("*/__init__.pyi")))]
+COMPILED = {"Compensator"}
+"""Documented by the extension's own source."""
+
+
+def public():
+    """Each class and function once, by the first place that it is public in."""
+    found = {}
+    for module in MODULES:
+        for name in import_module(module).__all__:
+            thing = getattr(import_module(module), name)
+            if callable(thing) and name not in COMPILED and thing not in found.values():
+                found[f"{module}.{name}"] = thing
+    return found
+
+
+PUBLIC = public()
+DESIGN = cache(workflow.design_loader)
+"""Half a dozen examples begin with the same design."""
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path, monkeypatch):
+    """A folder to write in, with the project's data to read."""
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    monkeypatch.chdir(tmp_path)
+    mpl.use("Agg")
+    monkeypatch.setattr(workflow, "design_loader", DESIGN)
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_the_example_gives_what_it_says(name):
+    thing = PUBLIC[name]
+    own = [test for test in doctest.DocTestFinder().find(thing, name, globs={}) if test.examples]
+    assert any(test.name == name for test in own), "has no example"
+    failures = []
+    runner = doctest.DocTestRunner(verbose=False)
+    for test in own:
+        runner.run(test, out=failures.append)
+    assert failures == []
+
+
+def test_a_wrong_example_is_seen():
+    def adds():
+        """Adds.
+
+        Example:
+            >>> 1 + 1
+            3
+        """
+
+    (test,) = doctest.DocTestFinder().find(adds, "adds", globs={})
+    assert doctest.DocTestRunner(verbose=False).run(test, out=lambda text: None).failed == 1
+    assert inspect.getdoc(adds)
