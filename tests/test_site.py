@@ -52,6 +52,7 @@ def test_every_command_is_in_the_reference(site):
     reference = page(site, "reference/commands")
     assert len(command_names()) >= 14
     assert [name for name in command_names() if f'id="command-{name}"' not in reference] == []
+    assert "Usage: forcefeel qualify" in reference
 
 
 def test_every_value_of_a_loader_file_is_in_the_reference(site):
