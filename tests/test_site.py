@@ -8,8 +8,10 @@ import sys
 from pathlib import Path
 
 import pytest
+from manual.pictures import Camera
 from manual.reference import command_names, public_modules
 from manual.terminal import Answer, blocks, missing
+from sphinx.errors import ExtensionError
 
 import forcefeel as ff
 from forcefeel.loader.parameters import ALTERNATIVES, TABLE
@@ -52,6 +54,7 @@ def test_every_command_is_in_the_reference(site):
     reference = page(site, "reference/commands")
     assert len(command_names()) >= 14
     assert [name for name in command_names() if f'id="command-{name}"' not in reference] == []
+    assert "Usage: forcefeel qualify" in reference
 
 
 def test_every_value_of_a_loader_file_is_in_the_reference(site):
@@ -83,3 +86,10 @@ def test_blocks_are_found_in_their_order_with_what_is_changed_for_the_test():
     assert (first.body, second.body) == ("forcefeel new a.toml\n", "forcefeel sweep --runs 2\n")
     assert (third.language, third.shows, third.body.strip()) == ("terminal", ("one", "two"), "forcefeel reproduce")
     assert missing(third.shows, [Answer("", "on\ne", 0)]) == ["two"]
+
+
+def test_without_a_chromium_the_build_says_what_to_do(monkeypatch, tmp_path):
+    monkeypatch.setenv("FORCEFEEL_CHROMIUM", str(tmp_path / "none"))
+    (tmp_path / "page.html").write_text("<p>seen</p>", encoding="utf-8")
+    with pytest.raises(ExtensionError, match="build without pictures: make site PICTURES=0"):
+        Camera().take(tmp_path / "page.html", tmp_path / "picture.png", "", 800)

@@ -156,6 +156,8 @@ def answered(words: list[str], folder: Path) -> tuple[int, str]:
 def _window(typed: list[str], folder: Path) -> Iterator[io.StringIO]:
     """The process as a command finds it that was typed in a folder; afterwards as it was."""
     here, argv, environment = Path.cwd(), sys.argv, dict(os.environ)
+    started = sys.modules["__main__"]
+    package, started.__package__ = started.__package__, None  # by which a program knows that "python -m" started it
     printed = io.StringIO()
     os.chdir(folder)
     sys.argv = typed
@@ -166,5 +168,6 @@ def _window(typed: list[str], folder: Path) -> Iterator[io.StringIO]:
     finally:
         os.chdir(here)
         sys.argv = argv
+        started.__package__ = package
         os.environ.clear()
         os.environ.update(environment)
