@@ -151,7 +151,7 @@ def test_a_page_is_small_and_every_plot_has_its_text(page):
     says = page.evaluate(
         "() => [...document.querySelectorAll('.plotly-graph-div')].map(one => [one.role, one.ariaLabel])"
     )
-    assert [one for one in says if one[0] != "group" or not re.match(r"Plot (over|\.).*\d", one[1])] == []
+    assert [one for one in says if one[0] != "group" or not re.match(r"Plot( over|\.).*\d", one[1])] == []
 
 
 def test_heads_name_rows_and_columns_and_keep_their_words_whole(page):
@@ -185,7 +185,7 @@ def test_the_tool_bar_leaves_the_legend_free(page):
     )
     assert covered == []
     offered = {one.lower() for one in page.locator(".modebar-btn").evaluate_all("all => all.map(one => one.ariaLabel)")}
-    assert offered == {
+    assert offered <= {
         "autoscale",
         "reset axes",
         "zoom",

@@ -94,8 +94,6 @@ def test_the_plots_show_their_words_whole(page):
             return legend.bottom > curves + rounding ? [...outside, plot.id + ': legend over the curves'] : outside;
         })""",
         ROUNDING_PX,
-        WIDTHS,
-        opened,
     )
     assert cut == []
 
@@ -190,6 +188,7 @@ def test_words_and_plots_can_be_read_in_light_and_dark(browser, pages):
     with opened(browser, pages["us"], WIDTHS[0]) as window:
         for scheme in ("dark", "light"):  # as the reader's system changes
             window.emulate_media(color_scheme=scheme)
+            window.evaluate("() => new Promise(drawn => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
             ground, ink, panel, ticks = map(_luminance, window.evaluate(_COLORS))
             for back, front in ((ground, ink), (panel, ticks)):
                 dark, light = sorted((back, front))

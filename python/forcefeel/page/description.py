@@ -36,17 +36,17 @@ def _lies(trace: Any) -> bool:
 
 
 def _told(trace: Any) -> str:
-    """A trace's name with its lowest and highest value; nothing of one without a name or without numbers."""
+    """A trace's name with its lowest and highest value; nothing of one without numbers, or of nameless dots on a curve."""
     if trace.type == "heatmap":
         name, along = trace.colorbar.title.text or "colour", trace.z
     else:
         name, along = _bare(trace.name or ""), trace.x if _lies(trace) else trace.y
-    if along is None or not name:
+    if along is None or not (name or trace.type == "bar"):
         return ""
     values = np.array([np.nan if one is None else one for one in np.ravel(along)])
     if not np.issubdtype(values.dtype, np.number) or not np.isfinite(values).any():
         return ""
-    return f"{name} {_range(float(np.nanmin(values)), float(np.nanmax(values)))}"
+    return f"{name} {_range(float(np.nanmin(values)), float(np.nanmax(values)))}".lstrip()
 
 
 def _title(axis: Any) -> str:
