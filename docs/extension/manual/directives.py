@@ -57,7 +57,7 @@ class TerminalBlock(SphinxDirective):
 
     def _shown(self, command: str, output: str) -> nodes.Node:
         typed = f"$ {command}".replace("\n", "\n> ")
-        shown = nodes.container("", nodes.literal_block(typed, typed, language="console"), classes=["terminal"])
+        shown = nodes.container("", nodes.literal_block(typed, typed, language="shell-session"), classes=["terminal"])
         if output:
             shown += nodes.literal_block(output, output, language="text", classes=["output"])
         return shown
