@@ -1,6 +1,8 @@
 """What is wrong with a record in time, without a model."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,7 @@ from forcefeel.qualification import load_rules
 from forcefeel.qualification.let_go import check_clipping, check_rate, find_release
 from forcefeel.qualification.records import Record, found_noise, found_resolution
 from forcefeel.tables.faults import check_step, fault
+from forcefeel.units import factor
 
 FEWEST_SAMPLES = 100
 """Samples that a record has at least."""
@@ -49,12 +52,30 @@ _SMOOTH = ("column_angle", "piston_position", "potentiometer")
 """Channels that cannot set out at speed from rest."""
 
 
-def check_record(record: BenchRecord, places: Sequence[str] | None = None) -> None:
+@dataclass(frozen=True)
+class Shown:
+    """Values of channels as messages have them: in the units of the file."""
+
+    units: Mapping[str, str]
+
+    def unit(self, channel: str) -> str:
+        """The channel's unit."""
+        return self.units.get(channel) or CHANNELS[channel]
+
+    def __call__(self, channel: str, value: float, digits: int = 6) -> str:
+        """The value with its unit."""
+        return f"{float(value) * factor(CHANNELS[channel], self.unit(channel)):.{digits}g} {self.unit(channel)}"
+
+
+def check_record(
+    record: BenchRecord, places: Sequence[str] | None = None, units: Mapping[str, str] = MappingProxyType({})
+) -> None:
     """Refuses a record that no model can be held against.
 
     Args:
         record: The record.
         places: Where each row stands, after the header's place, for messages; its name and row numbers from 1 if not given.
+        units: Unit of each channel in messages, such as that of its file; SI if not given.
 
     Raises:
         InputError: With the place, what is wrong, what was expected and the remedy: numbers that are not finite, times that do
@@ -77,22 +98,23 @@ def check_record(record: BenchRecord, places: Sequence[str] | None = None) -> No
             f"{where}: has {len(record.time_s)} samples; expected {FEWEST_SAMPLES} at least; record for longer"
         )
     check_step(record.time_s, where, _LONGEST_STEP_S)
+    shown = Shown(units)
     measured = {name: values for name, values in record.channels.items() if name in OUTPUTS}
-    drive = _drive(record, where)
+    drive = _drive(record, where, shown)
     for name, values in measured.items():
-        _check_moved(name, values, where)
+        _check_moved(name, values, where, shown)
         if at := clipped(values, drive):
             raise InputError(
-                f"{where}: {name} is clipped at {values[at.begin]:.6g} {CHANNELS[name]} from {record.time_s[at.begin]:.6g} s to "
+                f"{where}: {name} is clipped at {shown(name, values[at.begin])} from {record.time_s[at.begin]:.6g} s to "
                 f"{record.time_s[at.end - 1]:.6g} s; expected the whole swing; record with a larger range or drive less"
             )
     if record.experiment.drive is Drive.RELEASE:
-        _check_release(record, where)
+        _check_release(record, where, shown)
     elif drive is not None:
         _check_rest(record, drive, measured, where)
 
 
-def _drive(record: BenchRecord, where: str) -> NDArray[np.float64] | None:
+def _drive(record: BenchRecord, where: str, shown: Shown) -> NDArray[np.float64] | None:
     """The drive's channel, if the experiment has one."""
     if (name := drive_channel(record.experiment)) is None:
         return None
@@ -104,12 +126,12 @@ def _drive(record: BenchRecord, where: str) -> NDArray[np.float64] | None:
     reach = float(np.ptp(values))
     if reach <= _ROUNDING * float(np.max(np.abs(values))):
         raise InputError(
-            f"{where}: {name} never moves from {values[0]:.6g} {CHANNELS[name]}; expected a drive that moves the loader; record "
+            f"{where}: {name} never moves from {shown(name, values[0])}; expected a drive that moves the loader; record "
             "the channel that drives it"
         )
     if _flickers(values):
         raise InputError(
-            f"{where}: {name} moves by {reach:.3g} {CHANNELS[name]}, which is no more than the resolution it is recorded with; "
+            f"{where}: {name} moves by {shown(name, reach, 3)}, which is no more than the resolution it is recorded with; "
             "expected a drive of many steps; drive harder"
         )
     return values
@@ -131,17 +153,17 @@ def _flickers(values: NDArray[np.float64]) -> bool:
     return len(hops) > 1 and float(np.median(np.diff(hops))) <= _FLICKER
 
 
-def _check_moved(name: str, values: NDArray[np.float64], where: str) -> None:
+def _check_moved(name: str, values: NDArray[np.float64], where: str, shown: Shown) -> None:
     if float(np.ptp(values)) <= _ROUNDING * float(np.max(np.abs(values))) or len(np.unique(values)) == 2:
         raise InputError(
-            f"{where}: {name} never moves from {values[0]:.6g} {CHANNELS[name]} by more than one step of its resolution; expected "
+            f"{where}: {name} never moves from {shown(name, values[0])} by more than one step of its resolution; expected "
             "a channel that answers the drive; connect its sensor or leave the column out"
         )
 
 
-def _check_release(record: BenchRecord, where: str) -> None:
+def _check_release(record: BenchRecord, where: str, shown: Shown) -> None:
     """Refuses a release whose grip is not held and then let go."""
-    angle = Record(record.time_s, record.channels["column_angle"], name=where)
+    angle = Record(record.time_s, record.channels["column_angle"], shown_unit=shown.unit("column_angle"), name=where)
     check_rate(angle)
     let_go = find_release(angle, _TAIL, load_rules().release)
     check_clipping(angle, let_go)
@@ -150,8 +172,9 @@ def _check_release(record: BenchRecord, where: str) -> None:
     if float(np.ptp(held)) > max(noise, _HELD * abs(let_go.displacement)) or _under_way(
         angle.position, let_go.held, noise
     ):
+        came = shown("column_angle", np.ptp(held), 3)
         raise InputError(
-            f"{where}: column_angle moves before it is let go at {let_go.time_s:.6g} s, by {np.ptp(held):.3g} rad; expected a grip "
+            f"{where}: column_angle moves before it is let go at {let_go.time_s:.6g} s, by {came}; expected a grip "
             "that is held still; hold it until it rests, then let go"
         )
 

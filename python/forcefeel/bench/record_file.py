@@ -83,5 +83,5 @@ def record_of(
     for values in read.values.values():
         values.setflags(write=False)
     record = BenchRecord(table.path.stem, under, read.values["time"], channels, HOLDS[runs], table.data_hash)
-    check_record(record, read.places)
+    check_record(record, read.places, read.own_units)
     return record

@@ -100,7 +100,7 @@ def response_of(
     columns = table.take(found)
     if len(columns.values["frequency"]) > _MOST_LINES:
         raise InputError(f"{table.path}: has more than {_MOST_LINES:,} lines; leave out what is not needed")
-    if wrong := fault_of_values(columns.values, {name: unit for name, (_, unit, _) in found.items()}, _MOST_PHASE_RAD):
+    if wrong := fault_of_values(columns.values, columns.units, _MOST_PHASE_RAD):
         row, sentence = wrong
         raise InputError(f"{columns.places[row]}: {sentence}")
     gain = _gain(table, columns, (start, start_unit), (end, end_unit))

@@ -98,8 +98,8 @@ def find_release(record: Record, tail: float, rules: ReleaseRules) -> LetGo:
     displacement = level - steady
     if abs(displacement) <= least:
         raise InputError(
-            f"{record.name}: has no release: the position is {level:.6g} {record.position_unit} at {t[0]:.6g} s and "
-            f"{steady:.6g} {record.position_unit} at its end, {t[-1]:.6g} s; expected a control that is held off its "
+            f"{record.name}: has no release: the position is {record.shown(float(level))} at {t[0]:.6g} s and "
+            f"{record.shown(float(steady))} at its end, {t[-1]:.6g} s; expected a control that is held off its "
             "steady state and let go"
         )
     samples = len(x) - moved
@@ -169,6 +169,6 @@ def check_clipping(record: Record, let_go: LetGo) -> None:
             fast = begin > 1 and bool(np.max(np.abs(np.diff(x[begin - 2 : begin + 1]))) > small)
             if end - begin >= _CLIPPED and fast and end < len(x):
                 raise InputError(
-                    f"{record.name}: is clipped at {extreme:.6g} {record.position_unit} from {t[begin]:.6g} s to "
+                    f"{record.name}: is clipped at {record.shown(float(extreme))} from {t[begin]:.6g} s to "
                     f"{t[end - 1]:.6g} s; expected the whole swing; record with a larger range"
                 )

@@ -58,6 +58,7 @@ def read_record(
         read.values.get("surface"),
         read.values.get("body_rate"),
         position_unit="m" if read.units["position"] == "m" else "rad",
+        shown_unit=read.own_units["position"],
         name=name or table.path.stem,
         data_hash=table.data_hash,
     )

@@ -40,6 +40,7 @@ class Record:
         surface_rad: Position of the surface that the control moves, rad.
         body_rate_rad_per_s: Rate at which the aircraft's body turns, rad/s.
         position_unit: ``rad`` or ``m``.
+        shown_unit: The position's unit in messages, such as that of its file; ``position_unit`` if empty.
         name: What a message names.
         resolution: Step between values that the position's sensor tells apart; ``None``: found from the values.
         noise: Standard deviation of the position's noise; ``None``: found from the record's last tenth.
@@ -66,6 +67,7 @@ class Record:
     surface_rad: NDArray[np.float64] | None = None
     body_rate_rad_per_s: NDArray[np.float64] | None = None
     position_unit: PositionUnit = "rad"
+    shown_unit: str = ""
     name: str = "record"
     resolution: float | None = None
     noise: float | None = None
@@ -128,10 +130,16 @@ class Record:
             _row(name, "position", position) * scale,
             None if force is None else _row(name, "force", force) * newtons,
             position_unit=si,
+            shown_unit=position_unit,
             name=name,
             resolution=None if resolution is None else resolution * scale,
             noise=None if noise is None else noise * scale,
         )
+
+    def shown(self, position: float) -> str:
+        """A position as a message has it: in the unit of its file."""
+        unit = self.shown_unit or self.position_unit
+        return f"{position * factor(self.position_unit, unit):.6g} {unit}"
 
     def between(self, start_s: float, end_s: float) -> "Record":
         """The part of the record from ``start_s`` to ``end_s``."""

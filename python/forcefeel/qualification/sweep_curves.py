@@ -56,13 +56,13 @@ def curves_of(record: Record, force: _Array, points: int) -> Curves:
     near = max(_SEEN * record.position_noise, 1.5 * record.position_resolution, _STILL * travel)
     off = np.abs(x - x[0]) > near
     if travel <= 4 * near or not off.any():
-        raise InputError(f"{record.name}: has no sweep: the position stays at {x[0]:.6g} {record.position_unit}")
+        raise InputError(f"{record.name}: has no sweep: the position stays at {record.shown(float(x[0]))}")
     moved = max(int(np.argmax(off)), 1)
     neutral = float(np.mean(x[:moved]))
     if not (low + 0.1 * travel < neutral < high - 0.1 * travel):
         raise InputError(
-            f"{record.name}: begins at {neutral:.6g} {record.position_unit}, at {record.time_s[0]:.6g} s, and goes from "
-            f"{low:.6g} to {high:.6g}; expected a sweep from neutral to both sides"
+            f"{record.name}: begins at {record.shown(float(neutral))}, at {record.time_s[0]:.6g} s, and goes from "
+            f"{record.shown(low)} to {record.shown(high)}; expected a sweep from neutral to both sides"
         )
     at_stop = (x >= high - near) | (x <= low + near)
     turns = _turns(x, high - near, low + near)

@@ -105,7 +105,7 @@ def _columns(path: Path, rows: Iterator[tuple[list[str], int]], found: Found) ->
     """The numbers of the columns that were found, from the rows below the header."""
     header, line = next(rows)
     numbers, lines = {name: array("d") for name in found}, array("q", [line])
-    wanted = [(name, i, scale, numbers[name].append) for name, (i, _, scale) in found.items()]
+    wanted = [(name, i, scale, numbers[name].append) for name, (i, _, scale, _) in found.items()]
     is_number = _NUMBER.fullmatch
     for row, at in rows:
         if len(row) != len(header):
@@ -122,7 +122,7 @@ def _columns(path: Path, rows: Iterator[tuple[list[str], int]], found: Found) ->
         if len(lines) > MOST_ROWS:  # the header's place is one of them
             check_size(str(path), len(header), len(lines) - 1)
     values = {name: np.frombuffer(column) for name, column in numbers.items()}
-    return Columns(values, {name: unit for name, (_, unit, _) in found.items()}, Places(f"{path}: line", lines))
+    return Columns.read(values, found, Places(f"{path}: line", lines))
 
 
 def _no_number(cell: str, where: str) -> InputError:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from forcefeel.errors import InputError
-from forcefeel.tables.table import Found, Table
+from forcefeel.tables.table import Found, Located, Table
 from forcefeel.units import factor, show
 
 DECIBEL = "dB"
@@ -81,7 +81,7 @@ def locate(
     units: Mapping[str, str],
     own: Mapping[str, str],
     also: Mapping[str, str] = MappingProxyType({}),
-) -> dict[str, tuple[int, str, float]]:
+) -> dict[str, Located]:
     """Which columns of a table those that are wanted are; one that is missing is left out.
 
     Args:
@@ -95,7 +95,7 @@ def locate(
         InputError: If one stands twice, has no unit, one that does not measure it, or another than ``units`` says.
     """
     cells = [heading(cell, (*wanted, *also)) for cell in table.header]
-    found: dict[str, tuple[int, str, float]] = {}
+    found: dict[str, Located] = {}
     for name, accepted in wanted.items():
         if name in own:
             places = columns_called(table, own[name])
@@ -108,7 +108,8 @@ def locate(
         for i, unit in places:
             given = units.get(name) or units.get(own.get(name, name))
             where = f"{table.where}: {name}"
-            found[name] = (i, *_scale(where, _agreed(where, unit, given), accepted))
+            own_unit = _agreed(where, unit, given)
+            found[name] = Located(i, *_scale(where, own_unit, accepted), own_unit)
     for name, its_own in own.items():
         if name not in found:
             raise InputError(

@@ -36,7 +36,7 @@ def read_matlab(path: Path, data: bytes, example: str) -> Table:
         raise InputError(f"{path}: holds no rows of numbers; expected variables as in {example!r}, such as time_s")
 
     def take(found: Found) -> Columns:
-        return columns_of(path, {name: columns[i][1] for name, (i, _, _) in found.items()}, found, "sample")
+        return columns_of(path, {name: columns[i][1] for name, (i, *_) in found.items()}, found, "sample")
 
     return Table(
         path, [name for name, _ in columns], f"{path}: variables", notes, hashlib.sha256(data).hexdigest(), take

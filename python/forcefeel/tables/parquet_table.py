@@ -50,8 +50,8 @@ def read_parquet(path: Path, data: bytes, example: str) -> Table:
 
     def take(found: Found) -> Columns:
         with refused():
-            table = file.read(columns=[header[i] for i, _, _ in found.values()])
-            given = {name: table[header[i]] for name, (i, _, _) in found.items()}
+            table = file.read(columns=[header[i] for i, *_ in found.values()])
+            given = {name: table[header[i]] for name, (i, *_) in found.items()}
         return columns_of(path, given, found, "row")
 
     return Table(path, header, f"{path}: schema", notes, hashlib.sha256(data).hexdigest(), take)

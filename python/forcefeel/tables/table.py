@@ -3,14 +3,24 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
 
-Found = Mapping[str, tuple[int, str, float]]
+
+class Located(NamedTuple):
+    """A column that was found: its place, the SI unit that it is read in, how many one of the file's units are, that unit."""
+
+    place: int
+    si: str
+    scale: float
+    unit: str
+
+
+Found = Mapping[str, Located]
 """Which column of a header each is, its SI unit and the SI value of one of its units."""
 
 NOTES = ("experiment", "from", "to", "hold")
@@ -53,11 +63,22 @@ class Places(Sequence[str]):
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """What was read: values in SI units by name, each one's SI unit, and where each row stands."""
+    """What was read: values in SI units by name, each one's SI unit, where each row stands, and each one's unit in the file."""
 
     values: dict[str, NDArray[np.float64]]
     units: dict[str, str]
     places: Sequence[str]
+    own_units: dict[str, str]
+
+    @classmethod
+    def read(cls, values: dict[str, NDArray[np.float64]], found: Found, places: Sequence[str]) -> "Columns":
+        """The values of columns that were found."""
+        return cls(
+            values,
+            {name: one.si for name, one in found.items()},
+            places,
+            {name: one.unit for name, one in found.items()},
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +120,7 @@ def columns_of(path: Path, given: Mapping[str, Any], found: Found, row: str) -> 
         InputError: If one is not of numbers, has more dimensions than one, another length, or too many rows.
     """
     with np.errstate(all="ignore"):  # what is not finite is said with its row
-        values = {name: _numbers(path, name, given[name]) * scale for name, (_, _, scale) in found.items()}
+        values = {name: _numbers(path, name, given[name]) * scale for name, (_, _, scale, _) in found.items()}
     lengths = {name: len(column) for name, column in values.items()}
     if len(set(lengths.values())) > 1:
         came = ", ".join(f"{length} of {name}" for name, length in lengths.items())
@@ -107,7 +128,7 @@ def columns_of(path: Path, given: Mapping[str, Any], found: Found, row: str) -> 
     rows = max(lengths.values(), default=0)
     check_size(str(path), len(found), rows)
     places = Places(f"{path}: {row}", range(rows + 1))
-    return Columns(values, {name: unit for name, (_, unit, _) in found.items()}, places)
+    return Columns.read(values, found, places)
 
 
 def _numbers(path: Path, name: str, given: Any) -> NDArray[np.float64]:
