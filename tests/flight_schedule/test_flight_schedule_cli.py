@@ -116,7 +116,7 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
         (("elevator-2khz", "--knots", "knots.csv", "--refine", "1"), "refine"),
         (("elevator-2khz", "--knots", "knots.csv", "--refine", "1000000"), "smaller refine"),
         (("elevator-2khz", "--knots", "knots.csv", "--refine", "9" * 20), "refine: expected a whole number from 2 to"),
-        (("elevator-2khz", "--knots", "knots.csv", "--threads", str(2**64)), "--threads"),
+        (("elevator-2khz", "--knots", "knots.csv", "--threads", str(2**64)), "threads: expected 1 to 1024"),
     ],
 )
 def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):

@@ -233,7 +233,7 @@ def test_a_recorded_aircraft_is_the_reference(run, tmp_path):
 
 BAD = {
     "short.csv": (lambda t, x: (t[:260], x[:260]), "ends at 0.259 s"),
-    "clipped.csv": (lambda t, x: (t, np.maximum(x, -1.5)), "clipped: is clipped at -0.0261799 rad from 0."),
+    "clipped.csv": (lambda t, x: (t, np.maximum(x, -1.5)), "clipped: is clipped at -1.5 deg from 0."),
     "still.csv": (lambda t, x: (t, np.full_like(x, 5.0)), "still: has no release"),
     "gap.csv": (lambda t, x: (t + 0.5 * (t > 1.0), x), "gap.csv: line 1003: a gap of 0.501 s after 1 s"),
     "back.csv": (lambda t, x: (np.where(t > 1.0, t - 0.5, t), x), "back.csv: line 1003: time runs backwards from 1 s"),

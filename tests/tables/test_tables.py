@@ -24,7 +24,7 @@ from forcefeel.qualification import read_record
 from forcefeel.simulation.inputs import read_recorded
 from forcefeel.tables import matlab_file, table
 from forcefeel.tables.matlab_file import DamagedError, read_variables
-from forcefeel.tables.table import MOST_BYTES
+from forcefeel.tables.table import MOST_BYTES, Located
 from forcefeel.tables.table_file import open_table
 
 EXAMPLE = "time (s),force (lb)"
@@ -301,9 +301,10 @@ def test_what_a_matlab_file_says_of_itself_is_not_believed(monkeypatch):
 @pytest.mark.parametrize("kind", WRITERS)
 def test_one_table_from_three_formats_as_often_as_it_is_asked(tmp_path, kind):
     opened = open_table(written(tmp_path, kind), EXAMPLE)
-    found = {"time": (0, "s", 1.0), "force": (1, "N", 2.0)}
+    found = {"time": Located(0, "s", 1.0, "s"), "force": Located(1, "N", 2.0, "half a pair")}
     for _ in range(2):
         read = opened.take(found)
         np.testing.assert_allclose(read.values["time"], T, rtol=ROUNDING)
         np.testing.assert_allclose(read.values["force"], 2 * FORCE, rtol=ROUNDING)
+        assert read.own_units == {"time": "s", "force": "half a pair"}
         assert read.places[3].endswith({"csv": ": line 4", "parquet": ": row 3", "mat": ": sample 3"}[kind])

@@ -37,7 +37,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     settings = options.settings(loader)
     with all_or_nothing("design", "steps", silent=options.json) as bar:
-        found = workflow.design(loader, settings, bar.steps(len(workflow.STEPS) + 1))
+        found = workflow.design_loader(loader, settings, bar.steps(len(workflow.STEPS) + 1))
         bar.describe("report")
         page = write_report(found, options.out, options.units)
     if options.json:

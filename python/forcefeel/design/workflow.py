@@ -250,6 +250,3 @@ def _loop(loader: Loader, linkage: Linkage, law: Compensator | None, weights: De
         found,
         peaks(loader, law, linkage) if found.stable else None,
     )
-
-
-design = design_loader  # as `forcefeel design` calls it
