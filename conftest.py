@@ -5,6 +5,7 @@ What the tutorials and the site type runs as it stands. Lists of commands elsewh
 
 import contextlib
 import io
+import os
 import re
 import tempfile
 from collections.abc import Iterator
@@ -13,6 +14,12 @@ from pathlib import Path
 from manual.terminal import Answer, Block, Terminal, blocks, commands, missing
 from sybil import Document, Example, Region, Sybil
 from sybil.parsers.markdown import PythonCodeBlockParser
+
+
+def pytest_xdist_auto_num_workers() -> int:
+    """One worker more than cores: some tests wait for a browser, a cluster or a command of their own."""
+    return len(os.sched_getaffinity(0)) + 1 if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
+
 
 _TERMINALS: dict[str, Terminal] = {}
 

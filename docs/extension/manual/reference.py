@@ -30,15 +30,15 @@ def command_names() -> list[str]:
 
 
 class Commands(SphinxDirective):
-    """A section for each command with what ``--help`` prints; ``#command-NAME`` links to it."""
+    """A section for each command with what ``--help-all`` prints; ``#command-NAME`` links to it."""
 
     def run(self) -> list[nodes.Node]:
         return [self._section(name) for name in command_names()]
 
     def _section(self, name: str) -> nodes.section:
-        status, text = answered([name, "--help"], Path.cwd())
+        status, text = answered([name, "--help-all"], Path.cwd())
         if status:
-            raise self.error(f"forcefeel {name} --help: exit status {status}")
+            raise self.error(f"forcefeel {name} --help-all: exit status {status}")
         text = "\n".join(line.rstrip() for line in text.strip("\n").splitlines())
         section = nodes.section(ids=[f"command-{name}"], names=[f"command-{name}"])
         section += nodes.title("", "", nodes.literal("", f"forcefeel {name}"))
