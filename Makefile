@@ -84,7 +84,9 @@ $(VENV)/extension: $(VENV)/backend pyproject.toml $(RUST)
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) --no-build-isolation --no-deps --editable .
 	touch $@
 
-# The locked dependencies, once per lock file. Python compiles what is imported when it is.
+# The locked dependencies, once per lock file. Python compiles what is imported when it is, and keeps that; where it may not, every command
+# would compile all of it anew.
+unexport PYTHONDONTWRITEBYTECODE
 $(VENV)/dependencies: $(VENV)/backend
 	$(PIP) --no-compile --require-hashes --no-deps -r requirements.lock
 	touch $@
