@@ -16,7 +16,7 @@ from forcefeel.public_names import imports_of, public_names
 
 _fetch, __dir__, __all__ = public_names(__name__, __file__)
 
-# What follows answers to the names of 0.1 and goes with 0.3.
+# What follows answers to the names of 0.1 and goes with 0.2.
 
 _FUNCTIONS = {
     "conclusions": "design.conclusions",
