@@ -216,10 +216,7 @@ def _show(console: Terminal, scored: "Scored", choice: "Choice | None", units: U
     from forcefeel.choice.findings import choice_conclusions, design_conclusions
 
     console.show(_table(scored, choice), on_the_page=_MARGINS)
-    said = design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units)
-    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
-    for finding in said.findings:
-        console.print(f"- {finding}", highlight=False)
+    console.conclude(design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units))
 
 
 _MARGINS = ("gain", "phase deg", "delay ms")

@@ -28,7 +28,6 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
 
     Example: forcefeel design my.toml --out report
     """
-    from forcefeel.cli import show
     from forcefeel.design import workflow
     from forcefeel.design.findings import conclusions
     from forcefeel.design.page import FOLDER, write_report
@@ -43,7 +42,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
     if options.json:
         print_json({"report": str(page), "design": json_value(found, options.units)})
     else:
-        show.conclusions(Terminal(), conclusions(found, options.units))
+        Terminal().conclude(conclusions(found, options.units))
         print(f"report: {page}")
     if not found.acceptable:
         raise SystemExit(BAD_ANSWER)

@@ -119,10 +119,7 @@ def _show(console: Terminal, found: "Envelope", units: UnitSystem) -> None:
     console.show(table)
     if found.plan.machines:
         console.show(_drawn(found))
-    said = envelope_conclusions(found, units)
-    console.print(said.verdict, style="bold", highlight=False)
-    for finding in said.findings:
-        console.print(f"- {finding}", highlight=False)
+    console.conclude(envelope_conclusions(found, units), alarming=False)
 
 
 def _drawn(found: "Envelope") -> Table:

@@ -93,10 +93,7 @@ def _show(console: Terminal, found: "Frontier", units: UnitSystem) -> None:
 
     console.show(_tolerances(found))
     console.show(_hardware(found))
-    said = frontier_conclusions(found, units)
-    console.print(said.verdict, style="bold", highlight=False)
-    for finding in said.findings:
-        console.print(f"- {finding}", highlight=False)
+    console.conclude(frontier_conclusions(found, units), alarming=False)
 
 
 def _tolerances(found: "Frontier") -> Table:

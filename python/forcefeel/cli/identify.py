@@ -200,10 +200,7 @@ def _show(console: Terminal, found: "Identification", units: UnitSystem) -> None
     for one in found.estimates:
         table.add_row(*_row(one, units))
     console.show(table, on_the_page=("error", "95 % interval"))
-    said = identification_conclusions(found, units)
-    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
-    for finding in said.findings:
-        console.print(f"- {finding}", highlight=False)
+    console.conclude(identification_conclusions(found, units))
 
 
 def _row(one: "Estimate", units: UnitSystem) -> tuple[str, ...]:

@@ -222,10 +222,7 @@ def _show(console: Terminal, found: "Qualification") -> None:
 
     title = f"{found.loader.name}, {found.rules.title} ({found.rules.edition}), {found.axis}"
     console.show((_tests if len(found.sections) <= _SIDE_BY_SIDE else _counts)(found, title))
-    said = conclusions(found)
-    console.print(said.verdict, style="bold" if said.good else "bold red", highlight=False)
-    for finding in said.findings:
-        console.print(f"- {finding}", highlight=False)
+    console.conclude(conclusions(found))
 
 
 _SIDE_BY_SIDE = 3

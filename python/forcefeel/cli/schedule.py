@@ -83,7 +83,4 @@ def _show(console: Terminal, found: "ScheduleCheck") -> None:
     for part in found.parts:
         table.add_row(str(part.part), f"{part.loops:,}", f"{part.unstable:,}", to_text(part.critical, 5))
     console.show(table)
-    said = schedule_conclusions(found)
-    console.print(said.verdict, style="bold", highlight=False)
-    for finding in said.findings:
-        console.print(f"- {finding}", highlight=False)
+    console.conclude(schedule_conclusions(found), alarming=False)

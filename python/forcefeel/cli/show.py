@@ -6,7 +6,6 @@ from rich.table import Table
 from rich.text import Text
 
 from forcefeel.cli.terminal import Terminal
-from forcefeel.conclusions import Conclusions
 from forcefeel.design.assessment import Assessment, Peaks
 from forcefeel.design.workflow import Analysis
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation
@@ -19,13 +18,6 @@ from forcefeel.reproduction import Section, Verdict, summary
 from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
 
 _COLOURS = {Verdict.AGREES: "green", Verdict.EXPLAINED: "yellow", Verdict.REFUTED: "yellow", Verdict.OPEN: "red"}
-
-
-def conclusions(console: Terminal, found: Conclusions) -> None:
-    """What to conclude from a design."""
-    console.print(found.verdict, style="bold" if found.good else "bold red")
-    for finding in found.findings:
-        console.print(f"- {finding}", highlight=False)
 
 
 def analysis(console: Terminal, found: Analysis, units: UnitSystem) -> None:

@@ -10,7 +10,6 @@ from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, option
 from forcefeel.cli.scenario_options import ScenarioOptions
 from forcefeel.cli.terminal import Terminal, print_json
-from forcefeel.conclusions import Conclusions
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
@@ -65,7 +64,7 @@ def _show(console: Terminal, run: "Run", units: UnitSystem) -> None:
     found = run_conclusions(run, units)
     console.print(f"{run.loader.name}, {input_text(run.scenario.force, units)}", highlight=False)
     console.show(_measures(run, units))
-    _say(console, found)
+    console.conclude(found)
 
 
 def _measures(run: "Run", units: UnitSystem) -> Table:
@@ -75,9 +74,3 @@ def _measures(run: "Run", units: UnitSystem) -> Table:
     for name, value, unit in measure_rows(run, units):
         table.add_row(name, f"{value} {unit}".rstrip())
     return table
-
-
-def _say(console: Terminal, found: Conclusions) -> None:
-    console.print(found.verdict, style="bold" if found.good else "bold red", highlight=False)
-    for finding in found.findings:
-        console.print(f"- {finding}", highlight=False)

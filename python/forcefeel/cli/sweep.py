@@ -165,9 +165,7 @@ def _show(console: Terminal, result: "SweepResult", summary: "Summary", units: U
     console.show(_measures(result, summary, units))
     ended = ", ".join(f"{one.status} {share_text(one.share)}" for one in summary.shares if one.runs)
     console.print(f"{result.sweep.total:,} runs: {ended}", highlight=False)
-    console.print(found.verdict, style="bold" if found.good else "bold red", highlight=False)
-    for finding in found.findings:
-        console.print(f"- {finding}", highlight=False)
+    console.conclude(found)
 
 
 def _measures(result: "SweepResult", summary: "Summary", units: UnitSystem) -> Table:

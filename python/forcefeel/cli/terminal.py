@@ -9,6 +9,7 @@ from rich.console import Console, RenderableType
 from rich.table import Column, Table
 from rich.text import Text
 
+from forcefeel.conclusions import Conclusions
 from forcefeel.printable import visible
 
 _FRAME = 3
@@ -40,6 +41,13 @@ class Terminal(Console):
             self.print(f"The terminal is too narrow for {left_out}; the page has them.", style="dim", highlight=False)
         else:
             self._print(table)
+
+    def conclude(self, found: Conclusions, *, alarming: bool = True) -> None:
+        """Prints the verdict, in red where it is bad and that is ``alarming``, and the findings below it."""
+        red = alarming and not found.good
+        self.print(found.verdict, style="bold red" if red else "bold", highlight=False)
+        for finding in found.findings:
+            self.print(f"- {finding}", highlight=False)
 
     def _spare(self, table: Table) -> int:
         return self.width - 1 - sum(_least(column) + _FRAME for column in table.columns)
