@@ -1,4 +1,4 @@
-# make report   build, install, design the built-in elevator loader
+# make report   build, install, design the built-in elevator loader under its digital controller
 # make test     build, install, run every test
 # make lint     format and type checks
 # make bench    speed against the peers
@@ -20,7 +20,7 @@ report: report/report.html
 	@echo "The report is $(CURDIR)/report/report.html"
 
 report/report.html: $(VENV)/built $(PACKAGE)
-	$(BIN)/forcefeel design --out report --replace
+	$(BIN)/forcefeel design elevator-2khz --out report --replace
 
 # The crates as the extension has them: built once, and tested as they run.
 test: $(VENV)/built dist/built

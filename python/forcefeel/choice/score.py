@@ -1,7 +1,7 @@
 """Methods tried on one loader, and what each is worth: over the envelope, on the valve, on noise and on margins."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import product
 from types import MappingProxyType
 
@@ -138,7 +138,11 @@ def score_methods(
     check_names(loader, chosen)
     plan = make_plan(loader, chosen, grid, **options)
     found = compute(plan, threads=threads, progress=progress) if over_envelope else None
-    return Scored(plan, tuple(_score(plan, name, found, threads_or_cores(threads)) for name in chosen))
+    scores = (
+        Score(name, summary_of(name), own_setting(plan, plan.compensators[name], threads_or_cores(threads)), None)
+        for name in chosen
+    )
+    return Scored(plan, tuple(score if found is None else score_over(plan, score, found) for score in scores))
 
 
 def check_names(loader: Loader, names: Sequence[str]) -> None:
@@ -166,23 +170,21 @@ def summary_of(name: str) -> str:
     return METHODS[name].summary if name in METHODS else _OF_THE_REPORT[name]
 
 
-def _score(plan: Plan, name: str, found: Envelope | None, threads: int) -> Score:
-    own = own_setting(plan, plan.compensators[name], threads)
-    return Score(name, summary_of(name), own, None if found is None else _over(plan, name, found, own))
-
-
-def _over(plan: Plan, name: str, found: Envelope, own: OwnSetting) -> OverEnvelope:
+def score_over(plan: Plan, score: Score, found: Envelope) -> Score:
+    """A method's score, with what it does over an envelope of the plan."""
+    name = score.name
     feel = plan.settings.feel(plan.loader)
     laws = Law.of(plan.compensators[name], plan.loader, feel, name)
     lost = max(found.case_shares(name), key=lambda row: row.lost if row.lost > 0 else 0.0)
     corners = _corners(plan)
     loops = command_loops(plan.loader, laws.some(corners), feel[corners])
-    return OverEnvelope(
+    over = OverEnvelope(
         shares=found.shares(name),
         lost_most=lost if lost.lost > 0 else None,
         demand=_demand(plan, laws, feel, found.stable(name)[0]),
-        margins=least_margins([own.margins, *map(loop_margins, loops)]),
+        margins=least_margins([score.own.margins, *map(loop_margins, loops)]),
     )
+    return replace(score, over=over)
 
 
 def _demand(plan: Plan, laws: Law, feel: NDArray[np.float64], stable: NDArray[np.bool_]) -> Demand:

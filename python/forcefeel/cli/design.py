@@ -24,25 +24,34 @@ class DesignOptions(LoaderOptions, RecursionOptions, FolderOptions, OutputOption
 def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions()) -> None:
     """Analyse a loader, compensate it, and write the report.
 
-    Exit status 1 if the compensated loader is unstable at the programmed setting.
+    On a loader with a digital controller the laws made since the report are tried too, and the best stands beside the report's.
 
-    Example: forcefeel design my.toml --out report
+    Exit status 1 if no law is eligible; on an analog loader if it is unstable at the programmed setting with the report's.
+
+    Example: forcefeel design elevator-2khz --out report
     """
+    from forcefeel.choice import best_law
+    from forcefeel.choice.few_settings import STEPS as LAW_STEPS
     from forcefeel.design import workflow
     from forcefeel.design.findings import conclusions
     from forcefeel.design.page import FOLDER, write_report
 
-    loader = options.loader(path)
+    loader, units = options.loader(path), options.units
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     settings = options.settings(loader)
+    digital = bool(loader["controller.period"])
     with all_or_nothing("design", "steps", silent=options.json) as bar:
-        found = workflow.design_loader(loader, settings, bar.steps(len(workflow.STEPS) + 1))
+        begin = bar.steps(len(workflow.STEPS) + len(LAW_STEPS) * digital + 1)
+        found = workflow.design_loader(loader, settings, begin)
+        called = (str(path or loader.name), *(word for change in options.set_ for word in ("--set", change)))
+        tried = best_law(loader, units=units, called=called, progress=begin) if digital else None
         bar.describe("report")
-        page = write_report(found, options.out, options.units)
+        page = write_report(found, options.out, units, tried)
+    told = conclusions(found, units, tried)
     if options.json:
-        print_json({"report": str(page), "design": json_value(found, options.units)})
+        print_json({"report": str(page), "design": json_value(found, units), "laws": json_value(tried, units)})
     else:
-        Terminal().conclude(conclusions(found, options.units))
+        Terminal().conclude(told)
         print(f"report: {page}")
-    if not found.acceptable:
+    if not told.good:
         raise SystemExit(BAD_ANSWER)

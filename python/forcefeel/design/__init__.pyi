@@ -7,6 +7,8 @@ from forcefeel.design.assessment import peaks as peaks
 from forcefeel.design.figure_data import Figure as Figure
 from forcefeel.design.figure_data import figures as figures
 from forcefeel.design.findings import conclusions as conclusions
+from forcefeel.design.laws_tried import LawsTried as LawsTried
+from forcefeel.design.laws_tried import LawTried as LawTried
 from forcefeel.design.page import write_report as write_report
 from forcefeel.design.studies import Deviation as Deviation
 from forcefeel.design.studies import DroppedPaths as DroppedPaths

@@ -7,6 +7,7 @@ import numpy as np
 from forcefeel._core import feel_frequency
 from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.design.assessment import Assessment
+from forcefeel.design.laws_tried import LawsTried
 from forcefeel.design.studies import CHANGES, VISIBLE_LOSS, droppable, worst
 from forcefeel.design.workflow import Configuration, Design
 from forcefeel.linear.models import Linkage
@@ -29,8 +30,8 @@ SAME_MODE = 0.02
 
 
 @of_result
-def conclusions(design: Design, units: UnitSystem) -> Conclusions:
-    """The conclusions of ``design``, with numbers in ``units``.
+def conclusions(design: Design, units: UnitSystem, tried: LawsTried | None = None) -> Conclusions:
+    """The conclusions of ``design``, with numbers in ``units``; those of the laws that were tried lead, where some were.
 
     Example:
         >>> import forcefeel as ff
@@ -38,10 +39,14 @@ def conclusions(design: Design, units: UnitSystem) -> Conclusions:
         >>> found.good, len(found.findings) > 3
         (True, True)
     """
+    lead = (
+        () if tried is None else (*_tried(tried), f"The report's law on the linear, analog model: {_verdict(design)}")
+    )
     return Conclusions(
-        design.acceptable,
-        _verdict(design),
+        design.acceptable if tried is None else tried.best is not None,
+        _verdict(design) if tried is None else _tried_verdict(tried),
         (
+            *lead,
             _compliance(design),
             _original(design, units),
             _compensated(design),
@@ -49,8 +54,43 @@ def conclusions(design: Design, units: UnitSystem) -> Conclusions:
             _valve(design),
             _paths(design),
             _sensitivity(design),
-            *filter(None, [left_out(design.loader)]),
+            *filter(None, [_analog(design), left_out(design.loader)]),
         ),
+    )
+
+
+def _tried_verdict(tried: LawsTried) -> str:
+    if tried.impossible:
+        return f"The laws cannot be tried on this loader: {tried.impossible}."
+    report = tried.report.qualified_text
+    if tried.best is None:
+        return f"No law is eligible for this loader. By {tried.rule} the report's law {report}."
+    if tried.best == tried.report:
+        return f"The report's law is the best for this loader. By {tried.rule} it {report}."
+    return f"By {tried.rule} law {tried.best.name} {tried.best.qualified_text}. The report's law {report}."
+
+
+def _tried(tried: LawsTried) -> list[str]:
+    """What the laws render, why the best is chosen, why the report's does not qualify, and what looks closer."""
+    if tried.impossible:
+        return []
+    settings = f"{tried.settings} settings of stiffness, frequency and damping ratio"
+    lines = [f"Tried at {settings}. {tried.remarks[0]}"] if tried.best else [*tried.remarks]
+    if tried.best != tried.report:
+        lines.append(f"The report's law, {tried.report.name}, {tried.report.rendered_text}.")
+    if tried.report.qualified and tried.report.qualified.reasons:
+        lines.append(f"With the report's law: {tried.report.qualified.reasons[0]}")
+    return [*lines, "The settings are few: the page names the commands that look closer."]
+
+
+def _analog(design: Design) -> str:
+    """What an analog loader misses."""
+    if design.loader["controller.period"]:
+        return ""
+    return (
+        "The loader is analog and can only take the report's laws. Those that were made since need a digital controller: forcefeel"
+        " design elevator-2khz shows the best of them; controller.period and controller.delay, for example 0.5 ms each, give"
+        " this loader one."
     )
 
 

@@ -5,7 +5,7 @@ Stable is what the linear model says: the analog loop's poles, or those of the s
 What comes of either are the column's angles over time, at a rate that follows the programmed frequency.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil, log, pi
 
@@ -110,9 +110,7 @@ def released(
         threads: How many.
     """
     if plan.loader["controller.period"]:
-        rows = full_rows(plan.loader, case, feel, laws)
-        stable = sampled_loops(plan.loader, laws, rows, threads=threads).stable
-        return _stepped(plan, rows, laws, record, threads, stable)
+        return released_together(plan, (case,), feel, laws, record, threads)
     columns_ = [INDEX[key] for key in columns(case)]
     values = machines(plan.loader, case, feel, laws)
     loops = _core.Loops(plan.loader.values, columns_, values, law=laws.fixed, gains=laws.gains)
@@ -122,6 +120,19 @@ def released(
     if plan.linear:
         return stable, angles
     return _stepped(plan, full_rows(plan.loader, case, feel, laws), laws, record, threads, stable)
+
+
+def released_together(
+    plan: Plan, cases: Sequence[Case], feel: NDArray[np.float64], laws: Law, record: Record, threads: int
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
+    """As `released` on a loader with a digital controller, (cases x settings, samples): all cases in one batch.
+
+    A batch of few settings leaves lanes and cores idle. Each run has its own noise, by its place in the batch.
+    """
+    rows = np.vstack([full_rows(plan.loader, case, feel, laws) for case in cases])
+    each = laws.some(np.tile(np.arange(len(feel)), len(cases)))
+    stable = sampled_loops(plan.loader, each, rows, threads=threads).stable
+    return _stepped(plan, rows, each, record, threads, stable)
 
 
 _STABLE, _STABLE_BY_POLES = 1, 3

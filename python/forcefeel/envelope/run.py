@@ -7,16 +7,16 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from forcefeel.envelope.cases import PilotArm
+from forcefeel.envelope.cases import Case, PilotArm
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.passivity import passivity
 from forcefeel.envelope.plan import Plan, make_plan
-from forcefeel.envelope.releases import carrying, measured, pieces, released
+from forcefeel.envelope.releases import Record, carrying, measured, pieces, released, released_together
 from forcefeel.envelope.result import PASSES, UNSTABLE, Envelope
 from forcefeel.envelope.settings import AXES
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
-from forcefeel.qualification.batch_verdicts import judge_releases
+from forcefeel.qualification.batch_verdicts import BatchVerdicts, judge_releases
 from forcefeel.qualification.release_batch import ReleaseBatch
 from forcefeel.threads import threads_or_cores
 
@@ -71,8 +71,7 @@ def find_envelope(
 def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lambda done, total: None) -> Envelope:
     """Computes a planned envelope; arguments as ``envelope``."""
     threads = threads_or_cores(threads)
-    feel = plan.settings.feel(plan.loader)
-    laws = {name: Law.of(law, plan.loader, feel, name) for name, law in plan.compensators.items()}
+    feel, laws = _designed(plan)
     cases = (*plan.cases, *plan.machines)
     shape = len(laws), len(cases), len(feel)
     outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
@@ -84,19 +83,67 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
         some = [law.some(which) for law in laws.values()]
         for place, case in enumerate(cases):
             if case.arm not in references:
-                ideal = carrying(plan.loader, feel[which], case.arm)
-                responses = ideal_releases(ideal, plan.release_rad, record.step_s, record.samples)
-                references[case.arm] = measured(plan, record, responses, threads)
+                references[case.arm] = measured(plan, record, _ideal(plan, case, feel[which], record), threads)
             for k, law in enumerate(some):
                 stable, angles = released(plan, case, feel[which], law, record, threads)
                 found = measured(plan, record, angles, threads)
                 verdicts = judge_releases(found, references[case.arm], plan.test, travel=plan.throw.travel_rad)
                 names = verdicts.names
-                failing = np.where(verdicts.passed, _PASSES, verdicts.first_failing + _FIRST)
-                outcome[k, place, which] = np.where(stable, failing, _UNSTABLE)
-                margin[k, place, which] = np.where(stable, verdicts.margin, np.nan)
+                outcome[k, place, which], margin[k, place, which] = _judged(verdicts, stable)
                 done += len(which)
                 progress(done, total)
+    return _envelope(plan, feel, laws, names, outcome, margin)
+
+
+def compute_few(plan: Plan, *, threads: int | None = None) -> Envelope:
+    """Computes an envelope of few settings on a loader with a digital controller: all cases side by side.
+
+    Each run has another draw of the sensors' noise than in ``compute``.
+    """
+    threads = threads_or_cores(threads)
+    feel, laws = _designed(plan)
+    shape = len(laws), len(plan.cases), len(feel)
+    outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
+    names: tuple[str, ...] = ()
+    for which, record in pieces(plan):
+        ideal = np.vstack([_ideal(plan, case, feel[which], record) for case in plan.cases])
+        reference = measured(plan, record, ideal, threads)
+        for k, law in enumerate(laws.values()):
+            stable, angles = released_together(plan, plan.cases, feel[which], law.some(which), record, threads)
+            found = measured(plan, record, angles, threads)
+            verdicts = judge_releases(found, reference, plan.test, travel=plan.throw.travel_rad)
+            names = verdicts.names
+            judged = (one.reshape(len(plan.cases), -1) for one in _judged(verdicts, stable))
+            outcome[k][:, which], margin[k][:, which] = judged
+    return _envelope(plan, feel, laws, names, outcome, margin)
+
+
+def _designed(plan: Plan) -> tuple[NDArray[np.float64], dict[str, Law]]:
+    """I, B, G of the settings, and the laws that are designed for them."""
+    feel = plan.settings.feel(plan.loader)
+    return feel, {name: Law.of(law, plan.loader, feel, name) for name, law in plan.compensators.items()}
+
+
+def _ideal(plan: Plan, case: Case, feel: NDArray[np.float64], record: Record) -> NDArray[np.float64]:
+    """The releases of I, B and G alone, with the case's arm."""
+    return ideal_releases(carrying(plan.loader, feel, case.arm), plan.release_rad, record.step_s, record.samples)
+
+
+def _judged(verdicts: BatchVerdicts, stable: NDArray[np.bool_]) -> tuple[NDArray[np.int8], NDArray[np.float32]]:
+    """Outcome and margin of each release."""
+    failing = np.where(verdicts.passed, _PASSES, verdicts.first_failing + _FIRST)
+    outcome = np.where(stable, failing, _UNSTABLE).astype(np.int8)
+    return outcome, np.where(stable, verdicts.margin, np.nan).astype(np.float32)
+
+
+def _envelope(
+    plan: Plan,
+    feel: NDArray[np.float64],
+    laws: Mapping[str, Law],
+    names: tuple[str, ...],
+    outcome: NDArray[np.int8],
+    margin: NDArray[np.float32],
+) -> Envelope:
     grips = {name: passivity(plan.loader, plan.compensators[name], law, feel) for name, law in laws.items()}
     outcomes = (PASSES, UNSTABLE, *names)
     return Envelope(plan, _dataset(plan, outcomes, outcome, margin), outcomes, grips)

@@ -7,13 +7,20 @@ import xarray as xr
 
 from forcefeel.design.figure_data import Figure
 from forcefeel.design.findings import conclusions
+from forcefeel.design.laws_tried import LawsTried
 from forcefeel.design.page.captions import MEANINGS
 from forcefeel.design.workflow import Design
 from forcefeel.json_values import json_text, json_value
 from forcefeel.units import UnitSystem
 
 
-def results_json(design: Design, drawn: tuple[Figure, ...], tables: Mapping[str, xr.Dataset], units: UnitSystem) -> str:
+def results_json(
+    design: Design,
+    drawn: tuple[Figure, ...],
+    tables: Mapping[str, xr.Dataset],
+    units: UnitSystem,
+    tried: LawsTried | None,
+) -> str:
     """The results as JSON text.
 
     Args:
@@ -21,6 +28,7 @@ def results_json(design: Design, drawn: tuple[Figure, ...], tables: Mapping[str,
         drawn: The figures.
         tables: Their tables of values by file name, in the order of ``drawn``.
         units: The units of every number.
+        tried: Laws that were tried.
     """
     curves = [
         {
@@ -35,8 +43,9 @@ def results_json(design: Design, drawn: tuple[Figure, ...], tables: Mapping[str,
     document = {
         "forcefeel": version("forcefeel"),
         "units": str(units),
-        "conclusions": json_value(conclusions(design, units), units),
+        "conclusions": json_value(conclusions(design, units, tried), units),
         "design": json_value(design, units),
+        "laws": json_value(tried, units),
         "figures": curves,
     }
     return json_text(document)

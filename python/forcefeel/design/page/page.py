@@ -7,7 +7,8 @@ from markupsafe import Markup
 
 from forcefeel.design.figure_data import Figure
 from forcefeel.design.findings import conclusions
-from forcefeel.design.page import glance, laws, loops, splane
+from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.page import best_law, glance, laws, loops, splane
 from forcefeel.design.page.captions import MEANINGS
 from forcefeel.design.page.plots import draw
 from forcefeel.design.page.stability import departures
@@ -42,7 +43,9 @@ class Plot:
     drawing: Markup
 
 
-def page(design: Design, drawn: tuple[Figure, ...], files: tuple[str, ...], units: UnitSystem) -> str:
+def page(
+    design: Design, drawn: tuple[Figure, ...], files: tuple[str, ...], units: UnitSystem, tried: LawsTried | None
+) -> str:
     """The whole page.
 
     Args:
@@ -50,12 +53,15 @@ def page(design: Design, drawn: tuple[Figure, ...], files: tuple[str, ...], unit
         drawn: Its figures.
         files: Names of the tables of values beside the page.
         units: The units of every number.
+        tried: Laws that were tried.
     """
     return render(
         "design/page/report.html.j2",
         design=design,
         loader=design.loader,
-        conclusions=conclusions(design, units),
+        conclusions=conclusions(design, units, tried),
+        tried=tried,
+        beside=best_law.beside(tried) if tried else None,
         plots={figure.key: _plot(figure, design, units) for figure in drawn},
         planes=_planes(design),
         tables=_tables(design, units),

@@ -36,16 +36,21 @@ def quantity(value: float, unit: str, system: UnitSystem, digits: int = 3) -> st
 def conclusions(found: Qualification) -> Conclusions:
     """What to conclude of the whole: good if it qualifies, or passed what was asked for where only some tests were."""
     if len(found.sections) == 1:
-        lines = _reasons(found.sections[0], found)
+        lines = reasons(found.sections[0], found)
     else:
-        lines = [" ".join([_sentence(_standing(one)), *_reasons(one, found)]) for one in found.sections]
+        lines = [" ".join([_sentence(_standing(one)), *reasons(one, found)]) for one in found.sections]
     return Conclusions(found.fulfilled, _verdict(found), (*lines, *caveats(found)))
 
 
-def _verdict(found: Qualification) -> str:
+def rule_text(found: Qualification) -> str:
+    """The rule, its edition, and whether somebody has held it against the document."""
     rows = [trial.test.is_verified(one) for trial in found.programme.made for one in trial.test.tolerances]
     unverified = "" if all(rows) else ", in part unverified" if any(rows) else ", unverified"
-    rule = f"By {found.rules.title} ({found.rules.edition}{unverified})"
+    return f"{found.rules.title} ({found.rules.edition}{unverified})"
+
+
+def _verdict(found: Qualification) -> str:
+    rule = f"By {rule_text(found)}"
     if len(found.sections) == 1:
         (section,) = found.sections
         return _sentence(f"{rule} {_standing(section)}")
@@ -104,7 +109,7 @@ def tally(section: Section) -> str:
     return ", ".join(parts + [f"{number} {outcome}" for outcome in others if (number := section.count(outcome))])
 
 
-def _reasons(section: Section, found: Qualification) -> list[str]:
+def reasons(section: Section, found: Qualification) -> list[str]:
     """Why a section does not qualify: the first release and the first sweep that are off."""
     bad = [one for one in section.results if one.outcome in (Outcome.FAILED, Outcome.TOO_CLOSE)]
     releases = [one for one in bad if one.trial.test.kind == "release"]

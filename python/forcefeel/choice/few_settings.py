@@ -1,0 +1,130 @@
+"""The best law for a loader with a digital controller, in seconds: chosen on few settings, and tested.
+
+What is ruled out at the loader's own setting is not tried over the envelope.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+from forcefeel.choice.own_setting import own_setting
+from forcefeel.choice.rule import choose, obstacles
+from forcefeel.choice.score import Score, Scored, score_over, summary_of
+from forcefeel.conclusions import capital
+from forcefeel.design.laws_tried import LawsTried, LawTried, Qualified, Rendered
+from forcefeel.envelope.plan import Plan, make_plan
+from forcefeel.envelope.run import compute_few
+from forcefeel.envelope.settings import Settings
+from forcefeel.errors import InputError
+from forcefeel.laws.law import names_for
+from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.qualification.programme.run import QualificationSetup, qualify_loader
+from forcefeel.qualification.programme.sentences import reasons, rule_text, tally
+from forcefeel.threads import threads_or_cores
+from forcefeel.units import UnitSystem
+
+FEW: Mapping[str, str] = MappingProxyType(
+    {"stiffness": "2.5..100 %:3:log", "frequency": "0.5, 2, 4 Hz", "damping": "0.1, 0.7"}
+)
+"""Settings that are tried: 18 in place of the 96 of ``score.COARSE``, from its slowest to its fastest."""
+
+REPORT = "published"
+"""The report's law: its state feedback over the published horizon."""
+
+STEPS = ("the report's law tested", "laws at the own setting", "laws over the envelope", "the best law tested")
+"""What ``best_law`` reports as it goes."""
+
+
+def best_law(
+    loader: Loader,
+    grid: Mapping[str, str | Sequence[float]] = FEW,
+    *,
+    units: UnitSystem = UnitSystem.US,
+    called: Sequence[str] = (),
+    threads: int | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> LawsTried:
+    """Tries every law that a loader can run, takes the best by the rule of ``choose``, and tests it and the report's.
+
+    Args:
+        loader: The loader, with a digital controller.
+        grid: Settings to try, as ``find_envelope`` takes them.
+        units: The units of what is said of the tests; of the rule's two roundings of a force, theirs holds.
+        called: What a command line calls the loader; its name if not given.
+        threads: How many; all cores if not given. The numbers do not depend on it.
+        progress: Called with each of ``STEPS`` as it begins.
+
+    Returns:
+        Both laws. The choice is made on few settings, 18 if not given; ``score_methods`` looks closer.
+
+    Raises:
+        InputError: If the loader is analog or the grid is bad.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> grid = {"stiffness": "20, 100 %", "frequency": "2, 4 Hz", "damping": "0.3, 1"}
+        >>> tried = ff.choice.best_law(ff.digital_elevator(), grid)
+        >>> tried.best.name, tried.best.qualifies, tried.report.qualifies
+        ('robust', True, False)
+    """
+    check_loader(loader)
+    if not loader["controller.period"]:
+        raise InputError(
+            "loader: is analog and can only take the report's laws; give controller.period and controller.delay, for example "
+            "0.5 ms each, or take the built-in loader elevator-2khz"
+        )
+    threads = threads_or_cores(threads)
+    called = tuple(called) or (loader.name,)
+    Settings.of(grid)  # what is wrong with it is no fault of the loader
+    report = LawTried(REPORT, summary_of(REPORT), None, None)
+    try:
+        progress(STEPS[0])
+        rule, tested = _qualified(loader, REPORT, units)
+        plan = make_plan(loader, names_for(loader), grid)
+        progress(STEPS[1])
+        scores, refused = _at_own_setting(plan, threads)
+        progress(STEPS[2])
+        scored, shares = _over_envelope(plan, scores, threads)
+    except InputError as error:
+        return LawsTried(report, None, (), "", 0, str(error), called)
+    report = replace(report, qualified=tested, rendered=shares.get(REPORT))
+    choice = choose(scored)
+    best = report if choice.chosen == REPORT else None
+    if choice.chosen and not best:
+        progress(STEPS[3])
+        _, tested = _qualified(loader, choice.chosen, units)
+        best = LawTried(choice.chosen, summary_of(choice.chosen), tested, shares[choice.chosen])
+    remarks = (*(remark.sentence for remark in choice.remarks), *refused)
+    return LawsTried(report, best, remarks, rule, plan.settings.count, "", called)
+
+
+def _at_own_setting(plan: Plan, threads: int) -> tuple[list[Score], list[str]]:
+    """A score for each law, without the envelope; and a sentence for each that cannot be designed."""
+    scores, refused = [], []
+    for name, law in plan.compensators.items():
+        try:
+            scores.append(Score(name, summary_of(name), own_setting(plan, law, threads), None))
+        except InputError as error:
+            refused.append(f"{capital(name)} cannot be designed: {error}")
+    return scores, refused
+
+
+def _over_envelope(plan: Plan, scores: list[Score], threads: int) -> tuple[Scored, dict[str, Rendered]]:
+    """The scores, over the settings where the law is not ruled out yet; and what those and the report's law render."""
+    period = plan.loader["controller.period"]
+    asked = [score for score in scores if score.name == REPORT or not obstacles(score, period)]
+
+    plan = replace(plan, compensators={score.name: plan.compensators[score.name] for score in asked})
+    found = compute_few(plan, threads=threads)
+    over = {score.name: score_over(plan, score, found) for score in asked}
+    shares = {name: found.shares(name) for name in over}
+    rendered = {name: Rendered(one.stable, one.passes, one.passes_worst) for name, one in shares.items()}
+    return Scored(plan, tuple(over.get(score.name, score) for score in scores)), rendered
+
+
+def _qualified(loader: Loader, name: str, units: UnitSystem) -> tuple[str, Qualified]:
+    """The rule, and what its tests came to under a law."""
+    found = qualify_loader(loader, QualificationSetup(laws=(name,), system=units))
+    (section,) = found.sections
+    standing = Qualified(section.fulfilled, str(section.standing), tally(section), tuple(reasons(section, found)))
+    return rule_text(found), standing

@@ -1,0 +1,26 @@
+"""The report's law beside the best one, a row each."""
+
+from markupsafe import Markup
+
+from forcefeel.conclusions import capital
+from forcefeel.design.laws_tried import LawsTried, LawTried
+from forcefeel.page.table import Cell, Table, words
+
+
+def beside(tried: LawsTried) -> Table:
+    """What each law is, what its tests came to, and what it renders."""
+    head = ("Law", "What it is", f"By {tried.rule} it", f"Over {tried.settings} settings it")
+    return Table(tuple(map(Cell, head)), tuple(_row(tried, law) for law in tried.laws))
+
+
+def _row(tried: LawsTried, law: LawTried) -> tuple[Cell, ...]:
+    place = " ".join(
+        text for text, holds in (("the best", law == tried.best), ("the report's", law == tried.report)) if holds
+    )
+    name = Markup("<b>{}</b><br><small>{}</small>").format(law.name, place)
+    return (
+        Cell(name),
+        words(capital(law.summary)),
+        words(law.qualified_text, bad=not law.qualifies),
+        words(law.rendered_text),
+    )

@@ -1,0 +1,50 @@
+"""The best law in seconds: as the closer look has it, and honest where there is none."""
+
+from dataclasses import replace
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.choice.few_settings import STEPS, best_law
+from forcefeel.envelope.cases import REFERENCE_ARMS
+from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.run import compute, compute_few
+from forcefeel.laws.law import names_for
+
+DIGITAL = ff.digital_elevator()
+GRID = {"stiffness": "20, 100 %", "frequency": "2, 4 Hz", "damping": "0.3, 1"}
+FEW_CASES = {"changes": {"linkage.ratio": 0.2}, "arms": REFERENCE_ARMS[:1]}
+
+
+def test_cases_side_by_side_are_those_one_by_one():
+    quiet = DIGITAL.replace(dict.fromkeys([key for key in DIGITAL.given if key.endswith(("noise", "resolution"))]))
+    plan = make_plan(quiet, ("load-cell", "robust"), GRID, **FEW_CASES)
+    one, other = compute(plan), compute_few(plan)
+    assert one.outcomes == other.outcomes
+    assert one.data.identical(other.data)
+    assert one.shares("load-cell").stable < 1
+    assert 0 < one.shares("robust").passes_worst < 1
+
+
+def test_an_analog_loader_is_told_what_it_needs():
+    with pytest.raises(ff.InputError, match=r"analog.*controller\.period.*elevator-2khz"):
+        best_law(ff.elevator())
+
+
+def test_a_loader_that_no_law_is_eligible_for():
+    late = DIGITAL.replace({"controller.delay": "3.5 ms"})
+    steps = []
+    tried = best_law(late, GRID, called=("late.toml",), progress=steps.append)
+    assert steps == list(STEPS[:-1])
+    assert tried.best is None
+    assert tried.laws == (tried.report,)
+    assert len(tried.remarks) == len(names_for(late))
+    assert all("not eligible" in remark or "cannot be designed" in remark for remark in tried.remarks)
+    assert tried.compare_command == "forcefeel compensate late.toml --method auto --out methods"
+
+
+def test_a_loader_that_cannot_be_tested_says_why():
+    by_pressure = replace(DIGITAL, stiffness_factor=ff.loader.Curve((0.0, 5e3), (0.25, 0.75)))
+    tried = best_law(by_pressure)
+    assert tried.best is None
+    assert "dynamic pressure" in tried.impossible
