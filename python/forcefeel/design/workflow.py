@@ -10,7 +10,7 @@ from forcefeel.design.studies import Deviation, DroppedPaths, drop_paths, sensit
 from forcefeel.laws.analog.recursion import Compensation, DesignSettings, compensate
 from forcefeel.linear.boundary import StabilityBoundary, smallest_stable_stiffness
 from forcefeel.linear.frequency import Margins, Peak, margins, resonance
-from forcefeel.linear.models import Linkage, loader_model, overall_open_loop, servo
+from forcefeel.linear.models import Linkage, loader_model, open_loop_model, servo_model
 from forcefeel.linear.modes import Mode, least_damped, modes
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.units import HERTZ, RATIO
@@ -216,12 +216,12 @@ def design_loader(
 
 
 def _servo(loader: Loader, linkage: Linkage) -> ServoResult:
-    opened, closed = servo(loader, linkage, closed=False), servo(loader, linkage, closed=True)
+    opened, closed = (servo_model(loader, linkage, closed=closed) for closed in (False, True))
     closed_modes = modes(closed)
     w = least_damped(closed_modes).frequency_rad_per_s
     # Wide enough for the peak of a mode that others pull aside; a mode that rounding leaves no frequency has none.
-    peak = resonance(closed[1, 0], w / 2, 3 * w) if w > 0 else None
-    return ServoResult(linkage, modes(opened), closed_modes, margins(opened[0, 0]), peak)
+    peak = resonance(closed.to_output(1), w / 2, 3 * w) if w > 0 else None
+    return ServoResult(linkage, modes(opened), closed_modes, margins(opened.to_output(0)), peak)
 
 
 def _configuration(
@@ -246,7 +246,7 @@ def _loop(loader: Loader, linkage: Linkage, law: Compensator | None, weights: De
     found = assess(loader, law, weights, linkage=linkage)
     return LoopResult(
         modes(loader_model(loader, law, linkage)),
-        margins(overall_open_loop(loader, linkage, law)),
+        margins(open_loop_model(loader, linkage, law)),
         found,
         peaks(loader, law, linkage) if found.stable else None,
     )

@@ -17,7 +17,8 @@ from forcefeel.bench.response_file import read_response
 from forcefeel.bench.responses import Response
 from forcefeel.cli.resonance import read_band
 from forcefeel.errors import InputError
-from forcefeel.linear.models import Linkage, servo
+from forcefeel.linear.models import Linkage
+from forcefeel.linear.state_space import servo
 from forcefeel.tables.column_names import by_stem, names_by_stem
 from tests.command_line import runner
 from tests.identifications import bounded, determined, secrets_in, undetermined
