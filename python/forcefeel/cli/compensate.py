@@ -10,7 +10,7 @@ from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.law_option import LAW_NAMES
-from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, named_options, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.recursion_options import RecursionOptions
 from forcefeel.cli.release_options import ReleaseOptions
@@ -95,9 +95,9 @@ class CompensateOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadO
             self._refuse({"grid", "off"}, "is for the envelope; add --envelope, or take --method auto")
 
     def _refuse(self, names: set[str], why: str) -> None:
-        for field in fields(self):
+        for field, name, _ in named_options(type(self)):
             if field.name in names and getattr(self, field.name) != field.default:
-                raise InputError(f"--{field.name.replace('_', '-')}: {why}")
+                raise InputError(f"{name}: {why}")
 
 
 _METHOD_ALONE = ("envelope", "grid", "rule", "off", "out", "replace")
@@ -121,7 +121,7 @@ def run(path: LoaderFile = None, /, *, options: CompensateOptions = CompensateOp
     if options.method is None:
         _recursion(loader, options)
     else:
-        _methods(loader, options)
+        _methods(loader, options, options.command_line(path))
 
 
 def _recursion(loader: "Loader", options: CompensateOptions) -> None:
@@ -151,7 +151,7 @@ def _recursion(loader: "Loader", options: CompensateOptions) -> None:
         raise SystemExit(BAD_ANSWER)
 
 
-def _methods(loader: "Loader", options: CompensateOptions) -> None:
+def _methods(loader: "Loader", options: CompensateOptions, command: str) -> None:
     """Tries methods, or designs one, and writes the folder; the law goes to its file."""
     from forcefeel.choice import choose, score_methods
     from forcefeel.choice.as_json import choice_json
@@ -178,7 +178,7 @@ def _methods(loader: "Loader", options: CompensateOptions) -> None:
         )
         choice = choose(scored) if names is None else None
         bar.describe("report")
-        page = write_choice(scored, choice, out, units, replace=options.replace)
+        page = write_choice(scored, choice, out, units, replace=options.replace, command=command)
         law = _law(loader, scored, choice) if options.save_law else None
         if options.save_law and law:
             law.save(options.save_law)

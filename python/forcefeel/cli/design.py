@@ -38,7 +38,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
     with all_or_nothing("design", "steps", silent=options.json) as bar:
         found = workflow.design_loader(loader, settings, bar.steps(len(workflow.STEPS) + 1))
         bar.describe("report")
-        page = write_report(found, options.out, options.units)
+        page = write_report(found, options.out, options.units, command=options.command_line(path))
     if options.json:
         print_json({"report": str(page), "design": json_value(found, options.units)})
     else:

@@ -99,7 +99,9 @@ def run(path: LoaderFile = None, /, *, options: EnvelopeOptions = EnvelopeOption
     with all_or_nothing("envelope", "releases", silent=options.json) as bar:
         found = compute(plan, threads=options.threads, progress=bar.show)
         bar.describe("report")
-        page = write_envelope(found, options.out, options.units, replace=options.replace)
+        page = write_envelope(
+            found, options.out, options.units, replace=options.replace, command=options.command_line(path)
+        )
     if options.json:
         print_json({"page": str(page), **envelope_json(found, options.units)})
     else:

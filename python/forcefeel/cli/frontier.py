@@ -80,7 +80,9 @@ def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOption
 
         found = compute_frontier(plan, threads=options.threads, progress=show)
         bar.describe("report")
-        page = write_frontier(found, options.out, options.units, replace=options.replace)
+        page = write_frontier(
+            found, options.out, options.units, replace=options.replace, command=options.command_line(path)
+        )
     if options.json:
         print_json({"page": str(page), **frontier_json(found, options.units)})
     else:

@@ -64,7 +64,9 @@ def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
             progress=bar.show,
         )
         bar.describe("report")
-        page = write_schedule(found, options.out, options.units, replace=options.replace)
+        page = write_schedule(
+            found, options.out, options.units, replace=options.replace, command=options.command_line(path)
+        )
     if options.json:
         print_json({"page": str(page), **schedule_json(found, options.units)})
     else:

@@ -46,7 +46,7 @@ def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOption
     if out is not None:
         from forcefeel.simulation.page.folder import write_simulation
 
-        page = write_simulation(found, out, units, law)
+        page = write_simulation(found, out, units, law, command=options.command_line(path))
     if options.json:
         report = {} if page is None else {"page": str(page)}
         print_json({**report, **run_json(found, units, law)})

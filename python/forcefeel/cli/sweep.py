@@ -96,10 +96,10 @@ class SweepOptions(ScenarioOptions, FolderOptions, ThreadOptions, OutputOptions)
             loader,
             found,
             named((str(self.law),), loader)[str(self.law)] if self.redesign else self.law_of(loader),
-            self.runs,
-            found.seed,
-            text.assignments("--vary", self.vary, "linkage.stiffness=20 %"),
-            text.assignments("--grid", self.grid, "feel.stiffness=1000..9000 lb in/rad:20"),
+            runs=self.runs,
+            seed=found.seed,
+            vary=text.assignments("--vary", self.vary, "linkage.stiffness=20 %"),
+            grids=text.assignments("--grid", self.grid, "feel.stiffness=1000..9000 lb in/rad:20"),
         )
 
 
@@ -135,7 +135,7 @@ def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -
             )
             bar.describe("report")
             summary = summarize(result)
-            page = write_sweep(result, summary, options.out, units, law)
+            page = write_sweep(result, summary, options.out, units, law, command=options.command_line(path))
         except KeyboardInterrupt:
             bar.stop()
             print(f"\nforcefeel: interrupted; {_kept(bar, options.out)}", file=sys.stderr)

@@ -17,7 +17,7 @@ FOLDER = OutputFolder("the report", (PAGE, RESULTS), (RESPONSES,))
 """Checked before the work, written after it."""
 
 
-def write_report(design: Design, out: Path, units: UnitSystem) -> Path:
+def write_report(design: Design, out: Path, units: UnitSystem, *, command: str = "") -> Path:
     """Writes ``report.html``, ``results.json`` and ``responses/figure-*.csv``.
 
     An existing report stays as it is until the new one is complete; other files in the folder are left alone.
@@ -26,6 +26,7 @@ def write_report(design: Design, out: Path, units: UnitSystem) -> Path:
         design: What to report.
         out: The folder; made if it is not there.
         units: The units of every number.
+        command: The command that asked for it, to stand on the page.
 
     Returns:
         The path of the page.
@@ -40,16 +41,16 @@ def write_report(design: Design, out: Path, units: UnitSystem) -> Path:
         'report.html'
     """
     FOLDER.check(out)
-    FOLDER.write(out, _contents(design, units))
+    FOLDER.write(out, _contents(design, units, command))
     return out / PAGE
 
 
-def _contents(design: Design, units: UnitSystem) -> dict[str, str]:
+def _contents(design: Design, units: UnitSystem, command: str) -> dict[str, str]:
     """Each file's text by its name within the folder, the page last."""
     drawn = figures(design)
     tables = {f"{RESPONSES}/{figure.key}.csv": table(figure, units) for figure in drawn}
     return {
         **{name: csv(data) for name, data in tables.items()},
         RESULTS: results_json(design, drawn, tables, units),
-        PAGE: page(design, drawn, tuple(tables), units),
+        PAGE: page(design, drawn, tuple(tables), units, command),
     }

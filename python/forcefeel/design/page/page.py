@@ -42,7 +42,7 @@ class Plot:
     drawing: Markup
 
 
-def page(design: Design, drawn: tuple[Figure, ...], files: tuple[str, ...], units: UnitSystem) -> str:
+def page(design: Design, drawn: tuple[Figure, ...], files: tuple[str, ...], units: UnitSystem, command: str) -> str:
     """The whole page.
 
     Args:
@@ -50,9 +50,11 @@ def page(design: Design, drawn: tuple[Figure, ...], files: tuple[str, ...], unit
         drawn: Its figures.
         files: Names of the tables of values beside the page.
         units: The units of every number.
+        command: The command that asked for it.
     """
     return render(
         "design/page/report.html.j2",
+        command=command,
         design=design,
         loader=design.loader,
         conclusions=conclusions(design, units),
