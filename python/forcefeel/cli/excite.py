@@ -13,7 +13,7 @@ from forcefeel.cli.given_loader import given_law
 from forcefeel.cli.law_option import ORIGINAL
 from forcefeel.cli.options import OUTPUT, LawOption, LoaderFile, LoaderOptions, OutputOptions, filled, option
 from forcefeel.cli.scenario_text import value
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
 
@@ -183,11 +183,12 @@ def run(path: LoaderFile = None, /, *, options: ExciteOptions) -> None:
         print(f"forcefeel: {error}", file=sys.stderr)
         raise SystemExit(BAD_ANSWER) from None
     write_excitation(found, options.out, options.units, replace=options.replace)
-    if options.json:
-        print_json({"file": str(options.out), **excitation_json(found, options.units)})
-    else:
-        _show(Terminal(), found, options.units)
-        print(f"file: {options.out}")
+    answer(
+        {"file": options.out},
+        lambda: excitation_json(found, options.units),
+        lambda terminal: _show(terminal, found, options.units),
+        as_json=options.json,
+    )
     if found.vague:
         raise SystemExit(BAD_ANSWER)
 

@@ -25,7 +25,7 @@ from forcefeel.cli.options import (
     option,
 )
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
 
@@ -149,14 +149,12 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
             command=options.command_line(path),
         )
     written = None if found.loader is None else options.out / LOADER
-    if options.json:
-        paths = {"page": str(page), "loader_file": written and str(written)}
-        print_json({**paths, **identification_json(found, options.units, settings)})
-    else:
-        _show(Terminal(), found, options.units)
-        print(f"page: {page}")
-        if written:
-            print(f"loader: {written}")
+    answer(
+        {"page": page, "loader_file": written},
+        lambda: identification_json(found, options.units, settings),
+        lambda terminal: _show(terminal, found, options.units),
+        as_json=options.json,
+    )
     if found.loader is None:
         raise SystemExit(BAD_ANSWER)
 

@@ -23,7 +23,7 @@ from forcefeel.cli.options import (
     option,
 )
 from forcefeel.cli.scenario_text import value
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
@@ -208,11 +208,12 @@ def run(path: LoaderFile = None, /, *, options: QualifyOptions = QualifyOptions(
     with options_named():
         found = qualify_loader(loader, options.setup(loader))
     page = write_qualification(found, options.out, pdf=options.pdf, command=options.command_line(path))
-    if options.json:
-        print_json({"page": str(page), **qualification_json(found)})
-    else:
-        _show(Terminal(), found)
-        print(f"page: {page}")
+    answer(
+        {"page": page},
+        lambda: qualification_json(found),
+        lambda terminal: _show(terminal, found),
+        as_json=options.json,
+    )
     if not found.fulfilled:
         raise SystemExit(BAD_ANSWER)
 

@@ -13,7 +13,7 @@ from forcefeel.cli.exit_status import BAD_ANSWER, INTERRUPTED
 from forcefeel.cli.options import OUTPUT, WORK, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_options import ScenarioOptions
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.conclusions import share_text
 from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
@@ -120,6 +120,8 @@ def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -
     units = options.units
     for part in (FOLDER, RUNS_FOLDER):  # before the work, not after it
         part.check(options.out)
+        if not (options.replace or options.resume):
+            part.check_script(options.out)
     sweep = options.sweep(path)
     law = str(options.law) if options.redesign else sweep.nominal_law.name
     with Bar("sweep", "runs", silent=options.json) as bar:
@@ -142,11 +144,12 @@ def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -
             raise SystemExit(INTERRUPTED) from None
         except InputError as error:
             raise InputError(f"{error}\n{_kept(bar, options.out)}" if bar.done else str(error)) from error
-    if options.json:
-        print_json({"page": str(page), **sweep_json(result, summary, units)})
-    else:
-        _show(Terminal(), result, summary, units)
-        print(f"page: {page}")
+    answer(
+        {"page": page},
+        lambda: sweep_json(result, summary, units),
+        lambda terminal: _show(terminal, result, summary, units),
+        as_json=options.json,
+    )
     if not sweep.axes and summary.share(RunStatus.DIVERGED).runs:
         raise SystemExit(BAD_ANSWER)
 

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated
 
+import numpy as np
+
 from forcefeel._core import Compensator, feel_frequency
 from forcefeel.design.assessment import Assessment, Peaks, assess, peaks
 from forcefeel.design.studies import Deviation, DroppedPaths, drop_paths, sensitivity
@@ -13,6 +15,7 @@ from forcefeel.linear.frequency import Margins, Peak, margins, resonance
 from forcefeel.linear.models import Linkage, loader_model, open_loop_model, servo_model
 from forcefeel.linear.modes import Mode, least_damped, modes
 from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.printable import table_html
 from forcefeel.units import HERTZ, RATIO
 
 LOW_SHARE = 0.1
@@ -142,6 +145,26 @@ class Design(Analysis):
     converged: Compensation
     dropped: tuple[DroppedPaths, ...]
     deviations: tuple[Deviation, ...]
+
+    def __repr__(self) -> str:
+        found = self.configuration("compensated").programmed.assessment
+        rendered = (
+            f"{found.frequency_rad_per_s / 2 / np.pi:.3g} Hz, damping ratio {found.damping_ratio:.2g}"
+            if found.stable
+            else "unstable"
+        )
+        programmed = f"{self.feel_frequency_rad_per_s / 2 / np.pi:.3g} Hz, {self.feel_damping_ratio:.2g}"
+        return f"<Design of {self.loader.name!r}: programmed {programmed}; compensated {rendered}>"
+
+    def _repr_html_(self) -> str:
+        judged = ((one.name, one.programmed.assessment) for one in self.configurations)
+        rows = (
+            (name, f"{it.frequency_rad_per_s / 2 / np.pi:.3g} Hz", f"{it.damping_ratio:.2g}", f"{it.static_error:+.1%}")
+            if it.stable
+            else (name, "unstable", "", "")
+            for name, it in judged
+        )
+        return table_html(self.loader.name, ("loop", "frequency", "damping ratio", "off at rest"), rows)
 
     @property
     def acceptable(self) -> bool:
