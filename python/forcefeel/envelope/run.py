@@ -79,18 +79,19 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
     done, total = 0, int(np.prod(shape))
     progress(0, total)
     names: tuple[str, ...] = ()
-    for which, record in pieces(plan):
-        references: dict[PilotArm | None, ReleaseBatch] = {}
-        some = [law.some(which) for law in laws.values()]
-        for place, case in enumerate(cases):
-            if case.arm not in references:
+    parts = [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan)]
+    references: dict[tuple[int, PilotArm | None], ReleaseBatch] = {}
+    for place, case in enumerate(cases):  # slow releases take longer: each case has them all, and so the pace is even
+        for piece, (which, record, some) in enumerate(parts):
+            if (piece, case.arm) not in references:
                 ideal = carrying(plan.loader, feel[which], case.arm)
                 responses = ideal_releases(ideal, plan.release_rad, record.step_s, record.samples)
-                references[case.arm] = measured(plan, record, responses, threads)
+                references[piece, case.arm] = measured(plan, record, responses, threads)
+            reference = references[piece, case.arm]
             for k, law in enumerate(some):
                 stable, angles = released(plan, case, feel[which], law, record, threads)
                 found = measured(plan, record, angles, threads)
-                verdicts = judge_releases(found, references[case.arm], plan.test, travel=plan.throw.travel_rad)
+                verdicts = judge_releases(found, reference, plan.test, travel=plan.throw.travel_rad)
                 names = verdicts.names
                 failing = np.where(verdicts.passed, _PASSES, verdicts.first_failing + _FIRST)
                 outcome[k, place, which] = np.where(stable, failing, _UNSTABLE)

@@ -108,7 +108,7 @@ def test_a_loader_is_identified_from_a_response(identify, tmp_path):
             one["estimate"]["value"] / one["file"]["value"], rel=TEN_DIGITS
         )
     assert re.search(r"k linkage\.stiffness +│ +6108", out)
-    assert "loader: found/loader.toml" in out
+    assert "loader file: found/loader.toml" in out
 
 
 def test_the_loader_that_was_given_stays(identify, tmp_path, found):
