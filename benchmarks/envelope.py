@@ -21,7 +21,7 @@ from forcefeel.envelope.releases import Record, released
 from forcefeel.envelope.run import compute
 from forcefeel.laws.analog.recursion import NAMED_DESIGNS
 from forcefeel.laws.law import Law
-from forcefeel.linear.models import compliant_model
+from forcefeel.linear.state_space import compliant_model
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import INDEX

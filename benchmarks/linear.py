@@ -28,7 +28,7 @@ from core_peak import cpu_seconds, peak_flops
 from peers import case, linear_kernel
 from peers.kernel import aligned
 
-from forcefeel.linear.models import compliant_model
+from forcefeel.linear.state_space import compliant_model
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX

@@ -23,7 +23,7 @@ from core_peak import peak_flops
 
 from forcefeel.laws.analog.gain_schedule import schedule_gains
 from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem
-from forcefeel.linear.models import design_plant
+from forcefeel.linear.state_space import design_plant
 from forcefeel.loader.built_in import elevator
 
 SETTINGS = 200_000

@@ -1,5 +1,6 @@
 """A wrong type is bad input: the message names the argument, in every function and class that most people need."""
 
+import control
 import numpy as np
 import pytest
 
@@ -35,6 +36,9 @@ CALLS = {
         lambda: ff.identify("elevator", [], "k"),
     ],
     "model": [lambda: ff.modes(ARRAY), lambda: ff.modes(LOADER), lambda: ff.step_response(LOADER, 1.0)],
+    "model: expected a model in continuous": [lambda: ff.modes(control.ss(-1.0, 1.0, 1.0, 0.0, 0.01))],
+    "loop: expected one input and one": [lambda: ff.linear.margins(ff.compliant_model(LOADER))],
+    "duration_s, samples": [lambda: ff.step_response(ff.compliant_model(LOADER), 1.0, samples=1)],
     "force_n": [lambda: ff.step_response(ff.compliant_model(LOADER), "100 lb")],
     "settings": [lambda: ff.compensate(LOADER, 0.05), lambda: ff.design_loader(LOADER, "x")],
     "compensator": [

@@ -23,8 +23,8 @@ from forcefeel.errors import InputError as InputError
 from forcefeel.frontier.run import find_frontier as find_frontier
 from forcefeel.laws.analog.recursion import compensate as compensate
 from forcefeel.laws.law import Law as Law
-from forcefeel.linear.models import compliant_model as compliant_model
 from forcefeel.linear.modes import modes as modes
+from forcefeel.linear.state_space import compliant_model as compliant_model
 from forcefeel.linear.step import step_response as step_response
 from forcefeel.loader.built_in import digital_elevator as digital_elevator
 from forcefeel.loader.built_in import elevator as elevator

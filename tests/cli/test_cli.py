@@ -56,6 +56,19 @@ def test_help_answers_without_the_numerical_libraries():
     assert out.splitlines()[-1] == "[]"
 
 
+def test_analyze_answers_without_python_control():
+    """Which takes longer to import than the answer to compute."""
+    probe = (
+        "import sys; sys.argv = ['forcefeel', 'analyze']\n"
+        "from forcefeel.cli import main\n"
+        "try: main()\n"
+        "except SystemExit: pass\n"
+        "print(sorted({'control', 'matplotlib', 'pandas', 'pint', 'plotly', 'xarray'} & set(sys.modules)))"
+    )
+    out = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True).stdout
+    assert out.splitlines()[-1] == "[]"
+
+
 @pytest.mark.parametrize("command", ["new", "design", "analyze", "compensate", "reproduce"])
 def test_every_command_has_help_with_an_example(run, command):
     status, out, _ = run(command, "--help")

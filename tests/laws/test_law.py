@@ -200,6 +200,19 @@ def test_a_saved_law_takes_a_names_place(run, tmp_path):
     assert (status, "law file: law.json" in out) == (0, True)
     by_name, by_file = (run("simulate", "elevator-2khz", "--law", law)[1] for law in ("robust", "law.json"))
     assert by_name == by_file
+    said = run("qualify", "elevator-2khz", "--law", "law.json", "--test", "release-25-positive")[1]
+    assert "the law of law.json" in " ".join(said.split())
+    saved = (tmp_path / "law.json").read_text(encoding="utf-8")
+    for method in ([], ["--method", "observer", "--out", "other"]):
+        status, _, err = run("compensate", "elevator-2khz", *method, "--save-law", "law.json")
+        assert (status, "law.json: is there already; name another file with --save-law, or --replace" in err) == (
+            2,
+            True,
+        )
+    assert (tmp_path / "law.json").read_text(encoding="utf-8") == saved
+    assert not (tmp_path / "other").exists()
+    assert run("compensate", "elevator", "--save-law", "law.json", "--replace")[0] == 0
+    assert (tmp_path / "law.json").read_text(encoding="utf-8") != saved
     assert run("compensate", "elevator", "--save-law", "gains.json")[0] == 0
     status, _, err = run("simulate", "elevator-2khz", "--law", "gains.json")
     assert status == 2

@@ -12,7 +12,7 @@ from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.analog import recursion
 from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, compensate, gains_in, published_settings
-from forcefeel.linear.models import design_plant
+from forcefeel.linear.state_space import design_plant
 from forcefeel.loader.built_in import elevator
 from forcefeel.units import UnitSystem
 

@@ -7,7 +7,7 @@ import pytest
 from forcefeel.errors import InputError
 from forcefeel.laws.analog.gain_schedule import schedule_gains
 from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, compensate, published_settings
-from forcefeel.linear.models import design_plant
+from forcefeel.linear.state_space import design_plant
 from forcefeel.loader.built_in import elevator
 
 # An eigenvalue solver on six states whose poles span 2 to 3e4 rad/s. Measured: 9e-11 sampled, 2e-11 continuous.

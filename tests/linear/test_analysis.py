@@ -107,6 +107,28 @@ def test_margins_of_a_loop_in_closed_form():
     assert found.phase_margin_rad == pytest.approx(np.pi / 2 - np.arctan(w) - np.arctan(w / 2))
 
 
+@pytest.mark.parametrize("linkage", list(ff.linear.Linkage))
+def test_margins_are_those_of_python_control(loader, low, linkage):
+    """Which takes them from polynomials."""
+    for one in (loader, low):
+        loop = ff.linear.overall_open_loop(one, linkage)
+        found = ff.linear.margins(loop)
+        gains, _, _, w_phase, w_gain, _ = control.stability_margins(loop, returnall=True)
+        nearest = min((g for g in gains if 0 < g < np.inf), key=lambda g: abs(np.log(g)))
+        assert found.gain_margin == pytest.approx(nearest, rel=MARGIN)
+        assert min(abs(w_phase / found.phase_crossover_rad_per_s - 1)) < MARGIN
+        if np.isfinite(found.phase_margin_rad):
+            assert min(abs(w_gain / found.gain_crossover_rad_per_s - 1)) < MARGIN
+        assert np.isfinite(found.phase_margin_rad) == bool(len(w_gain))
+
+
+def test_response_is_infinite_on_a_pole_alone():
+    integrator = control.ss([[0.0]], [[2.0]], [[1.0]], 0.0)
+    gain = ff.linear.frequency_response(integrator, np.array([0.0, 1.0, 2.0])).gain_db.values
+    assert gain[0] == np.inf
+    np.testing.assert_allclose(gain[1:], 20 * np.log10([1 / np.pi, 0.5 / np.pi]), atol=SOLVED_DB)
+
+
 def test_phase_margin_falls_from_stable_to_unstable_as_the_report_says(low):
     rigid, compliant = (
         np.degrees(ff.linear.margins(ff.linear.overall_open_loop(low, link)).phase_margin_rad)

@@ -213,6 +213,10 @@ def test_the_script_of_the_plots_comes_with_the_page_and_holds_nobody_up(tmp_pat
     assert sorted(held(tmp_path / "out")) == ["page.html", SCRIPT]
     (tmp_path / "out" / "page.html").unlink()
     pages.check(tmp_path / "out", replace=False)
+    (tmp_path / "out" / SCRIPT).write_text("mine")
+    with pytest.raises(InputError, match=rf"out: holds another {SCRIPT}; name another folder with --out, or --replace"):
+        pages.check(tmp_path / "out", replace=False)
+    pages.check(tmp_path / "out")
     other = tmp_path / "other"
     (other / SCRIPT).mkdir(parents=True)
     with pytest.raises(InputError, match=rf"{SCRIPT}: is a folder; expected to write a file of that name"):

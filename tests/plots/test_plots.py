@@ -137,6 +137,44 @@ def test_results_read_well(run, envelope):
     assert repr(ff.elevator()).startswith("<Loader 'elevator': feel G = 9600 lb in/rad, 2.01 Hz")
 
 
+def _frontier():
+    grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
+    return ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
+
+
+def _qualification():
+    setup = ff.qualification.QualificationSetup(tests=("release-25-positive",))
+    return ff.qualify_loader(ff.elevator(), setup)
+
+
+@pytest.mark.parametrize(
+    ("make", "text", "shown"),
+    [
+        (
+            lambda: ff.design_loader(ff.elevator()),
+            "<Design of 'elevator': programmed 2.01 Hz, 0.2; compensated 1.62 Hz, damping ratio 0.24>",
+            '<th scope="row">compensated</th><td>1.62 Hz</td><td>0.24</td>',
+        ),
+        (
+            lambda: ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32)),
+            "<Sweep of 'elevator', 32 runs: 32 moving>",
+            '<th scope="row">moving</th><td>32</td>',
+        ),
+        (_frontier, "<Frontier of 'elevator' with published, 8 settings: ", "<b>elevator with published</b>"),
+        (
+            _qualification,
+            "<Qualification of 'elevator', pitch, by part60-a-2014: original loop does not qualify, 0 of 1 tests passed>",
+            '<th scope="row">original loop</th><td>does not qualify</td>',
+        ),
+    ],
+)
+def test_results_read_well_as_text_and_in_a_notebook(make, text, shown):
+    result = make()
+    assert repr(result).startswith(text)
+    assert "\n" not in repr(result)
+    assert shown in result._repr_html_()
+
+
 def test_notebooks_show_tables_and_pictures(run):
     page = ff.elevator().replace({"valve.orifice": True})._repr_html_()
     assert "<td>linkage.stiffness</td>" in page

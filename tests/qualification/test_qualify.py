@@ -10,7 +10,7 @@ from scipy.linalg import expm
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.linear.models import compliant_model
+from forcefeel.linear.state_space import compliant_model
 from forcefeel.qualification import Outcome, Record, load_rules
 from forcefeel.qualification.programme import QualificationSetup, Standing, qualify_loader
 from forcefeel.qualification.programme.feel_alone import FeelAlone

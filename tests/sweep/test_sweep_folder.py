@@ -74,6 +74,16 @@ def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path, whole):
     assert names(tmp_path) == {"plan.json", "runs.nc"}
 
 
+@pytest.mark.parametrize("other", [[], ["simulation.html"]])
+def test_an_interrupted_replacement_leaves_no_script_without_a_page(tmp_path, other):
+    run_sweep(small(), tmp_path)
+    for name in ("sweep.html", "plotly.min.js", *other):
+        (tmp_path / name).write_text("x")
+    with pytest.raises(KeyboardInterrupt):
+        run_sweep(small(), tmp_path, progress=Interrupted(1), replace=True)
+    assert names(tmp_path) == {"plan.json", "chunks", *(["plotly.min.js"] if other else []), *other}
+
+
 def test_going_on_often_gives_the_same(tmp_path, whole):
     for _ in range(3):
         interrupt(small(), tmp_path, after=2)

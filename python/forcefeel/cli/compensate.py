@@ -10,11 +10,11 @@ from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.law_option import LAW_NAMES
-from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, named_options, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.recursion_options import RecursionOptions
 from forcefeel.cli.release_options import ReleaseOptions
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 from forcefeel.json_values import json_value
 from forcefeel.units import UnitSystem, to_text
@@ -78,8 +78,9 @@ class CompensateOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadO
             InputError: If so.
         """
         if self.method is None:
+            alone = {"replace"} if self.save_law is None else set()
             self._refuse(
-                {*_METHOD_ALONE, *(field.name for field in fields(ThreadOptions))},
+                {*alone, *_METHOD_ALONE, *(field.name for field in fields(ThreadOptions))},
                 "is for --method; add --method auto or the name of a method, or leave it out",
             )
             return
@@ -95,12 +96,12 @@ class CompensateOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadO
             self._refuse({"grid", "off"}, "is for the envelope; add --envelope, or take --method auto")
 
     def _refuse(self, names: set[str], why: str) -> None:
-        for field in fields(self):
+        for field, name, _ in named_options(type(self)):
             if field.name in names and getattr(self, field.name) != field.default:
-                raise InputError(f"--{field.name.replace('_', '-')}: {why}")
+                raise InputError(f"{name}: {why}")
 
 
-_METHOD_ALONE = ("envelope", "grid", "rule", "off", "out", "replace")
+_METHOD_ALONE = ("envelope", "grid", "rule", "off", "out")
 
 
 def run(path: LoaderFile = None, /, *, options: CompensateOptions = CompensateOptions()) -> None:
@@ -116,12 +117,12 @@ def run(path: LoaderFile = None, /, *, options: CompensateOptions = CompensateOp
 
     loader = options.loader(path)
     if options.save_law is not None:
-        check_law_file(options.save_law)  # before the work, not after it
+        check_law_file(options.save_law, replace=options.replace)  # before the work, not after it
     options.check()
     if options.method is None:
         _recursion(loader, options)
     else:
-        _methods(loader, options)
+        _methods(loader, options, options.command_line(path))
 
 
 def _recursion(loader: "Loader", options: CompensateOptions) -> None:
@@ -139,19 +140,18 @@ def _recursion(loader: "Loader", options: CompensateOptions) -> None:
     saved = options.save_law if found.reached else None
     if saved:
         Law.of(settings, loader, name="recursion (22)").save(saved)
-    if options.json:
-        parts = {"loader": loader, "compensation": found, "assessment": judged, "peaks": demand}
-        files = {"law_file": str(saved)} if saved else {}
-        print_json(json_value({**files, **parts}, options.units))
-    else:
-        show.compensation(Terminal(), loader, found, judged, demand, options.units)
-        if saved:
-            print(f"law file: {saved}")
+    parts = {"loader": loader, "compensation": found, "assessment": judged, "peaks": demand}
+    answer(
+        {"law_file": saved} if saved else {},
+        lambda: {name: json_value(part, options.units) for name, part in parts.items()},
+        lambda terminal: show.compensation(terminal, loader, found, judged, demand, options.units),
+        as_json=options.json,
+    )
     if not (found.reached and judged.stable):
         raise SystemExit(BAD_ANSWER)
 
 
-def _methods(loader: "Loader", options: CompensateOptions) -> None:
+def _methods(loader: "Loader", options: CompensateOptions, command: str) -> None:
     """Tries methods, or designs one, and writes the folder; the law goes to its file."""
     from forcefeel.choice import choose, score_methods
     from forcefeel.choice.as_json import choice_json
@@ -178,17 +178,17 @@ def _methods(loader: "Loader", options: CompensateOptions) -> None:
         )
         choice = choose(scored) if names is None else None
         bar.describe("report")
-        page = write_choice(scored, choice, out, units, replace=options.replace)
+        page = write_choice(scored, choice, out, units, replace=options.replace, command=command)
         law = _law(loader, scored, choice) if options.save_law else None
         if options.save_law and law:
             law.save(options.save_law)
-    files = {"page": str(page), **({"law_file": str(options.save_law)} if law else {})}
-    if options.json:
-        print_json({**files, **choice_json(scored, choice, units)})
-    else:
-        _show(Terminal(), scored, choice, units)
-        for what, written in files.items():
-            print(f"{what.replace('_', ' ')}: {written}")
+    files = {"page": page, **({"law_file": options.save_law} if law else {})}
+    answer(
+        files,
+        lambda: choice_json(scored, choice, units),
+        lambda terminal: _show(terminal, scored, choice, units),
+        as_json=options.json,
+    )
     if not (scored.scores[0].own.stable if choice is None else choice.chosen):
         raise SystemExit(BAD_ANSWER)
 

@@ -46,7 +46,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
         called = (str(path or loader.name), *(word for change in options.set_ for word in ("--set", change)))
         tried = best_law(loader, units=units, called=called, progress=begin) if digital else None
         bar.describe("report")
-        page = write_report(found, options.out, units, tried)
+        page = write_report(found, options.out, units, tried, command=options.command_line(path))
     told = conclusions(found, units, tried)
     if options.json:
         print_json({"report": str(page), "design": json_value(found, units), "laws": json_value(tried, units)})

@@ -11,7 +11,7 @@ from forcefeel.cli.law_option import LAW_METAVAR, LAW_NAMES
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.conclusions import share_text
 from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
@@ -99,12 +99,15 @@ def run(path: LoaderFile = None, /, *, options: EnvelopeOptions = EnvelopeOption
     with all_or_nothing("envelope", "releases", silent=options.json) as bar:
         found = compute(plan, threads=options.threads, progress=bar.show)
         bar.describe("report")
-        page = write_envelope(found, options.out, options.units, replace=options.replace)
-    if options.json:
-        print_json({"page": str(page), **envelope_json(found, options.units)})
-    else:
-        _show(Terminal(), found, options.units)
-        print(f"page: {page}")
+        page = write_envelope(
+            found, options.out, options.units, replace=options.replace, command=options.command_line(path)
+        )
+    answer(
+        {"page": page},
+        lambda: envelope_json(found, options.units),
+        lambda terminal: _show(terminal, found, options.units),
+        as_json=options.json,
+    )
 
 
 def _show(console: Terminal, found: "Envelope", units: UnitSystem) -> None:

@@ -3,7 +3,7 @@
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Group
 from rich.table import Table
@@ -11,9 +11,9 @@ from rich.table import Table
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.given_loader import given_law
 from forcefeel.cli.law_option import ORIGINAL
-from forcefeel.cli.options import OUTPUT, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.options import OUTPUT, LawOption, LoaderFile, LoaderOptions, OutputOptions, filled, option
 from forcefeel.cli.scenario_text import value
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
 
@@ -70,14 +70,21 @@ class ExciteOptions(LoaderOptions, OutputOptions):
         ),
     ] = ()
     kind: Annotated[Literal["multisine", "chirp"], option("What kind of signal.", SIGNAL)] = "multisine"
-    time: Annotated[float, option("Length in s; six periods fit in it at least.", SIGNAL)] = 60.0
-    rate: Annotated[float, option("Samples per second, four per cycle of the highest line.", SIGNAL)] = 1000.0
-    from_: Annotated[
+    time_s: Annotated[float, option("Length in s; six periods fit in it at least.", SIGNAL, "--time")] = 60.0
+    rate_hz: Annotated[float, option("Samples per second, four per cycle of the highest line.", SIGNAL, "--rate")] = (
+        1000.0
+    )
+    from_hz: Annotated[
         float | None, option("Lowest frequency in Hz.", SIGNAL, "--from", default="one cycle a period")
     ] = None
-    to: Annotated[
+    to_hz: Annotated[
         float | None,
-        option("Highest frequency in Hz.", SIGNAL, default="the valve's natural frequency, or a quarter of the rate"),
+        option(
+            "Highest frequency in Hz.",
+            SIGNAL,
+            "--to",
+            default="the valve's natural frequency, or a quarter of the rate",
+        ),
     ] = None
     limit_current: Annotated[
         str | None,
@@ -139,26 +146,18 @@ class ExciteOptions(LoaderOptions, OutputOptions):
         from forcefeel.bench.channels import channel
         from forcefeel.bench.excitation import ExcitationPlan
 
-        known = ExcitationPlan()
         share, noise = _noise(self.noise)
-        measured = known.measured if self.measure is None else tuple(map(channel, self.measure.split(",")))
+        given: dict[str, Any] = {} if share is None else {"noise_share": share}
+        if self.measure is not None:
+            given["measured"] = tuple(map(channel, self.measure.split(",")))
         limits = {
             "current": self.limit_current,
             "travel": self.limit_travel,
             "force": self.limit_force,
             "drive": self.limit_drive,
         }
-        return ExcitationPlan(
-            self.kind,
-            self.time,
-            self.rate,
-            self.from_,
-            self.to,
-            measured,
-            known.noise_share if share is None else share,
-            noise,
-            {name: _limit(name, given, drive) for name, given in limits.items() if given is not None},
-        )
+        limits_si = {name: _limit(name, text, drive) for name, text in limits.items() if text is not None}
+        return filled(ExcitationPlan, self, noise=noise, limits=limits_si, **given)
 
 
 def run(path: LoaderFile = None, /, *, options: ExciteOptions) -> None:
@@ -184,11 +183,12 @@ def run(path: LoaderFile = None, /, *, options: ExciteOptions) -> None:
         print(f"forcefeel: {error}", file=sys.stderr)
         raise SystemExit(BAD_ANSWER) from None
     write_excitation(found, options.out, options.units, replace=options.replace)
-    if options.json:
-        print_json({"file": str(options.out), **excitation_json(found, options.units)})
-    else:
-        _show(Terminal(), found, options.units)
-        print(f"file: {options.out}")
+    answer(
+        {"file": options.out},
+        lambda: excitation_json(found, options.units),
+        lambda terminal: _show(terminal, found, options.units),
+        as_json=options.json,
+    )
     if found.vague:
         raise SystemExit(BAD_ANSWER)
 

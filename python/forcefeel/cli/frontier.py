@@ -10,7 +10,7 @@ from forcefeel.cli.law_option import LAW_METAVAR
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.conclusions import share_text
 from forcefeel.units import UnitSystem
 
@@ -80,12 +80,15 @@ def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOption
 
         found = compute_frontier(plan, threads=options.threads, progress=show)
         bar.describe("report")
-        page = write_frontier(found, options.out, options.units, replace=options.replace)
-    if options.json:
-        print_json({"page": str(page), **frontier_json(found, options.units)})
-    else:
-        _show(Terminal(), found, options.units)
-        print(f"page: {page}")
+        page = write_frontier(
+            found, options.out, options.units, replace=options.replace, command=options.command_line(path)
+        )
+    answer(
+        {"page": page},
+        lambda: frontier_json(found, options.units),
+        lambda terminal: _show(terminal, found, options.units),
+        as_json=options.json,
+    )
 
 
 def _show(console: Terminal, found: "Frontier", units: UnitSystem) -> None:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -14,9 +14,18 @@ from forcefeel.cli.bench_data import DATA, BenchOptions
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.given_loader import given_law
 from forcefeel.cli.law_option import ORIGINAL
-from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.options import (
+    OUTPUT,
+    FolderOptions,
+    LawOption,
+    LoaderFile,
+    LoaderOptions,
+    OutputOptions,
+    filled,
+    option,
+)
 from forcefeel.cli.progress import all_or_nothing
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
 
@@ -72,8 +81,9 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
     no_priors: Annotated[bool, option("Take the file's normal tolerances for bounds only, not for knowledge.", FIT)] = (
         False
     )
-    responses: Annotated[
-        bool, option("Turn records into frequency responses first, and fit the linear model to those.", FIT)
+    as_responses: Annotated[
+        bool,
+        option("Turn records into frequency responses first, and fit the linear model to those.", FIT, "--responses"),
     ] = False
     law: LawOption = None
     out: Annotated[Path, option("Folder for the new loader.toml, identification.html and results.json.", OUTPUT)] = (
@@ -85,8 +95,7 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
         """How the fit is to be made."""
         from forcefeel.bench.identification.as_json import FitSettings
 
-        law = str(self.law or ORIGINAL)
-        return FitSettings(str(self.loss), self.starts, not self.no_priors, self.responses, law)
+        return filled(FitSettings, self, priors=not self.no_priors, law=str(self.law or ORIGINAL))
 
     def fixed_law(self, loader: "Loader", data: "Sequence[Response | BenchRecord]") -> "Law | None":
         """The law of the whole loader in the data; ``None`` is the original one.
@@ -125,12 +134,8 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
             loader,
             data,
             options.fit,
-            law=law,
-            starts=settings.starts,
-            loss=options.loss.value,
-            priors=settings.priors,
-            as_responses=settings.as_responses,
             progress=bar.show,
+            **{**asdict(settings), "law": law},
         )
         bar.describe("report")
         page = write_identification(
@@ -141,16 +146,15 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
             estimated=_estimated(found, data),
             inputs=inputs,
             replace=options.replace,
+            command=options.command_line(path),
         )
     written = None if found.loader is None else options.out / LOADER
-    if options.json:
-        paths = {"page": str(page), "loader_file": written and str(written)}
-        print_json({**paths, **identification_json(found, options.units, settings)})
-    else:
-        _show(Terminal(), found, options.units)
-        print(f"page: {page}")
-        if written:
-            print(f"loader: {written}")
+    answer(
+        {"page": page, "loader_file": written},
+        lambda: identification_json(found, options.units, settings),
+        lambda terminal: _show(terminal, found, options.units),
+        as_json=options.json,
+    )
     if found.loader is None:
         raise SystemExit(BAD_ANSWER)
 

@@ -8,10 +8,13 @@ classes here, from which a command's own options are derived::
         axis: Annotated[ControlAxis, option("Which control of the rule.", TESTS)] = ControlAxis.PITCH
 """
 
+import shlex
 import sys
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import Field, dataclass, fields
+from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 from cyclopts import Group, Parameter
 from cyclopts.help import DefaultFormatter, HelpPanel
@@ -85,6 +88,47 @@ class OutputOptions:
 
     units: Annotated[UnitSystem, option("Units of what is shown or written.", OUTPUT)] = UnitSystem.US
     json: Annotated[bool, option("Print the result as JSON.", OUTPUT)] = False
+
+    def command_line(self, path: Path | None) -> str:
+        """The command that these options ask of a loader, as it is typed.
+
+        What is left out has no say in the result: where it is written, where it is computed, and what is as it is without.
+        """
+        command = type(self).__name__.removesuffix("Options").lower()
+        words = ["forcefeel", command, *([] if path is None else [str(path)])]
+        for field, name, group in named_options(type(self)):
+            if group in ((OUTPUT,), (WORK,)) and field.name != "units":
+                continue
+            value = getattr(self, field.name)
+            if value == field.default:
+                continue
+            for one in value if isinstance(value, tuple) else (value,):
+                words += [name] if one is True else [name, _typed(one)]
+        return shlex.join(words)
+
+
+def named_options(kind: type) -> Iterator[tuple[Field[Any], str, object]]:
+    """The fields of an options class, each with its name on the command line and its group."""
+    hints = get_type_hints(kind, include_extras=True)
+    for field in fields(kind):
+        (parameter,) = (one for one in hints[field.name].__metadata__ if isinstance(one, Parameter))
+        (name,) = parameter.name or (f"--{field.name.replace('_', '-')}",)
+        yield field, name, parameter.group
+
+
+def _typed(value: object) -> str:
+    """A value as it is typed."""
+    return value.name.lower().replace("_", "-") if isinstance(value, Enum) else str(value)
+
+
+Setup = TypeVar("Setup")
+
+
+def filled(kind: type[Setup], options: object, **others: Any) -> Setup:
+    """A wing's frozen setup: each field from the option of the same name, ``others`` what is read from options first."""
+    names = {field.name for field in fields(kind)} & {field.name for field in fields(options)} - others.keys()  # type: ignore[arg-type]
+    given = {name: getattr(options, name) for name in names}
+    return kind(**{name: it.value if isinstance(it, Enum) else it for name, it in given.items()}, **others)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -19,10 +19,11 @@ from forcefeel.cli.options import (
     LoaderFile,
     LoaderOptions,
     OutputOptions,
+    filled,
     option,
 )
 from forcefeel.cli.scenario_text import value
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
@@ -67,12 +68,13 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
             metavar="EDITION",
         ),
     ] = EDITION
-    test: Annotated[
+    tests: Annotated[
         tuple[str, ...],
         option(
             "Make this test alone, such as release-25-positive, static, medium or fast. May be given again. Exit status 0 if all "
             "that are asked for pass; without the rest of the programme that is incomplete, and marked so.",
             TESTS,
+            "--test",
             default="the programme",
             metavar="NAME",
         ),
@@ -98,28 +100,33 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
     dynamic_pressure: Annotated[
         str | None, option("For a loader with feel.stiffness_factor, such as '5 kPa'.", TESTS, metavar="PRESSURE")
     ] = None
-    reference: Annotated[
+    references: Annotated[
         tuple[str, ...],
         option(
             "A recorded aircraft in place of the programmed feel: NAME=FILE, NAME being a test such as release-25-positive, "
             "static, medium or fast; a file alone, whose test is told from its name or from what is in it; or a folder of files "
             "named after tests. CSV, Parquet or MATLAB. May be given again.",
             RECORDS,
+            "--reference",
             metavar="[NAME=]FILE",
         ),
     ] = ()
-    record: Annotated[
+    records: Annotated[
         tuple[str, ...],
         option(
-            "A recorded simulator in place of the simulated loader, as --reference.", RECORDS, metavar="[NAME=]FILE"
+            "A recorded simulator in place of the simulated loader, as --reference.",
+            RECORDS,
+            "--record",
+            metavar="[NAME=]FILE",
         ),
     ] = ()
-    column: Annotated[
+    columns: Annotated[
         tuple[str, ...],
         option(
             "What the files of --record and --reference call a column, such as 'position=theta'; with STEM:, the file's name "
             "without its ending, in that file alone. May be given again.",
             RECORDS,
+            "--column",
             metavar="[STEM:]COLUMN=NAME",
         ),
     ] = ()
@@ -165,26 +172,19 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
         from forcefeel.qualification.programme import QualificationSetup
 
         for name, given in (("--law", self.law), ("--compare", self.compare)):
-            if given and self.record:
+            if given and self.records:
                 raise InputError(f"{name}: is about the simulated loader, and --record takes its place; leave one out")
         if self.law and self.compare:
             raise InputError("--compare: takes every law, and --law some; leave one out")
         pressure = self.dynamic_pressure
-        return QualificationSetup(
+        return filled(
+            QualificationSetup,
+            self,
             laws=names_for(loader) if self.compare else self.law or (ORIGINAL,),
-            rule=self.rule,
-            axis=self.axis.value,
             throw_rad=None if self.throw is None else value("--throw", self.throw, "rad", "18 deg"),
-            references=self.reference,
-            records=self.record,
-            tests=self.test,
-            columns=self.column,
             units=self.unit,
             dynamic_pressure_pa=None if pressure is None else value("--dynamic-pressure", pressure, "Pa", "5 kPa"),
-            overdamped=self.overdamped.value,
             system=self.units,
-            simulator=self.simulator,
-            operator=self.operator,
         )
 
 
@@ -207,12 +207,13 @@ def run(path: LoaderFile = None, /, *, options: QualifyOptions = QualifyOptions(
     loader = options.loader(path)
     with options_named():
         found = qualify_loader(loader, options.setup(loader))
-    page = write_qualification(found, options.out, pdf=options.pdf)
-    if options.json:
-        print_json({"page": str(page), **qualification_json(found)})
-    else:
-        _show(Terminal(), found)
-        print(f"page: {page}")
+    page = write_qualification(found, options.out, pdf=options.pdf, command=options.command_line(path))
+    answer(
+        {"page": page},
+        lambda: qualification_json(found),
+        lambda terminal: _show(terminal, found),
+        as_json=options.json,
+    )
     if not found.fulfilled:
         raise SystemExit(BAD_ANSWER)
 

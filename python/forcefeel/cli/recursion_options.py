@@ -2,7 +2,7 @@
 
 import io
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -31,11 +31,11 @@ class Coupling(StrEnum):
 class RecursionOptions:
     """The options as given; ``None`` is not given."""
 
-    horizon: Annotated[
-        float | None, option("Length of the horizon in s.", RECURSION, default="0.05, the published one")
+    horizon_s: Annotated[
+        float | None, option("Length of the horizon in s.", RECURSION, "--horizon", default="0.05, the published one")
     ] = None
     converge: Annotated[bool, option("Run until the gains stand still instead.", RECURSION)] = False
-    step: Annotated[float | None, option("Sampling step in s.", RECURSION, default="1e-4")] = None
+    step_s: Annotated[float | None, option("Sampling step in s.", RECURSION, "--step", default="1e-4")] = None
     tolerance: Annotated[
         float | None, option("With --converge: largest change of a gain.", RECURSION, default="1e-10")
     ] = None
@@ -74,21 +74,14 @@ class RecursionOptions:
         base = (
             published_settings(loader) if coupling is Coupling.REPORT else DesignSettings(horizon_s=PUBLISHED_HORIZON_S)
         )
-        given = {
-            "horizon_s": self.horizon,
-            "step_s": self.step,
-            "tolerance": self.tolerance,
-            "position_weight": self.position_weight,
-            "r1": self.r1,
-            "r2": self.r2,
-        }
-        changes: dict[str, float | None] = {name: value for name, value in given.items() if value is not None}
+        names = {field.name for field in fields(base)} & {field.name for field in fields(RecursionOptions)}
+        given = {name: value for name in names if (value := getattr(self, name)) is not None}
         if self.converge:
-            changes["horizon_s"] = None
-        return replace(base, q=_read_q(self.q), **changes)  # type: ignore[arg-type]
+            given["horizon_s"] = None
+        return replace(base, **{**given, "q": _read_q(self.q)})
 
     def _check(self) -> None:
-        if self.converge and self.horizon is not None:
+        if self.converge and self.horizon_s is not None:
             raise InputError("--converge and --horizon: given both; an endless horizon has no length, leave one out")
         if self.tolerance is not None and not self.converge:
             raise InputError("--tolerance: is for --converge; a horizon ends by its length")

@@ -10,7 +10,7 @@ from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, ReleaseOptions
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.units import to_text
 
 if TYPE_CHECKING:
@@ -64,12 +64,15 @@ def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
             progress=bar.show,
         )
         bar.describe("report")
-        page = write_schedule(found, options.out, options.units, replace=options.replace)
-    if options.json:
-        print_json({"page": str(page), **schedule_json(found, options.units)})
-    else:
-        _show(Terminal(), found)
-        print(f"page: {page}")
+        page = write_schedule(
+            found, options.out, options.units, replace=options.replace, command=options.command_line(path)
+        )
+    answer(
+        {"page": page},
+        lambda: schedule_json(found, options.units),
+        lambda terminal: _show(terminal, found),
+        as_json=options.json,
+    )
     if not found.stable:
         raise SystemExit(BAD_ANSWER)
 
@@ -83,4 +86,4 @@ def _show(console: Terminal, found: "ScheduleCheck") -> None:
     for part in found.parts:
         table.add_row(str(part.part), f"{part.loops:,}", f"{part.unstable:,}", to_text(part.critical, 5))
     console.show(table)
-    console.conclude(schedule_conclusions(found), alarming=False)
+    console.conclude(schedule_conclusions(found))

@@ -9,7 +9,7 @@ from rich.table import Table
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, option
 from forcefeel.cli.scenario_options import ScenarioOptions
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
@@ -46,14 +46,14 @@ def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOption
     if out is not None:
         from forcefeel.simulation.page.folder import write_simulation
 
-        page = write_simulation(found, out, units, law)
-    if options.json:
-        report = {} if page is None else {"page": str(page)}
-        print_json({**report, **run_json(found, units, law)})
-    else:
-        _show(Terminal(), found, units)
-        if page is not None:
-            print(f"page: {page}")
+        page = write_simulation(found, out, units, law, command=options.command_line(path))
+    files = {} if page is None else {"page": page}
+    answer(
+        files,
+        lambda: run_json(found, units, law),
+        lambda terminal: _show(terminal, found, units),
+        as_json=options.json,
+    )
     if found.status is RunStatus.DIVERGED:
         raise SystemExit(BAD_ANSWER)
 

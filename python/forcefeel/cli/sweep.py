@@ -13,7 +13,7 @@ from forcefeel.cli.exit_status import BAD_ANSWER, INTERRUPTED
 from forcefeel.cli.options import OUTPUT, WORK, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_options import ScenarioOptions
-from forcefeel.cli.terminal import Terminal, print_json
+from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.conclusions import share_text
 from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
@@ -96,10 +96,10 @@ class SweepOptions(ScenarioOptions, FolderOptions, ThreadOptions, OutputOptions)
             loader,
             found,
             named((str(self.law),), loader)[str(self.law)] if self.redesign else self.law_of(loader),
-            self.runs,
-            found.seed,
-            text.assignments("--vary", self.vary, "linkage.stiffness=20 %"),
-            text.assignments("--grid", self.grid, "feel.stiffness=1000..9000 lb in/rad:20"),
+            runs=self.runs,
+            seed=found.seed,
+            vary=text.assignments("--vary", self.vary, "linkage.stiffness=20 %"),
+            grids=text.assignments("--grid", self.grid, "feel.stiffness=1000..9000 lb in/rad:20"),
         )
 
 
@@ -120,6 +120,8 @@ def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -
     units = options.units
     for part in (FOLDER, RUNS_FOLDER):  # before the work, not after it
         part.check(options.out)
+        if not (options.replace or options.resume):
+            part.check_script(options.out)
     sweep = options.sweep(path)
     law = str(options.law) if options.redesign else sweep.nominal_law.name
     with Bar("sweep", "runs", silent=options.json) as bar:
@@ -135,18 +137,19 @@ def run(path: LoaderFile = None, /, *, options: SweepOptions = SweepOptions()) -
             )
             bar.describe("report")
             summary = summarize(result)
-            page = write_sweep(result, summary, options.out, units, law)
+            page = write_sweep(result, summary, options.out, units, law, command=options.command_line(path))
         except KeyboardInterrupt:
             bar.stop()
             print(f"\nforcefeel: interrupted; {_kept(bar, options.out)}", file=sys.stderr)
             raise SystemExit(INTERRUPTED) from None
         except InputError as error:
             raise InputError(f"{error}\n{_kept(bar, options.out)}" if bar.done else str(error)) from error
-    if options.json:
-        print_json({"page": str(page), **sweep_json(result, summary, units)})
-    else:
-        _show(Terminal(), result, summary, units)
-        print(f"page: {page}")
+    answer(
+        {"page": page},
+        lambda: sweep_json(result, summary, units),
+        lambda terminal: _show(terminal, result, summary, units),
+        as_json=options.json,
+    )
     if not sweep.axes and summary.share(RunStatus.DIVERGED).runs:
         raise SystemExit(BAD_ANSWER)
 

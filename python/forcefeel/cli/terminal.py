@@ -1,7 +1,8 @@
 """The terminal: names and texts of others are printed as they are, neither as mark-up nor as control sequences."""
 
 import json
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
 from typing import Any
 
 from rich.cells import cell_len
@@ -43,7 +44,12 @@ class Terminal(Console):
             self._print(table)
 
     def conclude(self, found: Conclusions, *, alarming: bool = True) -> None:
-        """Prints the verdict, in red where it is bad and that is ``alarming``, and the findings below it."""
+        """Prints the verdict and the findings below it.
+
+        Args:
+            found: Both.
+            alarming: Whether a bad verdict is red: where it ends the command with status 1. A map of what can be had is neither.
+        """
         red = alarming and not found.good
         self.print(found.verdict, style="bold red" if red else "bold", highlight=False)
         for finding in found.findings:
@@ -94,6 +100,30 @@ def _most(column: Column) -> int:
 
 def _text(cell: RenderableType) -> str:
     return visible(cell.plain if isinstance(cell, Text) else str(cell))
+
+
+def answer(
+    files: Mapping[str, Path | None],
+    document: Callable[[], Mapping[str, Any]],
+    show: Callable[[Terminal], None],
+    *,
+    as_json: bool,
+) -> None:
+    """Prints what came of a command: as JSON, or for people; and where its files are.
+
+    Args:
+        files: What was written where; ``None`` of what was not.
+        document: The result for machines.
+        show: Prints it for people.
+        as_json: Whether as JSON.
+    """
+    if as_json:
+        print_json({**{what: path and str(path) for what, path in files.items()}, **document()})
+        return
+    show(Terminal())
+    for what, path in files.items():
+        if path:
+            print(f"{what.replace('_', ' ')}: {path}")
 
 
 def print_json(document: object) -> None:

@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 from typing import Annotated
 
-import control
 import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.laws.analog.recursion import DesignSettings
-from forcefeel.linear.models import DESIGN_STATES, OUTPUTS, Linkage, ideal_feel, loader_model
+from forcefeel.linear.frequency import response
+from forcefeel.linear.models import DESIGN_STATES, OUTPUTS, LinearModel, Linkage, feel_model, loader_model
 from forcefeel.linear.modes import feel_mode, is_stable, modes, spectral_abscissa
 from forcefeel.linear.step import DURATION_S, equilibrium, gramian, step_outputs
 from forcefeel.loader.loader import Loader
@@ -100,7 +100,7 @@ def assess(
         '19.2%'
     """
     programmed = programmed or loader
-    model, ideal = loader_model(loader, compensator, linkage), ideal_feel(programmed)
+    model, ideal = loader_model(loader, compensator, linkage), feel_model(programmed)
     abscissa = spectral_abscissa(model.A)
     if not is_stable(abscissa):
         return Assessment(False, abscissa, *[np.nan] * 7)
@@ -132,7 +132,7 @@ def assess(
     )
 
 
-def _static_angle(model: control.StateSpace) -> float:
+def _static_angle(model: LinearModel) -> float:
     """The column's angle in rad at rest under a pilot force of one newton; not a number where rounding leaves none."""
     try:
         return float(model.C[OUTPUTS.index("column_angle_rad")] @ equilibrium(model))
@@ -142,7 +142,7 @@ def _static_angle(model: control.StateSpace) -> float:
 
 def programmed_angle_rad(loader: Loader) -> float:
     """Deflection at rest that is programmed for the pilot's force, R_p F_p / G of eq. (11)."""
-    return float(ideal_feel(loader).dcgain()) * loader["pilot.force"]
+    return float(response(feel_model(loader), np.zeros(1, complex))[0].real) * loader["pilot.force"]
 
 
 def peaks(loader: Loader, compensator: Compensator | None, linkage: Linkage = Linkage.COMPLIANT) -> Peaks:
@@ -159,22 +159,22 @@ def peaks(loader: Loader, compensator: Compensator | None, linkage: Linkage = Li
     return Peaks(current, current / loader["valve.rated_current"], flow, flow / loader["valve.rated_flow"])
 
 
-def _with_ideal(model: control.StateSpace, ideal: control.StateSpace) -> NDArray[np.float64]:
+def _with_ideal(model: LinearModel, ideal: LinearModel) -> NDArray[np.float64]:
     """Matrix of the autonomous system of loader, ideal feel and constant pilot force, ``z = [x, x_ideal, F_p]``."""
-    n, size = model.nstates, model.nstates + ideal.nstates + 1
+    n, size = len(model.A), len(model.A) + len(ideal.A) + 1
     a = np.zeros((size, size))
     a[:n, :n], a[:n, -1] = model.A, model.B[:, 0]
     a[n:-1, n:-1], a[n:-1, -1] = ideal.A, ideal.B[:, 0]
     return a
 
 
-def _deviation(model: control.StateSpace, ideal: control.StateSpace) -> NDArray[np.float64]:
+def _deviation(model: LinearModel, ideal: LinearModel) -> NDArray[np.float64]:
     """Row that gives the deviation of the column from the ideal feel from ``z``."""
     return np.concatenate([model.C[OUTPUTS.index("column_angle_rad")], -ideal.C[0], [0.0]])
 
 
 def _cost_weight(
-    model: control.StateSpace, size: int, compensator: Compensator, settings: DesignSettings, programmed: Loader
+    model: LinearModel, size: int, compensator: Compensator, settings: DesignSettings, programmed: Loader
 ) -> NDArray[np.float64]:
     """Matrix of eq. (20)'s integrand ``x' [Q] x + R_2 e^2`` on ``z``."""
     pick = np.zeros((len(DESIGN_STATES), size))

@@ -1,16 +1,15 @@
 """The data behind the report's figures 2, 8 to 11 and 14: labelled curves, without a picture."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
-import control
 import numpy as np
 import xarray as xr
 
 from forcefeel import _core
 from forcefeel.design.workflow import Configuration, Design
 from forcefeel.linear.frequency import frequency_response
-from forcefeel.linear.models import Linkage, ideal_feel, loader_model, overall_open_loop, servo
+from forcefeel.linear.models import LinearModel, Linkage, feel_model, loader_model, open_loop_model, servo_model
 from forcefeel.linear.step import step_response
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ALTERNATIVES
@@ -93,25 +92,27 @@ def _valve_curve(pressure: np.ndarray, flow: np.ndarray) -> xr.Dataset:
 
 
 def _servo(key: str, title: str, loader: Loader, *, closed: bool) -> Figure:
-    rigid = servo(loader, Linkage.RIGID, closed=closed)
-    compliant = servo(loader, Linkage.COMPLIANT, closed=closed)
+    rigid = servo_model(loader, Linkage.RIGID, closed=closed)
+    compliant = servo_model(loader, Linkage.COMPLIANT, closed=closed)
     # The column's angle as the voltage that the potentiometer would give if the link did not stretch.
     volts_per_rad = rigid.C[0, 0] / rigid.C[1, 0]
+    column = compliant.to_output(1)
+    column = replace(column, C=volts_per_rad * column.C)
     return Figure(
         key,
         title,
         Kind.FREQUENCY,
         {
-            "rigid link": frequency_response(rigid[0, 0], FREQUENCIES_HZ),
-            "compliant link, piston": frequency_response(compliant[0, 0], FREQUENCIES_HZ),
-            "compliant link, column": frequency_response(volts_per_rad * compliant[1, 0], FREQUENCIES_HZ),
+            "rigid link": frequency_response(rigid.to_output(0), FREQUENCIES_HZ),
+            "compliant link, piston": frequency_response(compliant.to_output(0), FREQUENCIES_HZ),
+            "compliant link, column": frequency_response(column, FREQUENCIES_HZ),
         },
     )
 
 
 def _overall(design: Design) -> Figure:
     curves = {
-        one.name: frequency_response(overall_open_loop(design.low_loader, one.linkage, one.compensator), FREQUENCIES_HZ)
+        one.name: frequency_response(open_loop_model(design.low_loader, one.linkage, one.compensator), FREQUENCIES_HZ)
         for one in design.configurations
     }
     return Figure("figure-10", "Overall open loop at the low setting", Kind.FREQUENCY, curves)
@@ -121,13 +122,13 @@ def _original(key: str, title: str, design: Design, linkage: Linkage) -> Figure:
     settings = {"programmed setting": design.loader, "low setting": design.low_loader}
     curves = {name: _response(loader_model(loader, None, linkage), loader) for name, loader in settings.items()}
     # Both settings have the same ideal: frequency, damping ratio and programmed deflection are kept.
-    curves["ideal feel"] = _response(ideal_feel(design.loader), design.loader)
+    curves["ideal feel"] = _response(feel_model(design.loader), design.loader)
     return Figure(key, title, Kind.TIME, curves)
 
 
 def _compensated(design: Design) -> Figure:
     curves = {one.name: _configuration(one, design.loader) for one in design.configurations}
-    curves["ideal feel"] = _response(ideal_feel(design.loader), design.loader)
+    curves["ideal feel"] = _response(feel_model(design.loader), design.loader)
     return Figure("figure-14", "Step of pilot force, compensated beside the original", Kind.TIME, curves)
 
 
@@ -135,5 +136,5 @@ def _configuration(one: Configuration, loader: Loader) -> xr.Dataset:
     return _response(loader_model(loader, one.compensator, one.linkage), loader)
 
 
-def _response(model: control.StateSpace, loader: Loader) -> xr.Dataset:
+def _response(model: LinearModel, loader: Loader) -> xr.Dataset:
     return step_response(model, loader["pilot.force"])

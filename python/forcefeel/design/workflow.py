@@ -4,15 +4,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Annotated
 
+import numpy as np
+
 from forcefeel._core import Compensator, feel_frequency
 from forcefeel.design.assessment import Assessment, Peaks, assess, peaks
 from forcefeel.design.studies import Deviation, DroppedPaths, drop_paths, sensitivity
 from forcefeel.laws.analog.recursion import Compensation, DesignSettings, compensate
 from forcefeel.linear.boundary import StabilityBoundary, smallest_stable_stiffness
 from forcefeel.linear.frequency import Margins, Peak, margins, resonance
-from forcefeel.linear.models import Linkage, loader_model, overall_open_loop, servo
+from forcefeel.linear.models import Linkage, loader_model, open_loop_model, servo_model
 from forcefeel.linear.modes import Mode, least_damped, modes
 from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.printable import table_html
 from forcefeel.units import HERTZ, RATIO
 
 LOW_SHARE = 0.1
@@ -143,6 +146,26 @@ class Design(Analysis):
     dropped: tuple[DroppedPaths, ...]
     deviations: tuple[Deviation, ...]
 
+    def __repr__(self) -> str:
+        found = self.configuration("compensated").programmed.assessment
+        rendered = (
+            f"{found.frequency_rad_per_s / 2 / np.pi:.3g} Hz, damping ratio {found.damping_ratio:.2g}"
+            if found.stable
+            else "unstable"
+        )
+        programmed = f"{self.feel_frequency_rad_per_s / 2 / np.pi:.3g} Hz, {self.feel_damping_ratio:.2g}"
+        return f"<Design of {self.loader.name!r}: programmed {programmed}; compensated {rendered}>"
+
+    def _repr_html_(self) -> str:
+        judged = ((one.name, one.programmed.assessment) for one in self.configurations)
+        rows = (
+            (name, f"{it.frequency_rad_per_s / 2 / np.pi:.3g} Hz", f"{it.damping_ratio:.2g}", f"{it.static_error:+.1%}")
+            if it.stable
+            else (name, "unstable", "", "")
+            for name, it in judged
+        )
+        return table_html(self.loader.name, ("loop", "frequency", "damping ratio", "off at rest"), rows)
+
     @property
     def acceptable(self) -> bool:
         """Whether the recursion gave the gains that were asked for, and the loader is stable with them."""
@@ -216,12 +239,12 @@ def design_loader(
 
 
 def _servo(loader: Loader, linkage: Linkage) -> ServoResult:
-    opened, closed = servo(loader, linkage, closed=False), servo(loader, linkage, closed=True)
+    opened, closed = (servo_model(loader, linkage, closed=closed) for closed in (False, True))
     closed_modes = modes(closed)
     w = least_damped(closed_modes).frequency_rad_per_s
     # Wide enough for the peak of a mode that others pull aside; a mode that rounding leaves no frequency has none.
-    peak = resonance(closed[1, 0], w / 2, 3 * w) if w > 0 else None
-    return ServoResult(linkage, modes(opened), closed_modes, margins(opened[0, 0]), peak)
+    peak = resonance(closed.to_output(1), w / 2, 3 * w) if w > 0 else None
+    return ServoResult(linkage, modes(opened), closed_modes, margins(opened.to_output(0)), peak)
 
 
 def _configuration(
@@ -246,7 +269,7 @@ def _loop(loader: Loader, linkage: Linkage, law: Compensator | None, weights: De
     found = assess(loader, law, weights, linkage=linkage)
     return LoopResult(
         modes(loader_model(loader, law, linkage)),
-        margins(overall_open_loop(loader, linkage, law)),
+        margins(open_loop_model(loader, linkage, law)),
         found,
         peaks(loader, law, linkage) if found.stable else None,
     )

@@ -78,16 +78,17 @@ def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lamb
     done, total = 0, int(np.prod(shape))
     progress(0, total)
     names: tuple[str, ...] = ()
-    for which, record in pieces(plan):
-        references: dict[PilotArm | None, ReleaseBatch] = {}
-        some = [law.some(which) for law in laws.values()]
-        for place, case in enumerate(cases):
-            if case.arm not in references:
-                references[case.arm] = measured(plan, record, _ideal(plan, case, feel[which], record), threads)
+    parts = [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan)]
+    references: dict[tuple[int, PilotArm | None], ReleaseBatch] = {}
+    for place, case in enumerate(cases):  # slow releases take longer: each case has them all, and so the pace is even
+        for piece, (which, record, some) in enumerate(parts):
+            if (piece, case.arm) not in references:
+                references[piece, case.arm] = measured(plan, record, _ideal(plan, case, feel[which], record), threads)
+            reference = references[piece, case.arm]
             for k, law in enumerate(some):
                 stable, angles = released(plan, case, feel[which], law, record, threads)
                 found = measured(plan, record, angles, threads)
-                verdicts = judge_releases(found, references[case.arm], plan.test, travel=plan.throw.travel_rad)
+                verdicts = judge_releases(found, reference, plan.test, travel=plan.throw.travel_rad)
                 names = verdicts.names
                 outcome[k, place, which], margin[k, place, which] = _judged(verdicts, stable)
                 done += len(which)

@@ -16,6 +16,7 @@ from forcefeel.frontier.hardware import Gain
 from forcefeel.frontier.rungs import Rungs
 from forcefeel.frontier.tightening import INERTIA, Tightening
 from forcefeel.frontier.valve_limits import ValveLimits
+from forcefeel.printable import table_html
 from forcefeel.units import PERCENT
 
 
@@ -55,6 +56,14 @@ class Frontier:
     valve: ValveLimits
     friction: SmallestFriction
     hardware: tuple[Gain, ...]
+
+    def __repr__(self) -> str:
+        each = "; ".join(f"{share:.1%} {limit}" for limit, share in self.limit_shares.items() if share)
+        return f"<Frontier of {self.plan.given.name!r} with {self.compensator}, {self.plan.settings.count:,} settings: {each}>"
+
+    def _repr_html_(self) -> str:
+        rows = ((limit, f"{share:.1%}") for limit, share in self.limit_shares.items())
+        return table_html(f"{self.plan.given.name} with {self.compensator}", ("settings", "share"), rows)
 
     @property
     def envelope(self) -> Envelope:

@@ -48,16 +48,18 @@ _SAMPLED_UNITS = {
 }
 
 
-def check_law_file(path: Path) -> None:
-    """Refuses a name that is not one of a law's file.
+def check_law_file(path: Path, *, replace: bool = True) -> None:
+    """Refuses a name that is not one of a law's file, and without ``replace`` one that is taken.
 
     Raises:
-        InputError: If it does not end with ``.json``, is a folder, or lies in none.
+        InputError: If it does not end with ``.json``, is a folder, lies in none, or is there and not to be replaced.
     """
     if not path.name.endswith(LAW_FILE):
         raise InputError(f"{path}: expected a file whose name ends with {LAW_FILE}, by which a law's file is known")
     if path.is_dir() or not path.parent.is_dir():
         raise InputError(f"{path}: expected a file in a folder that is there, such as law{LAW_FILE}")
+    if path.exists() and not replace:
+        raise InputError(f"{path}: is there already; name another file with --save-law, or --replace to replace it")
 
 
 def write_law(path: Path, **law: Any) -> None:

@@ -1,13 +1,15 @@
 """Frequency responses and the margins of a loop."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-import control
 import numpy as np
+import scipy.linalg
 import scipy.optimize
 from numpy.typing import NDArray
 
+from forcefeel.linear.models import StateSpaceLike, check_model
 from forcefeel.units import ANGLE, HERTZ, RATIO
 
 if TYPE_CHECKING:
@@ -57,7 +59,7 @@ class Peak:
     gain: Annotated[float, RATIO]
 
 
-def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float64]) -> "xr.Dataset":
+def frequency_response(model: StateSpaceLike, frequency_hz: NDArray[np.float64]) -> "xr.Dataset":
     """Gain and unwrapped phase of a model with one input and one output.
 
     Args:
@@ -76,11 +78,12 @@ def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float
     """
     import xarray as xr  # noqa: PLC0415  with pandas, for which `forcefeel analyze` need not wait
 
-    response = model(2j * np.pi * frequency_hz)
+    check_model("model", model, single=True)
+    gain = np.abs(response(model, 2j * np.pi * frequency_hz))
     phase = np.degrees(_phase(model, 2 * np.pi * frequency_hz))
     return xr.Dataset(
         {
-            "gain_db": ("frequency_hz", 20 * np.log10(np.abs(response)), {"units": "dB"}),
+            "gain_db": ("frequency_hz", 20 * np.log10(gain), {"units": "dB"}),
             "phase_deg": ("frequency_hz", phase, {"units": "deg"}),
         },
         coords={"frequency_hz": ("frequency_hz", frequency_hz, {"units": "Hz"})},
@@ -88,7 +91,7 @@ def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float
     )
 
 
-def margins(loop: control.StateSpace) -> Margins:
+def margins(loop: StateSpaceLike) -> Margins:
     """Gain and phase margin of the open loop ``loop``, closed by negative feedback.
 
     The overall loop of a control loader rises like s^2 at low frequency (phase +180 degrees) before it falls, so its gain
@@ -101,35 +104,81 @@ def margins(loop: control.StateSpace) -> Margins:
         >>> f"{ff.linear.margins(loop).gain_margin:.1f}"
         '2.5'
     """
-    with np.errstate(over="ignore", invalid="ignore"):  # of its third margin, which is not asked for
-        gains, _, _, w_phase, w_gain, _ = control.stability_margins(loop, returnall=True)
-    # Where the loop's gain is without bound, on a pole, or nothing, the phase jumps and crosses nothing.
-    passed = [pair for pair in zip(gains, w_phase, strict=True) if 0 < pair[0] < np.inf]
-    gain = min(passed, key=lambda pair: abs(np.log(pair[0])), default=(np.inf, np.nan))
-    crossings = zip(np.pi + _phase(loop, np.asarray(w_gain)), w_gain, strict=True)
-    lag, w_lag = min(crossings, default=(np.inf, np.nan))
+    check_model("loop", loop, single=True)
+    w = _path(loop)
+    values = response(loop, 1j * w)
+
+    def at(one: float) -> complex:
+        return complex(response(loop, np.array([1j * one]))[0])
+
+    turned = [(at(one), one) for one in crossings(w, values.imag, lambda one: at(one).imag)]
+    gains = [(-1 / value.real, one) for value, one in turned if -1 / _NOTHING < value.real < -_NOTHING]
+    gain = min(gains, key=lambda pair: abs(np.log(pair[0])), default=(np.inf, np.nan))
+    with np.errstate(divide="ignore"):
+        level = np.log(np.abs(values))
+    w_gain = crossings(w, level, lambda one: float(np.log(abs(at(one)))))
+    lags = zip(np.pi + _phase(loop, np.array(w_gain)), w_gain, strict=True)
+    lag, w_lag = min(lags, default=(np.inf, np.nan))
     return Margins(float(gain[0]), float(lag), float(gain[1]), float(w_lag))
 
 
-def _phase(model: control.StateSpace, w: NDArray[np.float64]) -> NDArray[np.float64]:
+_NOTHING = 1e-6
+"""A gain that is none: where the loop has none or is without bound, on a pole, the phase jumps and crosses nothing."""
+
+
+def crossings(w: NDArray[np.float64], values: NDArray[np.float64], at: Callable[[float], float]) -> list[float]:
+    """Where a curve goes through zero, by bisection between two points that differ in sign."""
+    places = np.flatnonzero(np.diff(np.sign(values)) != 0)
+    return [float(scipy.optimize.brentq(at, w[k], w[k + 1])) for k in places if at(w[k]) * at(w[k + 1]) < 0]
+
+
+def response(model: StateSpaceLike, s: NDArray[Any]) -> NDArray[Any]:
+    """``C (s - A)^-1 B + D`` of a model with one input and one output at complex points s in 1/s; infinite on a pole."""
+    resolvent = s[:, np.newaxis, np.newaxis] * np.eye(len(model.A)) - model.A
+    try:
+        states = np.linalg.solve(resolvent, np.tile(np.asarray(model.B, dtype=complex), (len(s), 1, 1)))
+    except np.linalg.LinAlgError:
+        if len(s) == 1:
+            return np.array([complex(np.inf, np.nan)])
+        return np.concatenate([response(model, half) for half in np.array_split(s, 2)])
+    return np.asarray((np.asarray(model.C) @ states)[:, 0, 0] + np.asarray(model.D)[0, 0])
+
+
+def _phase(model: StateSpaceLike, w: NDArray[np.float64]) -> NDArray[np.float64]:
     """Phase at the frequencies ``w`` in rad/s, followed without jumps from low frequency.
 
-    A lightly damped pole or zero turns the phase by 180 degrees within a part of its frequency, so the path is refined
-    around each; and it runs just to the right of the imaginary axis, as Nyquist's does, so that a pole on the axis turns
-    it the way that a stable one does.
+    The path runs just to the right of the imaginary axis, as Nyquist's does, so that a pole on the axis turns the phase the
+    way that a stable one does.
     """
     if len(w) == 0:
         return np.empty(0)
-    corners = np.abs(np.concatenate([model.poles(), model.zeros()]).imag)
-    offsets = np.geomspace(1e-7, 0.1, 40)
-    beside = np.outer(corners[corners > 0], np.concatenate([1 - offsets, 1 + offsets])).ravel()
-    path = np.union1d(np.concatenate([np.geomspace(1e-3, max(1e4, w.max()), 2000), beside]), w)
-    followed = np.unwrap(np.angle(model(path * (1e-6 + 1j))))[np.searchsorted(path, w)]
-    exact = np.angle(model(1j * w))
+    path = np.union1d(_path(model), w)
+    followed = np.unwrap(np.angle(response(model, path * (1e-6 + 1j))))[np.searchsorted(path, w)]
+    exact = np.angle(response(model, 1j * w))
     return np.asarray(exact + 2 * np.pi * np.round((followed - exact) / (2 * np.pi)))
 
 
-def resonance(model: control.StateSpace, low_rad_per_s: float, high_rad_per_s: float) -> Peak | None:
+def _path(model: StateSpaceLike) -> NDArray[np.float64]:
+    """Frequencies in rad/s at which to look for what a response does.
+
+    A lightly damped pole or zero turns the phase by 180 degrees within a part of its frequency, so the path is finer
+    around each.
+    """
+    poles = np.linalg.eigvals(model.A)
+    corners = np.abs(np.concatenate([poles, zeros(model)]).imag)
+    offsets = np.geomspace(1e-7, 0.1, 40)
+    beside = np.outer(corners[corners > 0], np.concatenate([1 - offsets, 1 + offsets])).ravel()
+    return np.union1d(np.geomspace(1e-3, max(1e4, 10 * np.abs(poles).max()), 2000), beside)
+
+
+def zeros(model: StateSpaceLike) -> NDArray[np.complex128]:
+    """Where ``[A - s, B; C, D]`` of a model with one input and one output loses rank, in 1/s."""
+    whole = np.block([[np.asarray(model.A), np.asarray(model.B)], [np.asarray(model.C), np.asarray(model.D)]])
+    found = scipy.linalg.eigvals(whole, np.diag([*np.ones(len(model.A)), 0.0]))
+    return np.asarray(found[np.isfinite(found)])
+
+
+def resonance(model: StateSpaceLike, low_rad_per_s: float, high_rad_per_s: float) -> Peak | None:
     """The peak of a model with one input and one output between two frequencies; ``None`` if its gain only falls or rises.
 
     Example:
@@ -138,11 +187,12 @@ def resonance(model: control.StateSpace, low_rad_per_s: float, high_rad_per_s: f
         >>> ff.linear.resonance(servo[1, 0], 30.0, 200.0) is not None
         True
     """
+    check_model("model", model, single=True)
     w = np.geomspace(low_rad_per_s, high_rad_per_s, 500)
-    top = int(np.argmax(np.abs(model(1j * w))))
+    top = int(np.argmax(np.abs(response(model, 1j * w))))
     if top in {0, len(w) - 1}:
         return None
     best = scipy.optimize.minimize_scalar(
-        lambda one: -abs(complex(model(1j * one))), bounds=(w[top - 1], w[top + 1]), method="bounded"
+        lambda one: -abs(response(model, np.array([1j * one]))[0]), bounds=(w[top - 1], w[top + 1]), method="bounded"
     )
     return Peak(float(best.x), float(-best.fun))

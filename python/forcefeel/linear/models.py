@@ -1,4 +1,4 @@
-"""The models of the report as python-control state-space objects.
+"""The models of the report as matrices; ``state_space`` has them as python-control's objects.
 
 Their matrices are exact Jacobians of the Rust model; nothing here repeats an equation. Signals are named in words with
 their SI unit at the end. The feel computer's displacement is a voltage in the original system (``feel_position_v``) and
@@ -6,9 +6,10 @@ an angle under state feedback (``feel_position_rad``).
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import ClassVar, Protocol, runtime_checkable
 
-import control
 import numpy as np
 from numpy.typing import NDArray
 
@@ -70,40 +71,84 @@ class Linkage(StrEnum):
     COMPLIANT = "compliant"
 
 
-def rigid_model(loader: Loader, compensator: Compensator | None = None) -> control.StateSpace:
-    """Loader with a rigid link, eq. (15): states x_p, x_p', p, q_i, q_i', delta, delta'.
+@runtime_checkable
+class StateSpaceLike(Protocol):
+    """What is asked of a linear model. A ``control.StateSpace`` has it, and so has a ``LinearModel``."""
 
-    Args:
-        loader: The loader.
-        compensator: The law that drives the amplifier; the original position loop, eq. (13), if not given.
+    @property
+    def A(self) -> NDArray[np.float64]:  # noqa: N802  python-control's name
+        """State matrix."""
 
-    Returns:
-        Continuous-time model with inputs ``INPUTS`` and outputs ``OUTPUTS``, SI units.
+    @property
+    def B(self) -> NDArray[np.float64]:  # noqa: N802
+        """By which the inputs drive the states."""
 
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.linear.rigid_model(ff.elevator()).nstates
-        7
+    @property
+    def C(self) -> NDArray[np.float64]:  # noqa: N802
+        """What the outputs take from the states."""
+
+    @property
+    def D(self) -> NDArray[np.float64]:  # noqa: N802
+        """And from the inputs."""
+
+    @property
+    def dt(self) -> float | bool | None:
+        """Sample period; nothing in continuous time."""
+
+    @property
+    def name(self) -> str:
+        """What it is a model of."""
+
+    @property
+    def output_labels(self) -> Sequence[str]:
+        """Names of the outputs."""
+
+
+@dataclass(frozen=True, eq=False)
+class LinearModel:
+    """``x' = A x + B u``, ``y = C x + D u``, under the names that python-control has for them.
+
+    Attributes:
+        name: What it is a model of.
+        A: State matrix, and so on.
+        state_labels: Names of the states, of inputs and of outputs.
+        dt: Zero: time is continuous.
     """
-    return loader_model(loader, compensator, Linkage.RIGID)
+
+    name: str
+    A: NDArray[np.float64]
+    B: NDArray[np.float64]
+    C: NDArray[np.float64]
+    D: NDArray[np.float64]
+    state_labels: Sequence[str]
+    input_labels: Sequence[str]
+    output_labels: Sequence[str]
+    dt: ClassVar[float] = 0.0
+
+    def to_output(self, output: int) -> "LinearModel":
+        """The model with one of its outputs alone."""
+        only = slice(output, output + 1)
+        return replace(self, C=self.C[only], D=self.D[only], output_labels=self.output_labels[only])
 
 
-def compliant_model(loader: Loader, compensator: Compensator | None = None) -> control.StateSpace:
-    """Loader with a compliant link, eq. (17): states x_p, p, q_i, q_i', delta, delta', x_b, x_b'.
+def check_model(name: str, model: StateSpaceLike, *, single: bool = False) -> None:
+    """Refuses what is no linear model in continuous time; with ``single``, one of more than one input and one output too.
 
-    Arguments and result are those of ``rigid_model``.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> model = ff.compliant_model(ff.elevator())
-        >>> model.nstates, model.input_labels
-        (8, ['pilot_force_n', 'test_signal_v'])
+    Raises:
+        InputError: If so.
     """
-    return loader_model(loader, compensator, Linkage.COMPLIANT)
+    expect(name, model, StateSpaceLike, "a control.StateSpace, such as compliant_model(loader)")
+    if model.dt:
+        raise InputError(f"{name}: expected a model in continuous time, got one with a sample period (dt = {model.dt})")
+    outputs, inputs = np.shape(model.D)
+    if single and (outputs, inputs) != (1, 1):
+        raise InputError(
+            f"{name}: expected one input and one output, got {inputs} and {outputs}; take one of each, as in model[0, 0]"
+        )
 
 
-def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linkage) -> control.StateSpace:
-    """``rigid_model`` or ``compliant_model``, as ``linkage`` says."""
+def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linkage) -> LinearModel:
+    """Eq. (15) or (17), as ``linkage`` says, under the original law, eq. (13), if none is given."""
     check_loader(loader)
     if compensator is not None:
         expect(
@@ -119,22 +164,11 @@ def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linka
         matrices = _core.compliant(loader.values, law)
         states = ["piston_position_m", *_SERVO_STATES, *feel, "base_position_m", "base_velocity_m_per_s"]
     outputs = [feel[0] if name == "feel_position" else name for name in OUTPUTS]
-    return _state_space(f"{loader.name} {linkage}", matrices, states, INPUTS, outputs)
+    return _model(f"{loader.name} {linkage}", matrices, states, INPUTS, outputs)
 
 
-def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpace:
-    """The hydraulic servo alone, from the amplifier's input e_T to ``SERVO_OUTPUTS`` (figs. 8, 9).
-
-    Args:
-        loader: The loader; its column hangs on the servo, the feel computer is off.
-        linkage: Rigid or compliant link.
-        closed: With the position loop of eq. (13) closed, or open.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.linear.servo(ff.elevator(), ff.linear.Linkage.COMPLIANT, closed=True).input_labels
-        ['test_signal_v']
-    """
+def servo_model(loader: Loader, linkage: Linkage, *, closed: bool) -> LinearModel:
+    """The servo alone, from the amplifier's input e_T, its position loop closed or open."""
     law = Compensator.position_loop(loader.values) if closed else Compensator.none(loader.values)
     model = loader_model(loader, law, linkage)
     kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
@@ -146,81 +180,43 @@ def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpa
         np.zeros((len(SERVO_OUTPUTS), 1)),
     )
     name = f"{loader.name} servo {linkage} {'closed' if closed else 'open'}"
-    return _state_space(name, matrices, [model.state_labels[k] for k in kept], INPUTS[1:], SERVO_OUTPUTS)
+    return _model(name, matrices, [model.state_labels[k] for k in kept], INPUTS[1:], SERVO_OUTPUTS)
 
 
-def overall_open_loop(loader: Loader, linkage: Linkage, compensator: Compensator | None = None) -> control.StateSpace:
-    """The overall loop, opened at the torque that the feel computer sees (fig. 10).
+def open_loop_model(loader: Loader, linkage: Linkage, compensator: Compensator | None = None) -> LinearModel:
+    """The overall loop, opened at the torque that the feel computer sees.
 
-    L from that torque through feel computer, servo and load cell back to it, with the sign for which the closed loop's
-    characteristic equation is 1 + L = 0. The torque enters the model in one place, so the closed loop's state matrix is
-    ``A - b c``, where ``A`` is the open loop's and ``c`` the row that the load cell adds.
-
-    Args:
-        loader: The loader.
-        linkage: Rigid or compliant link.
-        compensator: The law that drives the amplifier; the original one if not given.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.linear.overall_open_loop(ff.elevator(), ff.linear.Linkage.RIGID).nstates
-        7
+    The torque enters the model in one place, so the closed loop's state matrix is ``A - b c``, where ``A`` is the open
+    loop's and ``c`` the row that the load cell adds.
     """
     law = compensator or Compensator.original(loader.values)
     closed = loader_model(loader, law, linkage)
     opened = loader_model(loader, Compensator(law.gains, 0.0, law.displacement_unit), linkage)
     entry = [k for k, name in enumerate(closed.state_labels) if name.startswith("feel_velocity")]
-    b = np.zeros((closed.nstates, 1))
+    b = np.zeros((len(closed.A), 1))
     b[entry] = 1.0
     c = opened.A[entry, :] - closed.A[entry, :]
     name = f"{loader.name} overall {linkage}"
     signals = ("feel_torque_in",), ("feel_torque_out",)
-    return _state_space(name, (opened.A, b, c, np.zeros((1, 1))), opened.state_labels, *signals)
+    return _model(name, (opened.A, b, c, np.zeros((1, 1))), opened.state_labels, *signals)
 
 
-def design_plant(loader: Loader, pilot_arm_m: float | None = None, *, pilot_state: bool = True) -> control.StateSpace:
-    """The plant for the design of the compensation, eq. (19): states ``DESIGN_STATES``, input e, output delta - theta.
-
-    Valve dynamics are neglected, the load-cell loop is open and the pilot force F_p is a constant state. No command moves such a
-    state, so the plant is not stabilizable and ``control.lqr`` refuses it; recursion (22) over a horizon, ``compensate``, does not.
-    Without that state it is, and the six gains are those on the other states.
-
-    Args:
-        loader: The loader.
-        pilot_arm_m: Torque that the feel computer sees per newton of pilot force. Not given, it is the pilot's lever
-            arm R_p: what the load cell reports at rest, eq. (6).
-        pilot_state: Whether F_p is a state; without it there are the first six of ``DESIGN_STATES``.
-
-    Raises:
-        InputError: If ``loader`` is no loader.
-
-    Example:
-        >>> import control, forcefeel as ff
-        >>> plant = ff.linear.design_plant(ff.elevator(), pilot_state=False)
-        >>> gains, _, poles = control.lqr(plant, 1e4 * plant.C.T @ plant.C, 1.0)
-        >>> gains.shape, bool(max(poles.real) < 0)
-        ((1, 6), True)
-    """
+def design_model(loader: Loader, pilot_arm_m: float | None = None, *, pilot_state: bool = True) -> LinearModel:
+    """The plant of eq. (19), with the pilot's force as a state or without; the arm is R_p if not given."""
     check_loader(loader)
     arm = loader["column.grip_arm"] if pilot_arm_m is None else pilot_arm_m
     a, b, c, d = _core.design_plant(loader.values, arm)
     states = DESIGN_STATES if pilot_state else DESIGN_STATES[:-1]
     kept = len(states)
     matrices = (a[:kept, :kept], b[:kept], c[:, :kept], d)
-    return _state_space(f"{loader.name} design plant", matrices, states, ("amplifier_input_v",), ("error_rad",))
+    return _model(f"{loader.name} design plant", matrices, states, ("amplifier_input_v",), ("error_rad",))
 
 
-def ideal_feel(loader: Loader) -> control.StateSpace:
-    """The programmed feel, eq. (11), driven by the pilot's torque: from pilot force to column angle.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> ff.linear.ideal_feel(ff.elevator()).output_labels
-        ['column_angle_rad']
-    """
+def feel_model(loader: Loader) -> LinearModel:
+    """The programmed feel, eq. (11), from pilot force to column angle."""
     check_loader(loader)
     states = ("column_angle_rad", "column_velocity_rad_per_s")
-    return _state_space(f"{loader.name} ideal feel", _core.ideal_feel(loader.values), states, INPUTS[:1], OUTPUTS[:1])
+    return _model(f"{loader.name} ideal feel", _core.ideal_feel(loader.values), states, INPUTS[:1], OUTPUTS[:1])
 
 
 def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> Compensator:
@@ -245,18 +241,13 @@ def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> Compensator:
     return Compensator.state_feedback(loader.values, (*(float(c) for c in gains), 0.0)[:7])
 
 
-def _state_space(
+def _model(
     name: str,
     matrices: tuple[NDArray[np.float64], ...],
     states: Sequence[str],
     inputs: Sequence[str],
     outputs: Sequence[str],
-) -> control.StateSpace:
-    return control.StateSpace(
-        *matrices,
-        name=name.replace(".", "_"),  # python-control keeps the dot for the signals of a system
-        states=list(states),
-        inputs=list(inputs),
-        outputs=list(outputs),
-        remove_useless_states=False,
-    )
+) -> LinearModel:
+    a, b, c, d = matrices
+    # python-control keeps the dot for the signals of a system
+    return LinearModel(name.replace(".", "_"), a, b, c, d, states, inputs, outputs)

@@ -4,11 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Annotated
 
-import control
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.errors import expect
+from forcefeel.linear.models import StateSpaceLike, check_model
 from forcefeel.units import HERTZ, RATE, RATIO
 
 
@@ -34,7 +33,7 @@ class Mode:
     damping_ratio: Annotated[float, RATIO]
 
 
-def modes(model: control.StateSpace) -> tuple[Mode, ...]:
+def modes(model: StateSpaceLike) -> tuple[Mode, ...]:
     """The modes of ``model``, slowest first; a conjugate pair counts once.
 
     Example:
@@ -43,8 +42,8 @@ def modes(model: control.StateSpace) -> tuple[Mode, ...]:
         ...     print(f"{mode.frequency_rad_per_s:.2f} rad/s, damping ratio {mode.damping_ratio:.2f}")
         12.65 rad/s, damping ratio 0.20
     """
-    expect("model", model, control.StateSpace, "a control.StateSpace, such as compliant_model(loader)")
-    poles = sorted((complex(s) for s in model.poles() if s.imag >= 0), key=abs)
+    check_model("model", model)
+    poles = sorted((complex(s) for s in np.linalg.eigvals(model.A) if s.imag >= 0), key=abs)
     return tuple(Mode(s.real, s.imag, abs(s), -s.real / abs(s) if s != 0 else 0.0) for s in poles)
 
 

@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING
 
-import control
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from forcefeel.errors import expect, expect_number
+from forcefeel.errors import InputError, expect_number
+from forcefeel.linear.models import StateSpaceLike, check_model
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,7 +20,7 @@ _UNITS = {"_m3_per_s": "m^3/s", "_rad": "rad", "_v": "V", "_m": "m", "_n": "N", 
 
 
 def step_response(
-    model: control.StateSpace, force_n: float, duration_s: float = DURATION_S, samples: int = 2001
+    model: StateSpaceLike, force_n: float, duration_s: float = DURATION_S, samples: int = 2001
 ) -> "xr.Dataset":
     """Response from rest to a step of pilot force at time zero (figs. 11, 14).
 
@@ -52,26 +52,52 @@ def step_response(
 
 
 def step_outputs(
-    model: control.StateSpace, force_n: float, duration_s: float = DURATION_S, samples: int = 2001
+    model: StateSpaceLike, force_n: float, duration_s: float = DURATION_S, samples: int = 2001
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Times, and a row for each output of the model, of ``step_response``."""
-    expect("model", model, control.StateSpace, "a control.StateSpace, such as compliant_model(loader)")
+    check_model("model", model)
     for name, number in (("force_n", force_n), ("duration_s", duration_s)):
         expect_number(name, number)
     expect_number("samples", samples, whole=True)
+    if not 0 < duration_s < np.inf or samples < 2:
+        raise InputError(
+            f"duration_s, samples: expected a length of time and two samples or more, got {duration_s:g} s and {samples}"
+        )
     time = np.linspace(0.0, duration_s, samples)
-    force = np.zeros((model.ninputs, samples))
-    force[0] = force_n
+    b = np.asarray(model.B)[:, 0]
+    phi, level, _ = transition(np.asarray(model.A), b, duration_s / (samples - 1))
+    states = np.zeros((samples, len(b)))
     with np.errstate(over="ignore", invalid="ignore"):
-        outputs = control.forced_response(model, time, force, squeeze=False).outputs
+        for k in range(samples - 1):
+            states[k + 1] = phi @ states[k] + level * force_n
+        outputs = np.asarray(model.C) @ states.T + np.asarray(model.D)[:, :1] * force_n
     return time, np.where(np.isfinite(outputs), outputs, np.nan)
+
+
+def transition(
+    a: NDArray[np.float64], b: NDArray[np.float64], step_s: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Phi, Gamma_0 and Gamma_1 of ``x_{k+1} = Phi x_k + Gamma_0 u_k + Gamma_1 (u_{k+1} - u_k)``, ``u`` even within each step.
+
+    Source: C. Van Loan, Computing Integrals Involving the Matrix Exponential, IEEE Trans. Automatic Control 23 (1978).
+    """
+    n = len(a)
+    # States in SI units differ by ten powers of ten: balance them, or rounding eats the small ones.
+    balanced, (scale, _) = scipy.linalg.matrix_balance(a, permute=False, separate=True)
+    block = np.zeros((n + 2, n + 2))
+    block[:n, :n] = balanced * step_s
+    block[:n, n] = b / scale * step_s
+    block[n, n + 1] = 1.0
+    whole = scipy.linalg.expm(block)
+    phi = whole[:n, :n] * scale[:, np.newaxis] / scale
+    return phi, whole[:n, n] * scale, whole[:n, n + 1] * scale
 
 
 def _unit_of(name: str) -> str:
     return next((unit for end, unit in _UNITS.items() if name.endswith(end)), "")
 
 
-def equilibrium(model: control.StateSpace) -> NDArray[np.float64]:
+def equilibrium(model: StateSpaceLike) -> NDArray[np.float64]:
     """The state in which a model stays under a pilot force of one newton, ``0 = A x + B``.
 
     Raises:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
 from forcefeel.laws.law import Law
-from forcefeel.linear.models import INPUTS, compliant_model
+from forcefeel.linear.models import INPUTS, Linkage, loader_model
 from forcefeel.linear.modes import Mode, is_stable
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loops.sampled_loop import SampledLoops, sampled_loops
@@ -63,10 +63,10 @@ class CommandLoop:
         """The loop of an analog loader; the original law, eq. (13), if none is given."""
         law = Compensator.original(loader.values) if law is None else law
         opened = Compensator([0.0] * len(law.gains), law.load_cell_arm, law.displacement_unit)
-        closed = compliant_model(loader, law)
+        closed = loader_model(loader, law, Linkage.COMPLIANT)
         b = closed.B[:, INPUTS.index("test_signal_v")]
         # The command enters in one place, so that A - A_opened = b c.
-        return cls(closed.A, b, b @ (closed.A - compliant_model(loader, opened).A) / (b @ b), None)
+        return cls(closed.A, b, b @ (closed.A - loader_model(loader, opened, Linkage.COMPLIANT).A) / (b @ b), None)
 
     @property
     def poles(self) -> NDArray[np.complex128]:

@@ -15,15 +15,15 @@ stands, and ``1 / L = (1 - R) / R``. Polynomials of twenty poles about ``z = 1``
 Source of the disk: P. Seiler, A. Packard, P. Gahinet, An Introduction to Disk Margins, IEEE Control Systems 40 (2020) 78-95.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
-from scipy.optimize import brentq
 
+from forcefeel.linear.frequency import crossings
 from forcefeel.loops.command_loop import HIGHEST_ANALOG_RAD_PER_S, CommandLoop
 from forcefeel.units import ANGLE, HERTZ, RATIO, SECONDS
 
@@ -81,7 +81,7 @@ def loop_margins(loop: CommandLoop) -> LoopMargins:
     w = seen.frequencies()
     inverse = seen.inverse(w)
     gains = seen.edges(w, inverse)
-    crossovers = _crossings(w, np.log(np.abs(inverse)), lambda one: float(np.log(abs(seen.single(one)))))
+    crossovers = crossings(w, np.log(np.abs(inverse)), lambda one: float(np.log(abs(seen.single(one)))))
     lags = np.array([np.angle(-1 / seen.single(one)) % (2 * np.pi) for one in crossovers])
     return LoopMargins(
         gain_up=min((gain for gain in gains if gain > 1), default=np.inf),
@@ -137,7 +137,7 @@ class _Response:
     def edges(self, w: NDArray[np.float64], inverse: NDArray[np.complex128]) -> list[float]:
         """The factors on the gain at which a pole is on the edge: on the way round, at rest and at half the sampling rate."""
         ends = np.array([0j] if self._period_s is None else [1 + 0j, -1 + 0j])
-        turning = [self.single(one).real for one in _crossings(w, inverse.imag, lambda one: self.single(one).imag)]
+        turning = [self.single(one).real for one in crossings(w, inverse.imag, lambda one: self.single(one).imag)]
         return [-gain for gain in (*turning, *self._solved(ends).real.tolist())]
 
     def _solved(self, points: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -146,9 +146,3 @@ class _Response:
         states = np.linalg.solve(resolvent, np.tile(self._b[:, None], (len(points), 1, 1)))
         heard = -(states[..., 0] @ self._c)
         return np.asarray((1 - heard) / heard)
-
-
-def _crossings(w: NDArray[np.float64], values: NDArray[np.float64], at: Callable[[float], float]) -> list[float]:
-    """Where a curve goes through zero, by bisection between two points that differ in sign."""
-    places = np.flatnonzero(np.diff(np.sign(values)) != 0)
-    return [float(brentq(at, w[k], w[k + 1])) for k in places if at(w[k]) * at(w[k + 1]) < 0]

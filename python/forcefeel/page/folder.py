@@ -50,13 +50,27 @@ class OutputFolder:
                 raise InputError(
                     f"{out / name}: is a folder; expected to write a file of that name; move the folder away"
                 )
-            if name in self.files and (out / name).exists() and not replace:  # the script is the same in every folder
+            if name in self.files and (out / name).exists() and not replace:
                 raise InputError(
                     f"{out}: holds {name} already; name another folder with --out, or --replace to replace it"
                 )
+        if not replace:
+            self.check_script(out)
         for name in self.folders:
             if (out / name).exists() and not (out / name).is_dir():
                 raise InputError(f"{out / name}: is a file; expected a folder of that name; move the file away")
+
+    def check_script(self, out: Path) -> None:
+        """Refuses a folder that holds another script under the name of the pages'; theirs is the same in every folder.
+
+        Raises:
+            InputError: If so.
+        """
+        for name, text in self._scripts.items():
+            if (out / name).exists() and (out / name).read_bytes() != str(text).encode():
+                raise InputError(
+                    f"{out}: holds another {name}; name another folder with --out, or --replace to replace it"
+                )
 
     def write(self, out: Path, contents: Mapping[str, str | bytes]) -> None:
         """Writes all files, or none.

@@ -16,10 +16,11 @@ from forcefeel.page.typography import change_text, number_text, percent_text, pr
 from forcefeel.templating import environment
 
 
-def render(template: str, /, **values: Any) -> str:
-    """The page of ``template`` with ``values``, the program's version and what draws its plots."""
+def render(template: str, /, *, command: str, **values: Any) -> str:
+    """The page of ``template`` with ``values``, the command that made it, the program's version and what draws its plots."""
     page = _templates().get_template(template)
-    return page.render(version=version("forcefeel"), script=SCRIPT, config=CONFIG, dark_colors=DARK, **values)
+    own = {"command": command, "version": version("forcefeel"), "script": SCRIPT, "config": CONFIG, "dark_colors": DARK}
+    return page.render(**own, **values)
 
 
 def drawing(drawn: go.Figure, key: str) -> Markup:

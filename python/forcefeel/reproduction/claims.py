@@ -8,7 +8,7 @@ from forcefeel.design.findings import SMALL_ERROR
 from forcefeel.design.studies import CHANGES, droppable, worst
 from forcefeel.design.workflow import Design
 from forcefeel.laws.analog.recursion import GAIN_UNITS, DesignSettings, compensate
-from forcefeel.linear.models import DESIGN_FEEL, DESIGN_PLANT, Linkage, design_plant, state_feedback
+from forcefeel.linear.models import DESIGN_FEEL, DESIGN_PLANT, Linkage, design_model, state_feedback
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
 from forcefeel.reproduction.appendix import printed
@@ -254,8 +254,8 @@ def _dropped(design: Design) -> Row:
 
 
 def _stabilizable(loader: Loader) -> Row:
-    plant = design_plant(loader)
-    unmoved = plant.nstates - int(np.linalg.matrix_rank(np.hstack([plant.A, plant.B])))
+    plant = design_model(loader)
+    unmoved = len(plant.A) - int(np.linalg.matrix_rank(np.hstack([plant.A, plant.B])))
     reason = (
         "states that neither move by themselves nor by e: F_p. A Riccati solver refuses the plant; recursion (22) and a linear"
         " equation for c_7 do not"

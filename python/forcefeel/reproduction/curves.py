@@ -5,7 +5,8 @@ import numpy as np
 from forcefeel.design.assessment import programmed_angle_rad
 from forcefeel.design.findings import FREQUENCY_TOLERANCE, SMALL_ERROR
 from forcefeel.design.workflow import Design
-from forcefeel.linear.models import Linkage, servo
+from forcefeel.linear.frequency import zeros
+from forcefeel.linear.models import Linkage, servo_model
 from forcefeel.linear.modes import Mode, least_damped
 from forcefeel.reproduction.table import Reason, Row, Section, about, claim, number
 from forcefeel.units import to_text
@@ -116,7 +117,8 @@ def _link(found: tuple[Mode, ...]) -> Mode:
 
 def _piston_held(design: Design) -> Mode:
     """The zeros of the servo's response: what the column does while the piston stands still."""
-    zero = max(servo(design.loader, Linkage.COMPLIANT, closed=False)[0, 0].zeros(), key=lambda s: s.imag)
+    opened = servo_model(design.loader, Linkage.COMPLIANT, closed=False).to_output(0)
+    zero = max(zeros(opened), key=lambda s: s.imag)
     return Mode(zero.real, zero.imag, abs(zero), -zero.real / abs(zero))
 
 

@@ -3,17 +3,15 @@
 from collections.abc import Sequence
 from typing import Any
 
-import control
 import numpy as np
-import scipy.linalg
 import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
-from forcefeel.linear.models import Linkage, loader_model
-from forcefeel.linear.step import equilibrium
+from forcefeel.linear.models import LinearModel, Linkage, loader_model
+from forcefeel.linear.step import equilibrium, transition
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX, OFF, TABLE
 from forcefeel.simulation.outcome import MOST_HISTORY_BYTES, outputs
@@ -52,7 +50,7 @@ def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[n
     model = loader_model(loader, law, Linkage.COMPLIANT)
     steps = Steps.of(on_samples(scenario), loader)
     force = steps.inputs["force"].copy()
-    phi, level, ramp = _transition(np.asarray(model.A), np.asarray(model.B)[:, 0], steps.step_s)
+    phi, level, ramp = transition(np.asarray(model.A), np.asarray(model.B)[:, 0], steps.step_s)
     states = np.empty((len(force) + 1, len(phi)))
     states[0] = 0.0
     if steps.held or steps.start_force_n:
@@ -190,23 +188,7 @@ def _check(
     return [int(column) for column in varied]
 
 
-def _transition(
-    a: NDArray[np.float64], b: NDArray[np.float64], step_s: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Phi, Gamma_0 and Gamma_1 over one step."""
-    n = len(a)
-    # States in SI units differ by ten powers of ten: balance them, or rounding eats the small ones.
-    balanced, (scale, _) = scipy.linalg.matrix_balance(a, permute=False, separate=True)
-    block = np.zeros((n + 2, n + 2))
-    block[:n, :n] = balanced * step_s
-    block[:n, n] = b / scale * step_s
-    block[n, n + 1] = 1.0
-    whole = scipy.linalg.expm(block)
-    phi = whole[:n, :n] * scale[:, np.newaxis] / scale
-    return phi, whole[:n, n] * scale, whole[:n, n + 1] * scale
-
-
-def _outputs(model: control.StateSpace, states: NDArray[np.float64], force: NDArray[np.float64]) -> NDArray[np.float64]:
+def _outputs(model: LinearModel, states: NDArray[np.float64], force: NDArray[np.float64]) -> NDArray[np.float64]:
     """The engine's outputs, in its order, from the model's."""
     c, d = np.asarray(model.C), np.asarray(model.D)[:, :1]
     signals = dict(zip(model.output_labels, c @ states.T + d * force, strict=True))

@@ -124,10 +124,14 @@ class Folder:
 
     def _clear(self) -> None:
         """Removes a sweep but for its plan, which is what says that the chunks that are left are of a sweep."""
+        from forcefeel.page.script import SCRIPT  # noqa: PLC0415  Plotly
+
         self._check_chunks()
         try:
             for name in (RUNS, *REPORT):
                 (self.path / name).unlink(missing_ok=True)
+            if not any(self.path.glob("*.html")):  # other pages draw with it too
+                (self.path / SCRIPT).unlink(missing_ok=True)
             self._drop_chunks()
         except OSError as error:
             raise InputError(f"{error.filename}: cannot be removed ({error.strerror}); name another folder") from error

@@ -1,8 +1,8 @@
 """What comes of a sweep: every run, and what they say together."""
 
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
 
@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.loader.parameters import TABLE
+from forcefeel.printable import table_html
 from forcefeel.simulation.outcome import MEASURES, Measures, RunStatus, statuses
 from forcefeel.sweep.chunk import histories, nominal
 from forcefeel.sweep.members import impossible
@@ -48,7 +49,21 @@ class SweepResult:
     """
 
     sweep: Sweep
-    runs: xr.Dataset = field(repr=False)
+    runs: xr.Dataset
+
+    def __repr__(self) -> str:
+        each = ", ".join(f"{count:,} {name}" for name, count in self._counts)
+        over = f" over {', '.join(self.sweep.axes)}" if self.sweep.axes else ""
+        return f"<Sweep of {self.sweep.loader.name!r}{over}, {self.sweep.total:,} runs: {each}>"
+
+    def _repr_html_(self) -> str:
+        rows = ((name, f"{count:,}") for name, count in self._counts)
+        return table_html(f"{self.sweep.loader.name}, {self.sweep.total:,} runs", ("ended", "runs"), rows)
+
+    @property
+    def _counts(self) -> Iterator[tuple[str, int]]:
+        """How many runs ended how."""
+        return zip(*np.unique(self.runs["status"].values, return_counts=True), strict=True)
 
     @classmethod
     def of(cls, sweep: Sweep, measured: NDArray[np.float64]) -> "SweepResult":

@@ -11,7 +11,6 @@ from forcefeel.bench.excitation import ExcitationPlan, NotSeparableError, excite
 from forcefeel.bench.excitation.information import line_information, relative_errors
 from forcefeel.bench.experiments import Loop
 from forcefeel.bench.identification.linear import channel_responses
-from forcefeel.linear import models
 from forcefeel.simulation.scenario import Scenario
 
 FIT = ("linkage.stiffness", "linkage.damping", "column.inertia", "valve.current_gain")
@@ -92,7 +91,7 @@ def test_slopes_of_lines_against_the_report_s_servo():
     loader, line = ff.elevator(), np.array([0.5, 5.0, 12.0, 30.0])
 
     def angle(of):
-        servo = models.servo(of, ff.linear.Linkage.COMPLIANT, closed=True)
+        servo = ff.linear.servo(of, ff.linear.Linkage.COMPLIANT, closed=True)
         return servo(2j * np.pi * line)[1, 0]
 
     h = 1e-4

@@ -17,7 +17,8 @@ from forcefeel.bench.response_file import read_response
 from forcefeel.bench.responses import Response
 from forcefeel.cli.resonance import read_band
 from forcefeel.errors import InputError
-from forcefeel.linear.models import Linkage, servo
+from forcefeel.linear.models import Linkage
+from forcefeel.linear.state_space import servo
 from forcefeel.tables.column_names import by_stem, names_by_stem
 from tests.command_line import runner
 from tests.identifications import bounded, determined, secrets_in, undetermined
@@ -107,7 +108,7 @@ def test_a_loader_is_identified_from_a_response(identify, tmp_path):
             one["estimate"]["value"] / one["file"]["value"], rel=TEN_DIGITS
         )
     assert re.search(r"k linkage\.stiffness +│ +6108", out)
-    assert "loader: found/loader.toml" in out
+    assert "loader file: found/loader.toml" in out
 
 
 def test_the_loader_that_was_given_stays(identify, tmp_path, found):

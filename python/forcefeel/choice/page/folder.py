@@ -16,7 +16,9 @@ FOLDER = OutputFolder("the methods", (PAGE, RESULTS))
 """Checked before the work, written after it."""
 
 
-def write_choice(scored: Scored, choice: Choice | None, out: Path, units: UnitSystem, *, replace: bool = False) -> Path:
+def write_choice(
+    scored: Scored, choice: Choice | None, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+) -> Path:
     """Writes ``results.json`` and ``compensate.html``, the page last.
 
     What is there stays until the new files are complete; other files in the folder are left alone.
@@ -27,6 +29,7 @@ def write_choice(scored: Scored, choice: Choice | None, out: Path, units: UnitSy
         out: The folder; made if it is not there.
         units: The units of every number but those of the law in ``results.json``, which are SI.
         replace: Whether the new files may take the place of others.
+        command: The command that asked for it, to stand on the page.
 
     Returns:
         The path of the page.
@@ -43,5 +46,5 @@ def write_choice(scored: Scored, choice: Choice | None, out: Path, units: UnitSy
     """
     FOLDER.check(out, replace=replace)
     results = json_text(choice_json(scored, choice, units))
-    FOLDER.write(out, {RESULTS: results, PAGE: choice_page(scored, choice, units)})
+    FOLDER.write(out, {RESULTS: results, PAGE: choice_page(scored, choice, units, command=command)})
     return out / PAGE

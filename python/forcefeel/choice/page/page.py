@@ -13,13 +13,14 @@ from forcefeel.page.typography import parameter_text, quantity_text
 from forcefeel.units import ANGLE, UnitSystem
 
 
-def choice_page(scored: Scored, choice: Choice | None, units: UnitSystem) -> str:
+def choice_page(scored: Scored, choice: Choice | None, units: UnitSystem, *, command: str = "") -> str:
     """The whole page, numbers in ``units``; ``choice`` is ``None`` for one method that was asked for by name."""
     plan = scored.plan
     shown = _shown(scored, choice)
     over = any(score.over for score in scored.scores)
     return render(
         "choice/page/choice.html.j2",
+        command=command,
         loader=plan.given,
         plan=plan,
         conclusions=design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units),

@@ -18,7 +18,9 @@ FOLDER = OutputFolder("the report", (PAGE, RESULTS), (RESPONSES,))
 """Checked before the work, written after it."""
 
 
-def write_report(design: Design, out: Path, units: UnitSystem, tried: LawsTried | None = None) -> Path:
+def write_report(
+    design: Design, out: Path, units: UnitSystem, tried: LawsTried | None = None, *, command: str = ""
+) -> Path:
     """Writes ``report.html``, ``results.json`` and ``responses/figure-*.csv``.
 
     An existing report stays as it is until the new one is complete; other files in the folder are left alone.
@@ -28,6 +30,7 @@ def write_report(design: Design, out: Path, units: UnitSystem, tried: LawsTried 
         out: The folder; made if it is not there.
         units: The units of every number.
         tried: Laws that were tried, for a loader with a digital controller, as ``choice.best_law`` gives them.
+        command: The command that asked for it, to stand on the page.
 
     Returns:
         The path of the page.
@@ -42,16 +45,16 @@ def write_report(design: Design, out: Path, units: UnitSystem, tried: LawsTried 
         'report.html'
     """
     FOLDER.check(out)
-    FOLDER.write(out, _contents(design, units, tried))
+    FOLDER.write(out, _contents(design, units, tried, command))
     return out / PAGE
 
 
-def _contents(design: Design, units: UnitSystem, tried: LawsTried | None) -> dict[str, str]:
+def _contents(design: Design, units: UnitSystem, tried: LawsTried | None, command: str) -> dict[str, str]:
     """Each file's text by its name within the folder, the page last."""
     drawn = figures(design)
     tables = {f"{RESPONSES}/{figure.key}.csv": table(figure, units) for figure in drawn}
     return {
         **{name: csv(data) for name, data in tables.items()},
         RESULTS: results_json(design, drawn, tables, units, tried),
-        PAGE: page(design, drawn, tuple(tables), units, tried),
+        PAGE: page(design, drawn, tuple(tables), units, tried=tried, command=command),
     }

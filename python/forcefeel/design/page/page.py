@@ -44,7 +44,13 @@ class Plot:
 
 
 def page(
-    design: Design, drawn: tuple[Figure, ...], files: tuple[str, ...], units: UnitSystem, tried: LawsTried | None
+    design: Design,
+    drawn: tuple[Figure, ...],
+    files: tuple[str, ...],
+    units: UnitSystem,
+    *,
+    tried: LawsTried | None,
+    command: str,
 ) -> str:
     """The whole page.
 
@@ -54,9 +60,11 @@ def page(
         files: Names of the tables of values beside the page.
         units: The units of every number.
         tried: Laws that were tried.
+        command: The command that asked for it.
     """
     return render(
         "design/page/report.html.j2",
+        command=command,
         design=design,
         loader=design.loader,
         conclusions=conclusions(design, units, tried),

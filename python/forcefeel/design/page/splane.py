@@ -4,7 +4,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from forcefeel.design.workflow import Configuration, Design
-from forcefeel.linear.models import Linkage, ideal_feel
+from forcefeel.linear.models import Linkage, feel_model
 from forcefeel.linear.modes import Mode
 from forcefeel.page.canvas import ZERO, frame
 from forcefeel.page.palette import CONFIGURATIONS, IDEAL
@@ -93,7 +93,10 @@ def _ideal(picture: go.Figure, design: Design) -> None:
 
 def _ideal_pole(design: Design) -> complex:
     """The programmed feel's pole in the upper half plane; the slower one, if both are real."""
-    return max((complex(pole) for pole in ideal_feel(design.loader).poles()), key=lambda pole: (pole.imag, pole.real))
+    return max(
+        (complex(pole) for pole in np.linalg.eigvals(feel_model(design.loader).A)),
+        key=lambda pole: (pole.imag, pole.real),
+    )
 
 
 def _damping_rays(picture: go.Figure, left: float, top: float) -> None:

@@ -16,7 +16,7 @@ FOLDER = OutputFolder("the envelope", (PAGE, RESULTS, SETTINGS, MAPS))
 """Checked before the work, written after it."""
 
 
-def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bool = False) -> Path:
+def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bool = False, command: str = "") -> Path:
     """Writes ``envelope.nc``, ``settings.csv``, ``results.json`` and ``envelope.html``, the page last.
 
     What is there stays until the new files are complete; other files in the folder are left alone.
@@ -26,6 +26,7 @@ def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bo
         out: The folder; made if it is not there.
         units: The units of every number but those of ``envelope.nc``, which are SI.
         replace: Whether the new files may take the place of others.
+        command: The command that asked for it, to stand on the page.
 
     Returns:
         The path of the page.
@@ -46,7 +47,7 @@ def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bo
         MAPS: bytes(found.data.to_netcdf(engine="scipy")),
         SETTINGS: settings_csv(found, units),
         RESULTS: json_text(envelope_json(found, units)),
-        PAGE: envelope_page(found, units),
+        PAGE: envelope_page(found, units, command=command),
     }
     FOLDER.write(out, contents)
     return out / PAGE

@@ -13,12 +13,13 @@ from forcefeel.page.typography import quantity_text
 from forcefeel.units import ANGLE, UnitSystem
 
 
-def envelope_page(found: Envelope, units: UnitSystem) -> str:
+def envelope_page(found: Envelope, units: UnitSystem, *, command: str = "") -> str:
     """The whole page, numbers in ``units``."""
     plan = found.plan
     shares = [(name, found.shares(name)) for name in found.compensators]
     return render(
         "envelope/page/envelope.html.j2",
+        command=command,
         loader=plan.given,
         plan=plan,
         conclusions=envelope_conclusions(found, units),

@@ -16,7 +16,9 @@ FOLDER = OutputFolder("the schedule", (PAGE, RESULTS, GAINS))
 """Checked before the work, written after it."""
 
 
-def write_schedule(found: ScheduleCheck, out: Path, units: UnitSystem, *, replace: bool = False) -> Path:
+def write_schedule(
+    found: ScheduleCheck, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+) -> Path:
     """Writes ``gains.csv``, ``results.json`` and ``schedule.html``, the page last.
 
     What is there stays until the new files are complete; other files in the folder are left alone.
@@ -26,6 +28,7 @@ def write_schedule(found: ScheduleCheck, out: Path, units: UnitSystem, *, replac
         out: The folder; made if it is not there.
         units: The units of every number but those of ``gains.csv``, which are SI.
         replace: Whether the new files may take the place of others.
+        command: The command that asked for it, to stand on the page.
 
     Returns:
         The path of the page.
@@ -45,5 +48,7 @@ def write_schedule(found: ScheduleCheck, out: Path, units: UnitSystem, *, replac
     """
     FOLDER.check(out, replace=replace)
     results = json_text(schedule_json(found, units))
-    FOLDER.write(out, {GAINS: gains_csv(found.schedule), RESULTS: results, PAGE: schedule_page(found, units)})
+    FOLDER.write(
+        out, {GAINS: gains_csv(found.schedule), RESULTS: results, PAGE: schedule_page(found, units, command=command)}
+    )
     return out / PAGE

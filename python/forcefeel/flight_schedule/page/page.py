@@ -11,11 +11,12 @@ from forcefeel.page.typography import number_text, quantity_text
 from forcefeel.units import ANGLE, UnitSystem
 
 
-def schedule_page(found: ScheduleCheck, units: UnitSystem) -> str:
+def schedule_page(found: ScheduleCheck, units: UnitSystem, *, command: str = "") -> str:
     """The whole page, numbers in ``units``."""
     schedule = found.schedule
     return render(
         "flight_schedule/page/schedule.html.j2",
+        command=command,
         loader=schedule.loader,
         schedule=schedule,
         found=found,

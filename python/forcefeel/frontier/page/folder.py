@@ -16,7 +16,7 @@ FOLDER = OutputFolder("the frontier", (PAGE, RESULTS))
 """Checked before the work, written after it."""
 
 
-def write_frontier(found: Frontier, out: Path, units: UnitSystem, *, replace: bool = False) -> Path:
+def write_frontier(found: Frontier, out: Path, units: UnitSystem, *, replace: bool = False, command: str = "") -> Path:
     """Writes ``results.json`` and ``frontier.html``, the page last; other files in the folder are left alone.
 
     Args:
@@ -24,6 +24,7 @@ def write_frontier(found: Frontier, out: Path, units: UnitSystem, *, replace: bo
         out: The folder; made if it is not there.
         units: The units of every number.
         replace: Whether the new files may take the place of others.
+        command: The command that asked for it, to stand on the page.
 
     Returns:
         The path of the page.
@@ -41,5 +42,5 @@ def write_frontier(found: Frontier, out: Path, units: UnitSystem, *, replace: bo
     """
     FOLDER.check(out, replace=replace)
     results = json_text(frontier_json(found, units))
-    FOLDER.write(out, {RESULTS: results, PAGE: frontier_page(found, units)})
+    FOLDER.write(out, {RESULTS: results, PAGE: frontier_page(found, units, command=command)})
     return out / PAGE

@@ -13,11 +13,12 @@ from forcefeel.page.typography import quantity_text
 from forcefeel.units import ANGLE, UnitSystem
 
 
-def frontier_page(found: Frontier, units: UnitSystem) -> str:
+def frontier_page(found: Frontier, units: UnitSystem, *, command: str = "") -> str:
     """The whole page, numbers in ``units``."""
     plan = found.plan
     return render(
         "frontier/page/frontier.html.j2",
+        command=command,
         loader=plan.given,
         plan=plan,
         law=name_text(found.compensator),

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, state_scale
-from forcefeel.linear.models import DESIGN_FEEL, DESIGN_PLANT, design_plant
+from forcefeel.linear.models import DESIGN_FEEL, DESIGN_PLANT, design_model
 from forcefeel.loader.feel_settings import setting_rows
 from forcefeel.loader.loader import Loader
 
@@ -148,7 +148,7 @@ def _sampled_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
 
 
 def _continuous_plant(loader: Loader, design: DesignSettings) -> _SolvedPlant:
-    plant, scale = design_plant(loader), state_scale(loader)[DESIGN_PLANT]
+    plant, scale = design_model(loader), state_scale(loader)[DESIGN_PLANT]
     a = plant.A[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * scale / scale[:, None]
     b = plant.B[DESIGN_PLANT] / scale[:, None]
     q = design.weight(loader)[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * np.outer(scale, scale)

@@ -18,7 +18,7 @@ from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError, expect
 from forcefeel.json_values import Json, fields_json, quantity
-from forcefeel.linear.models import DESIGN_STATES, design_plant, state_feedback
+from forcefeel.linear.models import DESIGN_STATES, design_model, state_feedback
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.units import LENGTH, RATIO, SECONDS, Unit, UnitSystem
 
@@ -109,7 +109,7 @@ class DesignSettings:
         if self.q is not None:
             return np.array(self.q, dtype=np.float64)
         # The error delta - theta is the design plant's output, its rate the same row on the velocities.
-        row = np.asarray(design_plant(loader).C)[0]
+        row = np.asarray(design_model(loader).C)[0]
         rate = np.zeros_like(row)
         for position, velocity in _MOTIONS:
             rate[velocity] = row[position]
@@ -273,7 +273,7 @@ class SampledProblem:
     @classmethod
     def of(cls, loader: Loader, settings: DesignSettings) -> "SampledProblem":
         """The problem that ``settings`` pose for ``loader``."""
-        plant = design_plant(loader, settings.pilot_arm_m)
+        plant = design_model(loader, settings.pilot_arm_m)
         scale = state_scale(loader)
         phi, h = _core.discretize(plant.A * scale / scale[:, None], plant.B / scale[:, None], settings.step_s)
         q = settings.weight(loader) * np.outer(scale, scale)

@@ -22,7 +22,7 @@ from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import BASE, BASE_RATE, PISTON, PRESSURE, Scale, delayed, period_and_delay
 from forcefeel.laws.sampled.riccati import stationary
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
-from forcefeel.linear.models import DESIGN_PLANT, design_plant
+from forcefeel.linear.models import DESIGN_PLANT, design_model
 from forcefeel.loader.loader import Loader
 
 _OF_DESIGN = [PISTON, PRESSURE, BASE, BASE_RATE]
@@ -77,7 +77,7 @@ class _Loop:
         arm = loader["linkage.ratio"] * loader["column.base_arm"]
         # What the feel computer hears, so that I delta'' + B delta' + G delta = T is (I - J) delta'' + ... = -alpha R_b F_c.
         self.torque = np.column_stack([-arm * share, (1 - share) * stiffness, (1 - share) * damping])
-        plant = design_plant(loader)
+        plant = design_model(loader)
         unit = self.scale.states[_OF_DESIGN]
         a = np.asarray(plant.A)[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * unit / unit[:, None]
         b = np.asarray(plant.B)[DESIGN_PLANT] / unit[:, None] * self.scale.command_v

@@ -16,7 +16,7 @@ FOLDER = OutputFolder("the qualification", (PAGE, NUMBERS, PDF))
 """Checked before the work, written after it."""
 
 
-def write_qualification(found: Qualification, out: Path, *, pdf: bool = False) -> Path:
+def write_qualification(found: Qualification, out: Path, *, pdf: bool = False, command: str = "") -> Path:
     """Writes ``qualification.html``, ``results.json`` and, if asked for, ``qualification.pdf``.
 
     What is there stays until the new files are complete; other files in the folder are left alone.
@@ -25,6 +25,7 @@ def write_qualification(found: Qualification, out: Path, *, pdf: bool = False) -
         found: What to report.
         out: The folder; made if it is not there.
         pdf: Print the page too; it takes a Chromium.
+        command: The command that asked for it, to stand on the page.
 
     Returns:
         The path of the page.
@@ -41,7 +42,7 @@ def write_qualification(found: Qualification, out: Path, *, pdf: bool = False) -
         'tests-of-mine'
     """
     FOLDER.check(out)
-    page = qualification_page(found, (NUMBERS, PDF) if pdf else (NUMBERS,))
+    page = qualification_page(found, (NUMBERS, PDF) if pdf else (NUMBERS,), command=command)
     numbers = json_text(qualification_json(found))
     contents: dict[str, str | bytes] = {NUMBERS: numbers, PAGE: page}
     if pdf:

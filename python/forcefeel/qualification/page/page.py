@@ -54,15 +54,17 @@ class ShownSection:
     tests: tuple[ShownTest, ...]
 
 
-def qualification_page(found: Qualification, beside: tuple[str, ...]) -> str:
+def qualification_page(found: Qualification, beside: tuple[str, ...], *, command: str = "") -> str:
     """The whole page.
 
     Args:
         found: What to show.
         beside: Names of the files beside it.
+        command: The command that asked for it.
     """
     return render(
         "qualification/page/qualification.html.j2",
+        command=command,
         found=found,
         conclusions=conclusions(found),
         summary=qualification_tables.summary(found),

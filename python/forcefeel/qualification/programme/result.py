@@ -6,6 +6,7 @@ from datetime import date
 from enum import StrEnum
 
 from forcefeel.loader.loader import Loader
+from forcefeel.printable import table_html
 from forcefeel.qualification import Outcome, Record, Rules, Verdict
 from forcefeel.qualification.programme.programme import Programme, Trial
 from forcefeel.qualification.programme.records_given import Given
@@ -145,6 +146,19 @@ class Qualification:
     simulator: str = ""
     operator: str = ""
     day: date = field(default_factory=date.today)
+
+    def __repr__(self) -> str:
+        each = "; ".join(
+            f"{it.title} {it.standing}, {it.count(Outcome.PASSED)} of {len(it.results)} tests passed"
+            for it in self.sections
+        )
+        return f"<Qualification of {self.loader.name!r}, {self.axis}, by {self.rules.id}: {each}>"
+
+    def _repr_html_(self) -> str:
+        rows = ((it.title, it.standing, *map(it.count, Outcome)) for it in self.sections)
+        return table_html(
+            f"{self.loader.name}, {self.axis}, {self.rules.id}", ("", "standing", *map(str, Outcome)), rows
+        )
 
     @property
     def standing(self) -> Standing:

@@ -135,7 +135,7 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
 
 def law_text(name: str) -> str:
     """What a law is called in a sentence."""
-    return LAW_TEXTS.get(name, name)
+    return LAW_TEXTS.get(name, f"law of {name}")
 
 
 def _laws(loader: Loader, setup: QualificationSetup) -> Mapping[str, Law]:

@@ -18,7 +18,7 @@ FOLDER = OutputFolder("the simulation", (SIMULATION, HISTORY, NUMBERS))
 """Checked before the work, written after it."""
 
 
-def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "original") -> Path:
+def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "original", *, command: str = "") -> Path:
     """Writes ``simulation.html``, ``history.csv`` and ``results.json``.
 
     What is there stays until the new files are complete; other files in the folder are left alone.
@@ -28,6 +28,7 @@ def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "origina
         out: The folder; made if it is not there.
         units: The units of every number.
         law: What the law that drove the servo is called.
+        command: The command that asked for it, to stand on the page.
 
     Returns:
         The path of the page.
@@ -49,7 +50,7 @@ def write_simulation(run: Run, out: Path, units: UnitSystem, law: str = "origina
     contents = {
         HISTORY: _csv(heads, found),
         NUMBERS: json_text(document),
-        SIMULATION: simulation_page(run, units, law),
+        SIMULATION: simulation_page(run, units, law, command=command),
     }
     FOLDER.write(out, contents)
     return out / SIMULATION

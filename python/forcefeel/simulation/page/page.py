@@ -21,16 +21,18 @@ _DEMAND = "What the valve must give. Red: ratings and limits, where the curve co
 _LOOP = "The way there and the way back are one line at rest; friction, hysteresis and motion part them."
 
 
-def simulation_page(run: Run, units: UnitSystem, law: str = "original") -> str:
+def simulation_page(run: Run, units: UnitSystem, law: str = "original", *, command: str = "") -> str:
     """The whole page.
 
     Args:
         run: What to show.
         units: The units of every number.
         law: What the law that drove the servo is called.
+        command: The command that asked for it.
     """
     return render(
         "simulation/page/simulation.html.j2",
+        command=command,
         loader=run.loader,
         subject=input_text(run.scenario.force, units),
         conclusions=run_conclusions(run, units),

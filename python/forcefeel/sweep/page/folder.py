@@ -23,7 +23,9 @@ RUNS_FOLDER = OutputFolder("the sweep", (PLAN, RUNS), (CHUNKS,), plots=False)
 """What the runs leave."""
 
 
-def write_sweep(result: SweepResult, summary: Summary, out: Path, units: UnitSystem, law: str = "original") -> Path:
+def write_sweep(
+    result: SweepResult, summary: Summary, out: Path, units: UnitSystem, law: str = "original", *, command: str = ""
+) -> Path:
     """Writes ``sweep.html``, ``summary.json`` and, of a sweep without grid, ``envelope.csv``.
 
     What is there stays until the new files are complete; other files in the folder are left alone.
@@ -34,6 +36,7 @@ def write_sweep(result: SweepResult, summary: Summary, out: Path, units: UnitSys
         out: The folder; made if it is not there.
         units: The units of every number.
         law: What the law that drove the servos is called.
+        command: The command that asked for it, to stand on the page.
 
     Returns:
         The path of the page.
@@ -51,7 +54,7 @@ def write_sweep(result: SweepResult, summary: Summary, out: Path, units: UnitSys
     FOLDER.check(out)
     contents = {
         SUMMARY: json_text(sweep_json(result, summary, units)),
-        PAGE: sweep_page(result, summary, units, law),
+        PAGE: sweep_page(result, summary, units, law, command=command),
     }
     if not result.sweep.axes:
         contents = {ENVELOPE: _envelope(result, units), **contents}

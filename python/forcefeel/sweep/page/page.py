@@ -29,7 +29,9 @@ _SLICED = 2
 _MAPPED = 5
 
 
-def sweep_page(result: SweepResult, summary: Summary, units: UnitSystem, law: str = "original") -> str:
+def sweep_page(
+    result: SweepResult, summary: Summary, units: UnitSystem, law: str = "original", *, command: str = ""
+) -> str:
     """The whole page.
 
     Args:
@@ -37,6 +39,7 @@ def sweep_page(result: SweepResult, summary: Summary, units: UnitSystem, law: st
         summary: What its runs say together.
         units: The units of every number.
         law: What the law that drove the servos is called.
+        command: The command that asked for it.
     """
     sweep = result.sweep
     nominal = simulate(sweep.loader, sweep.scenario, sweep.nominal_law)
@@ -45,6 +48,7 @@ def sweep_page(result: SweepResult, summary: Summary, units: UnitSystem, law: st
     random = bool(sweep.varied)
     return render(
         "sweep/page/sweep.html.j2",
+        command=command,
         loader=sweep.loader,
         sweep=sweep,
         kind="Grid over settings" if over_grid else "Monte Carlo over tolerances",

@@ -22,7 +22,7 @@ FOLDER = OutputFolder("the identification", (PAGE, RESULTS, LOADER), (RESPONSES,
 _NAME = re.compile(r"[^\w.-]+")
 
 
-def write_identification(
+def write_identification(  # noqa: PLR0913  keywords of what is asked
     found: Identification,
     out: Path,
     units: UnitSystem,
@@ -31,6 +31,7 @@ def write_identification(
     estimated: Sequence[Response] = (),
     inputs: Sequence[Path] = (),
     replace: bool = False,
+    command: str = "",
 ) -> Path:
     """Writes ``loader.toml``, ``results.json`` and ``identification.html``, the page last.
 
@@ -46,6 +47,7 @@ def write_identification(
         estimated: Responses that were estimated from records; a file each in ``responses``.
         inputs: Files that the identification was made from; none of them is overwritten.
         replace: Whether the new files may take the place of others.
+        command: The command that asked for it, to stand on the page.
 
     Returns:
         The path of the page.
@@ -69,7 +71,7 @@ def write_identification(
         contents[LOADER] = found.loader.to_toml(units)
     results = identification_json(found, units, settings)
     contents[RESULTS] = json_text(results)
-    contents[PAGE] = identification_page(found, units, settings, tuple(tables))
+    contents[PAGE] = identification_page(found, units, settings, tuple(tables), command=command)
     FOLDER.write(out, contents)
     return out / PAGE
 

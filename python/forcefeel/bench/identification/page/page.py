@@ -20,7 +20,12 @@ from forcefeel.units import UnitSystem
 
 
 def identification_page(
-    found: Identification, units: UnitSystem, settings: FitSettings | None = None, estimated: Sequence[str] = ()
+    found: Identification,
+    units: UnitSystem,
+    settings: FitSettings | None = None,
+    estimated: Sequence[str] = (),
+    *,
+    command: str = "",
 ) -> str:
     """The whole page, numbers in ``units``.
 
@@ -29,10 +34,12 @@ def identification_page(
         units: Units of the numbers.
         settings: How it was made; nothing is said of it if not given.
         estimated: Files beside the page that hold responses estimated from records.
+        command: The command that asked for it.
     """
     responses = [one for one in found.fitted if isinstance(one.data, Response)]
     return render(
         "bench/identification/page/identification.html.j2",
+        command=command,
         loader=found.before,
         found=found,
         conclusions=identification_conclusions(found, units),

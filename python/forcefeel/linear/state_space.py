@@ -1,0 +1,137 @@
+"""The models of the report as python-control state-space objects, for analysis and design with that library.
+
+What forcefeel itself computes with are the same matrices without it, ``models``: python-control takes longer to import than
+``forcefeel analyze`` to answer.
+"""
+
+import control
+
+from forcefeel._core import Compensator
+from forcefeel.linear.models import (
+    LinearModel,
+    Linkage,
+    design_model,
+    feel_model,
+    loader_model,
+    open_loop_model,
+    servo_model,
+)
+from forcefeel.loader.loader import Loader
+
+
+def rigid_model(loader: Loader, compensator: Compensator | None = None) -> control.StateSpace:
+    """Loader with a rigid link, eq. (15): states x_p, x_p', p, q_i, q_i', delta, delta'.
+
+    Args:
+        loader: The loader.
+        compensator: The law that drives the amplifier; the original position loop, eq. (13), if not given.
+
+    Returns:
+        Continuous-time model with inputs ``INPUTS`` and outputs ``OUTPUTS``, SI units.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.linear.rigid_model(ff.elevator()).nstates
+        7
+    """
+    return _state_space(loader_model(loader, compensator, Linkage.RIGID))
+
+
+def compliant_model(loader: Loader, compensator: Compensator | None = None) -> control.StateSpace:
+    """Loader with a compliant link, eq. (17): states x_p, p, q_i, q_i', delta, delta', x_b, x_b'.
+
+    Arguments and result are those of ``rigid_model``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> model = ff.compliant_model(ff.elevator())
+        >>> model.nstates, model.input_labels
+        (8, ['pilot_force_n', 'test_signal_v'])
+    """
+    return _state_space(loader_model(loader, compensator, Linkage.COMPLIANT))
+
+
+def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpace:
+    """The hydraulic servo alone, from the amplifier's input e_T to ``SERVO_OUTPUTS`` (figs. 8, 9).
+
+    Args:
+        loader: The loader; its column hangs on the servo, the feel computer is off.
+        linkage: Rigid or compliant link.
+        closed: With the position loop of eq. (13) closed, or open.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.linear.servo(ff.elevator(), ff.linear.Linkage.COMPLIANT, closed=True).input_labels
+        ['test_signal_v']
+    """
+    return _state_space(servo_model(loader, linkage, closed=closed))
+
+
+def overall_open_loop(loader: Loader, linkage: Linkage, compensator: Compensator | None = None) -> control.StateSpace:
+    """The overall loop, opened at the torque that the feel computer sees (fig. 10).
+
+    L from that torque through feel computer, servo and load cell back to it, with the sign for which the closed loop's
+    characteristic equation is 1 + L = 0.
+
+    Args:
+        loader: The loader.
+        linkage: Rigid or compliant link.
+        compensator: The law that drives the amplifier; the original one if not given.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.linear.overall_open_loop(ff.elevator(), ff.linear.Linkage.RIGID).nstates
+        7
+    """
+    return _state_space(open_loop_model(loader, linkage, compensator))
+
+
+def design_plant(loader: Loader, pilot_arm_m: float | None = None, *, pilot_state: bool = True) -> control.StateSpace:
+    """The plant for the design of the compensation, eq. (19): states ``DESIGN_STATES``, input e, output delta - theta.
+
+    Valve dynamics are neglected, the load-cell loop is open and the pilot force F_p is a constant state. No command moves such a
+    state, so the plant is not stabilizable and ``control.lqr`` refuses it; recursion (22) over a horizon, ``compensate``, does not.
+    Without that state it is, and the six gains are those on the other states.
+
+    Args:
+        loader: The loader.
+        pilot_arm_m: Torque that the feel computer sees per newton of pilot force. Not given, it is the pilot's lever
+            arm R_p: what the load cell reports at rest, eq. (6).
+        pilot_state: Whether F_p is a state; without it there are the first six of ``DESIGN_STATES``.
+
+    Raises:
+        InputError: If ``loader`` is no loader.
+
+    Example:
+        >>> import control, forcefeel as ff
+        >>> plant = ff.linear.design_plant(ff.elevator(), pilot_state=False)
+        >>> gains, _, poles = control.lqr(plant, 1e4 * plant.C.T @ plant.C, 1.0)
+        >>> gains.shape, bool(max(poles.real) < 0)
+        ((1, 6), True)
+    """
+    return _state_space(design_model(loader, pilot_arm_m, pilot_state=pilot_state))
+
+
+def ideal_feel(loader: Loader) -> control.StateSpace:
+    """The programmed feel, eq. (11), driven by the pilot's torque: from pilot force to column angle.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.linear.ideal_feel(ff.elevator()).output_labels
+        ['column_angle_rad']
+    """
+    return _state_space(feel_model(loader))
+
+
+def _state_space(model: LinearModel) -> control.StateSpace:
+    return control.StateSpace(
+        model.A,
+        model.B,
+        model.C,
+        model.D,
+        name=model.name,
+        states=list(model.state_labels),
+        inputs=list(model.input_labels),
+        outputs=list(model.output_labels),
+        remove_useless_states=False,
+    )

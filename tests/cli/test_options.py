@@ -1,0 +1,76 @@
+"""Options are spelled once: wings take them by name, pages print them."""
+
+from dataclasses import MISSING, fields
+from importlib import import_module
+from pathlib import Path
+from shlex import split
+
+import pytest
+from cyclopts import App
+
+from forcefeel.bench.excitation import ExcitationPlan
+from forcefeel.bench.identification.as_json import FitSettings
+from forcefeel.cli.app import command_line
+from forcefeel.cli.excite import ExciteOptions
+from forcefeel.cli.identify import IdentifyOptions
+from forcefeel.cli.options import named_options
+from forcefeel.cli.qualify import QualifyOptions
+from forcefeel.cli.recursion_options import RecursionOptions
+from forcefeel.laws import DesignSettings
+from forcefeel.qualification import QualificationSetup
+
+TAKEN = {
+    (QualifyOptions, QualificationSetup): {"rule", "axis", "overdamped", "tests", "references", "records", "columns"},
+    (ExciteOptions, ExcitationPlan): {"kind", "time_s", "rate_hz", "from_hz", "to_hz"},
+    (IdentifyOptions, FitSettings): {"loss", "starts", "as_responses"},
+}
+
+
+@pytest.mark.parametrize(("options", "setup"), TAKEN)
+def test_an_option_that_a_wing_takes_has_the_wings_default(options, setup):
+    theirs = {field.name: field.default for field in fields(setup)}
+    ours = {field.name: field.default for field in fields(options) if field.name in TAKEN[options, setup]}
+    assert ours == {name: theirs[name] for name in TAKEN[options, setup]}
+
+
+def test_the_options_of_the_recursion_are_its_settings():
+    other = {"converge", "pilot_coupling"}
+    assert {field.name for field in fields(RecursionOptions)} - other < {field.name for field in fields(DesignSettings)}
+
+
+def _read(app: App, words: str):
+    """The options that a command line gives, and its loader."""
+    _, bound, _ = app.parse_args(split(words)[1:], print_error=False, exit_on_error=False)
+    return bound.arguments["options"], bound.arguments.get("path")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "forcefeel qualify 'a b.toml' --units si --set 'feel.breakout=1 lb' --set valve.orifice=true --test static --test fast "
+        "--axis roll --overdamped rise-time --record fast=x.csv --column position=theta --law robust --law 'my law.json'",
+        "forcefeel identify --experiment servo-open --from 'test_signal (V)' --data a.csv --data b.mat --fit k,c --starts 2 "
+        "--loss soft-l1 --no-priors --responses",
+        "forcefeel compensate elevator-2khz --horizon 0.1 --r2 0.5 --pilot-coupling column",
+        "forcefeel simulate --input release --angle='-10 deg' --seed 3",
+    ],
+)
+def test_the_command_line_of_options_gives_the_same_options(words):
+    """And what is left out is what has no say in the result."""
+    app = command_line(listed=False)
+    given, path = _read(app, words)
+    again = given.command_line(path)
+    assert _read(app, again) == (given, path)
+    assert _read(app, f"{words} --replace --out elsewhere --json") != (given, path)
+    more, _ = _read(app, f"{words} --replace --out elsewhere --json")
+    assert more.command_line(path) == again
+
+
+def test_every_option_is_named_and_has_a_default_or_is_needed():
+    for name in ("design", "sweep", "envelope", "frontier", "schedule", "excite", "resonance"):
+        kind = vars(import_module(f"forcefeel.cli.{name}"))[f"{name.capitalize()}Options"]
+        needed = [option for field, option, _ in named_options(kind) if field.default is MISSING]
+        assert set(needed) <= {"--knots", "--data", "--fit"}, name
+    assert (
+        IdentifyOptions(data=(Path("x.csv"),), fit="k").command_line(None) == "forcefeel identify --data x.csv --fit k"
+    )
