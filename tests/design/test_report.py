@@ -158,7 +158,7 @@ def test_out_cannot_be_written(designed):
 
 def test_a_failure_while_computing_leaves_the_old_report(out, designed, monkeypatch):
     before = _files(out)
-    monkeypatch.setattr(folder, "page", lambda *_: 1 / 0)
+    monkeypatch.setattr(folder, "page", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         write_report(designed, out, UnitSystem.SI)
     assert _files(out) == before
