@@ -76,7 +76,7 @@ def frequency_response(model: control.StateSpace, frequency_hz: NDArray[np.float
     """
     import xarray as xr  # noqa: PLC0415  with pandas, for which `forcefeel analyze` need not wait
 
-    response = model(2j * np.pi * frequency_hz)
+    response = _values(model, 2j * np.pi * frequency_hz)
     phase = np.degrees(_phase(model, 2 * np.pi * frequency_hz))
     return xr.Dataset(
         {
@@ -124,9 +124,23 @@ def _phase(model: control.StateSpace, w: NDArray[np.float64]) -> NDArray[np.floa
     offsets = np.geomspace(1e-7, 0.1, 40)
     beside = np.outer(corners[corners > 0], np.concatenate([1 - offsets, 1 + offsets])).ravel()
     path = np.union1d(np.concatenate([np.geomspace(1e-3, max(1e4, w.max()), 2000), beside]), w)
-    followed = np.unwrap(np.angle(model(path * (1e-6 + 1j))))[np.searchsorted(path, w)]
-    exact = np.angle(model(1j * w))
+    followed = np.unwrap(np.angle(_values(model, path * (1e-6 + 1j))))[np.searchsorted(path, w)]
+    exact = np.angle(_values(model, 1j * w))
     return np.asarray(exact + 2 * np.pi * np.round((followed - exact) / (2 * np.pi)))
+
+
+def _values(model: control.StateSpace, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Values of a model with one input and one output at the complex frequencies ``s`` in rad/s.
+
+    The same as ``model(s)``, which solves for one after another, and takes ten times as long for a thousand.
+    """
+    if model.nstates < 2:  # has a formula there
+        return np.asarray(model(s))
+    try:
+        states = np.linalg.solve(s[:, np.newaxis, np.newaxis] * np.eye(model.nstates) - model.A, model.B)
+    except np.linalg.LinAlgError:  # on a pole, where the value is infinite
+        return np.asarray(model(s))
+    return np.asarray((model.C @ states + model.D)[:, 0, 0])
 
 
 def resonance(model: control.StateSpace, low_rad_per_s: float, high_rad_per_s: float) -> Peak | None:
@@ -139,7 +153,7 @@ def resonance(model: control.StateSpace, low_rad_per_s: float, high_rad_per_s: f
         True
     """
     w = np.geomspace(low_rad_per_s, high_rad_per_s, 500)
-    top = int(np.argmax(np.abs(model(1j * w))))
+    top = int(np.argmax(np.abs(_values(model, 1j * w))))
     if top in {0, len(w) - 1}:
         return None
     best = scipy.optimize.minimize_scalar(
