@@ -1,7 +1,7 @@
 """Frequency responses and the margins of a loop."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import control
 import numpy as np
@@ -129,7 +129,9 @@ def _phase(model: control.StateSpace, w: NDArray[np.float64]) -> NDArray[np.floa
     return np.asarray(exact + 2 * np.pi * np.round((followed - exact) / (2 * np.pi)))
 
 
-def _values(model: control.StateSpace, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _values(
+    model: control.StateSpace, s: NDArray[np.complexfloating[Any, Any]]
+) -> NDArray[np.complexfloating[Any, Any]]:
     """Values of a model with one input and one output at the complex frequencies ``s`` in rad/s.
 
     The same as ``model(s)``, which solves for one after another, and takes ten times as long for a thousand.
