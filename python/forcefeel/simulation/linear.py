@@ -66,8 +66,8 @@ def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[n
         state = states[0]
         for following, by_level, by_ramp in zip(states[1:], levels, ramps, strict=True):
             np.matmul(phi, state, out=following)
-            following += by_level
-            following += by_ramp
+            np.add(following, by_level, out=following)
+            np.add(following, by_ramp, out=following)
             state = following
         pilot_force = np.append(force[:, 0], force[-1, 1])
         outputs = _outputs(model, states, pilot_force)
