@@ -15,6 +15,10 @@ from manual.terminal import Answer, Block, Terminal, blocks, commands, missing
 from sybil import Document, Example, Region, Sybil
 from sybil.parsers.markdown import PythonCodeBlockParser
 
+# The workers already share the cores: BLAS threads would wait for one another, turning. On two cores that took twice to seven times
+# the time, also where a test starts commands of its own.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 
 def pytest_xdist_auto_num_workers() -> int:
     """One worker more than cores: some tests wait for a browser, a cluster or a command of their own."""

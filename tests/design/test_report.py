@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from forcefeel.design.figure_data import figures
+from forcefeel.design.figure_data import Figure, figures
 from forcefeel.design.page import folder, write_report
 from forcefeel.design.page.plots import draw
 from forcefeel.design.workflow import Design, design_loader
@@ -29,6 +29,12 @@ ANCHORS = ("conclusions", "loader", "feel", "loops", "stability", "gains", "drop
 @pytest.fixture(scope="module")
 def designed() -> Design:
     return design_loader(elevator())
+
+
+@pytest.fixture(scope="module")
+def drawn(designed: Design) -> dict[str, Figure]:
+    """The figures by their key."""
+    return {figure.key: figure for figure in figures(designed)}
 
 
 @pytest.fixture(scope="module")
@@ -58,9 +64,9 @@ def test_the_page_has_every_section_and_plot(out):
     assert all(f'id="{key}" class="plotly-graph-div"' in text for key in KEYS)
 
 
-def test_the_tangent_of_figure_2_is_dashed_and_no_other_curve_is(designed):
-    (figure,) = (one for one in figures(designed) if one.key == "figure-02")
-    dashes = {trace.name.partition(" at")[0]: trace.line.dash for trace in draw(figure, designed, UnitSystem.US).data}
+def test_the_tangent_of_figure_2_is_dashed_and_no_other_curve_is(designed, drawn):
+    plot = draw(drawn["figure-02"], designed, UnitSystem.US)
+    dashes = {trace.name.partition(" at")[0]: trace.line.dash for trace in plot.data}
     assert dashes.pop("tangent") == "dash"
     assert set(dashes.values()) == {"solid"}
 
@@ -100,10 +106,10 @@ def test_json_holds_every_number_with_its_unit(designed, tmp_path, system, unit)
 
 
 @pytest.mark.parametrize("key", KEYS)
-def test_tables_of_values_agree_with_the_figures(out, designed, key):
+def test_tables_of_values_agree_with_the_figures(out, drawn, key):
     rows = list(csv.reader((out / "responses" / f"{key}.csv").read_text(encoding="utf-8").splitlines()))
     header, values = rows[0], np.array(rows[1:], dtype=float)
-    figure = next(one for one in figures(designed) if one.key == key)
+    figure = drawn[key]
     assert header[0] in {"time_s", "frequency_hz", "load_pressure [lb/in^2]"}
     labels = {name.rpartition(": ")[0] for name in header[1:]}
     assert labels == set(figure.curves)

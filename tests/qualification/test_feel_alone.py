@@ -61,6 +61,11 @@ TRAVELS = {"breakout": 0.1 * DEG, "detent": 1.0 * DEG, "hysteresis": 0.2 * DEG}
 SOFT_STOP_STIFFNESS = 50_000.0  # lb in/rad, the default
 
 
+def clipped(x, low, high):
+    """As ``np.clip``, which takes ten times as long for so few."""
+    return np.minimum(np.maximum(x, low), high)
+
+
 def integrated(rows, angle, force, steps, held):
     """Angle at the steps of ``rows``, a run each side by side, under ``force(t)`` in lb from ``angle`` at rest."""
 
@@ -81,16 +86,16 @@ def integrated(rows, angle, force, steps, held):
     def pull(x, v, slider, push):
         u = (x - detent_at) / detent_travel
         height = np.sign(u) * np.maximum(np.minimum(np.abs(u), 2 - np.abs(u)), 0)
-        grip = breakout * np.clip(x / breakout_travel, -1, 1) + preload + detent * height
-        grip = grip + slip * np.clip((x - slider) / slip_travel, -1, 1)
-        depth = x - np.clip(x, soft_low, soft_high)
+        grip = breakout * clipped(x / breakout_travel, -1, 1) + preload + detent * height
+        grip = grip + slip * clipped((x - slider) / slip_travel, -1, 1)
+        depth = x - clipped(x, soft_low, soft_high)
         stop = SOFT_STOP_STIFFNESS * depth + np.where(depth != 0, soft_damping * v, 0.0)
         stop = np.where(stop * depth > 0, stop, 0.0)
-        return R_P * push - B * v - quadratic * v * np.abs(v) - G * (x - np.clip(x, -dead, dead)) - R_P * grip - stop
+        return R_P * push - B * v - quadratic * v * np.abs(v) - G * (x - clipped(x, -dead, dead)) - R_P * grip - stop
 
     def stopped(x, v):
-        x, into = np.clip(x, low, high), ((x >= high) & (v > 0)) | ((x <= low) & (v < 0))
-        return x, np.where(into, 0.0, np.clip(v, -fastest, fastest))
+        x, into = clipped(x, low, high), ((x >= high) & (v > 0)) | ((x <= low) & (v < 0))
+        return x, np.where(into, 0.0, clipped(v, -fastest, fastest))
 
     x, v = np.broadcast_to(angle, len(rows)).astype(float), np.zeros(len(rows))
     slider, found = x.copy(), [x]
@@ -106,7 +111,7 @@ def integrated(rows, angle, force, steps, held):
             turned = (kinetic > 0) & (after * np.where(v != 0, v, now) < 0)  # friction never drives it backwards
             after = np.where(stuck | turned, 0.0, after)
             x, v = stopped(x + STEP * (v + after) / 2, after)
-            slider = np.clip(slider, x - slip_travel, x + slip_travel)
+            slider = clipped(slider, x - slip_travel, x + slip_travel)
         found.append(x)
     return np.array(found).T
 

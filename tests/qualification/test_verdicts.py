@@ -1,6 +1,7 @@
 """Verdicts: every tolerance of every table is met by a record that just passes and missed by one that just fails."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -40,6 +41,16 @@ def rows(kind):
 def row(edition, number, k):
     test = load_rules(edition).test(number)
     return test, test.tolerances[k]
+
+
+FINE = 4001
+"""Positions at which the curves of a sweep are given: between two of them, samples are averaged."""
+
+
+@cache
+def measured(points=401, **changes):
+    """What is measured of a sweep, once: many rows are held against the same one."""
+    return measure_sweep(swept(**changes), points=points)
 
 
 def damping(size):
@@ -175,11 +186,8 @@ def test_static_rows(edition, number, k, system, sign, expected):
     test, rule = row(edition, number, k)
     just = sign * JUST[expected]
 
-    def verdict(names, reference, measured):
-        found = judge_sweep(
-            measure_sweep(measured, points=4001), measure_sweep(reference, points=4001), test, system=system
-        )
-        return [it for it in found if it.quantity in names]
+    def verdict(names, reference, features):
+        return [it for it in judge_sweep(features, reference, test, system=system) if it.quantity in names]
 
     match rule.quantity:
         case "breakout":
@@ -191,7 +199,9 @@ def test_static_rows(edition, number, k, system, sign, expected):
                     base["breakout"] = size + 20.0
                     limit = float(rule.limit(size + 20.0, system=system))
                 changed = {**base, "breakout": base["breakout"] + just * limit}
-                both = verdict({"breakout, positive", "breakout, negative"}, swept(**base), swept(**changed))
+                both = verdict(
+                    {"breakout, positive", "breakout, negative"}, measured(FINE, **base), measured(FINE, **changed)
+                )
                 for found in both:
                     check(found, expected, test.verified, abs(just) * limit)
                 assert len(both) == 2
@@ -199,14 +209,12 @@ def test_static_rows(edition, number, k, system, sign, expected):
             # The amount: more friction at all positions. The share: a stiffer spring, at the stops.
             base = {"breakout": 0.0, "friction": 30.0, "stiffness": 10.0}
             limit = float(rule.limit(0.0, system=system))
-            for found in verdict(
-                {"force, up", "force, down"}, swept(**base), swept(**{**base, "friction": 30 + just * limit})
-            ):
+            changed = {**base, "friction": 30 + just * limit}
+            for found in verdict({"force, up", "force, down"}, measured(FINE, **base), measured(FINE, **changed)):
                 check(found, expected, test.verified, abs(just) * limit)
             base = {"breakout": 0.0, "friction": 0.0, "stiffness": 5000.0}
-            for found in verdict(
-                {"force, up", "force, down"}, swept(**base), swept(**{**base, "stiffness": 5000 * (1 + 0.1 * just)})
-            ):
+            changed = {**base, "stiffness": 5000 * (1 + 0.1 * just)}
+            for found in verdict({"force, up", "force, down"}, measured(FINE, **base), measured(FINE, **changed)):
                 check(found, expected, test.verified)
                 assert found.tolerance == pytest.approx(0.1 * abs(found.reference.value))
                 assert found.tolerance > limit
@@ -218,13 +226,14 @@ def test_static_rows(edition, number, k, system, sign, expected):
                 reference.force_n,
                 reference.surface_rad + just * math.radians(rule.absolute.deg),
             )
-            for found in verdict({f"{rule.surface}, up", f"{rule.surface}, down"}, reference, shifted):
+            features = measured(FINE, surface_gain=1.0), measure_sweep(shifted, points=FINE)
+            for found in verdict({f"{rule.surface}, up", f"{rule.surface}, down"}, *features):
                 check(found, expected, test.verified, abs(just) * math.radians(rule.absolute.deg))
         case "freeplay":
             base = {"breakout": 0.0, "friction": 2.0, "rate": 1000, "unit": "m", "stiffness": 2000.0}
             wide = 1.0 + 0.15 * (1 if expected == "failed" else -1)  # the grid leaves 6 % of the tolerance uncertain
-            reference, measured = swept(**base, freeplay=0.006), swept(**base, freeplay=0.006 + sign * wide * 0.00254)
-            (found,) = verdict({"freeplay"}, reference, measured)
+            changed = {**base, "freeplay": 0.006 + sign * wide * 0.00254}
+            (found,) = verdict({"freeplay"}, measured(FINE, **base, freeplay=0.006), measured(FINE, **changed))
             check(found, expected, test.verified, wide * 0.00254)
 
 
@@ -234,11 +243,11 @@ def test_static_rows(edition, number, k, system, sign, expected):
 @pytest.mark.parametrize(("edition", "number", "k"), rows("dynamic sweep"))
 def test_dynamic_sweep_rows(edition, number, k, system, sign, expected):
     test, rule = row(edition, number, k)
-    slow = measure_sweep(swept())
+    slow = measured()
 
     def fast(increment):
         """A fast sweep that takes so much more, by its damping."""
-        return measure_sweep(swept(damping=increment / 0.2, duration_s=4.0, rate=1000.0))
+        return measured(damping=increment / 0.2, duration_s=4.0, rate=1000.0)
 
     for increment in (20.0, 300.0):
         limit = float(rule.limit(increment, system=system))

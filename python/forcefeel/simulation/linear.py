@@ -60,8 +60,13 @@ def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[n
         states[0] = per_force * (hand + steps.start_force_n)
         force[:until] += hand
     with np.errstate(over="ignore", invalid="ignore"):
-        for k, (now, then) in enumerate(force):
-            states[k + 1] = phi @ states[k] + level * now + ramp * (then - now)
+        levels, ramps = np.outer(force[:, 0], level), np.outer(force[:, 1] - force[:, 0], ramp)
+        state = states[0]
+        for following, by_level, by_ramp in zip(states[1:], levels, ramps, strict=True):
+            np.matmul(phi, state, out=following)
+            np.add(following, by_level, out=following)
+            np.add(following, by_ramp, out=following)
+            state = following
         pilot_force = np.append(force[:, 0], force[-1, 1])
         outputs = _outputs(model, states, pilot_force)
     measured = _core.simulation_measure(outputs[:, :: steps.every], scenario.sample_s)

@@ -1,10 +1,12 @@
 """The D-optimal spectrum: closed forms, the equivalence theorem, and that nothing else within the limits is better."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from forcefeel.bench.excitation.optimal_power import GAP, PowerProblem, optimal_power
+from forcefeel.bench.excitation.optimal_power import GAP, OptimalPower, PowerProblem, optimal_power
 
 ROUNDING = 1e-6
 """Relative, of limits that are reached and floors that are kept, by the solver's own tolerance."""
@@ -24,6 +26,12 @@ def drawn(seed: int, *, lines=60, parameters=4, limits=3, floor=0.0) -> PowerPro
     cost = np.exp(rng.normal(0, 2, (limits, 1)) * at + rng.normal(0, 1, (limits, 1)))
     problem = PowerProblem(information, cost, rng.uniform(0.5, 2.0, limits), np.zeros(lines))
     return problem.with_floor(floor * problem.even())
+
+
+@cache
+def solved(seed: int, *, floor=0.0) -> OptimalPower:
+    """What is found for a drawn problem, once for all that is asked of it."""
+    return optimal_power(drawn(seed, floor=floor))
 
 
 def scaled(shape, problem):
@@ -53,8 +61,7 @@ def test_parameters_that_share_no_line_share_the_budget_evenly():
 def test_the_equivalence_theorem_holds(seed, floor):
     # Kiefer and Wolfowitz: P is optimal if and only if prices mu >= 0 exist with d_i <= sum_c mu_c a_ci, equal where P_i is free,
     # and mu_c = 0 where limit c is not reached. The prices are found here by least squares over the free lines, not by the solver.
-    problem = drawn(seed, floor=floor)
-    found = optimal_power(problem)
+    problem, found = drawn(seed, floor=floor), solved(seed, floor=floor)
     assert found.gap < GAP
     used = problem.cost @ found.power / problem.budget
     assert used.max() == pytest.approx(1.0, abs=ROUNDING)
@@ -73,7 +80,7 @@ def test_the_equivalence_theorem_holds(seed, floor):
 @pytest.mark.parametrize("seed", range(12))
 def test_nothing_else_within_the_limits_is_better(seed):
     problem = drawn(seed)
-    best = problem.log_det(optimal_power(problem).power)
+    best = problem.log_det(solved(seed).power)
     rng = np.random.default_rng(1000 + seed)
     assert problem.log_det(scaled(np.ones(60), problem)) < best
     for sparsity in (1.0, 0.3, 0.1):
@@ -85,7 +92,7 @@ def test_nothing_else_within_the_limits_is_better(seed):
 @pytest.mark.parametrize("seed", range(12))
 def test_the_certificate_bounds_what_is_lost(seed):
     problem = drawn(seed)
-    best = problem.log_det(optimal_power(problem).power)
+    best = problem.log_det(solved(seed).power)
     shape = np.random.default_rng(seed).uniform(0.1, 1.0, 60)
     poor = scaled(shape, problem)
     gap, _, _ = problem.certify(poor)
@@ -97,8 +104,8 @@ def test_the_certificate_bounds_what_is_lost(seed):
 @pytest.mark.parametrize("share", [0.1, 0.2, 0.5])
 def test_an_even_share_costs_no_more_than_itself(seed, share):
     # M >= (1 - s) M* + s M_even is within the limits, so the D-efficiency (det M / det M*)^(1/p) is 1 - s at least.
-    free, held = drawn(seed), drawn(seed, floor=share)
-    lost = free.log_det(optimal_power(held).power) - free.log_det(optimal_power(free).power)
+    free = drawn(seed)
+    lost = free.log_det(solved(seed, floor=share).power) - free.log_det(solved(seed).power)
     assert 1 - share <= np.exp(lost / 4) <= 1 + ROUNDING
 
 
