@@ -40,7 +40,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     settings = options.settings(loader)
     digital = bool(loader["controller.period"])
-    with all_or_nothing("design", "steps", silent=options.json) as bar:
+    with all_or_nothing("design", "steps", silent=options.json, even=False) as bar:
         begin = bar.steps(len(workflow.STEPS) + len(LAW_STEPS) * digital + 1)
         found = workflow.design_loader(loader, settings, begin)
         called = (str(path or loader.name), *(word for change in options.set_ for word in ("--set", change)))

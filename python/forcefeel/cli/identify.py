@@ -129,7 +129,7 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
     loader, data = options.loader(path), options.read(options.data)
     law = options.fixed_law(loader, data)
     settings = options.settings
-    with all_or_nothing("identify", "searches", silent=options.json) as bar:
+    with all_or_nothing("identify", "searches", silent=options.json, even=False) as bar:
         found = identify(
             loader,
             data,

@@ -18,15 +18,16 @@ class Bar:
         command: Whose line it is.
         what: What is counted, such as runs.
         silent: Whether there is to be no line.
+        even: Whether each takes as long, so that the time that is left can be told; the time so far is, where they do not.
     """
 
-    def __init__(self, command: str, what: str, *, silent: bool) -> None:
+    def __init__(self, command: str, what: str, *, silent: bool, even: bool = True) -> None:
         console = Console(stderr=True)
         columns = (
             TextColumn("{task.description}"),
             BarColumn(bar_width=20),
             TextColumn("{task.completed:,.0f} of {task.total:,.0f} " + what),
-            _Left(),
+            _Left() if even else _SoFar(),
         )
         self._command = command
         self._bar = Progress(*columns, console=console, transient=True, disable=silent or not console.is_terminal)
@@ -69,9 +70,9 @@ class Bar:
 
 
 @contextmanager
-def all_or_nothing(command: str, what: str, *, silent: bool) -> Iterator[Bar]:
+def all_or_nothing(command: str, what: str, *, silent: bool, even: bool = True) -> Iterator[Bar]:
     """A line over work that writes at its end: interrupted, it says so, and nothing is written."""
-    with Bar(command, what, silent=silent) as bar:
+    with Bar(command, what, silent=silent, even=even) as bar:
         try:
             yield bar
         except KeyboardInterrupt:
@@ -89,6 +90,15 @@ class _Left(ProgressColumn):
         if not task.completed or not task.elapsed or not task.total:
             return Text("")
         return Text(f"{_time(task.elapsed * (task.total - task.completed) / task.completed)} left")
+
+
+class _SoFar(ProgressColumn):
+    """The time that has gone by."""
+
+    max_refresh = 0.5
+
+    def render(self, task: Task) -> Text:
+        return Text(f"{_time(task.elapsed)} so far" if task.elapsed else "")
 
 
 def _time(seconds: float) -> str:

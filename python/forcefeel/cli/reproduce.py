@@ -28,7 +28,7 @@ def run(*, options: ReproduceOptions = ReproduceOptions()) -> None:
     from forcefeel.design import workflow
     from forcefeel.reproduction import Verdict, markdown, reproduce
 
-    with all_or_nothing("reproduce", "steps", silent=options.json) as bar:
+    with all_or_nothing("reproduce", "steps", silent=options.json, even=False) as bar:
         sections = reproduce(bar.steps(len(workflow.STEPS)))
     if options.json:
         print_json(json_value(sections, options.units))

@@ -53,7 +53,7 @@ def run(path: LoaderFile = None, /, *, options: ScheduleOptions) -> None:
     loader, knots = options.loader(path), read_knots(options.knots)
     deviations = options.deviations(loader)
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
-    with all_or_nothing("schedule", "loops", silent=options.json) as bar:
+    with all_or_nothing("schedule", "loops", silent=options.json, even=False) as bar:
         schedule = design_schedule(loader, knots.axes, knots.feel, options.method)
         found = check_schedule(
             schedule,
