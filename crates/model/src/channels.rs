@@ -4,6 +4,7 @@
 //! `i` valve current · `e_P`, `e_F` signals of potentiometer and load cell
 
 use crate::Scalar;
+use crate::drive::hydraulic::{CURRENT, FLOW, PRESSURE};
 use crate::machine::Now;
 use crate::parameters::Parameters;
 
@@ -28,8 +29,9 @@ impl<S: Scalar> Bench<S> {
     /// Of a machine in time.
     #[inline(always)]
     pub fn of(now: &Now<S>) -> Self {
-        let &Now { base, base_rate, piston, pressure, flow, current, .. } = now;
-        Self { base, base_rate, piston, pressure, flow, current }
+        let &Now { base, base_rate, position, signals, .. } = now;
+        let [pressure, flow, current] = [PRESSURE, FLOW, CURRENT].map(|k| signals[k]);
+        Self { base, base_rate, piston: position, pressure, flow, current }
     }
 }
 

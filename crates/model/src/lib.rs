@@ -36,8 +36,6 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-pub mod actuator;
-pub mod amplifier;
 mod bisect;
 pub mod channels;
 pub mod column;
@@ -45,6 +43,7 @@ pub mod compensator;
 pub mod contact;
 pub mod controller;
 pub mod curve;
+pub mod drive;
 pub mod dry_friction;
 pub mod dual;
 pub mod effects;
@@ -57,10 +56,8 @@ pub mod machine;
 pub mod observer;
 pub mod parameters;
 pub mod potentiometer;
-pub mod pressure;
 pub mod scalar;
 pub mod transducers;
 pub mod units;
-pub mod valve;
 
 pub use scalar::Scalar;

@@ -14,11 +14,11 @@ mod equilibrium;
 mod feel;
 mod friction;
 mod inputs;
+mod look;
 mod middle;
-mod oil;
 pub mod period;
 mod sensors;
-mod slow;
+pub(crate) mod slow;
 mod step;
 mod touch;
 
@@ -31,14 +31,14 @@ use crate::column::ColumnMotion;
 use crate::compensator::Compensator;
 use crate::controller::{Converters, Timing};
 use crate::curve::Curve;
+use crate::drive::hydraulic::Hydraulic;
+use crate::drive::{Coupling, Drive, SIGNALS};
 use crate::dry_friction::Grip;
 use crate::effects::Effects;
 use crate::feel::FeelLaw;
 use crate::observer::Observer;
 use crate::parameters::Parameters;
-use crate::pressure::{Balance, Flow, Side};
 use crate::transducers::{Seen, Transducers};
-use crate::valve::ValveMotion;
 use slow::Slow;
 
 /// What all runs of a batch share.
@@ -56,60 +56,50 @@ pub struct Shared {
 
 /// One loader, ready to run: its coefficients worked out.
 #[derive(Debug, Clone, Copy)]
-pub struct Machine<S> {
-    law: Compensator<S>,
+pub struct Machine<S: Scalar, D: Drive<S> = Hydraulic<S>> {
+    pub(crate) law: Compensator<S>,
     observer: Observer<S>,
     next_observer: Observer<S>,
-    valve: ValveMotion<S>,
-    balance: Balance<S>,
-    column: ColumnMotion<S>,
-    feel: FeelLaw<S>,
+    pub(crate) drive: D,
+    pub(crate) column: ColumnMotion<S>,
+    pub(crate) feel: FeelLaw<S>,
     next_feel: FeelLaw<S>,
-    transducers: Transducers<S>,
+    pub(crate) transducers: Transducers<S>,
     converters: Converters<S>,
-    /// `b c kappa`: velocity of the base per pressure that the damper's impulse is worth.
-    base_impulse: S,
-    /// `r c kappa / I`: the same for the feel.
-    feel_impulse: S,
-    /// `A` where the feel computer hears the load cell directly, zero where the load cell is sampled or lags.
-    direct: S,
     force_scale: S,
     per_base: S,
-    per_area: S,
-    step: S,
-    per_step: S,
+    pub(crate) step: S,
+    pub(crate) per_step: S,
 }
 
 /// State between two steps.
 #[derive(Debug, Clone, Copy)]
-pub struct State<S: Scalar> {
-    slow: Slow<S>,
-    column: Grip<S>,
-    feel: Grip<S>,
+pub struct State<S: Scalar, D: Drive<S> = Hydraulic<S>> {
+    pub(crate) slow: Slow<S>,
+    pub(crate) column: Grip<S>,
+    pub(crate) feel: Grip<S>,
+    /// What the drive remembers.
+    pub(crate) drive: D::Memory,
     seen: Seen<S>,
     neutral: S,
     slider: S,
     /// Command that the amplifier holds under a digital controller.
     held: S,
     /// Pilot force at the end of the last step.
-    pilot_force: S,
-    /// Slaved load pressure at its start.
-    pressure: S,
-    /// By how much the load pressure was behind it.
-    lag: S,
+    pub(crate) pilot_force: S,
     /// Force of a hand that holds the grip until it lets go, in N.
     hand: S,
     /// What is added to the command that it holds, in V.
     test_signal: S,
     /// Share of the last step by which a force on the load cell came later than a straight line.
-    late: S,
+    pub(crate) late: S,
     /// Steps since the start.
     steps: usize,
 }
 
 /// What there is at one instant.
 #[derive(Debug, Clone, Copy)]
-pub struct Now<S> {
+pub struct Now<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     /// Displacement of the column's base in m.
     pub base: S,
     /// Its velocity in m/s.
@@ -118,62 +108,54 @@ pub struct Now<S> {
     pub delta: S,
     /// Its rate.
     pub delta_rate: S,
-    /// Piston displacement in m.
-    pub piston: S,
+    /// Displacement of the drive's end in m.
+    pub position: S,
     /// Force of the load cell in N.
     pub force: S,
-    /// Load pressure in Pa.
-    pub pressure: S,
-    /// Flow that moves piston and oil, in m³/s.
-    pub flow: S,
-    /// Valve current in A.
-    pub current: S,
+    /// The drive's own quantities.
+    pub signals: [S; SIGNALS],
     /// Pilot force in N.
     pub pilot_force: S,
-    /// Pressure and flow in balance, which the motions see; those above are behind them by the oil's lag.
-    slaved: Flow<S>,
+    /// What the drive does in balance, which the motions see; what is seen of it above may be behind.
+    pub(crate) balance: D::Balance,
 }
 
 /// What the start of a step leaves for the rest of it.
 #[derive(Debug, Clone, Copy)]
-pub struct Begun<S: Scalar> {
+pub struct Begun<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     /// What there is now.
-    pub now: Now<S>,
+    pub now: Now<S, D>,
     slow: Slow<S>,
     rates: Slow<S>,
-    side: Side<S>,
+    pub(crate) side: D::Side,
 }
 
-impl<S: Scalar> Machine<S> {
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// The loader with these parameters under this law, in steps of `shared.step_s`.
     #[inline(always)]
     pub fn new(parameters: &Parameters<S>, law: Compensator<S>, shared: &Shared) -> Self {
         let column = ColumnMotion::new(parameters);
-        let balance = Balance::new(parameters, column.per_link_force);
         let feel = FeelLaw::new(parameters, &law);
         let one = parameters.column.inertia.constant(1.0);
-        // A sampled load cell, or one with a lag, keeps the oil's pole from the feel computer.
-        let direct = !parameters.load_cell.bandwidth.less(one / one.zero());
-        let arm = if shared.timing.is_none() { law.load_cell_arm } else { one.zero() };
-        let heard = S::select(direct, arm, one.zero());
+        // A sampled load cell, or one with a lag, keeps what is quick in the drive from the feel computer.
+        let analog = if shared.timing.is_none() { one } else { one.zero() };
+        let direct = !parameters.load_cell.bandwidth.less(one / one.zero()) & one.zero().less(analog);
+        let heard = S::select(direct, law.load_cell_arm, one.zero());
+        let coupling =
+            Coupling { base_per_force: column.per_link_force, feel_per_force: heard * feel.per_torque, direct };
         let observer = Observer::none(one);
         Self {
             law,
             observer,
             next_observer: observer,
-            valve: ValveMotion::new(parameters, shared.effects.orifice),
-            balance,
+            drive: D::new(parameters, shared, &coupling),
             column,
             feel,
             next_feel: feel,
             transducers: Transducers::new(parameters, shared.step_s),
             converters: Converters::new(parameters),
-            base_impulse: column.per_link_force * balance.impulse,
-            feel_impulse: heard * feel.per_torque * balance.impulse,
-            direct: if shared.timing.is_none() { S::select(direct, balance.area, one.zero()) } else { one.zero() },
             force_scale: one,
             per_base: parameters.column.angle(one),
-            per_area: one / balance.area,
             step: one.constant(shared.step_s),
             per_step: one.constant(1.0 / shared.step_s),
         }

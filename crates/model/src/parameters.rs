@@ -10,7 +10,7 @@
 //!
 //! | stated as | instead of | by |
 //! |---|---|---|
-//! | valve operating point | `C_i`, `C_p` | [`Valve::gains_at`](crate::valve), eqs. (1)-(2) |
+//! | valve operating point | `C_i`, `C_p` | [`Valve::gains_at`](crate::drive::hydraulic::valve), eqs. (1)-(2) |
 //! | linkage resonance | `k`, `c` | [`Linkage::from_resonance`](crate::linkage), appendix |
 //! | feel frequency and damping ratio | `I`, `B` | [`Feel::from_frequency`](crate::feel), eq. (11) |
 

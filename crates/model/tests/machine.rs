@@ -4,6 +4,7 @@ mod near;
 
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
+use forcefeel_model::drive::hydraulic::{CURRENT, FLOW, PRESSURE};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
 use forcefeel_model::parameters::{Parameters, TABLE};
@@ -87,8 +88,16 @@ fn machine_at_rest_stays_at_rest_bit_for_bit() {
     for p in [Parameters::elevator(), everything()] {
         for run in all_runs(&p) {
             for now in run.from(0.0, 300, |_| still(0.0)) {
-                let all =
-                    [now.base, now.base_rate, now.delta, now.delta_rate, now.piston, now.force, now.flow, now.current];
+                let all = [
+                    now.base,
+                    now.base_rate,
+                    now.delta,
+                    now.delta_rate,
+                    now.position,
+                    now.force,
+                    now.signals[FLOW],
+                    now.signals[CURRENT],
+                ];
                 assert!(all.iter().all(|&value| value == 0.0), "{now:?}");
             }
         }
@@ -153,7 +162,7 @@ fn mirrored_machine_does_the_mirrored_thing() {
             // A valve that has not moved yet has no sign, so 1 - p / p_s is rounded on either side of one.
             assert_within(now.base, -mirrored.base, 1e-14);
             assert_within(now.delta, -mirrored.delta, 1e-12); // up to 10 V
-            assert_within(now.pressure, -mirrored.pressure, 1e-6); // up to 1e7 Pa
+            assert_within(now.signals[PRESSURE], -mirrored.signals[PRESSURE], 1e-6); // up to 1e7 Pa
         }
     }
 }
@@ -187,10 +196,12 @@ fn digital_command_stays_between_its_arrivals() {
     let seen = run.from(0.0, 200, |_| still(400.0));
     for (step, pair) in (1..).zip(seen.windows(2)) {
         let arrives = step >= timing.delay && (step - timing.delay).is_multiple_of(timing.period);
-        assert!(arrives || pair[0].current.to_bits() == pair[1].current.to_bits(), "step {step}");
+        assert!(arrives || pair[0].signals[CURRENT].to_bits() == pair[1].signals[CURRENT].to_bits(), "step {step}");
         // The first sample saw a loader at rest; every later one one that moves.
         assert!(
-            !arrives || step == timing.delay || pair[0].current.to_bits() != pair[1].current.to_bits(),
+            !arrives
+                || step == timing.delay
+                || pair[0].signals[CURRENT].to_bits() != pair[1].signals[CURRENT].to_bits(),
             "step {step}"
         );
         // The feel computer moves on at a sample, and stands until the next.
@@ -218,7 +229,7 @@ fn every_step_of_a_release_is_finite_at_two_milliseconds() {
         run.shared.step_s = 2e-3;
         run.machine = Machine::new(&p, run.law, &run.shared);
         for now in run.from(0.2, 1000, |_| still(0.0)) {
-            assert!(run.angle(&now).abs() < 0.25 && now.pressure.abs() < 2.0 * p.valve.supply_pressure);
+            assert!(run.angle(&now).abs() < 0.25 && now.signals[PRESSURE].abs() < 2.0 * p.valve.supply_pressure);
         }
     }
 }

@@ -4,9 +4,9 @@ mod draws;
 mod near;
 
 use draws::Draws;
+use forcefeel_model::drive::hydraulic::pressure::{Balance, Flow};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::parameters::Parameters;
-use forcefeel_model::pressure::{Balance, Flow};
 use near::{assert_near, assert_within};
 
 /// The linear loader.

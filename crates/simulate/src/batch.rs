@@ -9,6 +9,7 @@ use crate::pair::Pair;
 use crate::run::{FeelChange, Middles, Record, run};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
+use forcefeel_model::drive::hydraulic::{CURRENT, FLOW, Hydraulic, PRESSURE};
 use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::{COUNT, Parameters};
@@ -217,7 +218,7 @@ struct Recorder<'a, T> {
     kept: Vec<T>,
 }
 
-impl<T: Wide> Record<T> for Recorder<'_, T> {
+impl<T: Wide> Record<T, Hydraulic<T>> for Recorder<'_, T> {
     #[inline(always)]
     fn middles(&self) -> Middles {
         match self.job.sampling {
@@ -249,7 +250,7 @@ impl<T: Wide> Record<T> for Recorder<'_, T> {
         // The middles give no peaks, or these would depend on what is kept.
         if self.job.sampling != Sampling::Halves || instant.is_multiple_of(2) {
             let programmed = now.delta * self.per_delta;
-            self.peaks.see(angle, programmed, [now.current, now.pressure, now.flow], time);
+            self.peaks.see(angle, programmed, [now.signals[CURRENT], now.signals[PRESSURE], now.signals[FLOW]], time);
         }
         if instant.is_multiple_of(every) {
             self.angles.push(angle);
@@ -302,11 +303,11 @@ fn output_of<S: Scalar>(now: &Now<S>, per_base: S, output: Output) -> S {
         Output::ColumnVelocity => now.base_rate * per_base,
         Output::FeelPosition => now.delta,
         Output::FeelVelocity => now.delta_rate,
-        Output::PistonPosition => now.piston,
+        Output::PistonPosition => now.position,
         Output::LoadCellForce => now.force,
-        Output::LoadPressure => now.pressure,
-        Output::ActuatorFlow => now.flow,
-        Output::ValveCurrent => now.current,
+        Output::LoadPressure => now.signals[PRESSURE],
+        Output::ActuatorFlow => now.signals[FLOW],
+        Output::ValveCurrent => now.signals[CURRENT],
         Output::PilotForce => now.pilot_force,
     }
 }

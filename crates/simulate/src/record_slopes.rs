@@ -11,6 +11,7 @@
 use crate::batch::{Job, Sampling};
 use crate::run::{FeelChange, Middles, Record, run};
 use forcefeel_model::channels::Bench;
+use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Machine, Now, Shared};
@@ -93,7 +94,7 @@ struct Recorder<'a> {
     values: &'a mut [f64],
 }
 
-impl Record<Dual> for Recorder<'_> {
+impl Record<Dual, Hydraulic<Dual>> for Recorder<'_> {
     fn middles(&self) -> Middles {
         if self.job.job.sampling == Sampling::Halves { Middles::All } else { Middles::None }
     }

@@ -1,6 +1,7 @@
 //! Runs in time: one loader, or several side by side, through the steps of their inputs.
 
 use forcefeel_model::Scalar;
+use forcefeel_model::drive::Drive;
 use forcefeel_model::machine::{Begun, Inputs, Machine, Now, Shared};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
@@ -30,11 +31,11 @@ pub enum Middles {
 }
 
 /// What looks on as a run goes by. A trait and no closure, because a closure is not sure to be compiled into the lanes' loop.
-pub trait Record<S> {
+pub trait Record<S: Scalar, D: Drive<S>> {
     /// How much to look at half-way through each step.
     fn middles(&self) -> Middles;
     /// The start of a step or the end of the last, or the middle of one; `instant` counts steps, or half steps.
-    fn see(&mut self, instant: usize, now: &Now<S>);
+    fn see(&mut self, instant: usize, now: &Now<S, D>);
     /// The base's displacement in the middle of a step.
     fn see_base(&mut self, base: S);
 }
@@ -44,14 +45,14 @@ pub trait Record<S> {
 ///
 /// `normal` gives a standard normal number for each sensor at each sample.
 #[inline(always)]
-pub fn run<S: Scalar>(
-    machine: &mut Machine<S>,
+pub fn run<S: Scalar, D: Drive<S>>(
+    machine: &mut Machine<S, D>,
     shared: &Shared,
     beginning: &Beginning<S>,
     inputs: &[Inputs],
     changes: &[FeelChange<S>],
     mut normal: impl FnMut() -> [S; SENSORS],
-    record: &mut impl Record<S>,
+    record: &mut impl Record<S, D>,
 ) {
     if inputs.is_empty() {
         return;
@@ -59,9 +60,9 @@ pub fn run<S: Scalar>(
     let &Beginning { ref equilibrium, held_until } = beginning;
     let (mut state, mut memory) = (machine.start(shared, equilibrium), machine.remember(equilibrium));
     let mut changes = changes.iter().peekable();
-    Machine::hold(&mut state, equilibrium);
+    Machine::<S, D>::hold(&mut state, equilibrium);
     if held_until == 0 {
-        Machine::let_go(&mut state);
+        Machine::<S, D>::let_go(&mut state);
     }
     if let Some(change) = changes.peek()
         && change.steps.0 == 0
@@ -71,7 +72,7 @@ pub fn run<S: Scalar>(
     let middles = record.middles();
     let stride = if middles == Middles::None { 1 } else { 2 };
     let ended = inputs[inputs.len() - 1].end();
-    let mut last: Option<(Begun<S>, &Inputs)> = None;
+    let mut last: Option<(Begun<S, D>, &Inputs)> = None;
     // One place where a step begins, the end of the last among them: it is compiled into every vector's loop.
     for step in 0..=inputs.len() {
         let now = inputs.get(step).unwrap_or(&ended);
@@ -90,7 +91,7 @@ pub fn run<S: Scalar>(
         machine.advance(shared, &mut state, now, &begun);
         let next = step + 1;
         if next == held_until {
-            Machine::let_go(&mut state);
+            Machine::<S, D>::let_go(&mut state);
         }
         if changes.peek().is_some_and(|change| next == change.steps.1) {
             machine.faded(shared, &mut state);

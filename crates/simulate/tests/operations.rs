@@ -4,6 +4,7 @@ use core::cell::Cell;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
+use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
 use forcefeel_model::parameters::Parameters;
@@ -102,7 +103,7 @@ impl Scalar for Counted {
 /// Looks on and does nothing.
 struct Nothing;
 
-impl Record<Counted> for Nothing {
+impl Record<Counted, Hydraulic<Counted>> for Nothing {
     fn middles(&self) -> Middles {
         Middles::None
     }

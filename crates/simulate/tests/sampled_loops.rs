@@ -100,7 +100,7 @@ fn whole(p: &Parameters<f64>, law: Law<'_>, timing: Timing) -> (DMatrix<f64>, DV
     let shared = shared(&[p.values()], law, timing);
     let parameters = p.map(Dual::constant);
     let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(of(0));
-    let mut machine = Machine::new(&parameters, law.compensator(&parameters, wide), &shared);
+    let mut machine: Machine<Dual> = Machine::new(&parameters, law.compensator(&parameters, wide), &shared);
     if let Some(observer) = law.observer(wide) {
         machine = machine.with_observer(observer);
     }

@@ -19,7 +19,7 @@ pub const LANES: usize = 8;
 pub(crate) const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
 
 /// One number of eight runs.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub struct Lanes<S: Simd>(f64x8<S>);
 
 impl<S: Simd> Lanes<S> {

@@ -129,7 +129,7 @@ impl SampledLoops<'_> {
 }
 
 /// A machine whose periods are asked for.
-struct Ready<'a, S> {
+struct Ready<'a, S: Scalar> {
     machine: Machine<S>,
     shared: &'a Shared,
     timing: Timing,

@@ -2,6 +2,7 @@
 
 use crate::wide::Wide;
 use forcefeel_model::Scalar;
+use forcefeel_model::drive::Drive;
 use forcefeel_model::machine::{Equilibrium, Inputs, Machine, Shared};
 
 /// Where a run begins.
@@ -35,7 +36,12 @@ impl<T: Wide> Beginning<T> {
 
 impl Start {
     /// The loader in equilibrium, under the first of `inputs`.
-    pub fn of<S: Scalar>(self, machine: &Machine<S>, shared: &Shared, inputs: &[Inputs]) -> Beginning<S> {
+    pub fn of<S: Scalar, D: Drive<S>>(
+        self,
+        machine: &Machine<S, D>,
+        shared: &Shared,
+        inputs: &[Inputs],
+    ) -> Beginning<S> {
         let first = inputs.first().unwrap_or(&Inputs::NONE);
         let like = machine.per_base();
         let [trim, factor] = [first.trim[0], first.stiffness_factor[0]].map(|value| like.constant(value));

@@ -6,6 +6,7 @@ use super::inputs::{Inputs, Moment};
 use super::{Equilibrium, Machine, Now, Shared, State};
 use crate::Scalar;
 use crate::controller::{Timing, UnderWay};
+use crate::drive::Drive;
 use crate::feel_computer::FeelMotion;
 use crate::observer::{Estimate, MOST_STATES, SAMPLED, Says};
 use crate::transducers::SENSORS;
@@ -22,12 +23,12 @@ pub struct Memory<S> {
     pub(super) command_signal: S,
 }
 
-impl<S: Scalar> Machine<S> {
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// What a digital controller remembers of the equilibrium.
     #[inline(always)]
     pub fn remember(&self, equilibrium: &Equilibrium<S>) -> Memory<S> {
         let base = equilibrium.base + self.transducers.offset[2];
-        let y = self.sampled_at_rest(equilibrium.base, equilibrium.piston, equilibrium.pressure);
+        let y = self.sampled_at_rest(equilibrium.base, equilibrium.position, equilibrium.effort);
         let estimate = self.observer.at_rest(&y, equilibrium.delta);
         Memory { under_way: UnderWay::holding(equilibrium.command), base, estimate, command_signal: base.zero() }
     }
@@ -38,9 +39,9 @@ impl<S: Scalar> Machine<S> {
         &self,
         shared: &Shared,
         timing: Timing,
-        (state, memory): (&mut State<S>, &mut Memory<S>),
+        (state, memory): (&mut State<S, D>, &mut Memory<S>),
         inputs: &Inputs,
-        now: &Now<S>,
+        now: &Now<S, D>,
         normal: impl FnOnce() -> [S; SENSORS],
     ) {
         let steps = state.steps;
@@ -63,9 +64,9 @@ impl<S: Scalar> Machine<S> {
         &self,
         shared: &Shared,
         timing: Timing,
-        (state, memory): (&mut State<S>, &mut Memory<S>),
+        (state, memory): (&mut State<S, D>, &mut Memory<S>),
         inputs: &Inputs,
-        now: &Now<S>,
+        now: &Now<S, D>,
         [force, piston, base]: [S; SENSORS],
     ) -> S {
         let period = self.step.times(count(timing.period));
@@ -78,7 +79,7 @@ impl<S: Scalar> Machine<S> {
             self.observed(memory, &y, state.slow.feel, inputs.fade[0])
         } else {
             let [delta, delta_rate] = state.slow.feel;
-            let x = [piston, force / self.balance.area, delta, delta_rate, base, base_rate, now.pilot_force];
+            let x = [piston, self.drive.effort_shown(force), delta, delta_rate, base, base_rate, now.pilot_force];
             Says { command: self.law.command(&x), torque: self.law.feel_torque(force) }
         };
         // The neutral moves through the period: half of it before the feel runs, half after.
@@ -131,7 +132,7 @@ impl<S: Scalar> Machine<S> {
 
     /// The feel computer over one period.
     #[inline(always)]
-    fn run_feel(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, torque: S, h: S) {
+    fn run_feel(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs, torque: S, h: S) {
         let around = self.around(&shared.effects, state, inputs, Moment::Start);
         let mut motion = FeelMotion { at: state.slow.feel, grip: state.feel, slider: state.slider };
         self.feel_computer(shared, inputs.fade[0]).run(&mut motion, torque, &around, h);

@@ -1,11 +1,12 @@
 //! Loaders in equilibrium, from which a run starts: eqs. (6), (9), (11), (13) without motion.
 //!
-//! `theta` column angle · `x_b` base · `delta` programmed displacement · `S` spring of the feel · `r` load cell's arm · `p` pressure
+//! `theta` column angle · `x_b` base · `delta` programmed displacement · `S` spring of the feel · `r` load cell's arm · effort: load
+//! pressure of a hydraulic drive
 //!
 //! Given `theta` and `delta`, everything at rest follows in turn: the feel's spring gives the load cell's force, that gives the
-//! stretch of the link and so the piston, and the law the command. `delta` is where the flow that the command asks for is the
-//! one that is lost; for a given pilot force, `theta` is where that force holds the column. A feel computer that is deaf stays at
-//! neutral; then it is `p` at which the flows agree.
+//! stretch of the link and so the drive's end, and the law the command. `delta` is where the command asks for no more than holds
+//! the effort; for a given pilot force, `theta` is where that force holds the column. A feel computer that is deaf stays at
+//! neutral; then it is the effort that is looked for.
 //!
 //! A search is thousands of evaluations in a row, once a run: it is left to the compiler what of it is inlined, and vector lanes
 //! find their equilibria one by one.
@@ -13,6 +14,7 @@
 use super::{Machine, Shared, State};
 use crate::Scalar;
 use crate::bisect::bisect;
+use crate::drive::Drive;
 use crate::dry_friction::Grip;
 use crate::feel::Surroundings;
 use crate::machine::slow::Slow;
@@ -25,12 +27,12 @@ pub const EQUILIBRIUM_NUMBERS: usize = 7;
 /// A loader in equilibrium, from which a run starts.
 #[derive(Debug, Clone, Copy)]
 pub struct Equilibrium<S> {
-    /// Base, piston, programmed displacement, trimmed neutral and load pressure.
+    /// Base, drive, programmed displacement, trimmed neutral and the drive's effort.
     pub(super) base: S,
-    pub(super) piston: S,
+    pub(super) position: S,
     pub(super) delta: S,
     neutral: S,
-    pub(super) pressure: S,
+    pub(super) effort: S,
     /// Command that holds them.
     pub(super) command: S,
     /// Pilot force that holds the column.
@@ -40,24 +42,24 @@ pub struct Equilibrium<S> {
 impl<S: Scalar> Equilibrium<S> {
     /// Everything at zero.
     pub(super) fn neutral(zero: S) -> Self {
-        Self { base: zero, piston: zero, delta: zero, neutral: zero, pressure: zero, command: zero, pilot_force: zero }
+        Self { base: zero, position: zero, delta: zero, neutral: zero, effort: zero, command: zero, pilot_force: zero }
     }
 
     /// What makes it out.
     pub fn numbers(&self) -> [S; EQUILIBRIUM_NUMBERS] {
-        [self.base, self.piston, self.delta, self.neutral, self.pressure, self.command, self.pilot_force]
+        [self.base, self.position, self.delta, self.neutral, self.effort, self.command, self.pilot_force]
     }
 
     /// The one that these make out.
     #[inline(always)]
     pub fn from_numbers(
-        &[base, piston, delta, neutral, pressure, command, pilot_force]: &[S; EQUILIBRIUM_NUMBERS],
+        &[base, position, delta, neutral, effort, command, pilot_force]: &[S; EQUILIBRIUM_NUMBERS],
     ) -> Self {
-        Self { base, piston, delta, neutral, pressure, command, pilot_force }
+        Self { base, position, delta, neutral, effort, command, pilot_force }
     }
 }
 
-impl<S: Scalar> Machine<S> {
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// The loader at rest with the column held at the angle `theta` and the neutral trimmed to `trim`, both in rad.
     pub fn held_at(&self, shared: &Shared, theta: S, trim: S, stiffness_factor: S) -> Equilibrium<S> {
         let x_b = theta / self.per_base;
@@ -67,19 +69,19 @@ impl<S: Scalar> Machine<S> {
             (x_b.zero(), x_b.zero())
         } else if deaf {
             // The link stretches by no more than the travel that is looked at.
-            let travel = self.balance.ratio / self.per_base * (theta.abs() + theta.constant(SEARCH_RAD));
-            (x_b.zero(), travel / self.balance.per_stiffness * self.per_area)
+            let travel = self.drive.link().ratio / self.per_base * (theta.abs() + theta.constant(SEARCH_RAD));
+            (x_b.zero(), self.drive.effort_of_stretch(travel))
         } else {
             (theta * self.feel.per_angle, self.feel.per_angle.times(SEARCH_RAD))
         };
         bisect((centre - reach, centre + reach), Equilibrium::neutral(centre.zero()), |x| {
-            // A feel computer that is deaf stays at neutral, and it is the pressure that is looked for.
-            let (delta, oil) = if deaf {
-                (neutral, (x, self.balance.stretch_at_rest(x)))
+            // A feel computer that is deaf stays at neutral, and it is the effort that is looked for.
+            let (delta, driven) = if deaf {
+                (neutral, (x, self.drive.stretch_at_rest(x)))
             } else {
                 (x, self.heard(shared, x_b, x, &Surroundings::at_rest(neutral, stiffness_factor, x)))
             };
-            self.standing(shared, [x_b, delta, neutral], oil)
+            self.standing(shared, [x_b, delta, neutral], driven)
         })
     }
 
@@ -104,7 +106,7 @@ impl<S: Scalar> Machine<S> {
         self.is_deaf() && !S::any(follows.zero().less(follows.abs()))
     }
 
-    /// Load pressure at which the feel computer hears what its spring asks for at a programmed displacement, and the link's stretch.
+    /// Effort at which the feel computer hears what its spring asks for at a programmed displacement, and the link's stretch.
     fn heard(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, S) {
         let effects = &shared.effects;
         // S(delta) = T                                                                            eq. (11) at rest
@@ -113,78 +115,83 @@ impl<S: Scalar> Machine<S> {
         if effects.observer { self.observed_equilibrium(x_b, delta, spring) } else { self.heard_equilibrium(spring) }
     }
 
-    /// What holds at rest for a base, a programmed displacement and its neutral, and a load pressure with the link's stretch, and the flow
-    /// that is then left over.
-    fn standing(&self, shared: &Shared, [x_b, delta, neutral]: [S; 3], (p, stretch): (S, S)) -> (S, Equilibrium<S>) {
+    /// What holds at rest for a base, a programmed displacement and its neutral, and an effort with the link's stretch, and what
+    /// the command then asks for beyond it.
+    fn standing(
+        &self,
+        shared: &Shared,
+        [x_b, delta, neutral]: [S; 3],
+        (effort, stretch): (S, S),
+    ) -> (S, Equilibrium<S>) {
         let effects = &shared.effects;
         let zero = delta.zero();
-        let x_p = self.balance.ratio * x_b + stretch;
+        let x_p = self.drive.link().ratio * x_b + stretch;
         // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
-        let pull = self.column.per_link_force * self.balance.area * p + self.column.loads(effects, x_b, x_b, zero);
+        let pull = self.column.per_link_force * self.drive.force_per_effort() * effort
+            + self.column.loads(effects, x_b, x_b, zero);
         let pilot_force = -pull / self.column.per_pilot_force;
-        let y = self.sampled_at_rest(x_b, x_p, p);
+        let y = self.sampled_at_rest(x_b, x_p, effort);
         let e = if effects.observer {
             self.observer.says(&self.observer.at_rest(&y, delta), &y, [delta, zero]).command
         } else {
             let [force, piston, angle] = y;
-            self.law.command(&[piston, force * self.per_area, delta, zero, angle / self.per_base, zero, pilot_force])
+            self.law.command(&[piston, self.drive.effort(force), delta, zero, angle / self.per_base, zero, pilot_force])
         };
-        let flow = self.valve.flow_per_current * self.valve.current(effects, e);
-        let left_over = flow - self.balance.leakage(effects, p);
-        (left_over, Equilibrium { base: x_b, piston: x_p, delta, neutral, pressure: p, command: e, pilot_force })
+        let left_over = self.drive.left_over(effects, e, effort);
+        (left_over, Equilibrium { base: x_b, position: x_p, delta, neutral, effort, command: e, pilot_force })
     }
 
-    /// Load pressure at which the load cell is heard as the torque `T`, `T = -r (F_c + F_0)`, and the link's stretch.
+    /// Effort at which the load cell is heard as the torque `T`, `T = -r (F_c + F_0)`, and the link's stretch.
     fn heard_equilibrium(&self, torque: S) -> (S, S) {
-        let p = (-torque / self.law.load_cell_arm - self.transducers.offset[0]) * self.per_area;
-        (p, self.balance.stretch_at_rest(p))
+        let effort = self.drive.effort(-torque / self.law.load_cell_arm - self.transducers.offset[0]);
+        (effort, self.drive.stretch_at_rest(effort))
     }
 
-    /// Load pressure and stretch at which an observer hears the torque `T` in equilibrium, `T = t_F F_c + t_x x_p + t_theta theta + t_delta delta`.
+    /// Effort and stretch at which an observer hears the torque `T` in equilibrium, `T = t_F F_c + t_x x_p + t_theta theta + t_delta delta`.
     ///
-    /// Where the piston hangs free within the link's play, there is no pressure, and the law says where it hangs.
+    /// Where the drive hangs free within the link's play, there is no effort, and the law says where it hangs.
     fn observed_equilibrium(&self, x_b: S, delta: S, torque: S) -> (S, S) {
+        let link = self.drive.link();
         let [per_force, per_piston, per_angle, per_delta] = self.observer.torque_at_rest();
-        let [force, piston, angle] = self.sampled_at_rest(x_b, self.balance.ratio * x_b, x_b.zero());
-        let per_stretch = self.balance.area * self.balance.per_stiffness;
-        let per_pressure = per_force * self.balance.area + per_piston * per_stretch;
+        let [force, piston, angle] = self.sampled_at_rest(x_b, link.ratio * x_b, x_b.zero());
+        let per_stretch = self.drive.force_per_effort() * link.per_stiffness;
+        let per_effort = per_force * self.drive.force_per_effort() + per_piston * per_stretch;
         let left = torque - per_force * force - per_angle * angle - per_delta * delta - per_piston * piston;
-        let play = per_piston * self.balance.half_play;
+        let play = per_piston * link.half_play;
         let one = x_b.constant(1.0);
-        let side = one.times_sign(left).times_sign(per_pressure);
-        let pressed = (left - play * side) / per_pressure;
+        let side = one.times_sign(left).times_sign(per_effort);
+        let pressed = (left - play * side) / per_effort;
         let hangs = left.abs().less(play.abs());
-        let p = S::select(hangs, one.zero(), pressed);
-        (p, S::select(hangs, left / S::select(hangs, per_piston, one), self.balance.stretch_at_rest(p)))
+        let effort = S::select(hangs, one.zero(), pressed);
+        let stretch = S::select(hangs, left / S::select(hangs, per_piston, one), self.drive.stretch_at_rest(effort));
+        (effort, stretch)
     }
 
     /// What the sensors show in equilibrium.
     #[inline(always)]
-    pub(super) fn sampled_at_rest(&self, x_b: S, x_p: S, p: S) -> [S; SAMPLED] {
+    pub(super) fn sampled_at_rest(&self, x_b: S, x_p: S, effort: S) -> [S; SAMPLED] {
         let [force, piston, base] = self.transducers.offset;
-        [self.balance.area * p + force, x_p + piston, (x_b + base) * self.per_base]
+        [self.drive.force_per_effort() * effort + force, x_p + piston, (x_b + base) * self.per_base]
     }
 
     /// A run's first state.
     #[inline(always)]
-    pub fn start(&self, shared: &Shared, equilibrium: &Equilibrium<S>) -> State<S> {
+    pub fn start(&self, shared: &Shared, equilibrium: &Equilibrium<S>) -> State<S, D> {
         let zero = equilibrium.base.zero();
-        let z = equilibrium.piston + self.balance.compressibility * equilibrium.pressure;
-        let w = self.base_impulse * equilibrium.pressure;
-        let u = if shared.timing.is_some() { zero } else { -self.feel_impulse * equilibrium.pressure };
-        let q_i = self.balance.leakage(&shared.effects, equilibrium.pressure);
-        let measured = [self.balance.area * equilibrium.pressure, equilibrium.piston, equilibrium.base];
+        let &Equilibrium { base, position, delta, effort, .. } = equilibrium;
+        let ([first, second, third], [w, u], drive) = self.drive.at_rest(&shared.effects, position, effort);
+        let u = if shared.timing.is_some() { zero } else { u };
+        let measured = [self.drive.force_per_effort() * effort, position, base];
         State {
-            slow: Slow { plant: [z, q_i, zero, equilibrium.base, w], feel: [equilibrium.delta, u] },
+            slow: Slow { plant: [first, second, third, base, w], feel: [delta, u] },
             column: Grip::resting(&self.column.friction),
             feel: Grip::resting(&self.feel.friction),
+            drive,
             seen: Seen { measured, shown: measured },
             neutral: equilibrium.neutral,
-            slider: equilibrium.delta,
+            slider: delta,
             held: equilibrium.command,
             pilot_force: equilibrium.pilot_force,
-            pressure: equilibrium.pressure,
-            lag: zero,
             hand: zero,
             test_signal: zero,
             late: zero,

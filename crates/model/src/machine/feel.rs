@@ -3,13 +3,14 @@
 use super::inputs::{Inputs, Moment};
 use super::{Machine, Shared, State};
 use crate::Scalar;
+use crate::drive::Drive;
 use crate::effects::Effects;
 use crate::feel::{FeelLaw, Surroundings};
 use crate::feel_computer::FeelComputer;
 use crate::observer::Observer;
 use crate::parameters::Parameters;
 
-impl<S: Scalar> Machine<S> {
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Begins to change the feel to that of `parameters`, and the law to `observer` where there is one; how far it is, the inputs'
     /// `fade` says.
     #[inline(always)]
@@ -20,17 +21,16 @@ impl<S: Scalar> Machine<S> {
 
     /// The next feel is the feel from now on.
     #[inline(always)]
-    pub fn faded(&mut self, shared: &Shared, state: &mut State<S>) {
-        let before = self.feel_impulse;
-        self.feel_impulse = before * self.next_feel.per_torque / self.feel.per_torque;
+    pub fn faded(&mut self, shared: &Shared, state: &mut State<S, D>) {
+        let side = self.drive.side(&shared.effects, state.column.stuck);
+        let touches = self.drive.touches(&state.slow.plant);
+        let balance = self.drive.balance(&shared.effects, &side, touches, &state.slow.plant);
+        let given_back = self.drive.feel_changed(self.feel.per_torque, self.next_feel.per_torque, &balance);
         self.feel = self.next_feel;
         self.observer = self.next_observer;
         if shared.timing.is_none() {
-            // The velocity stays; what is given back to it with the oil's impulse does not.
-            let side = self.balance.side(&shared.effects, state.column.stuck);
-            let touches = self.link_touches(&state.slow);
-            let p = self.balance.solve(&shared.effects, &side, touches, state.slow.plant).pressure;
-            state.slow.feel[1] = state.slow.feel[1] + (before - self.feel_impulse) * p;
+            // The velocity stays; what is given back to it with the drive's impulse does not.
+            state.slow.feel[1] = state.slow.feel[1] + given_back;
         }
     }
 
@@ -50,7 +50,7 @@ impl<S: Scalar> Machine<S> {
     pub(super) fn around(
         &self,
         effects: &Effects,
-        state: &State<S>,
+        state: &State<S, D>,
         inputs: &Inputs,
         moment: Moment,
     ) -> Surroundings<S> {
@@ -74,7 +74,7 @@ impl<S: Scalar> Machine<S> {
     }
 
     #[inline(always)]
-    pub(super) fn dragged(&self, effects: &Effects, state: &State<S>) -> S {
+    pub(super) fn dragged(&self, effects: &Effects, state: &State<S, D>) -> S {
         if effects.feel_spring { self.feel.dragged(state.slider, state.slow.feel[0]) } else { state.slider }
     }
 }

@@ -4,21 +4,21 @@ use super::inputs::Inputs;
 use super::slow::Slow;
 use super::{Machine, Now, Shared, State};
 use crate::Scalar;
+use crate::drive::Drive;
 use crate::effects::Effects;
-use crate::pressure::Side;
 
-impl<S: Scalar> Machine<S> {
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Dry friction at the start of a step: first what it did inside the last step, then what it does in this one.
     #[inline(always)]
     pub(super) fn settle(
         &self,
         shared: &Shared,
-        state: &mut State<S>,
+        state: &mut State<S, D>,
         inputs: &Inputs,
-        now: &mut Now<S>,
+        now: &mut Now<S, D>,
         rates: &mut Slow<S>,
-        side: Side<S>,
-    ) -> Side<S> {
+        side: D::Side,
+    ) -> D::Side {
         let effects = &shared.effects;
         let mut side = side;
         if effects.column_friction {
@@ -29,12 +29,12 @@ impl<S: Scalar> Machine<S> {
             let found = friction.settled(&state.column, v, pull - jump, (self.step, self.per_step));
             state.column = friction.grip(found.velocity, pull);
             state.slow.plant[3] = state.slow.plant[3] + found.displacement;
-            let w = found.velocity + self.base_impulse * now.slaved.pressure;
+            let w = self.drive.base_momentum(found.velocity, &now.balance);
             state.slow.plant[4] = S::select(found.settled, w, state.slow.plant[4]);
             now.base = state.slow.plant[3];
             now.base_rate = found.velocity;
             rates.plant[3] = found.velocity;
-            side = self.balance.side(effects, state.column.stuck);
+            side = self.drive.side(effects, state.column.stuck);
         }
         if effects.feel_friction && shared.timing.is_none() {
             let (rate, pull) = (now.delta_rate, rates.feel[1]);
@@ -42,7 +42,7 @@ impl<S: Scalar> Machine<S> {
             let found = friction.settled(&state.feel, rate, pull, (self.step, self.per_step));
             state.feel = friction.grip(found.velocity, pull);
             state.slow.feel[0] = state.slow.feel[0] + found.displacement;
-            let u = found.velocity - self.feel_impulse * now.slaved.pressure;
+            let u = self.drive.feel_momentum(found.velocity, &now.balance);
             state.slow.feel[1] = S::select(found.settled, u, state.slow.feel[1]);
             now.delta = state.slow.feel[0];
             now.delta_rate = found.velocity;
@@ -54,7 +54,7 @@ impl<S: Scalar> Machine<S> {
 
     /// Adds dry friction to the rates.
     #[inline(always)]
-    pub(super) fn resist(effects: &Effects, state: &State<S>, rates: &mut Slow<S>) {
+    pub(super) fn resist(effects: &Effects, state: &State<S, D>, rates: &mut Slow<S>) {
         if effects.column_friction {
             let pull = rates.plant[4] + state.column.drag;
             rates.plant[4] = S::select(state.column.stuck, pull.zero(), pull);

@@ -2,6 +2,7 @@
 
 use super::{Equilibrium, Machine, State};
 use crate::Scalar;
+use crate::drive::Drive;
 
 /// One row an input: its name, and what it is where nothing is done.
 macro_rules! inputs {
@@ -71,7 +72,7 @@ impl Moment {
     }
 }
 
-impl<S: Scalar> Machine<S> {
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// The pilot's force in N where the inputs give `force`.
     #[inline(always)]
     pub fn force(&self, force: f64) -> S {
@@ -79,17 +80,17 @@ impl<S: Scalar> Machine<S> {
     }
 
     #[inline(always)]
-    pub(super) fn pilot_force(&self, state: &State<S>, inputs: &Inputs, moment: Moment) -> S {
+    pub(super) fn pilot_force(&self, state: &State<S, D>, inputs: &Inputs, moment: Moment) -> S {
         self.force(moment.of(inputs.force)) + state.hand
     }
 
     /// A hand holds the grip with the force of `equilibrium`.
-    pub fn hold(state: &mut State<S>, equilibrium: &Equilibrium<S>) {
+    pub fn hold(state: &mut State<S, D>, equilibrium: &Equilibrium<S>) {
         state.hand = equilibrium.pilot_force;
     }
 
     /// The hand lets go.
-    pub fn let_go(state: &mut State<S>) {
+    pub fn let_go(state: &mut State<S, D>) {
         state.hand = state.hand.zero();
     }
 }

@@ -4,18 +4,19 @@ use super::inputs::{Inputs, Moment};
 use super::slow::{self, Slow};
 use super::{Begun, Machine, Now, Shared};
 use crate::Scalar;
+use crate::drive::{self, Drive};
 
-impl<S: Scalar> Machine<S> {
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Displacement of the base half-way between the starts of two steps.
     #[inline(always)]
-    pub fn middle_base(&self, before: &Begun<S>, after: &Begun<S>) -> S {
+    pub fn middle_base(&self, before: &Begun<S, D>, after: &Begun<S, D>) -> S {
         let (a, b) = (&before.now, &after.now);
         slow::cubic((a.base, a.base_rate), (b.base, b.base_rate), self.step.times(0.125))
     }
 
     /// What there was half-way between the starts of two steps: of the third order where nothing was switched between them.
     #[inline(always)]
-    pub fn middle(&self, shared: &Shared, inputs: &Inputs, before: &Begun<S>, after: &Begun<S>) -> Now<S> {
+    pub fn middle(&self, shared: &Shared, inputs: &Inputs, before: &Begun<S, D>, after: &Begun<S, D>) -> Now<S, D> {
         let (a, b) = (&before.now, &after.now);
         let eighth = self.step.times(0.125);
         // The rate of the same cubic.
@@ -23,12 +24,11 @@ impl<S: Scalar> Machine<S> {
             ((x_1 - x_0) * self.per_step).times(1.5) - (rate_0 + rate_1).times(0.25)
         };
         let slow = Slow::middle((&before.slow, &before.rates), (&after.slow, &after.rates), self.step);
-        let touches = self.link_touches(&before.slow) | self.link_touches(&after.slow);
-        let slaved = self.balance.solve(&shared.effects, &before.side, touches, slow.plant);
-        // The lag itself changes so little over a step that a straight line will do.
-        let between = |lag: &dyn Fn(&Now<S>) -> S| (lag(a) + lag(b)).times(0.5);
-        let pressure = slaved.pressure + between(&|now| now.pressure - now.slaved.pressure);
+        let touches = self.drive.touches(&before.slow.plant) | self.drive.touches(&after.slow.plant);
+        let balance = self.drive.balance(&shared.effects, &before.side, touches, &slow.plant);
         let digital = shared.timing.is_some();
+        let seen = self.drive.seen_between(&slow.plant, &balance, (a, b), digital);
+        let drive::Seen { position, force: on_load_cell, signals } = seen;
         let force = Moment::Half.of(inputs.force) - inputs.force[0];
         Now {
             base: self.middle_base(before, after),
@@ -39,13 +39,11 @@ impl<S: Scalar> Machine<S> {
                 slow::cubic((a.delta, a.delta_rate), (b.delta, b.delta_rate), eighth)
             },
             delta_rate: if digital { a.delta_rate } else { rate(a.delta, b.delta, a.delta_rate, b.delta_rate) },
-            piston: self.balance.piston(slow.plant[0], pressure),
-            force: self.balance.area * pressure,
-            pressure,
-            flow: slaved.flow + between(&|now| now.flow - now.slaved.flow),
-            current: if digital { a.current } else { (a.current + b.current).times(0.5) },
+            position,
+            force: on_load_cell,
+            signals,
             pilot_force: a.pilot_force + self.force(force),
-            slaved,
+            balance,
         }
     }
 }

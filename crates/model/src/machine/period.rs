@@ -6,6 +6,8 @@
 use super::{Begun, Equilibrium, Inputs, Machine, Memory, Now, Shared, State};
 use crate::Scalar;
 use crate::controller::{MOST_UNDER_WAY, Timing};
+use crate::drive::Drive;
+use crate::drive::hydraulic::Hydraulic;
 use crate::machine::slow::Slow;
 use crate::observer::MOST_STATES;
 use crate::transducers::{SENSORS, Seen};
@@ -32,7 +34,7 @@ pub struct Drives<S> {
     pub command_signal: S,
     /// A pilot force in N that stays.
     pub force: S,
-    /// The one of before, which the oil has followed so far.
+    /// The one of before, which the drive has followed so far.
     pub force_before: S,
     /// A test signal in V at the amplifier's input during one step of the period, and which.
     pub test_signal: (S, usize),
@@ -40,16 +42,16 @@ pub struct Drives<S> {
 
 /// A period from a state at rest at neutral, nothing pushing but the pilot's force.
 #[derive(Debug, Clone, Copy)]
-pub struct Period<'a, S> {
+pub struct Period<'a, S: Scalar, D: Drive<S> = Hydraulic<S>> {
     /// The loader.
-    pub machine: &'a Machine<S>,
+    pub machine: &'a Machine<S, D>,
     /// What is in play; with a controller's timing.
     pub shared: &'a Shared,
     /// When the controller acts.
     pub timing: Timing,
 }
 
-impl<S: Scalar> Period<'_, S> {
+impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
     /// The state a period later.
     pub fn next(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> [S; PERIOD_STATES] {
         let (zero, (test_signal, at)) = (drives.force.zero(), drives.test_signal);
@@ -67,18 +69,18 @@ impl<S: Scalar> Period<'_, S> {
     }
 
     /// What there is at the start of the period, its command on the way, under a test signal of its first step.
-    pub fn now(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> Now<S> {
+    pub fn now(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> Now<S, D> {
         let (mut state, mut memory) = self.put(numbers, drives);
         state.test_signal = drives.test_signal.0;
         self.begin(&mut state, &mut memory).now
     }
 
-    fn begin(&self, state: &mut State<S>, memory: &mut Memory<S>) -> Begun<S> {
+    fn begin(&self, state: &mut State<S, D>, memory: &mut Memory<S>) -> Begun<S, D> {
         let none = [memory.command_signal.zero(); SENSORS];
         self.machine.begin(self.shared, state, memory, &Inputs::NONE, || none)
     }
 
-    fn put(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> (State<S>, Memory<S>) {
+    fn put(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> (State<S, D>, Memory<S>) {
         let zero = numbers[0].zero();
         let mut next = 0;
         let mut take = || {
@@ -96,7 +98,7 @@ impl<S: Scalar> Period<'_, S> {
             memory.under_way.send(MOST_UNDER_WAY - age, take());
         }
         memory.base = take();
-        (state.pressure, state.lag) = (take(), take());
+        D::remember(&mut state.drive, [take(), take()]);
         state.seen = Seen { measured: [take(), take(), take()], shown: [take(), take(), take()] };
         for entry in &mut memory.estimate {
             *entry = take();
@@ -107,7 +109,7 @@ impl<S: Scalar> Period<'_, S> {
         (state, memory)
     }
 
-    fn read(state: &State<S>, memory: &Memory<S>) -> [S; PERIOD_STATES] {
+    fn read(state: &State<S, D>, memory: &Memory<S>) -> [S; PERIOD_STATES] {
         let mut numbers = [state.held; PERIOD_STATES];
         let mut next = 0;
         let mut write = |value: S| {
@@ -120,8 +122,7 @@ impl<S: Scalar> Period<'_, S> {
             write(memory.under_way.arriving(MOST_UNDER_WAY + 1 - age));
         }
         write(memory.base);
-        write(state.pressure);
-        write(state.lag);
+        D::remembered(&state.drive).into_iter().for_each(&mut write);
         state.seen.measured.into_iter().chain(state.seen.shown).for_each(&mut write);
         memory.estimate.into_iter().for_each(&mut write);
         numbers

@@ -4,17 +4,18 @@ use super::inputs::Moment;
 use super::step::Stage;
 use super::{Machine, Now};
 use crate::Scalar;
+use crate::drive::Drive;
 use crate::transducers::SENSORS;
 
-impl<S: Scalar> Machine<S> {
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     #[inline(always)]
-    pub(super) fn measured(now: &Now<S>) -> [S; SENSORS] {
-        [now.force, now.piston, now.base]
+    pub(super) fn measured(now: &Now<S, D>) -> [S; SENSORS] {
+        [now.force, now.position, now.base]
     }
 
     /// What the sensors show under the analog law.
     #[inline(always)]
-    pub(super) fn shown(&self, stage: &Stage<'_, S>, now: &Now<S>) -> ([S; SENSORS], S) {
+    pub(super) fn shown(&self, stage: &Stage<'_, S, D>, now: &Now<S, D>) -> ([S; SENSORS], S) {
         let effects = &stage.shared.effects;
         let mut shown = Self::measured(now);
         let mut base_rate = now.base_rate;
@@ -33,10 +34,9 @@ impl<S: Scalar> Machine<S> {
         (shown, base_rate)
     }
 
-    /// Torque that an analog feel computer hears where the load cell shows `force`: where it hears it directly, it is a motion like
-    /// the column's, whose `u` knows of the lag.
+    /// Torque that an analog feel computer hears where the load cell shows `force`.
     #[inline(always)]
-    pub(super) fn heard_torque(&self, force: S, now: &Now<S>) -> S {
-        self.law.feel_torque(force + self.direct * (now.slaved.pressure - now.pressure))
+    pub(super) fn heard_torque(&self, force: S, now: &Now<S, D>) -> S {
+        self.law.feel_torque(self.drive.heard(force, now))
     }
 }

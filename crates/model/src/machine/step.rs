@@ -5,18 +5,19 @@ use super::inputs::{Inputs, Moment};
 use super::slow::Slow;
 use super::{Begun, Machine, Now, Shared, State};
 use crate::Scalar;
+use crate::drive::Drive;
 use crate::effects::Effects;
 use crate::transducers::{SENSORS, Seen};
 
 /// What a step needs at every stage.
-pub(super) struct Stage<'a, S: Scalar> {
+pub(super) struct Stage<'a, S: Scalar, D: Drive<S>> {
     pub(super) shared: &'a Shared,
     pub(super) inputs: &'a Inputs,
-    pub(super) state: &'a State<S>,
+    pub(super) state: &'a State<S, D>,
     pub(super) moment: Moment,
 }
 
-impl<S: Scalar> Machine<S> {
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// The start of a step: settles what friction did in the last one, samples if it is time to, and looks.
     ///
     /// `normal` gives a standard normal number for each sensor when a sample is taken.
@@ -24,23 +25,18 @@ impl<S: Scalar> Machine<S> {
     pub fn begin(
         &self,
         shared: &Shared,
-        state: &mut State<S>,
+        state: &mut State<S, D>,
         memory: &mut Memory<S>,
         inputs: &Inputs,
         normal: impl FnOnce() -> [S; SENSORS],
-    ) -> Begun<S> {
+    ) -> Begun<S, D> {
         let effects = &shared.effects;
-        let side = if effects.column_friction {
-            self.balance.side(effects, state.column.stuck)
-        } else {
-            self.balance.moving()
-        };
+        let side =
+            if effects.column_friction { self.drive.side(effects, state.column.stuck) } else { self.drive.moving() };
         let force = self.pilot_force(state, inputs, Moment::Start);
         let mut now = self.look(effects, &side, &state.slow, state, (force, force.zero()));
         if state.steps > 0 {
-            let yielding = self.balance.yielding(effects, &side, state.slow.plant[1], &now.slaved);
-            self.catch_up(effects, &yielding, state, &mut now);
-            self.follow(effects, &side, &yielding, state, &mut now);
+            D::catch_up(self, effects, &side, state, &mut now);
         }
         if effects.lags || shared.timing.is_some() {
             let measured = Self::measured(&now);
@@ -62,7 +58,7 @@ impl<S: Scalar> Machine<S> {
 
     /// The rest of a step.
     #[inline(always)]
-    pub fn advance(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, begun: &Begun<S>) {
+    pub fn advance(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs, begun: &Begun<S, D>) {
         let analog = shared.timing.is_none();
         let (h, half) = (self.step, self.step.times(0.5));
         let start = state.slow;
@@ -88,15 +84,15 @@ impl<S: Scalar> Machine<S> {
     fn stage(
         &self,
         shared: &Shared,
-        state: &State<S>,
+        state: &State<S, D>,
         inputs: &Inputs,
-        begun: &Begun<S>,
+        begun: &Begun<S, D>,
         slow: &Slow<S>,
         moment: Moment,
     ) -> Slow<S> {
         // The lag hardly changes in a step.
         let force = self.pilot_force(state, inputs, moment);
-        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, -state.lag));
+        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, D::behind(&state.drive)));
         if shared.effects.feel_limits && shared.timing.is_none() {
             let before = (begun.now.delta, begun.now.delta_rate);
             (now.delta, now.delta_rate) = self.feel.held_within(before, (now.delta, now.delta_rate));
@@ -109,9 +105,8 @@ impl<S: Scalar> Machine<S> {
 
     /// Time derivatives, dry friction left out.
     #[inline(always)]
-    pub(super) fn rates(&self, stage: &Stage<'_, S>, slow: &Slow<S>, now: &mut Now<S>) -> Slow<S> {
+    pub(super) fn rates(&self, stage: &Stage<'_, S, D>, slow: &Slow<S>, now: &mut Now<S, D>) -> Slow<S> {
         let effects = &stage.shared.effects;
-        let [_, q_i, q_i_rate, x_b, _] = slow.plant;
         let mut feel = slow.feel;
         let mut e = if stage.shared.timing.is_some() {
             stage.state.held + stage.state.test_signal
@@ -122,23 +117,23 @@ impl<S: Scalar> Machine<S> {
             let fade = stage.moment.of(stage.inputs.fade);
             let computer = self.feel_computer(stage.shared, fade);
             feel = [now.delta_rate, computer.acceleration((now.delta, now.delta_rate), torque, &around)];
-            let x = [piston, force / self.balance.area, now.delta, now.delta_rate, base, base_rate, now.pilot_force];
+            let x =
+                [piston, self.drive.effort_shown(force), now.delta, now.delta_rate, base, base_rate, now.pilot_force];
             let e = self.law.command(&x);
             if effects.test_signal { e + e.constant(stage.moment.of(stage.inputs.command_signal)) } else { e }
         };
         if effects.test_signal {
             e = e + e.constant(stage.moment.of(stage.inputs.test_signal));
         }
-        now.current = self.valve.current(effects, e);
-        let flow_acceleration = self.valve.flow_acceleration(effects, q_i, q_i_rate, now.current);
-        let pull = self.pull(effects, (stage.state.slow.plant[3], x_b), now);
-        Slow { plant: [now.slaved.flow * self.per_area, q_i_rate, flow_acceleration, now.base_rate, pull], feel }
+        let [first, second, third] = self.drive.rates(effects, &stage.state.drive, &slow.plant, e, now);
+        let pull = self.pull(effects, (stage.state.slow.plant[3], slow.plant[3]), now);
+        Slow { plant: [first, second, third, now.base_rate, pull], feel }
     }
 
     /// Acceleration of the base, dry friction left out, that begins its step at `start`.
     #[inline(always)]
-    pub(super) fn pull(&self, effects: &Effects, (start, x_b): (S, S), now: &Now<S>) -> S {
-        self.column.per_link_force * self.balance.area * now.slaved.pressure
+    pub(crate) fn pull(&self, effects: &Effects, (start, x_b): (S, S), now: &Now<S, D>) -> S {
+        self.drive.pull(self.column.per_link_force, &now.balance)
             + self.column.per_pilot_force * now.pilot_force
             + self.column.loads(effects, start, x_b, now.base_rate)
     }

@@ -1,6 +1,6 @@
 //! What touched inside a step: stops of column and feel, and the link at the end of its play.
 //!
-//! `T` time from the touch to the end of the step · `P` impulse of the pressure over it · see `contact.rs`
+//! See `contact.rs`; what the link does at the end of its play is the drive's, see its `play.rs`.
 
 use super::inputs::{Inputs, Moment};
 use super::slow::Slow;
@@ -8,17 +8,18 @@ use super::step::Stage;
 use super::{Begun, Machine, Shared, State};
 use crate::Scalar;
 use crate::contact::since_touch;
+use crate::drive::Drive;
 
-impl<S: Scalar> Machine<S> {
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Makes good what touched inside the step that began with `begun` and `start`.
     #[inline(always)]
     pub(super) fn touch(
         &self,
         shared: &Shared,
-        state: &mut State<S>,
+        state: &mut State<S, D>,
         inputs: &Inputs,
         start: &Slow<S>,
-        begun: &Begun<S>,
+        begun: &Begun<S, D>,
     ) {
         let effects = &shared.effects;
         if effects.column_stops {
@@ -31,14 +32,14 @@ impl<S: Scalar> Machine<S> {
             self.meet_hard_stop(shared, state, inputs, begun);
         }
         if effects.backlash {
-            self.close_play(shared, state, start, begun);
+            D::close_play(self, shared, state, &start.plant, begun);
         }
     }
 
     #[inline(always)]
-    fn meet_end_stop(&self, state: &mut State<S>, start: &Slow<S>, begun: &Begun<S>) {
-        // The oil's impulse is a thousandth of the velocity.
-        let v = state.slow.plant[4] - self.base_impulse * begun.now.slaved.pressure;
+    fn meet_end_stop(&self, state: &mut State<S, D>, start: &Slow<S>, begun: &Begun<S, D>) {
+        // What the drive takes of it is a thousandth of the velocity.
+        let v = self.drive.base_velocity(state.slow.plant[4], &begun.now.balance);
         let way = (start.plant[3], state.slow.plant[3]);
         let push = self.column.stops.push(way, v, self.step, v.constant(1.0));
         state.slow.plant[3] = state.slow.plant[3] + push.displacement;
@@ -49,12 +50,12 @@ impl<S: Scalar> Machine<S> {
     fn meet_soft_stop(
         &self,
         shared: &Shared,
-        state: &mut State<S>,
+        state: &mut State<S, D>,
         inputs: &Inputs,
         start: &Slow<S>,
-        begun: &Begun<S>,
+        begun: &Begun<S, D>,
     ) {
-        let rate = state.slow.feel[1] + self.feel_impulse * begun.now.slaved.pressure;
+        let rate = self.drive.feel_velocity(state.slow.feel[1], &begun.now.balance);
         let way = (start.feel[0], state.slow.feel[0]);
         let push = self.feel_computer(shared, inputs.fade[0]).soft_stop_push(way, rate, self.step);
         state.slow.feel[0] = state.slow.feel[0] + push.displacement;
@@ -63,12 +64,11 @@ impl<S: Scalar> Machine<S> {
 
     /// Hard stops and velocity limit of the feel.
     #[inline(always)]
-    fn meet_hard_stop(&self, shared: &Shared, state: &mut State<S>, inputs: &Inputs, begun: &Begun<S>) {
+    fn meet_hard_stop(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs, begun: &Begun<S, D>) {
         let effects = &shared.effects;
-        let impulse = self.feel_impulse * begun.now.slaved.pressure;
         let before = (begun.now.delta, begun.now.delta_rate);
         let [delta, u] = state.slow.feel;
-        let free = (delta, u + impulse);
+        let free = (delta, self.drive.feel_velocity(u, &begun.now.balance));
         let (mut held, mut rate) = self.feel.limited(before, free, self.step);
         let depth = delta - held;
         let zero = depth.zero();
@@ -77,7 +77,7 @@ impl<S: Scalar> Machine<S> {
             let (time, at_stop) = since_touch(depth, delta - before.0, free.1, self.step);
             // The servo was told of a velocity that the control no longer had.
             let told = self.law.gains[3] * (at_stop + free.1).times(-0.5);
-            let jump = self.valve.flow_jump(effects, begun.now.current, told) * time;
+            let jump = self.drive.command_jump(effects, &begun.now, told) * time;
             state.slow.plant[2] = state.slow.plant[2] + S::select(met, jump, zero);
             // From rest at the stop it goes back at once, if it is drawn back.
             let mut back = self.pull_at_rest(shared, state, inputs, begun, held);
@@ -88,12 +88,12 @@ impl<S: Scalar> Machine<S> {
             held = held + (back * time * time).times(0.5);
             rate = rate + back * time;
         }
-        state.slow.feel = [held, rate - impulse];
+        state.slow.feel = [held, self.drive.feel_momentum(rate, &begun.now.balance)];
     }
 
     /// Acceleration of the feel, dry friction left out, at rest at `delta` at the end of the step.
     #[inline(always)]
-    fn pull_at_rest(&self, shared: &Shared, state: &State<S>, inputs: &Inputs, begun: &Begun<S>, delta: S) -> S {
+    fn pull_at_rest(&self, shared: &Shared, state: &State<S, D>, inputs: &Inputs, begun: &Begun<S, D>, delta: S) -> S {
         let stage = Stage { shared, inputs, state, moment: Moment::End };
         let pilot_force = self.pilot_force(state, inputs, Moment::End);
         let end = self.look(&shared.effects, &begun.side, &state.slow, state, (pilot_force, delta.zero()));
@@ -101,49 +101,5 @@ impl<S: Scalar> Machine<S> {
         let around = self.around(&shared.effects, state, inputs, Moment::End);
         let torque = self.heard_torque(force, &end);
         self.feel_computer(shared, inputs.fade[1]).acceleration((delta, delta.zero()), torque, &around)
-    }
-
-    /// The link meets the end of its play: the pressure comes in with a jump.
-    #[inline(always)]
-    fn close_play(&self, shared: &Shared, state: &mut State<S>, start: &Slow<S>, begun: &Begun<S>) {
-        let (effects, balance, h) = (&shared.effects, &self.balance, self.step);
-        let [z, q_i, _, x_b, w] = state.slow.plant;
-        let zero = z.zero();
-        let (before, stretch) = (balance.stretch(start.plant[0], start.plant[3]), balance.stretch(z, x_b));
-        let met = balance.touch(stretch) & !balance.touch(before);
-        state.late = zero;
-        if !S::any(met) {
-            return;
-        }
-        let depth = stretch - stretch.within(balance.half_play);
-        let rate = q_i * self.per_area - balance.ratio * w;
-        let (time, _) = since_touch(depth, stretch - before, rate, h);
-        let first = balance.linked(effects, &begun.side, z - depth, q_i, x_b, w);
-        let last = balance.linked(effects, &begun.side, z, q_i, x_b, w);
-        let met = met & zero.less(first.pressure * stretch) & zero.less(last.pressure * stretch);
-        // The pressure is a straight line over T.
-        let only = |value: S| S::select(met, value, zero);
-        let p = only((first.pressure + last.pressure).times(0.5));
-        let (impulse, travel) = (p * time, only(first.pressure.times(2.0) + last.pressure) * time * time);
-        let lost = only((first.flow + last.flow).times(0.5) - q_i) * time;
-        state.slow.plant[0] = z + lost * self.per_area;
-
-        let moving = |stuck: S::Mask, there: bool, value: S| if there { S::select(stuck, zero, value) } else { value };
-        let by = self.column.per_link_force * balance.area;
-        let stuck = state.column.stuck;
-        state.slow.plant[3] = x_b + moving(stuck, effects.column_friction, by * travel.times(1.0 / 6.0));
-        state.slow.plant[4] = w + moving(stuck, effects.column_friction, by * impulse);
-        state.late = only(self.transducers.load_cell_late(time, first.pressure / last.pressure));
-        if shared.timing.is_some() {
-            return;
-        }
-        let jump = self.valve.flow_jump(effects, begun.now.current, self.law.gains[1] * p);
-        state.slow.plant[2] = state.slow.plant[2] + only(jump) * time;
-        // What a load cell with a lag lets through: a straight line over the whole step is what it takes the pressure for.
-        let heard = self.transducers.load_cell_share(time);
-        let by = self.law.feel_torque(balance.area) * self.feel.per_torque * S::select(met, heard, zero);
-        let stuck = state.feel.stuck;
-        state.slow.feel[0] = state.slow.feel[0] + moving(stuck, effects.feel_friction, by * travel.times(1.0 / 6.0));
-        state.slow.feel[1] = state.slow.feel[1] + moving(stuck, effects.feel_friction, by * impulse);
     }
 }

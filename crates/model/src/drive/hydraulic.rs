@@ -1,0 +1,259 @@
+//! A hydraulic drive: servo amplifier, control valve and piston, eqs. (1)-(5), (13).
+//!
+//! | part | file |
+//! |---|---|
+//! | servo amplifier | [`amplifier`] |
+//! | control valve, in a run with its limits | [`valve`] |
+//! | actuator | [`actuator`] |
+//! | load pressure, slaved | [`pressure`] |
+//!
+//! Its three numbers are `z, q_i, q_i'`, its effort is the load pressure `p`, which oil and the link's damper bring behind its
+//! balance: see `pressure.rs`.
+
+pub mod actuator;
+pub mod amplifier;
+mod lag;
+mod play;
+pub mod pressure;
+pub mod valve;
+
+use super::{Coupling, Drive, Link, REMEMBERED, SIGNALS, Seen};
+use crate::Scalar;
+use crate::effects::Effects;
+use crate::machine::{Begun, Machine, Now, Shared, State};
+use crate::parameters::Parameters;
+use pressure::{Balance, Flow, Side};
+use valve::ValveMotion;
+
+/// Places of its quantities: load pressure in Pa, flow that moves piston and oil in m³/s, valve current in A.
+pub const PRESSURE: usize = 0;
+/// See [`PRESSURE`].
+pub const FLOW: usize = 1;
+/// See [`PRESSURE`].
+pub const CURRENT: usize = 2;
+
+/// Valve and piston of one loader.
+#[derive(Debug, Clone, Copy)]
+pub struct Hydraulic<S> {
+    valve: ValveMotion<S>,
+    balance: Balance<S>,
+    /// `b c kappa`: velocity of the base per pressure that the damper's impulse is worth.
+    base_impulse: S,
+    /// `r c kappa / I`: the same for the feel.
+    feel_impulse: S,
+    /// `A` where the feel computer hears the load cell directly, zero where the load cell is sampled or lags.
+    direct: S,
+    per_area: S,
+}
+
+/// What the oil remembers of a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Oil<S> {
+    /// Slaved load pressure at its start.
+    pressure: S,
+    /// By how much the load pressure was behind it.
+    lag: S,
+}
+
+impl<S: Scalar> Drive<S> for Hydraulic<S> {
+    type Side = Side<S>;
+    type Balance = Flow<S>;
+    type Memory = Oil<S>;
+
+    #[inline(always)]
+    fn new(parameters: &Parameters<S>, shared: &Shared, coupling: &Coupling<S>) -> Self {
+        let balance = Balance::new(parameters, coupling.base_per_force);
+        let one = balance.area.constant(1.0);
+        Self {
+            valve: ValveMotion::new(parameters, shared.effects.orifice),
+            balance,
+            base_impulse: coupling.base_per_force * balance.impulse,
+            feel_impulse: coupling.feel_per_force * balance.impulse,
+            direct: S::select(coupling.direct, balance.area, one.zero()),
+            per_area: one / balance.area,
+        }
+    }
+
+    #[inline(always)]
+    fn link(&self) -> Link<S> {
+        let Balance { ratio, half_play, per_stiffness, .. } = self.balance;
+        Link { ratio, half_play, per_stiffness }
+    }
+
+    #[inline(always)]
+    fn force_per_effort(&self) -> S {
+        self.balance.area
+    }
+
+    #[inline(always)]
+    fn side(&self, effects: &Effects, stuck: S::Mask) -> Side<S> {
+        self.balance.side(effects, stuck)
+    }
+
+    #[inline(always)]
+    fn moving(&self) -> Side<S> {
+        self.balance.moving()
+    }
+
+    #[inline(always)]
+    fn touches(&self, plant: &[S; 5]) -> S::Mask {
+        self.balance.touch(self.balance.stretch(plant[0], plant[3]))
+    }
+
+    #[inline(always)]
+    fn balance(&self, effects: &Effects, side: &Side<S>, touches: S::Mask, plant: &[S; 5]) -> Flow<S> {
+        self.balance.solve(effects, side, touches, *plant)
+    }
+
+    #[inline(always)]
+    fn seen(&self, plant: &[S; 5], balance: &Flow<S>, behind: S) -> Seen<S> {
+        self.shown(plant[0], balance.pressure + behind, balance.flow, behind.zero())
+    }
+
+    #[inline(always)]
+    fn behind(memory: &Oil<S>) -> S {
+        -memory.lag
+    }
+
+    #[inline(always)]
+    fn base_velocity(&self, w: S, balance: &Flow<S>) -> S {
+        w - self.base_impulse * balance.pressure
+    }
+
+    #[inline(always)]
+    fn base_momentum(&self, velocity: S, balance: &Flow<S>) -> S {
+        velocity + self.base_impulse * balance.pressure
+    }
+
+    #[inline(always)]
+    fn feel_velocity(&self, u: S, balance: &Flow<S>) -> S {
+        u + self.feel_impulse * balance.pressure
+    }
+
+    #[inline(always)]
+    fn feel_momentum(&self, rate: S, balance: &Flow<S>) -> S {
+        rate - self.feel_impulse * balance.pressure
+    }
+
+    #[inline(always)]
+    fn feel_changed(&mut self, from: S, to: S, balance: &Flow<S>) -> S {
+        let before = self.feel_impulse;
+        self.feel_impulse = before * to / from;
+        (before - self.feel_impulse) * balance.pressure
+    }
+
+    #[inline(always)]
+    fn pull(&self, base_per_force: S, balance: &Flow<S>) -> S {
+        base_per_force * self.balance.area * balance.pressure
+    }
+
+    #[inline(always)]
+    fn rates(&self, effects: &Effects, _: &Oil<S>, plant: &[S; 5], e: S, now: &mut Now<S, Self>) -> [S; 3] {
+        let &[_, q_i, q_i_rate, ..] = plant;
+        let current = self.valve.current(effects, e);
+        now.signals[CURRENT] = current;
+        let flow_acceleration = self.valve.flow_acceleration(effects, q_i, q_i_rate, current);
+        [now.balance.flow * self.per_area, q_i_rate, flow_acceleration]
+    }
+
+    #[inline(always)]
+    fn command_jump(&self, effects: &Effects, now: &Now<S, Self>, e_change: S) -> S {
+        self.valve.flow_jump(effects, now.signals[CURRENT], e_change)
+    }
+
+    #[inline(always)]
+    fn effort_shown(&self, force: S) -> S {
+        force / self.balance.area
+    }
+
+    /// Where the feel hears the load cell directly, it is a motion like the column's, whose `u` knows of the lag.
+    #[inline(always)]
+    fn heard(&self, force: S, now: &Now<S, Self>) -> S {
+        force + self.direct * (now.balance.pressure - now.signals[PRESSURE])
+    }
+
+    #[inline(always)]
+    fn effort(&self, force: S) -> S {
+        force * self.per_area
+    }
+
+    #[inline(always)]
+    fn effort_of_stretch(&self, stretch: S) -> S {
+        stretch / self.balance.per_stiffness * self.per_area
+    }
+
+    #[inline(always)]
+    fn stretch_at_rest(&self, effort: S) -> S {
+        self.balance.stretch_at_rest(effort)
+    }
+
+    /// Flow that the command asks for, less what is lost at the pressure.
+    #[inline(always)]
+    fn left_over(&self, effects: &Effects, e: S, effort: S) -> S {
+        let flow = self.valve.flow_per_current * self.valve.current(effects, e);
+        flow - self.balance.leakage(effects, effort)
+    }
+
+    #[inline(always)]
+    fn at_rest(&self, effects: &Effects, position: S, effort: S) -> ([S; 3], [S; 2], Oil<S>) {
+        let z = position + self.balance.compressibility * effort;
+        let q_i = self.balance.leakage(effects, effort);
+        let momenta = [self.base_impulse * effort, -self.feel_impulse * effort];
+        ([z, q_i, z.zero()], momenta, Oil { pressure: effort, lag: z.zero() })
+    }
+
+    #[inline(always)]
+    fn catch_up(
+        machine: &Machine<S, Self>,
+        effects: &Effects,
+        side: &Side<S>,
+        state: &mut State<S, Self>,
+        now: &mut Now<S, Self>,
+    ) {
+        machine.drive.made_good(machine, effects, side, state, now);
+    }
+
+    #[inline(always)]
+    fn seen_between(
+        &self,
+        plant: &[S; 5],
+        balance: &Flow<S>,
+        (a, b): (&Now<S, Self>, &Now<S, Self>),
+        digital: bool,
+    ) -> Seen<S> {
+        // The lag itself changes so little over a step that a straight line will do.
+        let between = |lag: &dyn Fn(&Now<S, Self>) -> S| (lag(a) + lag(b)).times(0.5);
+        let pressure = balance.pressure + between(&|now| now.signals[PRESSURE] - now.balance.pressure);
+        let flow = balance.flow + between(&|now| now.signals[FLOW] - now.balance.flow);
+        let [from, to] = [a, b].map(|now| now.signals[CURRENT]);
+        self.shown(plant[0], pressure, flow, if digital { from } else { (from + to).times(0.5) })
+    }
+
+    #[inline(always)]
+    fn close_play(
+        machine: &Machine<S, Self>,
+        shared: &Shared,
+        state: &mut State<S, Self>,
+        start: &[S; 5],
+        begun: &Begun<S, Self>,
+    ) {
+        machine.drive.met(machine, shared, state, start, begun);
+    }
+
+    fn remembered(memory: &Oil<S>) -> [S; REMEMBERED] {
+        [memory.pressure, memory.lag]
+    }
+
+    fn remember(memory: &mut Oil<S>, [pressure, lag]: [S; REMEMBERED]) {
+        *memory = Oil { pressure, lag };
+    }
+}
+
+impl<S: Scalar> Hydraulic<S> {
+    #[inline(always)]
+    fn shown(&self, z: S, pressure: S, flow: S, current: S) -> Seen<S> {
+        let mut signals = [flow; SIGNALS];
+        (signals[PRESSURE], signals[CURRENT]) = (pressure, current);
+        Seen { position: self.balance.piston(z, pressure), force: self.balance.area * pressure, signals }
+    }
+}

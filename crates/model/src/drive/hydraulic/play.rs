@@ -1,0 +1,61 @@
+//! The link meets the end of its play inside a step: the pressure comes in with a jump.
+//!
+//! `T` time from the touch to the end of the step · `P` impulse of the pressure over it · see `contact.rs`
+
+use super::Hydraulic;
+use crate::Scalar;
+use crate::contact::since_touch;
+use crate::drive::Drive;
+use crate::machine::{Begun, Machine, Shared, State};
+
+impl<S: Scalar> Hydraulic<S> {
+    #[inline(always)]
+    pub(super) fn met(
+        &self,
+        machine: &Machine<S, Self>,
+        shared: &Shared,
+        state: &mut State<S, Self>,
+        start: &[S; 5],
+        begun: &Begun<S, Self>,
+    ) {
+        let (effects, balance, h) = (&shared.effects, &self.balance, machine.step);
+        let [z, q_i, _, x_b, w] = state.slow.plant;
+        let zero = z.zero();
+        let (before, stretch) = (balance.stretch(start[0], start[3]), balance.stretch(z, x_b));
+        let met = balance.touch(stretch) & !balance.touch(before);
+        state.late = zero;
+        if !S::any(met) {
+            return;
+        }
+        let depth = stretch - stretch.within(balance.half_play);
+        let rate = q_i * self.per_area - balance.ratio * w;
+        let (time, _) = since_touch(depth, stretch - before, rate, h);
+        let first = balance.linked(effects, &begun.side, z - depth, q_i, x_b, w);
+        let last = balance.linked(effects, &begun.side, z, q_i, x_b, w);
+        let met = met & zero.less(first.pressure * stretch) & zero.less(last.pressure * stretch);
+        // The pressure is a straight line over T.
+        let only = |value: S| S::select(met, value, zero);
+        let p = only((first.pressure + last.pressure).times(0.5));
+        let (impulse, travel) = (p * time, only(first.pressure.times(2.0) + last.pressure) * time * time);
+        let lost = only((first.flow + last.flow).times(0.5) - q_i) * time;
+        state.slow.plant[0] = z + lost * self.per_area;
+
+        let moving = |stuck: S::Mask, there: bool, value: S| if there { S::select(stuck, zero, value) } else { value };
+        let by = machine.column.per_link_force * balance.area;
+        let stuck = state.column.stuck;
+        state.slow.plant[3] = x_b + moving(stuck, effects.column_friction, by * travel.times(1.0 / 6.0));
+        state.slow.plant[4] = w + moving(stuck, effects.column_friction, by * impulse);
+        state.late = only(machine.transducers.load_cell_late(time, first.pressure / last.pressure));
+        if shared.timing.is_some() {
+            return;
+        }
+        let jump = self.command_jump(effects, &begun.now, machine.law.gains[1] * p);
+        state.slow.plant[2] = state.slow.plant[2] + only(jump) * time;
+        // What a load cell with a lag lets through: a straight line over the whole step is what it takes the pressure for.
+        let heard = machine.transducers.load_cell_share(time);
+        let by = machine.law.feel_torque(balance.area) * machine.feel.per_torque * S::select(met, heard, zero);
+        let stuck = state.feel.stuck;
+        state.slow.feel[0] = state.slow.feel[0] + moving(stuck, effects.feel_friction, by * travel.times(1.0 / 6.0));
+        state.slow.feel[1] = state.slow.feel[1] + moving(stuck, effects.feel_friction, by * impulse);
+    }
+}

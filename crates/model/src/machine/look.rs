@@ -1,0 +1,35 @@
+//! What there is at one instant.
+
+use super::slow::Slow;
+use super::{Machine, Now, State};
+use crate::Scalar;
+use crate::drive::{self, Drive};
+use crate::effects::Effects;
+
+impl<S: Scalar, D: Drive<S>> Machine<S, D> {
+    /// What follows from the slow states: the drive in balance, velocities and forces, and what sensors measure of a drive that is
+    /// `behind` its balance.
+    #[inline(always)]
+    pub(super) fn look(
+        &self,
+        effects: &Effects,
+        side: &D::Side,
+        slow: &Slow<S>,
+        state: &State<S, D>,
+        (pilot_force, behind): (S, S),
+    ) -> Now<S, D> {
+        let [.., x_b, w] = slow.plant;
+        let [delta, u] = slow.feel;
+        let balance = self.drive.balance(effects, side, self.drive.touches(&state.slow.plant), &slow.plant);
+        let moving = self.drive.base_velocity(w, &balance);
+        let base_rate = if effects.column_friction { S::select(state.column.stuck, w.zero(), moving) } else { moving };
+        let delta_rate = if effects.sampled {
+            u
+        } else {
+            let rate = self.drive.feel_velocity(u, &balance);
+            if effects.feel_friction { S::select(state.feel.stuck, u.zero(), rate) } else { rate }
+        };
+        let drive::Seen { position, force, signals } = self.drive.seen(&slow.plant, &balance, behind);
+        Now { base: x_b, base_rate, delta, delta_rate, position, force, signals, pilot_force, balance }
+    }
+}
