@@ -1,12 +1,44 @@
-"""Loaders with optional rows: what goes with what, for tests."""
+"""Loaders of either drive with optional rows: what goes with what, for tests."""
 
+import re
+from functools import cache
+
+import numpy as np
+
+from forcefeel.loader.built_in import elevator
 from forcefeel.loader.consistency import ONLY_WITH, complaints
-from forcefeel.loader.parameters import OFF, TABLE
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC, OFF, TABLE, absent, has
+
+_LONGEST = 0.025
+_COLDEST, _HOTTEST = -50.0, 400.0
+_ROOM = {
+    "controller.delay": {"controller.period": _LONGEST},
+    "thermal.derating_from": {"thermal.ambient": _COLDEST, "thermal.winding_limit": _HOTTEST},
+    "thermal.winding_limit": {"thermal.ambient": _COLDEST, "thermal.derating_from": 20.0},
+}
+"""Values of others that leave a row all of its range."""
+
+
+@cache
+def bare(drive: str) -> Loader:
+    """A loader of this drive that states what it must, at the table's values: of an electric one, its controller's period too."""
+    if drive != ELECTRIC:
+        return elevator()
+    values = {
+        key: OFF.get(key, row.default_si) if has(ELECTRIC, row) else absent(row) for key, row in TABLE.items()
+    } | {"controller.period": 5e-4}
+    return Loader("motor", "", np.array(list(values.values())))
+
+
+def bare_of(key: str) -> Loader:
+    """A loader that may have the row."""
+    return bare(TABLE[key].drive or "hydraulic")
 
 
 def companions(key: str) -> dict[str, float]:
     """The rows, at their examples, without which the optional row ``key`` would have no effect, or not all of its range."""
-    found: dict[str, float] = {"controller.period": 0.025} if key == "controller.delay" else {}
+    found: dict[str, float] = dict(_ROOM.get(key, {}))
     wanted = [key]
     while wanted:
         row = wanted.pop()
@@ -21,6 +53,9 @@ def going_together(values: dict[str, float]) -> dict[str, float]:
     """``values`` without the optional rows that do not go with the others."""
     values = dict(values)
     while wrong := complaints(values):
-        for key in {line.split(":")[0] for line in wrong}:
-            values[key] = OFF[key]
+        for line in wrong:
+            key, than = line.split(":")[0], re.search(r"expected less than (\S+),", line)
+            # What a row at its own value off does not go with is the other's.
+            gone = than[1] if than and values[key] == OFF[key] else key
+            values[gone] = OFF[gone]
     return values

@@ -13,6 +13,7 @@ from forcefeel import loops as loops
 from forcefeel import qualification as qualification
 from forcefeel import reproduction as reproduction
 from forcefeel import simulation as simulation
+from forcefeel import sizing as sizing
 from forcefeel import sweep as sweep
 from forcefeel.bench.data_file import read_bench_data as read_bench_data
 from forcefeel.bench.identification.fit import identify as identify

@@ -67,7 +67,7 @@ def test_the_command_line_of_options_gives_the_same_options(words):
 
 
 def test_every_option_is_named_and_has_a_default_or_is_needed():
-    for name in ("design", "sweep", "envelope", "frontier", "schedule", "excite", "resonance"):
+    for name in ("design", "sweep", "envelope", "frontier", "schedule", "excite", "resonance", "size"):
         kind = vars(import_module(f"forcefeel.cli.{name}"))[f"{name.capitalize()}Options"]
         needed = [option for field, option, _ in named_options(kind) if field.default is MISSING]
         assert set(needed) <= {"--knots", "--data", "--fit"}, name

@@ -7,7 +7,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.design.studies import CHANGES, best_of_each_count, droppable, worst
-from forcefeel.loader.parameters import PLANT_PARAMETERS, REQUIRED
+from forcefeel.loader.parameters import HYDRAULIC, PLANT_PARAMETERS, required
 
 US_STIFFNESS = 4.4482216152605 * 0.0254  # N m/rad in a lb in/rad
 FREE = 3e-4
@@ -110,7 +110,7 @@ def test_a_new_parameter_is_varied_or_named_here():
         "valve.rated_flow", "valve.rated_current", "valve.supply_pressure", "load_cell.gain", "potentiometer.gain",
         "feel.inertia", "feel.damping", "feel.stiffness", "feel.maximum_stiffness", "pilot.force",
     }  # fmt: skip
-    assert set(REQUIRED) - set(PLANT_PARAMETERS) == not_of_the_compensated_plant
+    assert set(required(HYDRAULIC)) - set(PLANT_PARAMETERS) == not_of_the_compensated_plant
 
 
 def test_every_gain_and_parameter_is_varied(deviations):

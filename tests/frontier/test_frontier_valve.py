@@ -6,9 +6,10 @@ from scipy.integrate import solve_ivp
 
 import forcefeel as ff
 from forcefeel.envelope.plan import make_plan
-from forcefeel.frontier.valve_limits import no_load_flow, oil_compliance, spool_flow, valve_limits
+from forcefeel.frontier.valve_limits import oil_compliance, valve_limits
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.valve_flow import no_load_flow, spool_flow
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import Release
 

@@ -125,7 +125,7 @@ def test_poles_are_the_regulators_the_filters_and_the_feels(delay):
     laws, plant = design(loader, FEELS), SampledPlant.of(loader)
     for k, feel in enumerate(FEELS):
         ratio = feel[0] / loader["column.inertia"]
-        error = observed(plant) @ (np.eye(9) - filter_torque(plant, H_INFINITY, ratio).gains @ readings())
+        error = observed(plant) @ (np.eye(9) - filter_torque(plant, H_INFINITY, ratio).gains @ readings(plant))
         apart_each = (
             plant.transition - np.outer(plant.input, regulate(plant, H_INFINITY, ratio).gains),
             error[:8, :8],

@@ -11,7 +11,7 @@ import forcefeel as ff
 from forcefeel.design import workflow
 from forcefeel.design.assessment import assess, peaks
 from forcefeel.errors import InputError
-from forcefeel.loader.parameters import REQUIRED, TABLE, is_switch, limits_si
+from forcefeel.loader.parameters import HYDRAULIC, TABLE, is_switch, limits_si, required, table
 
 PLAIN = ff.elevator().with_tolerances(dict.fromkeys(ff.elevator().tolerances))
 SHARE = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0, 1))
@@ -27,20 +27,23 @@ def at(key: str, share: float) -> float:
     return exp(log(low) + share * (log(high) - log(low))) if low > 0 else low + share * (high - low)
 
 
+DIGITAL = ff.digital_elevator().with_tolerances(dict.fromkeys(PLAIN.tolerances))
+ROWS, REQUIRED = tuple(table(HYDRAULIC)), tuple(required(HYDRAULIC))
+
+
 @st.composite
-def loaders(draw, keys=tuple(TABLE)):
+def loaders(draw, keys=ROWS):
     """A loader with some rows anywhere in their ranges, half of them at the ends."""
+    base = draw(st.sampled_from([PLAIN, DIGITAL]))
     chosen = draw(st.lists(st.sampled_from(keys), unique=True, min_size=1, max_size=12))
     changes = {}
     for key in chosen:
         low, high = limits_si(TABLE[key])
         changes[key] = min(max(at(key, draw(SHARE)), low), high)
     try:
-        return draw(
-            st.sampled_from([PLAIN, ff.digital_elevator().with_tolerances(dict.fromkeys(PLAIN.tolerances))])
-        ).replace(changes)
+        return base.replace(changes)
     except InputError:  # rows that do not go together
-        return PLAIN
+        return base
 
 
 @given(loaders())
@@ -50,7 +53,7 @@ def test_every_loader_runs(force, loader):
         assert ff.simulate(loader, ff.Scenario(force, duration_s=0.2)).status in ff.simulation.RunStatus
 
 
-@given(loaders(tuple(REQUIRED)))
+@given(loaders(REQUIRED))
 @settings(max_examples=FEW)
 def test_every_loader_is_analysed(loader):
     found = workflow.analyze(loader)

@@ -16,17 +16,20 @@ from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import (
     ALTERNATIVES,
+    DRIVES,
     INDEX,
     OFF,
-    PARTS,
     TABLE,
+    has,
     in_range,
     limits_si,
     main_rows,
+    parts,
     range_text,
     stands,
+    table,
 )
-from tests.optional_rows import companions
+from tests.optional_rows import bare_of, companions
 
 ROUNDING = 4e-15  # relative; a conversion to SI multiplies about ten times, each good to 1.1e-16
 BEYOND = 1e-8  # relative; past a limit by more than the rounding of ten digits
@@ -46,7 +49,9 @@ def test_the_elevator_loader_holds_the_appendix_in_si() -> None:
 
 def test_the_table_is_one_row_per_value_part_by_part() -> None:
     assert list(INDEX.values()) == list(range(len(TABLE)))
-    assert [name for part in PARTS for name in main_rows(part)] == [row.name for row in TABLE.values()]
+    for drive in DRIVES:
+        by_part = [f"{part}.{name}" for part in parts(drive) for name in main_rows(part, drive)]
+        assert by_part == list(table(drive)) == [key for key, row in TABLE.items() if has(drive, row)]
     for row in (TABLE | ALTERNATIVES).values():
         low, high = limits_si(row)
         assert -math.inf < low < high < math.inf
@@ -165,8 +170,8 @@ def test_replace_refuses_bad_values(given: str | float, message: str) -> None:
         ("linkage.stifness", "unknown parameter 'linkage.stifness'; did you mean linkage.stiffness?"),
         ("stiffness", "unknown parameter 'stiffness'; did you mean linkage.stiffness or feel.stiffness?"),
         ("area", "unknown parameter 'area'; did you mean actuator.area?"),
-        ("", f"unknown parameter ''; the parameters are {', '.join(TABLE)}"),
-        ("x\ny", f"unknown parameter 'x\\ny'; the parameters are {', '.join(TABLE)}"),
+        ("", f"unknown parameter ''; the parameters are {', '.join(table('hydraulic'))}"),
+        ("x\ny", f"unknown parameter 'x\\ny'; the parameters are {', '.join(table('hydraulic'))}"),
         (
             "linkage.resonance_frequency",
             "unknown parameter 'linkage.resonance_frequency'; "
@@ -186,7 +191,7 @@ def test_unknown_parameters_are_refused(key: str, message: str) -> None:
 @pytest.mark.parametrize("key", TABLE)
 def test_a_loader_takes_its_limits_and_nothing_beyond(key: str) -> None:
     low, high = limits_si(TABLE[key])
-    others, loader = companions(key), elevator()
+    others, loader = companions(key), bare_of(key)
     for limit, sign in ((low, -1), (high, 1)):
         beyond = limit + sign * (BEYOND * abs(limit) or BEYOND)
         assert loader.replace({**others, key: limit})[key] == limit
@@ -198,7 +203,7 @@ def test_a_loader_takes_its_limits_and_nothing_beyond(key: str) -> None:
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, -1e12])
 @pytest.mark.parametrize("key", TABLE)
 def test_no_way_past_the_checks(key: str, value: float) -> None:
-    values = elevator().values.copy()
+    values = bare_of(key).values.copy()
     values[INDEX[key]] = value
     if value == OFF.get(key):
         assert Loader("off", "", values)[key] == value

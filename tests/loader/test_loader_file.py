@@ -18,18 +18,24 @@ from forcefeel.loader.curves import CURVES
 from forcefeel.loader.loader import Loader, load
 from forcefeel.loader.parameters import (
     ALTERNATIVES,
-    OFF,
+    DRIVES,
+    HYDRAULIC,
     PARTS,
-    REQUIRED,
     TABLE,
+    absent,
+    alternatives,
+    has,
     is_switch,
     limits_si,
+    parts,
     range_text,
+    required,
+    table,
     unit,
     without,
 )
 from forcefeel.units import UnitSystem, to_text
-from tests.optional_rows import companions, going_together
+from tests.optional_rows import bare, bare_of, companions, going_together
 
 ROUNDING = 4e-15  # relative; a conversion to SI multiplies about ten times, each good to 1.1e-16
 TEN_DIGITS = 5e-10 + ROUNDING  # relative; half a unit of the tenth digit, at worst
@@ -101,21 +107,24 @@ def test_a_source_of_several_lines_comes_back(path: Path) -> None:
 
 
 @pytest.mark.parametrize("units", SYSTEMS)
-def test_the_file_shows_every_row_with_meaning_unit_range_and_source(units: UnitSystem) -> None:
-    text = elevator().to_toml(units)
+@pytest.mark.parametrize("drive", DRIVES)
+def test_the_file_shows_every_row_with_meaning_unit_range_and_source(drive: str, units: UnitSystem) -> None:
+    loader = bare(drive)
+    text = loader.to_toml(units)
     document = tomllib.loads(text)
-    assert list(document) == ["name", "source", *PARTS, "tolerances"]
-    for row in REQUIRED.values():
+    assert list(document) == ["name", "source", "drive", *parts(drive), "tolerances"]
+    for row in required(drive).values():
         assert document[row.part][row.name].endswith(unit(row).shown(units))
         assert f"# {row.symbol}: {row.meaning}\n# range " in text
         assert f" · source {row.source}\n{row.name} = " in text
-    for key in OFF:
+    for key in set(table(drive)) - {*required(drive), *loader.given}:
         row = TABLE[key]
         assert row.name not in document[row.part]
         assert re.search(rf"\n# {row.name} = .+  # {re.escape(f'{row.symbol}: {row.meaning}')} \(.+\)\n", text)
-    for row in ALTERNATIVES.values():
+    for row in (one for part in parts(drive) for one in alternatives(part).values()):
         assert f"\n# {row.name} = " in text
-    statements = text.replace("# ", "").split("[amplifier]")[1].splitlines()
+    statements = text.replace("# ", "").split("\n[")[1:]
+    statements = "\n[".join(statements).splitlines()
     longest = max(len(found[1]) for line in statements if (found := re.match(r'[a-z_]+ = "([^"]+)"', line)))
     assert longest <= len("0.0008896443231 N m s^2/rad")  # ten digits and a unit, never sixteen
 
@@ -123,23 +132,24 @@ def test_the_file_shows_every_row_with_meaning_unit_range_and_source(units: Unit
 LIMITS = [limits_si(row) for row in TABLE.values()]
 
 
-def loader_at(name: str, source: str, shares: list[float]) -> Loader:
+def loader_at(name: str, source: str, shares: list[float], drive: str) -> Loader:
     """A loader with each value at a share of its range."""
     # The twelfth power spreads the values over the decades of a range.
     values = [low + (high - low) * share**12 for (low, high), share in zip(LIMITS, shares, strict=True)]
-    return loader_of(name, source, values)
+    return loader_of(name, source, values, drive)
 
 
-def loader_of(name: str, source: str, values: list[float]) -> Loader:
+def loader_of(name: str, source: str, values: list[float], drive: str) -> Loader:
     """A loader of these values; switches that are not off are on, optional rows that do not go together are off."""
-    by_key = dict(zip(TABLE, values, strict=True))
+    by_key = {key: value for key, value in zip(TABLE, values, strict=True) if has(drive, TABLE[key])}
     by_key |= {key: math.ceil(value) for key, value in by_key.items() if is_switch(TABLE[key])}
-    return Loader(name, source, np.array(list(going_together(by_key).values())))
+    together = going_together(by_key)
+    return Loader(name, source, np.array([together.get(key, absent(row)) for key, row in TABLE.items()]))
 
 
 SHARES = st.lists(st.floats(0, 1), min_size=len(TABLE), max_size=len(TABLE))
 TEXTS = st.text(st.characters(exclude_categories=["C", "Zl", "Zp"]), max_size=20)
-LOADERS = st.builds(loader_at, TEXTS, TEXTS, SHARES)
+LOADERS = st.builds(loader_at, TEXTS, TEXTS, SHARES, st.sampled_from(DRIVES))
 
 
 @given(LOADERS, st.sampled_from(SYSTEMS))
@@ -151,14 +161,17 @@ def test_any_loader_comes_back_to_ten_digits(path: Path, loader: Loader, units: 
 
 @pytest.mark.parametrize("end", [0, 1], ids=["smallest", "largest"])
 @pytest.mark.parametrize("units", SYSTEMS)
-def test_limits_are_accepted_and_come_back_in_both_unit_systems(path: Path, units: UnitSystem, end: int) -> None:
-    loader = loader_of("limit", "", [limits[end] for limits in LIMITS])
+@pytest.mark.parametrize("drive", DRIVES)
+def test_limits_are_accepted_and_come_back_in_both_unit_systems(
+    path: Path, drive: str, units: UnitSystem, end: int
+) -> None:
+    loader = loader_of("limit", "", [limits[end] for limits in LIMITS], drive)
     assert read(path, loader.to_toml(units)).values == pytest.approx(loader.values, rel=TEN_DIGITS, abs=0)
 
 
 def document_with(key: str) -> dict[str, dict[str, object]]:
-    """The built-in loader's file without tolerances, and with what the row needs to have an effect."""
-    loader = dataclasses.replace(elevator(), tolerances={})
+    """A bare loader's file without tolerances, and with what the row needs to have an effect."""
+    loader = dataclasses.replace(bare_of(key), tolerances={})
     return tomllib.loads(loader.replace({**companions(key), key: TABLE[key].default_si}).to_toml())
 
 
@@ -454,7 +467,7 @@ def test_zero_and_less_are_refused_where_the_physics_forbids_them(path: Path, ke
         (
             [("[pilot]", '["a.b\\nc"]\n"d e" = 1\n[pilot]')],
             [
-                r"'a.b\nc': unknown key; known are name, source, amplifier, valve, actuator, linkage, column, "
+                r"'a.b\nc': unknown key; known are name, source, drive, amplifier, valve, actuator, linkage, column, "
                 "load_cell, potentiometer, column_sensor, controller, feel, pilot, tolerances"
             ],
         ),
@@ -490,7 +503,10 @@ def test_several_mistakes_give_a_line_each(path: Path) -> None:
 def test_an_empty_file_is_answered_with_all_that_it_needs(path: Path) -> None:
     assert complaints(path, "") == [
         'name: missing value; add name = "elevator"',
-        *(f"{part}: missing value; add the table [{part}]" for part in {row.part: None for row in REQUIRED.values()}),
+        *(
+            f"{part}: missing value; add the table [{part}]"
+            for part in {row.part: None for row in required(HYDRAULIC).values()}
+        ),
     ]
 
 
@@ -585,7 +601,7 @@ VALUES = st.recursive(
     max_leaves=6,
 )
 KEYS = st.sampled_from(
-    [*(row.name for row in (TABLE | ALTERNATIVES).values()), *PARTS, *CURVES, "name", "source", "tolerances"]
+    [*(row.name for row in (TABLE | ALTERNATIVES).values()), *PARTS, *CURVES, "name", "source", "drive", "tolerances"]
 )
 TABLES = st.dictionaries(KEYS | st.text(max_size=8), VALUES, max_size=6)
 
@@ -610,7 +626,7 @@ def test_any_toml_is_read_or_refused(path: Path, changes: dict[str, object], kee
     assert good_or_refused(path, tomlkit.dumps((tomllib.loads(BUILT_IN) if keep else {}) | changes))
 
 
-@given(st.sampled_from([*PARTS, "tolerances"]), TABLES)
+@given(st.sampled_from([*parts(HYDRAULIC), "tolerances"]), TABLES)
 def test_any_table_in_a_good_file_is_read_or_refused(path: Path, part: str, changes: dict[str, object]) -> None:
     document = tomllib.loads(BUILT_IN)
     document[part] |= changes

@@ -11,10 +11,21 @@ import pytest
 from forcefeel.errors import InputError
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.loader import Loader, load
-from forcefeel.loader.parameters import OFF, PARTS, REQUIRED, TABLE, is_switch, range_text
+from forcefeel.loader.parameters import (
+    DRIVES,
+    ELECTRIC,
+    HYDRAULIC,
+    OFF,
+    TABLE,
+    is_switch,
+    parts,
+    range_text,
+    required,
+    table,
+)
 from forcefeel.page.machine import parameters
 from forcefeel.units import UnitSystem
-from tests.optional_rows import companions
+from tests.optional_rows import bare, bare_of, companions
 
 TEN_DIGITS = 1e-9  # relative
 SYSTEMS = list(UnitSystem)
@@ -34,24 +45,28 @@ def complaints(tmp_path: Path, text: str) -> list[str]:
 
 
 def with_example(key: str) -> Loader:
-    """The elevator loader with one optional row, and what it needs to have an effect."""
-    return elevator().replace({**companions(key), key: TABLE[key].default_si})
+    """A loader with one optional row, and what it needs to have an effect."""
+    return bare_of(key).replace({**companions(key), key: TABLE[key].default_si})
 
 
-def added(part: str, *lines: str) -> str:
-    """The built-in loader's file with lines in a table."""
-    text = elevator().to_toml()
+def added(part: str, *lines: str, drive: str = HYDRAULIC) -> str:
+    """A bare loader's file with lines in a table."""
+    text = bare(drive).to_toml()
     assert text.count(f"\n[{part}]\n") == 1
     return text.replace(f"\n[{part}]\n", "\n".join(["", f"[{part}]", *lines, ""]))
 
 
 def test_every_row_is_required_or_optional() -> None:
-    assert {*REQUIRED, *OFF} == set(TABLE)
-    assert not {*REQUIRED} & {*OFF}
+    for drive in DRIVES:
+        optional = {key for key in OFF if key in table(drive)}
+        assert {*required(drive), *optional} == set(table(drive))
+        assert not {*required(drive)} & optional
+    assert {*table(HYDRAULIC), *table(ELECTRIC)} == set(TABLE)
     assert {
         "actuator.relief_gain", "column.gravity_angle", "column.stop_stiffness", "column.stop_damping",
         "feel.breakout_travel", "feel.hysteresis_travel", "feel.detent_travel", "feel.soft_stop_stiffness",
-        "feel.shaker_frequency",
+        "feel.shaker_frequency", "motor.cogging_periods", "motor.cogging_phase", "motor.cogging_periods_2",
+        "motor.cogging_phase_2", "thermal.ambient", "thermal.derating_from", "thermal.winding_limit",
     } == EXAMPLE_IS_OFF  # fmt: skip
 
 
@@ -63,11 +78,12 @@ def test_the_elevator_has_none() -> None:
 
 @pytest.mark.parametrize("key", OFF)
 def test_a_row_is_given_and_switched_off_again(key: str) -> None:
-    loader = with_example(key)
-    expected = {*companions(key), key} - EXAMPLE_IS_OFF
+    loader, plain = with_example(key), bare_of(key)
+    set_here = {**companions(key), key: TABLE[key].default_si}
+    expected = {name for name, value in set_here.items() if value != OFF[name]} | {*plain.given}
     assert set(loader.given) == expected
     assert loader.given == tuple(name for name in TABLE if name in expected)
-    assert loader.replace(dict.fromkeys(expected)) == elevator()
+    assert loader.replace(dict.fromkeys(expected - {*plain.given})) == plain
 
 
 @pytest.mark.parametrize("units", SYSTEMS)
@@ -83,30 +99,40 @@ def test_a_given_row_stands_in_the_file_and_comes_back(tmp_path: Path, key: str,
 
 
 @pytest.mark.parametrize("units", SYSTEMS)
-def test_all_examples_go_together_with_the_hashes_taken_away(tmp_path: Path, units: UnitSystem) -> None:
-    names = "|".join(TABLE[key].name for key in OFF)
-    text = re.sub(rf"(?m)^# ((?:{names}) = )", r"\1", elevator().to_toml(units))
+@pytest.mark.parametrize("drive", DRIVES)
+def test_all_examples_go_together_with_the_hashes_taken_away(tmp_path: Path, drive: str, units: UnitSystem) -> None:
+    optional = [key for key in OFF if key in table(drive)]
+    names = "|".join(TABLE[key].name for key in optional)
+    text = re.sub(rf"(?m)^# ((?:{names}) = )", r"\1", bare(drive).to_toml(units))
     loader = read(tmp_path, text)
-    assert set(OFF) - set(loader.given) <= EXAMPLE_IS_OFF
-    for key in OFF:
+    assert set(optional) - set(loader.given) <= EXAMPLE_IS_OFF
+    for key in optional:
         assert loader[key] == pytest.approx(TABLE[key].default_si, rel=5e-4)  # four digits
     again = read(tmp_path, loader.to_toml(units))
     assert again.given == loader.given
     assert again.values == pytest.approx(loader.values, rel=TEN_DIGITS)
 
 
-@pytest.mark.parametrize("part", ["column_sensor", "controller"])
-def test_a_part_with_optional_rows_only_may_be_absent(tmp_path: Path, part: str) -> None:
-    whole = elevator().to_toml()
+OPTIONAL_PARTS = {
+    HYDRAULIC: {"column_sensor", "controller"},
+    ELECTRIC: {"thermal", "brake", "load_cell", "potentiometer", "column_sensor"},
+}
+"""Parts that a file may be without; the controller of an electric drive has optional rows only, and it needs one of them."""
+
+
+@pytest.mark.parametrize(("drive", "part"), [(drive, part) for drive, them in OPTIONAL_PARTS.items() for part in them])
+def test_a_part_with_optional_rows_only_may_be_absent(tmp_path: Path, drive: str, part: str) -> None:
+    whole = bare(drive).to_toml()
     text = whole.replace(f"\n[{part}]\n", "\n")
     assert text != whole
     assert read(tmp_path, text) == read(tmp_path, whole)
     assert complaints(tmp_path, f"{part} = 5\n{text}") == [f"{part}: expected the table [{part}], got 5"]
 
 
-def test_every_other_part_may_not(tmp_path: Path) -> None:
-    for part in set(PARTS) - {"column_sensor", "controller"}:
-        text = re.sub(rf"\n\[{part}\]\n(?:.+\n)*", "\n", elevator().to_toml())
+@pytest.mark.parametrize("drive", DRIVES)
+def test_every_other_part_may_not(tmp_path: Path, drive: str) -> None:
+    for part in set(parts(drive)) - OPTIONAL_PARTS[drive] - {"controller"}:
+        text = re.sub(rf"\n\[{part}\]\n(?:.+\n)*", "\n", bare(drive).to_toml())
         assert complaints(tmp_path, text)[0] == f"{part}: missing value; add the table [{part}]"
 
 
@@ -162,11 +188,12 @@ def test_the_value_of_a_row_that_is_off_always_stands_in_a_loader() -> None:
 @pytest.mark.parametrize("key", [key for key, off in OFF.items() if math.isinf(off)])
 def test_endless_is_said_by_leaving_the_row_out(tmp_path: Path, key: str) -> None:
     row = TABLE[key]
-    [message] = complaints(tmp_path, added(row.part, f'{row.name} = "inf {row.unit_us}"'))
+    text = added(row.part, f'{row.name} = "inf {row.unit_us}"', drive=row.drive or HYDRAULIC)
+    [message] = complaints(tmp_path, text)
     assert message.endswith(", which is not finite")
     with pytest.raises(InputError, match=r"which is not finite$"):
-        elevator().replace({key: OFF[key]})
-    values = elevator().values.copy()
+        bare_of(key).replace({key: OFF[key]})
+    values = bare_of(key).values.copy()
     values[list(TABLE).index(key)] = -OFF[key]
     with pytest.raises(InputError, match=rf"^{key}: expected .+, got "):
         Loader("bad", "", values)
@@ -189,14 +216,14 @@ def test_a_period_of_zero_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("key", [key for key in OFF if "friction" in key])
 def test_negative_friction_is_refused(key: str) -> None:
     with pytest.raises(InputError) as caught:
-        elevator().replace({key: -1.0})
+        bare_of(key).replace({key: -1.0})
     assert str(caught.value).startswith(f"{key}: expected {range_text(TABLE[key])}, got -")
 
 
-@pytest.mark.parametrize("key", [key for key, row in REQUIRED.items() if not is_switch(row)])
+@pytest.mark.parametrize("key", [key for key, row in TABLE.items() if row.off_si is None])
 def test_a_required_row_cannot_be_switched_off(key: str) -> None:
     with pytest.raises(InputError, match=rf"^{key}: expected a number such as .+, got None$"):
-        elevator().replace({key: None})
+        bare_of(key).replace({key: None})
 
 
 # What rows ask of one another
@@ -295,6 +322,11 @@ ALONE = [
     ("feel.soft_stop_low", "feel.soft_stop_stiffness"),
     ("feel.soft_stop_low", "feel.soft_stop_damping"),
     ("feel.shaker_force", "feel.shaker_frequency"),
+    ("motor.cogging_torque", "motor.cogging_periods"),
+    ("motor.cogging_torque_2", "motor.cogging_phase_2"),
+    ("thermal.winding_capacity", "thermal.derating_from"),
+    ("thermal.winding_capacity", "winding.temperature_coefficient"),
+    ("brake.torque", "brake.engaged"),
 ]  # fmt: skip
 
 
@@ -302,7 +334,7 @@ ALONE = [
 def test_a_row_without_what_it_acts_with_is_refused(needed: str, key: str) -> None:
     row = TABLE[key]
     with pytest.raises(InputError) as caught:
-        elevator().replace({key: (row.default_si or row.maximum_si) * 0.9})
+        bare_of(key).replace({key: True if is_switch(row) else (row.default_si or row.maximum_si) * 0.9})
     assert str(caught.value).startswith(f"{key}: has no effect without {needed}")
     assert f"; give {needed} too, such as '" in str(caught.value)
 
@@ -325,7 +357,7 @@ def test_results_hold_what_is_given_and_nothing_endless() -> None:
         assert "infinite" not in json.dumps(found)
         values = found["values"]
         assert isinstance(values, dict)
-        assert list(values) == [key for key in TABLE if key in REQUIRED or key in loader.given]
+        assert list(values) == [key for key in TABLE if key in required(HYDRAULIC) or key in loader.given]
         assert values["feel.hard_stop_high"] == {"value": pytest.approx(18), "unit": "deg"}
         assert values["valve.orifice"] == {"value": 1.0, "unit": ""}
 
@@ -334,9 +366,9 @@ def test_the_reports_table_shows_what_is_given() -> None:
     loader = elevator().replace({"feel.hard_stop_high": "18 deg", "valve.orifice": True})
     loader = loader.with_tolerances({"column.stop_high": {"uniform": ["10 deg", "20 deg"]}})
     rows = [[str(cell.text) for cell in row] for row in parameters(loader, UnitSystem.US).rows]
-    assert len(rows) == len(REQUIRED) + 3
+    assert len(rows) == len(required(HYDRAULIC)) + 3
     assert ["18", "deg", "–", "–"] in [row[2:] for row in rows]
     assert ["yes", "", "–", "–"] in [row[2:] for row in rows]
     assert ["–", "", "10 deg to 20 deg", "–"] in [row[2:] for row in rows]
     assert ["6107.86", "lb/in", "−20 % to +20 %", "the same (appendix)"] in [row[2:] for row in rows]
-    assert len(parameters(elevator(), UnitSystem.SI).rows) == len(REQUIRED)
+    assert len(parameters(elevator(), UnitSystem.SI).rows) == len(required(HYDRAULIC))

@@ -21,6 +21,7 @@ from forcefeel.loader.loader import Loader, load
 from forcefeel.loader.parameters import TABLE, limits_si
 from forcefeel.loader.tolerances import Distribution, Tolerance
 from forcefeel.units import UnitSystem
+from tests.optional_rows import bare_of
 
 ROUNDING = 1e-12
 TEN_DIGITS = 1e-9  # relative, of the sizes that a file's ten digits hold
@@ -519,9 +520,9 @@ def test_a_section_that_is_no_table_is_refused(tmp_path: Path, section: str) -> 
 def tolerances(draw: st.DrawFn) -> tuple[str, Tolerance]:
     """A row and a tolerance within its range."""
     key = draw(st.sampled_from([key for key, row in TABLE.items() if row.off_si is None]))
-    low, high = (limit / elevator()[key] for limit in limits_si(TABLE[key]))
+    low, high = (limit / bare_of(key)[key] for limit in limits_si(TABLE[key]))
     ends = sorted(draw(st.lists(st.integers(-90, 400), min_size=4, max_size=4, unique=True)))
-    nominal = elevator()[key]
+    nominal = bare_of(key)[key]
     first, peak, last = (nominal * min(max(1 + ends[k] / 100, low), high) for k in (0, 1, 3))
     assume(first < last * (1 - 1e-6))
     deviation = draw(st.floats(0.01, 10)) * (last - first)
@@ -539,7 +540,7 @@ def tolerances(draw: st.DrawFn) -> tuple[str, Tolerance]:
 def test_any_tolerance_comes_back_from_its_text(found: tuple[str, Tolerance], units: UnitSystem) -> None:
     key, tolerance = found
     text = tolerance_text.write(TABLE[key], tolerance, units)
-    back = tolerance_text.read(key, tomllib.loads(f"it = {text}")["it"], elevator()[key])
+    back = tolerance_text.read(key, tomllib.loads(f"it = {text}")["it"], bare_of(key)[key])
     assert_alike(back, dataclasses.astuple(tolerance), TEN_DIGITS)
 
 

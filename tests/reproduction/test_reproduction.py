@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import forcefeel as ff
-from forcefeel.loader.parameters import REQUIRED, TABLE
+from forcefeel.loader.parameters import HYDRAULIC, TABLE, required
 from forcefeel.reproduction import markdown
 from forcefeel.reproduction.appendix import printed
 from forcefeel.reproduction.table import Reason, Verdict, agrees_to_digits, number
@@ -29,7 +29,7 @@ def test_no_number_differs_without_a_reason(rows):
 
 
 def test_every_constant_of_the_appendix_is_in_the_parameter_table_and_the_comparison(rows):
-    assert set(printed()["appendix"]) == set(REQUIRED)
+    assert set(printed()["appendix"]) == set(required(HYDRAULIC))
     for key, entry in printed()["appendix"].items():
         assert f"{TABLE[key].symbol}, SI column" in rows
         assert TABLE[key].default_us == float(entry["us"])

@@ -1,11 +1,10 @@
-//! Channels of a bench: what is measured of a loader, and what its transducers say.
+//! Channels of a bench: what is measured of a loader with a hydraulic drive, and what its transducers give. Those of an electric one:
+//! `drive/electric/plant.rs`.
 //!
 //! `theta` column angle · `x_p` piston displacement · `F_c` load cell force · `p` load pressure · `q` flow into the actuator ·
 //! `i` valve current · `e_P`, `e_F` signals of potentiometer and load cell
 
 use crate::Scalar;
-use crate::drive::hydraulic::{CURRENT, FLOW, PRESSURE};
-use crate::machine::Now;
 use crate::parameters::Parameters;
 
 /// What the channels show of a loader at one instant.
@@ -23,16 +22,6 @@ pub struct Bench<S> {
     pub flow: S,
     /// Valve current in A.
     pub current: S,
-}
-
-impl<S: Scalar> Bench<S> {
-    /// Of a machine in time.
-    #[inline(always)]
-    pub fn of(now: &Now<S>) -> Self {
-        let &Now { base, base_rate, position, signals, .. } = now;
-        let [pressure, flow, current] = [PRESSURE, FLOW, CURRENT].map(|k| signals[k]);
-        Self { base, base_rate, piston: position, pressure, flow, current }
-    }
 }
 
 /// One row a channel: its name, its SI unit, and what it shows of a [`Bench`] with these [`Parameters`].
@@ -64,5 +53,5 @@ channels! { |bench, parameters|
     "load_cell", "V": parameters.load_cell.signal(parameters.actuator.force(bench.pressure));
 }
 
-/// How many channels there are.
+/// How many channels there are, of either drive.
 pub const COUNT: usize = CHANNELS.len();

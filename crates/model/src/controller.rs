@@ -53,6 +53,23 @@ impl<S: Scalar> Converters<S> {
         }
     }
 
+    /// Those of a drive that takes its sensors as numbers, its command too, up to `range`.
+    #[inline(always)]
+    pub fn of_numbers(range: S, antiwindup: S) -> Self {
+        let one = range.constant(1.0);
+        let none = one / one.zero();
+        Self {
+            load_cell_gain: one,
+            potentiometer_gain: one,
+            input_range: none,
+            input_step: one.zero(),
+            output_range: none,
+            output_step: one.zero(),
+            current_range: range,
+            antiwindup,
+        }
+    }
+
     /// Load cell force and piston displacement as the controller reads their voltages.
     #[inline(always)]
     pub fn read(&self, force: S, piston: S) -> (S, S) {

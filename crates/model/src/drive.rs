@@ -3,21 +3,48 @@
 //! | drive | file |
 //! |---|---|
 //! | servo valve and piston | [`hydraulic`] |
+//! | motor, current loop and transmission | [`electric`] |
 //!
 //! A drive carries three numbers through a step, its share of `plant`; the other two are the column's: displacement of the base, and
 //! its velocity with what the drive's own quick part takes of it given back (`w`). What a drive does to the link follows from these
-//! numbers without a time derivative: its *balance*. *Effort* is what it does so with in equilibrium: load pressure of oil.
+//! numbers without a time derivative: its *balance*. *Effort* is what it does so with in equilibrium: load pressure of oil, force of a motor.
 //!
 //! Which drive a machine has is part of its type, chosen once for many runs: a step does not ask.
 
+pub mod electric;
 pub mod hydraulic;
 
 use core::fmt::Debug;
 
 use crate::Scalar;
+use crate::channels;
+use crate::controller::Converters;
 use crate::effects::Effects;
-use crate::machine::{Begun, Machine, Now, Shared, State};
+use crate::machine::slow::Slow;
+use crate::machine::{Begun, Machine, Moment, Now, Shared, State};
 use crate::parameters::Parameters;
+
+/// A kind of drive, whatever the numbers are made of.
+pub trait Kind: Copy {
+    /// The drive.
+    type Of<S: Scalar>: Drive<S>;
+}
+
+/// Valve and piston.
+#[derive(Debug, Clone, Copy)]
+pub struct OfHydraulic;
+
+impl Kind for OfHydraulic {
+    type Of<S: Scalar> = hydraulic::Hydraulic<S>;
+}
+
+/// Motor and transmission.
+#[derive(Debug, Clone, Copy)]
+pub struct OfElectric;
+
+impl Kind for OfElectric {
+    type Of<S: Scalar> = electric::Electric<S>;
+}
 
 /// What a drive, the column and the feel are to one another.
 #[derive(Debug, Clone, Copy)]
@@ -52,11 +79,18 @@ pub struct Seen<S> {
     pub signals: [S; SIGNALS],
 }
 
-/// Quantities of a drive's own.
-pub const SIGNALS: usize = 3;
+/// Quantities of a drive's own, at most.
+pub const SIGNALS: usize = 4;
 
 /// A drive in time. `plant` is what a step carries: three numbers of the drive, `x_b`, `w`.
 pub trait Drive<S: Scalar>: Copy + Debug {
+    /// What is seen of it over time: name and SI unit of its position, then of its own quantities.
+    const NAMES: &'static [(&'static str, &'static str)];
+    /// Which of its quantities a run tells the peaks of.
+    const PEAKS: [usize; 3];
+    /// What is measured of it on a bench: name and SI unit.
+    const CHANNELS: &'static [(&'static str, &'static str)];
+
     /// What it does while something holds or moves the base.
     type Side: Copy + Debug;
     /// What it does in balance.
@@ -66,6 +100,8 @@ pub trait Drive<S: Scalar>: Copy + Debug {
 
     /// The drive of a loader.
     fn new(parameters: &Parameters<S>, shared: &Shared, coupling: &Coupling<S>) -> Self;
+    /// What is between it and a digital controller.
+    fn converters(parameters: &Parameters<S>) -> Converters<S>;
     /// Where it holds on to the column.
     fn link(&self) -> Link<S>;
     /// Force on the load cell per effort.
@@ -79,10 +115,10 @@ pub trait Drive<S: Scalar>: Copy + Debug {
     fn touches(&self, plant: &[S; 5]) -> S::Mask;
     /// What the drive does; `touches`: where the link may push or pull at all.
     fn balance(&self, effects: &Effects, side: &Self::Side, touches: S::Mask, plant: &[S; 5]) -> Self::Balance;
-    /// What is seen of that, `behind` it by what the last step left.
-    fn seen(&self, plant: &[S; 5], balance: &Self::Balance, behind: S) -> Seen<S>;
-    /// By how much what is seen is behind the balance.
-    fn behind(memory: &Self::Memory) -> S;
+    /// What is seen of that; `left`: what the last step left.
+    fn seen(&self, plant: &[S; 5], balance: &Self::Balance, left: S) -> Seen<S>;
+    /// What the last step left: by how much a pressure is behind, or how warm a winding is.
+    fn left(memory: &Self::Memory) -> S;
 
     /// Velocity of the base.
     fn base_velocity(&self, w: S, balance: &Self::Balance) -> S;
@@ -98,7 +134,14 @@ pub trait Drive<S: Scalar>: Copy + Debug {
     /// Acceleration of the base by the link.
     fn pull(&self, base_per_force: S, balance: &Self::Balance) -> S;
     /// Rates of its three numbers under the command `e`, which `now` then knows of.
-    fn rates(&self, effects: &Effects, memory: &Self::Memory, plant: &[S; 5], e: S, now: &mut Now<S, Self>) -> [S; 3];
+    fn rates(
+        &self,
+        effects: &Effects,
+        memory: &Self::Memory,
+        plant: (&[S; 5], Moment),
+        e: S,
+        now: &mut Now<S, Self>,
+    ) -> [S; 3];
     /// By how much the rate of the third changes with the command.
     fn command_jump(&self, effects: &Effects, now: &Now<S, Self>, e_change: S) -> S;
     /// What feedback of the drive's own effort is told where the load cell shows `force`.
@@ -112,8 +155,8 @@ pub trait Drive<S: Scalar>: Copy + Debug {
     fn effort_of_stretch(&self, stretch: S) -> S;
     /// Length by which the link is stretched at rest, its play included.
     fn stretch_at_rest(&self, effort: S) -> S;
-    /// What the command asks for beyond what holds the effort: zero in equilibrium.
-    fn left_over(&self, effects: &Effects, e: S, effort: S) -> S;
+    /// What the command asks for beyond what holds the drive's end at its position under its effort: zero in equilibrium.
+    fn left_over(&self, effects: &Effects, e: S, at: (S, S)) -> S;
     /// Its three numbers, `w`, `u` and its memory at rest.
     fn at_rest(&self, effects: &Effects, position: S, effort: S) -> ([S; 3], [S; 2], Self::Memory);
 
@@ -125,6 +168,16 @@ pub trait Drive<S: Scalar>: Copy + Debug {
         state: &mut State<S, Self>,
         now: &mut Now<S, Self>,
     );
+    /// At the start of a step: its own dry friction, first what it did inside the last one; and what of it goes by itself through
+    /// the step.
+    #[inline(always)]
+    fn settle(_: &Machine<S, Self>, _: &Effects, _: &mut State<S, Self>, _: &mut Now<S, Self>, _: &mut Slow<S>) {}
+    /// Adds its own dry friction to the rates.
+    #[inline(always)]
+    fn resist(_: &Effects, _: &Self::Memory, _: &mut Slow<S>) {}
+    /// At the end of a step: what changes slowly.
+    #[inline(always)]
+    fn end_step(_: &Machine<S, Self>, _: &Effects, _: &mut State<S, Self>, _: &Begun<S, Self>) {}
     /// What is seen half-way between the starts of two steps.
     fn seen_between(
         &self,
@@ -141,6 +194,9 @@ pub trait Drive<S: Scalar>: Copy + Debug {
         start: &[S; 5],
         begun: &Begun<S, Self>,
     );
+
+    /// What is measured on a bench, in the order of [`CHANNELS`](Self::CHANNELS).
+    fn channels(now: &Now<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT];
 
     /// Its memory as numbers.
     fn remembered(memory: &Self::Memory) -> [S; REMEMBERED];

@@ -1,6 +1,6 @@
 //! Which effects beyond the linear models are in play, so that a step need not compute the others.
 
-use crate::parameters::{COUNT, Parameters};
+use crate::parameters::{COUNT, DriveKind, Parameters};
 
 /// A flag for each effect. An effect that is not in play changes nothing; one that is, but whose numbers are those of "off",
 /// changes nothing either.
@@ -47,6 +47,12 @@ pub struct Effects {
     pub test_signal: bool,
     /// Something that moves the column from neutral while nobody touches it.
     pub biased: bool,
+    /// Dry friction of the drive, losses of its transmission.
+    pub drive_friction: bool,
+    /// Cogging of the motor.
+    pub cogging: bool,
+    /// Heat of the motor.
+    pub heating: bool,
 }
 
 impl Effects {
@@ -55,6 +61,7 @@ impl Effects {
     pub fn of(values: &[f64; COUNT]) -> Self {
         let p = Parameters::from_values(values);
         let feel = &p.feel;
+        let electric = DriveKind::of(values) == DriveKind::Electric;
         let offsets = [p.load_cell.offset, p.potentiometer.offset, p.column_sensor.offset];
         let lags = [p.load_cell.bandwidth, p.potentiometer.bandwidth, p.column_sensor.bandwidth];
         let spring = [feel.deadband, feel.breakout, feel.preload, feel.hysteresis, feel.detent_force];
@@ -62,9 +69,13 @@ impl Effects {
         let any = |numbers: &[f64]| numbers.iter().any(|&number| number != 0.0);
         Self {
             orifice: any(&[p.valve.orifice]),
-            saturation: finite(&[p.amplifier.current_limit, p.valve.flow_limit]),
+            saturation: if electric {
+                finite(&[p.current_loop.current_limit, p.current_loop.voltage_limit])
+            } else {
+                finite(&[p.amplifier.current_limit, p.valve.flow_limit])
+            },
             relief: finite(&[p.actuator.relief_pressure]),
-            backlash: any(&[p.linkage.backlash]),
+            backlash: any(&[p.linkage.backlash, p.transmission.backlash]),
             column_friction: any(&[p.column.coulomb_friction, p.column.static_friction]),
             column_loads: any(&[
                 p.column.viscous_friction,
@@ -86,6 +97,11 @@ impl Effects {
             observer: false,
             surroundings: true,
             test_signal: true,
+            drive_friction: any(&[p.motor.coulomb_friction, p.motor.static_friction, p.brake.engaged])
+                || p.transmission.efficiency < 1.0
+                || p.transmission.backdriving_efficiency < 1.0,
+            cogging: any(&[p.motor.cogging_torque, p.motor.cogging_torque_2]),
+            heating: finite(&[p.thermal.winding_capacity]),
             biased: any(&offsets) || any(&[p.column.gravity_torque, feel.preload, feel.detent_force]),
         }
     }
@@ -101,6 +117,9 @@ impl Effects {
             feel_spring: false,
             feel_limits: false,
             noise: false,
+            drive_friction: false,
+            cogging: false,
+            heating: false,
             ..self
         }
     }
@@ -128,6 +147,9 @@ impl Effects {
             surroundings: self.surroundings | other.surroundings,
             test_signal: self.test_signal | other.test_signal,
             biased: self.biased | other.biased,
+            drive_friction: self.drive_friction | other.drive_friction,
+            cogging: self.cogging | other.cogging,
+            heating: self.heating | other.heating,
         }
     }
 }

@@ -24,7 +24,7 @@ mod touch;
 
 pub use digital::Memory;
 pub use equilibrium::{EQUILIBRIUM_NUMBERS, Equilibrium, SEARCH_RAD};
-pub use inputs::Inputs;
+pub use inputs::{Inputs, Moment};
 
 use crate::Scalar;
 use crate::column::ColumnMotion;
@@ -153,7 +153,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             feel,
             next_feel: feel,
             transducers: Transducers::new(parameters, shared.step_s),
-            converters: Converters::new(parameters),
+            converters: D::converters(parameters),
             force_scale: one,
             per_base: parameters.column.angle(one),
             step: one.constant(shared.step_s),

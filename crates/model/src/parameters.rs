@@ -182,6 +182,85 @@ parameter_table! {
     }
     alternative to [] {}
 
+    /// Electric motor: torque from current.
+    motor: Motor {
+        torque_constant: "K_t", "torque per ampere: of the peak of a phase of three, or of a brushed motor's current", TORQUE_PER_CURRENT, 3.0667, 1e-3..1e4, "servo motor";
+        inertia: "J_m", "inertia of the rotor, with all that turns with it", ROTOR_INERTIA, 0.001_593_15, 1e-8..1e4, "servo motor";
+    }
+    optional {
+        three_phase: "n", "whether the winding has three phases, in place of a brushed motor's one", SWITCH, 1.0, 0.0..1.0, off 0.0;
+        viscous_friction: "B_m", "viscous friction of the rotor", ROTARY_DAMPING, 0.001, 0.0..1e4, off 0.0;
+        coulomb_friction: "T_c", "dry friction of bearings and seals while the rotor turns", MOTOR_TORQUE, 0.2, 0.0..1e4, off 0.0;
+        static_friction: "T_s", "torque at which the resting rotor breaks away; at least the dry friction", MOTOR_TORQUE, 0.3, 0.0..1e4, off 0.0;
+        cogging_torque: "T_1", "amplitude of the cogging torque", MOTOR_TORQUE, 0.2, 0.0..1e3, off 0.0;
+        cogging_periods: "N_1", "its periods per turn of the motor", RATIO, 24.0, 1.0..1e3, off 24.0;
+        cogging_phase: "phi_1", "its phase at the motor's zero", ANGLE, 0.0, -360.0..360.0, off 0.0;
+        cogging_torque_2: "T_2", "amplitude of a second harmonic of the cogging torque", MOTOR_TORQUE, 0.05, 0.0..1e3, off 0.0;
+        cogging_periods_2: "N_2", "its periods per turn of the motor", RATIO, 48.0, 1.0..1e3, off 48.0;
+        cogging_phase_2: "phi_2", "its phase at the motor's zero", ANGLE, 0.0, -360.0..360.0, off 0.0;
+    }
+    alternative to [torque_constant] {
+        torque_constant_rms: "K_t,rms", "torque per r.m.s. ampere of a phase of three", TORQUE_PER_CURRENT, 4.337, 1e-3..1e4, "servo motor";
+    }
+
+    /// Winding of the motor.
+    winding: Winding {
+        resistance: "R", "resistance of a phase, or of a brushed motor's terminals, at the temperature around", RESISTANCE, 1.535, 1e-5..1e4, "servo motor";
+        inductance: "L", "inductance of a phase, or of a brushed motor's terminals", INDUCTANCE, 3.285, 1e-5..1e4, "servo motor";
+    }
+    optional {
+        temperature_coefficient: "a_R", "share by which the resistance grows per degree", PER_TEMPERATURE, 0.00393, 0.0..0.1, off 0.0;
+    }
+    alternative to [resistance, inductance] {
+        resistance_line_to_line: "R_ll", "resistance between two of three phases", RESISTANCE, 3.07, 1e-5..1e4, "servo motor";
+        inductance_line_to_line: "L_ll", "inductance between two of three phases", INDUCTANCE, 6.57, 1e-5..1e4, "servo motor";
+    }
+
+    /// Current loop of the motor's amplifier: it makes the current follow the command, which is in A.
+    current_loop: CurrentLoop {
+        bandwidth: "w_c / 2 pi", "bandwidth of the current loop, a first-order lag", FREQUENCY, 1000.0, 10.0..2e4, "illustrative";
+    }
+    optional {
+        current_limit: "i_max", "largest current, peak of a phase", MOTOR_CURRENT, 19.0, 1e-3..1e4, off f64::INFINITY;
+        voltage_limit: "u_max", "largest voltage of a phase, peak; of three phases the supply over the root of 3", VOLTAGE, 179.0, 0.1..1e5, off f64::INFINITY;
+    }
+    alternative to [] {}
+
+    /// Transmission from the motor to the linkage: gear, belt, capstan or ballscrew.
+    transmission: Transmission {
+        travel: "r", "travel of the linkage's end per radian of the motor: radius of a capstan, lead of a screw over 2 pi", LENGTH, 0.7874, 1e-4..100.0, "illustrative";
+    }
+    optional {
+        stiffness: "k_t", "spring rate of the transmission at the linkage's end; its damping is to it as the link's to the link's own", STIFFNESS, 20000.0, 1.0..1e8, off f64::INFINITY;
+        backlash: "b_t", "free play of the transmission at the linkage's end", LENGTH, 0.002, 0.0..1.0, off 0.0;
+        efficiency: "eta", "share of the motor's power that arrives at the linkage", RATIO, 0.9, 0.05..1.0, off 1.0;
+        backdriving_efficiency: "eta_b", "share of the linkage's power that arrives at the motor", RATIO, 0.9, 0.05..1.0, off 1.0;
+    }
+    alternative to [travel] {
+        lead: "2 pi r", "travel of the linkage's end per turn of the motor", LENGTH, 4.9474, 1e-3..1e3, "illustrative";
+    }
+
+    /// Heat of the motor: winding and housing as two masses.
+    thermal: Thermal {}
+    optional {
+        winding_resistance: "R_wh", "thermal resistance from the winding to the housing", THERMAL_RESISTANCE, 1.0, 1e-4..1e3, off f64::INFINITY;
+        housing_resistance: "R_ha", "thermal resistance from the housing to the air", THERMAL_RESISTANCE, 1.5, 1e-4..1e3, off f64::INFINITY;
+        winding_capacity: "C_w", "heat capacity of the winding", HEAT_CAPACITY, 100.0, 1e-2..1e6, off f64::INFINITY;
+        housing_capacity: "C_h", "heat capacity of the housing", HEAT_CAPACITY, 1000.0, 1e-2..1e7, off f64::INFINITY;
+        ambient: "T_a", "temperature around", TEMPERATURE, 25.0, -50.0..100.0, off 25.0;
+        derating_from: "T_d", "temperature of the winding above which the largest current falls", TEMPERATURE, 110.0, 20.0..300.0, off 110.0;
+        winding_limit: "T_max", "temperature of the winding at which none is left", TEMPERATURE, 130.0, 30.0..400.0, off 130.0;
+    }
+    alternative to [] {}
+
+    /// Brake on the motor's shaft.
+    brake: Brake {}
+    optional {
+        torque: "T_b", "torque that the brake holds", MOTOR_TORQUE, 20.0, 1e-3..1e5, off 0.0;
+        engaged: "brake", "whether the brake is on", SWITCH, 1.0, 0.0..1.0, off 0.0;
+    }
+    alternative to [] {}
+
     /// Link between the actuator's load cell and the base of the column.
     linkage: Linkage {
         ratio: "alpha", "linkage ratio l_2 / (l_1 + l_2): piston travel per travel of the column's base", RATIO, 0.59, 1e-2..1.0, "appendix";
@@ -310,9 +389,42 @@ parameter_table! {
     alternative to [] {}
 }
 
+/// What moves the linkage.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DriveKind {
+    /// Valve and piston.
+    Hydraulic,
+    /// Motor and transmission.
+    Electric,
+}
+
+impl DriveKind {
+    /// The drive of a loader with these values: one that has a motor is electric. Rows of the other drive are off, or zero.
+    pub fn of(values: &[f64; COUNT]) -> Self {
+        if Parameters::from_values(values).motor.torque_constant > 0.0 { Self::Electric } else { Self::Hydraulic }
+    }
+}
+
+impl Parameter {
+    /// The drive whose loaders alone have this row; none for a row that all have.
+    pub fn drive(&self) -> Option<DriveKind> {
+        match (self.part, self.name) {
+            // A digital drive takes its sensors as numbers, its command in A.
+            ("load_cell" | "potentiometer", "gain")
+            | ("controller", "input_range" | "input_bits" | "output_range" | "output_bits")
+            | ("amplifier" | "valve" | "actuator", _) => Some(DriveKind::Hydraulic),
+            ("motor" | "winding" | "current_loop" | "transmission" | "thermal" | "brake", _) => {
+                Some(DriveKind::Electric)
+            }
+            _ => None,
+        }
+    }
+}
+
 impl Parameters<f64> {
     /// The elevator loader of the report, every optional row off.
     pub fn elevator() -> Self {
-        Self::from_values(&core::array::from_fn(|k| TABLE[k].off_si().unwrap_or_else(|| TABLE[k].default_si())))
+        let stated = |row: &Parameter| if row.drive() == Some(DriveKind::Electric) { 0.0 } else { row.default_si() };
+        Self::from_values(&core::array::from_fn(|k| TABLE[k].off_si().unwrap_or_else(|| stated(&TABLE[k]))))
     }
 }

@@ -54,6 +54,26 @@ pub const ANGULAR_FREQUENCY: Unit = unit("rad/s", "rad/s", "rad/s", 1.0);
 pub const FREQUENCY: Unit = unit("rad/s", "Hz", "Hz", core::f64::consts::TAU);
 /// Force.
 pub const FORCE: Unit = unit("N", "N", "lb", LB);
+/// Torque of a motor per current.
+pub const TORQUE_PER_CURRENT: Unit = unit("N m/A", "N m/A", "lb in/A", LB * IN);
+/// Electric current of a motor.
+pub const MOTOR_CURRENT: Unit = unit("A", "A", "A", 1.0);
+/// Torque of a motor.
+pub const MOTOR_TORQUE: Unit = unit("N m", "N m", "lb in", LB * IN);
+/// Inertia of a rotor.
+pub const ROTOR_INERTIA: Unit = unit("kg m^2", "kg cm^2", "lb in s^2", LB * IN);
+/// Electric resistance.
+pub const RESISTANCE: Unit = unit("ohm", "ohm", "ohm", 1.0);
+/// Inductance.
+pub const INDUCTANCE: Unit = unit("H", "mH", "mH", 1e-3);
+/// Temperature on the scale that people read.
+pub const TEMPERATURE: Unit = unit("degC", "degC", "degC", 1.0);
+/// Share per difference of temperature.
+pub const PER_TEMPERATURE: Unit = unit("1/K", "1/K", "1/K", 1.0);
+/// Thermal resistance.
+pub const THERMAL_RESISTANCE: Unit = unit("K/W", "K/W", "K/W", 1.0);
+/// Heat capacity.
+pub const HEAT_CAPACITY: Unit = unit("J/K", "J/K", "J/K", 1.0);
 /// Pressure.
 pub const PRESSURE: Unit = unit("Pa", "MPa", "lb/in^2", LB / (IN * IN));
 /// Electric current.

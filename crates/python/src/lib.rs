@@ -46,6 +46,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(model::rigid, module)?)?;
     module.add_function(wrap_pyfunction!(model::compliant, module)?)?;
     module.add_function(wrap_pyfunction!(model::design_plant, module)?)?;
+    module.add_function(wrap_pyfunction!(model::electric_plant, module)?)?;
     module.add_function(wrap_pyfunction!(model::ideal_feel, module)?)?;
     module.add_function(wrap_pyfunction!(model::orifice_flow, module)?)?;
     module.add_function(wrap_pyfunction!(model::valve_gains, module)?)?;
@@ -53,6 +54,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(model::feel_from_frequency, module)?)?;
     module.add_function(wrap_pyfunction!(model::feel_from_frequencies, module)?)?;
     module.add_function(wrap_pyfunction!(model::feel_frequency, module)?)?;
+    module.add_function(wrap_pyfunction!(solve::feel_frequencies, module)?)?;
     module.add_function(wrap_pyfunction!(solve::discretize, module)?)?;
     module.add_function(wrap_pyfunction!(solve::recursion, module)?)?;
     module.add_function(wrap_pyfunction!(solve::schedule, module)?)?;

@@ -3,12 +3,27 @@
 use crate::arrays::{Matrix, to_numpy, vector};
 use crate::errors::refused;
 use forcefeel_model::compensator::{Compensator as Law, Displacement};
+use forcefeel_model::drive::electric::plant::ElectricPlant;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::{Compliant, DesignPlant, IdealFeel, Rigid, System};
-use forcefeel_model::parameters::{ALTERNATIVES, COUNT, Feel, Linkage, PARTS, Parameter as Row, Parameters, TABLE};
+use forcefeel_model::parameters::{
+    ALTERNATIVES, COUNT, DriveKind, Feel, Linkage, PARTS, Parameter as Row, Parameters, TABLE,
+};
 use forcefeel_solve::linearize as jacobians;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
+
+const HYDRAULIC: &str = "hydraulic";
+const ELECTRIC: &str = "electric";
+
+/// The kind of drive of this name.
+pub fn drive_of(name: &str) -> PyResult<DriveKind> {
+    match name {
+        HYDRAULIC => Ok(DriveKind::Hydraulic),
+        ELECTRIC => Ok(DriveKind::Electric),
+        other => Err(refused(format!("drive: expected '{HYDRAULIC}' or '{ELECTRIC}', got {other:?}"))),
+    }
+}
 
 /// One row of the parameter table.
 #[pyclass(frozen, get_all, module = "forcefeel._core")]
@@ -30,6 +45,7 @@ pub struct Parameter {
     maximum_si: f64,
     source: &'static str,
     instead_of: Vec<&'static str>,
+    drive: Option<&'static str>,
 }
 
 fn row(row: &Row) -> Parameter {
@@ -51,6 +67,10 @@ fn row(row: &Row) -> Parameter {
         maximum_si: row.maximum_us * row.unit.si_per_us,
         source: row.source,
         instead_of: row.instead_of.to_vec(),
+        drive: row.drive().map(|kind| match kind {
+            DriveKind::Hydraulic => HYDRAULIC,
+            DriveKind::Electric => ELECTRIC,
+        }),
     }
 }
 
@@ -68,7 +88,7 @@ pub fn parts() -> Vec<(&'static str, &'static str)> {
 
 type Values<'py> = PyReadonlyArray1<'py, f64>;
 /// Inertia and damping, one of each for every feel.
-type Columns<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+pub type Columns<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 type Matrices<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>);
 
 fn loader(values: &Values<'_>) -> PyResult<Parameters<f64>> {
@@ -171,6 +191,13 @@ pub fn design_plant<'py>(py: Python<'py>, values: Values<'py>, pilot_arm: f64) -
         py,
         &DesignPlant { parameters: loader(&values)?.map(Dual::constant), pilot_arm: Dual::constant(pilot_arm) },
     )
+}
+
+/// Matrices of motor, linkage and column of an electric loader; states `x_m, x_m', i, x_b, x_b'`, inputs `F_p, e`, outputs `theta`,
+/// `x_m`, `F_c`, `i`, `u`, `omega`.
+#[pyfunction]
+pub fn electric_plant<'py>(py: Python<'py>, values: Values<'py>) -> PyResult<Matrices<'py>> {
+    matrices(py, &ElectricPlant::new(&loader(&values)?.map(Dual::constant)))
 }
 
 /// Matrices of the programmed feel, eq. (11).

@@ -4,6 +4,7 @@ use crate::arrays::{rows, vector};
 use crate::errors::{refused, threads as answered};
 use crate::laws::{Laws, NamedLaw, check_runs, effects_of};
 use crate::limits::{at_most, rising, step, timing as in_steps};
+use crate::model::drive_of;
 use crate::slopes::check_keys;
 use forcefeel_model::channels::CHANNELS;
 use forcefeel_model::controller::Timing;
@@ -13,11 +14,11 @@ use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_simulate::batch::{Change, Job, Sampling};
-use forcefeel_simulate::measures::{MEASURES, Peaks, measure};
+use forcefeel_simulate::measures::{Peaks, measure, measures};
 use forcefeel_simulate::record_slopes::SlopeJob;
 use forcefeel_solve::feel_alone::feel_alone;
 use forcefeel_solve::law::Law;
-use forcefeel_solve::outputs::{OUTPUTS, Output};
+use forcefeel_solve::outputs::{ELECTRIC_OUTPUTS, OUTPUTS, Output, outputs};
 use forcefeel_solve::sampled_loops::{INPUTS, Periods, SampledLoops};
 use forcefeel_solve::start::Start;
 use numpy::{PyArray1, PyArray2, PyArray3, PyArray4, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -31,16 +32,18 @@ type Sloped<'py> = (Bound<'py, PyArray3<f64>>, Bound<'py, PyArray4<f64>>);
 /// Begin, end, the values and the observer that hold afterwards.
 type ChangeOf<'py> = (usize, usize, PyReadonlyArray1<'py, f64>, Option<PyReadonlyArray1<'py, f64>>);
 
-/// Name and SI unit of each output of a run.
+/// Name and SI unit of each output of a run of a loader with this drive.
 #[pyfunction]
-pub fn simulation_outputs() -> Names {
-    OUTPUTS.to_vec()
+#[pyo3(signature = (drive = "hydraulic"))]
+pub fn simulation_outputs(drive: &str) -> PyResult<Names> {
+    Ok(outputs(drive_of(drive)?).to_vec())
 }
 
-/// Name and SI unit of each measure of a run.
+/// Name and SI unit of each measure of a run of a loader with this drive.
 #[pyfunction]
-pub fn simulation_measures() -> Names {
-    MEASURES.to_vec()
+#[pyo3(signature = (drive = "hydraulic"))]
+pub fn simulation_measures(drive: &str) -> PyResult<Names> {
+    Ok(measures(drive_of(drive)?))
 }
 
 /// The measures of one run from its outputs (outputs, samples), a sample every `dt` seconds.
@@ -56,7 +59,7 @@ pub fn simulation_measure<'py>(
     }
     let row = |output: Output| outputs.row(output as usize);
     let angle = row(Output::ColumnAngle).to_vec();
-    let demand = [Output::ValveCurrent, Output::LoadPressure, Output::ActuatorFlow].map(row);
+    let demand = [Output::ThirdSignal, Output::FirstSignal, Output::SecondSignal].map(row);
     let mut peaks = Peaks::new(0.0);
     for (k, &angle) in angle.iter().enumerate() {
         #[expect(clippy::cast_precision_loss, reason = "a number of samples, far below 2^52")]
@@ -101,7 +104,7 @@ impl Simulation {
         curve: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>)>,
         changes: Vec<ChangeOf<'_>>,
     ) -> PyResult<Self> {
-        outputs.iter().try_for_each(|&output| at_most("outputs", OUTPUTS.len() - 1, output))?;
+        outputs.iter().try_for_each(|&output| at_most("outputs", ELECTRIC_OUTPUTS.len() - 1, output))?;
         let mut done = 0;
         let changes = changes.iter().map(|(begin, end, values, observer)| {
             if *begin < done || end <= begin {
@@ -159,7 +162,11 @@ impl Simulation {
         let into = writable.as_slice_mut()?;
         let measures = answered(py.detach(|| job.run(threads, into)))?;
         drop(writable);
-        Ok((PyArray1::from_vec(py, measures.into_flattened()).reshape([runs, MEASURES.len()])?, histories))
+        Ok((
+            PyArray1::from_vec(py, measures.into_flattened())
+                .reshape([runs, forcefeel_simulate::measures::MEASURES.len()])?,
+            histories,
+        ))
     }
 
     /// Channels (runs, channels, samples) of the loaders with these values, and their slopes (runs, keys, channels, samples) along the

@@ -4,9 +4,12 @@ use crate::arrays::{Matrix, to_numpy, vector};
 use crate::errors::refused;
 use crate::laws::{Laws, NamedLaw, effects_of};
 use crate::limits::{step, timing as in_steps};
-use forcefeel_model::channels::CHANNELS;
+use crate::model::drive_of;
+use forcefeel_model::drive::Drive;
+use forcefeel_model::drive::electric::Electric;
+use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::machine::Shared;
-use forcefeel_model::parameters::COUNT;
+use forcefeel_model::parameters::{COUNT, DriveKind};
 use forcefeel_solve::StateSpace;
 use forcefeel_solve::sampled_loops::SampledLoops;
 use forcefeel_solve::slopes::{Linkage, Slopes, linear, sampled};
@@ -18,10 +21,15 @@ type Stack<'py> = Bound<'py, PyArray3<f64>>;
 /// `A, B, C, D`, then their slopes (keys, rows, columns).
 type Sloped<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, Stack<'py>, Stack<'py>, Stack<'py>, Stack<'py>);
 
-/// Name and SI unit of each channel of a bench.
+/// Name and SI unit of each channel of a bench with a loader of this drive.
 #[pyfunction]
-pub fn channels() -> Vec<(&'static str, &'static str)> {
-    CHANNELS.to_vec()
+#[pyo3(signature = (drive = "hydraulic"))]
+pub fn channels(drive: &str) -> PyResult<Vec<(&'static str, &'static str)>> {
+    Ok(match drive_of(drive)? {
+        DriveKind::Hydraulic => <Hydraulic<f64> as Drive<f64>>::CHANNELS,
+        DriveKind::Electric => <Electric<f64> as Drive<f64>>::CHANNELS,
+    }
+    .to_vec())
 }
 
 /// The loader on a bench in continuous time and its slopes along the parameters at `keys`.

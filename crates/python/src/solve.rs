@@ -3,6 +3,7 @@
 use crate::arrays::{Matrix, matrix, to_numpy, vector};
 use crate::errors::refused;
 use crate::limits::at_most;
+use crate::model::Columns;
 use forcefeel_model::parameters::{Feel, Parameters};
 use forcefeel_solve::feel_transition::{feel_step, feel_transition};
 use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion as run};
@@ -124,6 +125,13 @@ fn feels(settings: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<Feel<f64>>> {
         ..plain
     };
     Ok(settings.outer_iter().map(of).collect())
+}
+
+/// Natural frequencies in rad/s and damping ratios of the feels of settings `[I, B, G]`, a row each.
+#[pyfunction]
+pub fn feel_frequencies<'py>(py: Python<'py>, settings: PyReadonlyArray2<'py, f64>) -> PyResult<Columns<'py>> {
+    let (frequency, damping_ratio) = feels(&settings)?.iter().map(Feel::frequency).unzip();
+    Ok((PyArray1::from_vec(py, frequency), PyArray1::from_vec(py, damping_ratio)))
 }
 
 /// `exp(W t)` (settings, times, 2, 2) of the unforced feel of each setting `[I, B, G]`, on its displacement and its rate.

@@ -9,10 +9,10 @@ use crate::pair::Pair;
 use crate::run::{FeelChange, Middles, Record, run};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
-use forcefeel_model::drive::hydraulic::{CURRENT, FLOW, Hydraulic, PRESSURE};
+use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
 use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
 use forcefeel_model::observer::{NUMBERS, Observer};
-use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_solve::lanes::{LANES, Lanes};
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::Output;
@@ -69,7 +69,7 @@ pub struct Job<'a> {
     pub noise: (u64, u64),
     /// When to take samples.
     pub sampling: Sampling,
-    /// Which of the [`OUTPUTS`](forcefeel_solve::outputs::OUTPUTS) to keep.
+    /// Which of the [`outputs`](forcefeel_solve::outputs::outputs) to keep.
     pub outputs: &'a [usize],
 }
 
@@ -96,48 +96,56 @@ impl Job<'_> {
         let mut measures = vec![[0.0; MEASURES.len()]; self.values.len()];
         let pool = pool(threads)?;
         let level = Level::new();
+        let kind = self.values.first().map_or(DriveKind::Hydraulic, DriveKind::of);
         pool.install(|| {
             let groups = measures.par_chunks_mut(WIDTH).enumerate();
             if size == 0 {
-                groups.for_each(|(group, measures)| self.dispatch(level, group * WIDTH, measures, &mut []));
+                groups.for_each(|(group, measures)| self.dispatch(kind, level, group * WIDTH, measures, &mut []));
             } else {
                 let with_histories = groups.zip(histories.par_chunks_mut(WIDTH * size));
                 with_histories.for_each(|((group, measures), histories)| {
-                    self.dispatch(level, group * WIDTH, measures, histories);
+                    self.dispatch(kind, level, group * WIDTH, measures, histories);
                 });
             }
         });
         Ok(measures)
     }
 
+    fn dispatch(&self, kind: DriveKind, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+        match kind {
+            DriveKind::Hydraulic => self.on_vectors::<OfHydraulic>(level, first, measures, histories),
+            DriveKind::Electric => self.on_vectors::<OfElectric>(level, first, measures, histories),
+        }
+    }
+
     /// A group on the widest instructions that the machine has; a run alone needs none.
-    fn dispatch(&self, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+    fn on_vectors<K: Kind>(&self, level: Level, first: usize, measures: &mut [Values], histories: &mut [f64]) {
         if self.values.len() > 1 {
             return_on_vectors!(
                 level,
-                simd => self.vectorized::<_, Pair<Lanes<_>>>(simd, first, measures, histories),
-                simd => self.in_eights(simd, first, measures, histories)
+                simd => self.vectorized::<_, Pair<Lanes<_>>, K>(simd, first, measures, histories),
+                simd => self.in_eights::<_, K>(simd, first, measures, histories)
             );
         }
         let size = self.outputs.len() * self.samples();
         for (k, measures) in measures.iter_mut().enumerate() {
             let histories = &mut histories[k * size..(k + 1) * size];
-            self.group::<f64>((), first + k, core::slice::from_mut(measures), histories);
+            self.group::<f64, K>((), first + k, core::slice::from_mut(measures), histories);
         }
     }
 
     /// Eight and eight: numbers that take several registers have company enough in one another.
-    fn in_eights<S: Simd>(&self, simd: S, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+    fn in_eights<S: Simd, K: Kind>(&self, simd: S, first: usize, measures: &mut [Values], histories: &mut [f64]) {
         let size = self.outputs.len() * self.samples();
         for (part, measures) in measures.chunks_mut(LANES).enumerate() {
             let from = part * LANES;
             let histories = &mut histories[from * size..(from + measures.len()) * size];
-            self.vectorized::<_, Lanes<S>>(simd, first + from, measures, histories);
+            self.vectorized::<_, Lanes<S>, K>(simd, first + from, measures, histories);
         }
     }
 
     #[inline(always)]
-    fn vectorized<S: Simd, T: Wide<Token = S>>(
+    fn vectorized<S: Simd, T: Wide<Token = S>, K: Kind>(
         &self,
         simd: S,
         first: usize,
@@ -146,13 +154,16 @@ impl Job<'_> {
     ) {
         simd.vectorize(
             #[inline(always)]
-            || self.group::<T>(simd, first, measures, histories),
+            || self.group::<T, K>(simd, first, measures, histories),
         );
     }
 
     /// The loaders of a group of runs, and their parameters.
     #[inline(always)]
-    fn machines<T: Scalar>(&self, wide: impl Fn(&dyn Fn(usize) -> f64) -> T + Copy) -> (Parameters<T>, Machine<T>) {
+    fn machines<T: Scalar, K: Kind>(
+        &self,
+        wide: impl Fn(&dyn Fn(usize) -> f64) -> T + Copy,
+    ) -> (Parameters<T>, Machine<T, K::Of<T>>) {
         let parameters = Parameters::from_values(&core::array::from_fn(|k| wide(&|run| self.values[run][k])));
         let mut machine = Machine::new(&parameters, self.law.compensator(&parameters, wide), &self.shared);
         if let Some(observer) = self.law.observer(wide) {
@@ -165,15 +176,15 @@ impl Job<'_> {
     }
 
     /// Where a run begins, found for it alone: a search in lanes would be compiled for each of the vector instructions.
-    fn beginning(&self, run: usize) -> Beginning<f64> {
-        self.start.of(&self.machines(|of| of(run)).1, &self.shared, self.inputs)
+    fn beginning<K: Kind>(&self, run: usize) -> Beginning<f64> {
+        self.start.of(&self.machines::<f64, K>(|of| of(run)).1, &self.shared, self.inputs)
     }
 
     #[inline(always)]
-    fn group<T: Wide>(&self, token: T::Token, first: usize, measures: &mut [Values], histories: &mut [f64]) {
+    fn group<T: Wide, K: Kind>(&self, token: T::Token, first: usize, measures: &mut [Values], histories: &mut [f64]) {
         let member = |lane: usize| (first + lane).min(self.values.len() - 1);
         let wide = |of: &dyn Fn(usize) -> f64| T::gather(token, |lane| of(member(lane)));
-        let (parameters, mut machine) = self.machines(wide);
+        let (parameters, mut machine) = self.machines::<T, K>(wide);
         let changes: Vec<FeelChange<T>> = self.changes.iter().map(|change| change.of(&parameters)).collect();
         let (seed, first_run) = self.noise;
         let mut noise = Noise::new(seed, (0..T::RUNS).map(|lane| first_run + member(lane) as u64));
@@ -187,7 +198,7 @@ impl Job<'_> {
             kept: Vec::with_capacity(self.samples() * self.outputs.len()),
         };
         let runs = first..(first + T::RUNS).min(self.values.len());
-        let beginnings: Vec<_> = runs.map(|run| self.beginning(run)).collect();
+        let beginnings: Vec<_> = runs.map(|run| self.beginning::<K>(run)).collect();
         let beginning = Beginning::gathered(token, &beginnings);
         run(&mut machine, &self.shared, &beginning, self.inputs, &changes, || noise.next(token), &mut recorder);
         recorder.write(histories);
@@ -218,7 +229,7 @@ struct Recorder<'a, T> {
     kept: Vec<T>,
 }
 
-impl<T: Wide> Record<T, Hydraulic<T>> for Recorder<'_, T> {
+impl<T: Wide, D: Drive<T>> Record<T, D> for Recorder<'_, T> {
     #[inline(always)]
     fn middles(&self) -> Middles {
         match self.job.sampling {
@@ -240,7 +251,7 @@ impl<T: Wide> Record<T, Hydraulic<T>> for Recorder<'_, T> {
     }
 
     #[inline(always)]
-    fn see(&mut self, instant: usize, now: &Now<T>) {
+    fn see(&mut self, instant: usize, now: &Now<T, D>) {
         let angle = now.base * self.per_base;
         let (share, every) = match self.job.sampling {
             Sampling::Every(steps) => (1.0, steps),
@@ -250,7 +261,7 @@ impl<T: Wide> Record<T, Hydraulic<T>> for Recorder<'_, T> {
         // The middles give no peaks, or these would depend on what is kept.
         if self.job.sampling != Sampling::Halves || instant.is_multiple_of(2) {
             let programmed = now.delta * self.per_delta;
-            self.peaks.see(angle, programmed, [now.signals[CURRENT], now.signals[PRESSURE], now.signals[FLOW]], time);
+            self.peaks.see(angle, programmed, D::PEAKS.map(|k| now.signals[k]), time);
         }
         if instant.is_multiple_of(every) {
             self.angles.push(angle);
@@ -297,18 +308,19 @@ impl Change {
 }
 
 #[inline(always)]
-fn output_of<S: Scalar>(now: &Now<S>, per_base: S, output: Output) -> S {
+fn output_of<S: Scalar, D: Drive<S>>(now: &Now<S, D>, per_base: S, output: Output) -> S {
     match output {
         Output::ColumnAngle => now.base * per_base,
         Output::ColumnVelocity => now.base_rate * per_base,
         Output::FeelPosition => now.delta,
         Output::FeelVelocity => now.delta_rate,
-        Output::PistonPosition => now.position,
+        Output::DrivePosition => now.position,
         Output::LoadCellForce => now.force,
-        Output::LoadPressure => now.signals[PRESSURE],
-        Output::ActuatorFlow => now.signals[FLOW],
-        Output::ValveCurrent => now.signals[CURRENT],
+        Output::FirstSignal => now.signals[0],
+        Output::SecondSignal => now.signals[1],
+        Output::ThirdSignal => now.signals[2],
         Output::PilotForce => now.pilot_force,
+        Output::FourthSignal => now.signals[3],
     }
 }
 

@@ -7,6 +7,7 @@
 //! its overshoot is not a number, and it has settled when it stays within 5 % of `P`.
 
 use forcefeel_model::Scalar;
+use forcefeel_model::parameters::DriveKind;
 
 /// Share of the run at its end over which the final angle is the mean, and the last swing is taken.
 const TAIL: usize = 10;
@@ -15,6 +16,16 @@ const TAIL: usize = 10;
 pub const BAND: f64 = 0.05;
 /// Share of the largest angle that is an excursion at least: a mean differs by rounding from what it is the mean of.
 const ROUNDING: f64 = 1e-10;
+
+/// The measures of a loader with this drive: what of the drive a run tells the peaks of has names of its own.
+pub fn measures(kind: DriveKind) -> Vec<(&'static str, &'static str)> {
+    let named = |&(name, unit): &(&'static str, &'static str)| match (kind, name) {
+        (DriveKind::Electric, "peak_pressure") => ("peak_voltage", "V"),
+        (DriveKind::Electric, "peak_flow") => ("peak_speed", "rad/s"),
+        _ => (name, unit),
+    };
+    MEASURES.iter().map(named).collect()
+}
 
 macro_rules! measures {
     ($( $( #[doc = $doc:literal] )+ $name:ident: $unit:literal; )*) => {
@@ -56,11 +67,11 @@ measures! {
     passes: "";
     /// Swing, from lowest to highest, over the last tenth of the run.
     last_swing: "rad";
-    /// Largest magnitude of the valve current.
+    /// Largest magnitude of the current of valve or motor.
     peak_current: "A";
-    /// Largest magnitude of the load pressure.
+    /// Largest magnitude of the load pressure; of a motor's voltage.
     peak_pressure: "Pa";
-    /// Largest magnitude of the flow.
+    /// Largest magnitude of the flow; of a motor's speed.
     peak_flow: "m^3/s";
     /// When the run left every bound; infinite if it did not.
     diverged_at: "s";

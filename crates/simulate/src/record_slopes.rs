@@ -10,12 +10,11 @@
 
 use crate::batch::{Job, Sampling};
 use crate::run::{FeelChange, Middles, Record, run};
-use forcefeel_model::channels::Bench;
-use forcefeel_model::drive::hydraulic::Hydraulic;
+use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Machine, Now, Shared};
-use forcefeel_model::parameters::Parameters;
+use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::sampled_loops::without_steps;
 use forcefeel_solve::slopes::along;
@@ -65,11 +64,19 @@ impl SlopeJob<'_> {
 
     /// The slopes of one run along one parameter, and its channels where there is room for them.
     fn pair(&self, run_index: usize, key: usize, slopes: &mut [f64], values: &mut [f64]) {
+        match DriveKind::of(&self.job.values[run_index]) {
+            DriveKind::Hydraulic => self.pair_with::<OfHydraulic>(run_index, key, slopes, values),
+            DriveKind::Electric => self.pair_with::<OfElectric>(run_index, key, slopes, values),
+        }
+    }
+
+    fn pair_with<K: Kind>(&self, run_index: usize, key: usize, slopes: &mut [f64], values: &mut [f64]) {
         let job = &self.job;
         let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(of(run_index));
         let parameters = without_steps(along(&job.values[run_index], Some(key)));
         let shared = Shared { effects: Effects { noise: false, ..job.shared.effects }, ..job.shared.clone() };
-        let mut machine = Machine::new(&parameters, job.law.compensator(&parameters, wide), &shared);
+        let mut machine: Machine<Dual, K::Of<Dual>> =
+            Machine::new(&parameters, job.law.compensator(&parameters, wide), &shared);
         if let Some(observer) = job.law.observer(wide) {
             machine = machine.with_observer(observer);
         }
@@ -94,19 +101,19 @@ struct Recorder<'a> {
     values: &'a mut [f64],
 }
 
-impl Record<Dual, Hydraulic<Dual>> for Recorder<'_> {
+impl<D: Drive<Dual>> Record<Dual, D> for Recorder<'_> {
     fn middles(&self) -> Middles {
         if self.job.job.sampling == Sampling::Halves { Middles::All } else { Middles::None }
     }
 
     fn see_base(&mut self, _: Dual) {}
 
-    fn see(&mut self, instant: usize, now: &Now<Dual>) {
+    fn see(&mut self, instant: usize, now: &Now<Dual, D>) {
         let every = if let Sampling::Every(steps) = self.job.job.sampling { steps } else { 1 };
         if !instant.is_multiple_of(every) {
             return;
         }
-        let (channels, samples) = (Bench::of(now).channels(self.parameters), self.job.job.samples());
+        let (channels, samples) = (D::channels(now, self.parameters), self.job.job.samples());
         for (row, &channel) in self.job.channels.iter().enumerate() {
             let place = row * samples + self.sample;
             self.slopes[place] = channels[channel].slope;

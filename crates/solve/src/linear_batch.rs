@@ -341,11 +341,12 @@ fn signal<T: Fused>(model: &Compliant<T>, output: Output, x: &Vector<T>, force: 
         Output::ColumnVelocity => model.parameters.column.angle(base_rate),
         Output::FeelPosition => delta,
         Output::FeelVelocity => delta_rate,
-        Output::PistonPosition => x_p,
+        Output::DrivePosition => x_p,
         Output::LoadCellForce => force_c,
-        Output::LoadPressure => pressure,
-        Output::ActuatorFlow => flow,
-        Output::ValveCurrent => current,
+        Output::FirstSignal => pressure,
+        Output::SecondSignal => flow,
+        Output::ThirdSignal => current,
         Output::PilotForce => force,
+        Output::FourthSignal => force.zero(),
     }
 }

@@ -1,43 +1,87 @@
 //! What a run gives over time: one table, of whose places everything else is told.
 
-macro_rules! outputs {
-    ($( $(#[doc = $doc:literal])+ $Output:ident: $name:literal, $unit:literal; )*) => {
-        /// An output of a run; `as usize` it is its place in [`OUTPUTS`].
-        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-        pub enum Output { $( $(#[doc = $doc])+ $Output, )* }
+use forcefeel_model::drive::Drive;
+use forcefeel_model::drive::electric::Electric;
+use forcefeel_model::drive::hydraulic::Hydraulic;
+use forcefeel_model::parameters::DriveKind;
 
-        /// Name of each output and its SI unit; `feel_position` is in the unit of the law's displacement.
-        pub const OUTPUTS: &[(&str, &str)] = &[ $( ($name, $unit), )* ];
-
-        const ALL: [Output; OUTPUTS.len()] = [ $( Output::$Output, )* ];
-    };
+/// An output of a run; `as usize` it is its place in [`outputs`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Output {
+    /// Angle of the column.
+    ColumnAngle,
+    /// Its rate.
+    ColumnVelocity,
+    /// Programmed displacement.
+    FeelPosition,
+    /// Its rate.
+    FeelVelocity,
+    /// Displacement of the drive's end.
+    DrivePosition,
+    /// Force of the load cell.
+    LoadCellForce,
+    /// The drive's own quantities: load pressure, flow and current of a hydraulic one; current, voltage, speed of an electric one.
+    FirstSignal,
+    /// See there.
+    SecondSignal,
+    /// See there.
+    ThirdSignal,
+    /// The pilot's force.
+    PilotForce,
+    /// Temperature of an electric drive's winding.
+    FourthSignal,
 }
 
-outputs! {
-    /// Angle of the column.
-    ColumnAngle: "column_angle", "rad";
-    /// Its rate.
-    ColumnVelocity: "column_velocity", "rad/s";
-    /// Programmed displacement.
-    FeelPosition: "feel_position", "";
-    /// Its rate.
-    FeelVelocity: "feel_velocity", "";
-    /// Displacement of the piston.
-    PistonPosition: "piston_position", "m";
-    /// Force of the load cell.
-    LoadCellForce: "load_cell_force", "N";
-    /// Load pressure.
-    LoadPressure: "load_pressure", "Pa";
-    /// Flow that moves piston and oil.
-    ActuatorFlow: "actuator_flow", "m^3/s";
-    /// Current of the valve.
-    ValveCurrent: "valve_current", "A";
-    /// The pilot's force.
-    PilotForce: "pilot_force", "N";
+const ALL: [Output; 11] = [
+    Output::ColumnAngle,
+    Output::ColumnVelocity,
+    Output::FeelPosition,
+    Output::FeelVelocity,
+    Output::DrivePosition,
+    Output::LoadCellForce,
+    Output::FirstSignal,
+    Output::SecondSignal,
+    Output::ThirdSignal,
+    Output::PilotForce,
+    Output::FourthSignal,
+];
+
+type Name = (&'static str, &'static str);
+
+/// Name of each output of a loader with a hydraulic drive and its SI unit; `feel_position` is in the unit of the law's displacement.
+pub const OUTPUTS: &[Name; 10] = &named(<Hydraulic<f64> as Drive<f64>>::NAMES);
+
+/// The same with an electric drive.
+pub const ELECTRIC_OUTPUTS: &[Name; 11] = &named(<Electric<f64> as Drive<f64>>::NAMES);
+
+/// The outputs of a kind of loader.
+pub const fn outputs(kind: DriveKind) -> &'static [Name] {
+    match kind {
+        DriveKind::Hydraulic => OUTPUTS,
+        DriveKind::Electric => ELECTRIC_OUTPUTS,
+    }
+}
+
+/// What all have, with what is seen of a drive between.
+const fn named<const N: usize>(drive: &[Name]) -> [Name; N] {
+    let mut found = [("column_angle", "rad"); N];
+    found[Output::ColumnVelocity as usize] = ("column_velocity", "rad/s");
+    found[Output::FeelPosition as usize] = ("feel_position", "");
+    found[Output::FeelVelocity as usize] = ("feel_velocity", "");
+    found[Output::DrivePosition as usize] = drive[0];
+    found[Output::LoadCellForce as usize] = ("load_cell_force", "N");
+    found[Output::FirstSignal as usize] = drive[1];
+    found[Output::SecondSignal as usize] = drive[2];
+    found[Output::ThirdSignal as usize] = drive[3];
+    found[Output::PilotForce as usize] = ("pilot_force", "N");
+    if N > Output::FourthSignal as usize {
+        found[Output::FourthSignal as usize] = drive[4];
+    }
+    found
 }
 
 impl Output {
-    /// The output at a place of [`OUTPUTS`].
+    /// The output at a place of [`outputs`].
     ///
     /// # Panics
     /// If there is no such place.

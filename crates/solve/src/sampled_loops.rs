@@ -10,12 +10,13 @@
 use crate::law::Law;
 use crate::threads::{NoThreads, pool};
 use forcefeel_model::Scalar;
-use forcefeel_model::channels::{self, Bench};
+use forcefeel_model::channels;
 use forcefeel_model::controller::Timing;
+use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::machine::period::{Drives, PERIOD_STATES, Period, YOUNGEST};
 use forcefeel_model::machine::{Machine, Shared};
-use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use rayon::prelude::*;
 
 /// Inputs of a period: signal on the command, pilot force.
@@ -72,11 +73,22 @@ impl SampledLoops<'_> {
         self.matrix_of(run, &Parameters::from_values(&self.values[run]))
     }
 
+    fn kind(&self, run: usize) -> DriveKind {
+        DriveKind::of(&self.values[run])
+    }
+
     /// The matrix of a run, whose parameters may have slopes of their own.
     pub(crate) fn matrix_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Matrix<T> {
+        match self.kind(run) {
+            DriveKind::Hydraulic => self.matrix_with::<T, OfHydraulic>(run, parameters),
+            DriveKind::Electric => self.matrix_with::<T, OfElectric>(run, parameters),
+        }
+    }
+
+    fn matrix_with<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> Matrix<T> {
         let zero = parameters.column.inertia.zero();
         let mut matrix = [[zero; COLUMNS]; PERIOD_STATES];
-        let period = self.period(run, parameters);
+        let period = self.period::<T, K>(run, parameters);
         for column in 0..COLUMNS {
             let (state, drives) = columnwise(zero, column);
             for (row, number) in matrix.iter_mut().zip(period.of().next(&state, &drives)) {
@@ -89,8 +101,15 @@ impl SampledLoops<'_> {
     /// What a test signal at the amplifier during each step of a period makes of the next state, a column each, and of the channels
     /// while it is there.
     pub(crate) fn by_test_signal<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> ByTestSignal<T> {
+        match self.kind(run) {
+            DriveKind::Hydraulic => self.tested::<T, OfHydraulic>(run, parameters),
+            DriveKind::Electric => self.tested::<T, OfElectric>(run, parameters),
+        }
+    }
+
+    fn tested<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> ByTestSignal<T> {
         let zero = parameters.column.inertia.zero();
-        let (period, none) = (self.period(run, parameters), Dual::constant(zero));
+        let (period, none) = (self.period::<T, K>(run, parameters), Dual::constant(zero));
         let drives = |step: usize| Drives {
             command_signal: none,
             force: none,
@@ -99,26 +118,35 @@ impl SampledLoops<'_> {
         };
         let state = [none; PERIOD_STATES];
         let next = |step: usize| period.of().next(&state, &drives(step)).map(|number| number.slope);
-        let shown = Bench::of(&period.of().now(&state, &drives(0))).channels(&parameters.map(Dual::constant));
+        let now = period.of().now(&state, &drives(0));
+        let shown = <K::Of<Dual<T>> as Drive<Dual<T>>>::channels(&now, &parameters.map(Dual::constant));
         ByTestSignal { next: (0..self.timing.period).map(next).collect(), now: shown.map(|number| number.slope) }
     }
 
     /// The channels at the start of a period.
     pub(crate) fn rows_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Rows<T> {
+        match self.kind(run) {
+            DriveKind::Hydraulic => self.rows_with::<T, OfHydraulic>(run, parameters),
+            DriveKind::Electric => self.rows_with::<T, OfElectric>(run, parameters),
+        }
+    }
+
+    fn rows_with<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> Rows<T> {
         let zero = parameters.column.inertia.zero();
         let mut rows = [[zero; COLUMNS]; channels::COUNT];
-        let (period, on_bench) = (self.period(run, parameters), parameters.map(Dual::constant));
+        let (period, on_bench) = (self.period::<T, K>(run, parameters), parameters.map(Dual::constant));
         for column in 0..COLUMNS {
             let (state, drives) = columnwise(zero, column);
             let now = period.of().now(&state, &drives);
-            for (row, number) in rows.iter_mut().zip(Bench::of(&now).channels(&on_bench)) {
+            let shown = <K::Of<Dual<T>> as Drive<Dual<T>>>::channels(&now, &on_bench);
+            for (row, number) in rows.iter_mut().zip(shown) {
                 row[column] = number.slope;
             }
         }
         rows
     }
 
-    fn period<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Ready<'_, Dual<T>> {
+    fn period<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> Ready<'_, Dual<T>, K::Of<Dual<T>>> {
         let zero = parameters.column.inertia.zero();
         let parameters = without_steps(parameters.map(Dual::constant));
         let wide = |of: &dyn Fn(usize) -> f64| Dual::constant(zero.constant(of(run)));
@@ -129,14 +157,14 @@ impl SampledLoops<'_> {
 }
 
 /// A machine whose periods are asked for.
-struct Ready<'a, S: Scalar> {
-    machine: Machine<S>,
+struct Ready<'a, S: Scalar, D: Drive<S>> {
+    machine: Machine<S, D>,
     shared: &'a Shared,
     timing: Timing,
 }
 
-impl<S: Scalar> Ready<'_, S> {
-    fn of(&self) -> Period<'_, S> {
+impl<S: Scalar, D: Drive<S>> Ready<'_, S, D> {
+    fn of(&self) -> Period<'_, S, D> {
         Period { machine: &self.machine, shared: self.shared, timing: self.timing }
     }
 }

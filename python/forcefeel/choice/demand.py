@@ -1,7 +1,8 @@
-"""What releases ask of the valve: peak current, flow and load pressure as shares of their limits."""
+"""What releases ask of the drive: peak current, flow and load pressure, or current and voltage, as shares of their limits."""
 
-from dataclasses import dataclass
-from math import ceil, pi
+from dataclasses import dataclass, fields
+from math import ceil, nan, pi
+from types import MappingProxyType
 from typing import Annotated
 
 import numpy as np
@@ -9,7 +10,9 @@ from numpy.typing import NDArray
 
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.simulation import Scenario, simulate_batch
+from forcefeel.simulation.demanded import peaks
 from forcefeel.simulation.inputs import Release
 from forcefeel.units import PERCENT
 
@@ -17,7 +20,6 @@ _PERIODS = 2
 """Programmed periods of a run: the column, let go, is fastest in the first."""
 
 _SAMPLE_S = 1e-3
-_PEAKS = ("peak_current_a", "peak_flow_m3_per_s", "peak_pressure_pa")
 
 
 @dataclass(frozen=True)
@@ -35,7 +37,38 @@ class Demand:
     pressure: Annotated[float, PERCENT]
 
 
-def largest_demand(loader: Loader, laws: Law, feel: NDArray[np.float64], angle_rad: float) -> Demand:
+@dataclass(frozen=True)
+class MotorDemand:
+    """Largest demand on the motor, likewise; zero where there is no limit.
+
+    Attributes:
+        current: Of the amplifier's limit.
+        voltage: Of the supply's.
+    """
+
+    current: Annotated[float, PERCENT]
+    voltage: Annotated[float, PERCENT]
+
+
+AnyDemand = Demand | MotorDemand
+"""Of either drive."""
+
+KINDS = MappingProxyType({HYDRAULIC: Demand, ELECTRIC: MotorDemand})
+"""By drive; their shares are those of ``demanded.peaks``, in that order."""
+
+
+def unknown(drive: str) -> AnyDemand:
+    """The demand where no run ends: not numbers."""
+    found: AnyDemand = KINDS[drive](*(nan for _ in peaks(drive)))
+    return found
+
+
+def demand_shares(found: AnyDemand) -> dict[str, float]:
+    """The shares by what they are of: ``current``, ``flow``, ..."""
+    return {row.name: getattr(found, row.name) for row in fields(found)}
+
+
+def largest_demand(loader: Loader, laws: Law, feel: NDArray[np.float64], angle_rad: float) -> AnyDemand:
     """The largest peaks over releases at settings I, B, G, a row each, of equal natural frequency.
 
     Args:
@@ -48,24 +81,19 @@ def largest_demand(loader: Loader, laws: Law, feel: NDArray[np.float64], angle_r
     duration = ceil(_PERIODS * slowest / _SAMPLE_S) * _SAMPLE_S
     scenario = Scenario(Release(angle_rad), duration, sample_s=_SAMPLE_S)
     runs = simulate_batch(loader, scenario, loader.rows(FEEL_SETTING, feel), laws)
-    peaks = np.array([runs[name].values for name in _PEAKS])
-    known = np.isfinite(peaks).all(axis=0)
-    shares = peaks[:, known] / limits(loader)[:, None]
-    return Demand(*shares.max(axis=1).tolist()) if known.any() else Demand(np.nan, np.nan, np.nan)
+    found = np.array([runs[row.peak].values for row in peaks(loader.drive)])
+    known = np.isfinite(found).all(axis=0)
+    of_limits = found[:, known] / limits(loader)[:, None]
+    return KINDS[loader.drive](*of_limits.max(axis=1).tolist()) if known.any() else unknown(loader.drive)
 
 
-def of_all(found: list[Demand]) -> Demand:
-    """The largest of several; not numbers where there are none."""
-    shares = np.array([[one.current, one.flow, one.pressure] for one in found])
-    known = np.isfinite(shares).all(axis=1) if len(found) else np.zeros(0, dtype=bool)
-    return Demand(*shares[known].max(axis=0).tolist()) if known.any() else Demand(np.nan, np.nan, np.nan)
+def of_all(found: list[AnyDemand], drive: str = HYDRAULIC) -> AnyDemand:
+    """The largest of several of a drive; not numbers where there are none."""
+    table = np.array([list(demand_shares(one).values()) for one in found])
+    known = np.isfinite(table).all(axis=1) if len(found) else np.zeros(0, dtype=bool)
+    return KINDS[drive](*table[known].max(axis=0).tolist()) if known.any() else unknown(drive)
 
 
 def limits(loader: Loader) -> NDArray[np.float64]:
-    """Largest current in A, flow in m^3/s and load pressure in Pa that a loader has."""
-    pairs = (
-        ("amplifier.current_limit", "valve.rated_current"),
-        ("valve.flow_limit", "valve.rated_flow"),
-    )
-    first = [loader[limit] if np.isfinite(loader[limit]) else loader[rated] for limit, rated in pairs]
-    return np.array([*first, loader["valve.supply_pressure"]])
+    """The largest of each of ``demanded.peaks`` that a loader has, in SI units."""
+    return np.array([row.most(loader) for row in peaks(loader.drive)])

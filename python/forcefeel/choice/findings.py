@@ -2,6 +2,7 @@
 
 from math import degrees, inf, isfinite
 
+from forcefeel.choice.demand import demand_shares
 from forcefeel.choice.noise import FORCE, HOLDING, Noise
 from forcefeel.choice.rule import Choice, obstacles
 from forcefeel.choice.score import OverEnvelope, Score, Scored
@@ -61,10 +62,10 @@ def _about(scored: Scored, score: Score, units: UnitSystem) -> list[str]:
     if score.over is not None:
         lines += _elsewhere(score.over)
     lines += _rendered(scored, score)
-    peak = own.demand
+    *most, last = (f"{share_text(share)} of the {name}" for name, share in demand_shares(own.demand).items())
     lines.append(
-        f"Its release from {to_text(ANGLE.from_si(scored.plan.release_rad, units), 3)} deg takes {share_text(peak.current)} of the "
-        f"current, {share_text(peak.flow)} of the flow and {share_text(peak.pressure)} of the pressure that there is."
+        f"Its release from {to_text(ANGLE.from_si(scored.plan.release_rad, units), 3)} deg takes {', '.join(most)} and {last} that "
+        "there is."
     )
     return lines if own.noise is None else [*lines, _noise(own.noise, units)]
 

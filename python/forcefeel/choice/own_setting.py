@@ -5,9 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.choice.demand import Demand, largest_demand
+from forcefeel import _core
+from forcefeel.choice.demand import AnyDemand, largest_demand, unknown
 from forcefeel.choice.noise import Noise, noise_at_grip
-from forcefeel.envelope.ideal import frequency_and_damping, ideal_releases
+from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.releases import Record, measured, released
 from forcefeel.envelope.result import PASSES, UNSTABLE
@@ -43,7 +44,7 @@ class OwnSetting:
         stable: Whether it is stable there.
         outcome: ``passes``, ``unstable``, or the figure of the rule's release test that fails first.
         margins: What the loop bears at its command.
-        demand: What the release asks of the valve; not numbers where it is unstable.
+        demand: What the release asks of the drive; not numbers where it is unstable.
         noise: What the sensors' noise does to the grip; ``None`` for an analog loader.
         modes: Of the closed loop, slowest first.
         release: The release.
@@ -53,7 +54,7 @@ class OwnSetting:
     stable: bool
     outcome: str
     margins: LoopMargins
-    demand: Demand
+    demand: AnyDemand
     noise: Noise | None
     modes: tuple[Mode, ...]
     release: Released = field(repr=False)
@@ -77,7 +78,7 @@ def own_setting(plan: Plan, law: LawLike, threads: int) -> OwnSetting:
         stable=stable,
         outcome=outcome if stable else UNSTABLE,
         margins=loop_margins(loop),
-        demand=largest_demand(loader, laws, feel, plan.release_rad) if stable else Demand(np.nan, np.nan, np.nan),
+        demand=largest_demand(loader, laws, feel, plan.release_rad) if stable else unknown(loader.drive),
         noise=noise_at_grip(loader, single),
         modes=loop.modes,
         release=release,
@@ -86,7 +87,7 @@ def own_setting(plan: Plan, law: LawLike, threads: int) -> OwnSetting:
 
 def _released(plan: Plan, laws: Law, feel: NDArray[np.float64], threads: int) -> tuple[bool, str, Released]:
     """Whether it is stable, the outcome of the release test, and the release, as the envelope has them."""
-    (frequency,), (damping,) = (values.tolist() for values in frequency_and_damping(feel))
+    (frequency,), (damping,) = (values.tolist() for values in _core.feel_frequencies(feel))
     record = Record.of(frequency, damping)
     stable, angles = released(plan, plan.cases[0], feel, laws, record, threads)
     ideal = ideal_releases(feel, plan.release_rad, record.step_s, record.samples)

@@ -1,4 +1,4 @@
-"""Methods tried on one loader, and what each is worth: over the envelope, on the valve, on noise and on margins."""
+"""Methods tried on one loader, and what each is worth: over the envelope, on the drive, on noise and on margins."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -8,16 +8,17 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.choice.demand import Demand, largest_demand, of_all
+from forcefeel.choice.demand import AnyDemand, largest_demand, of_all
 from forcefeel.choice.own_setting import OwnSetting, own_setting
 from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.result import CaseShares, Envelope, Shares
 from forcefeel.envelope.run import Progress, compute
 from forcefeel.errors import InputError
-from forcefeel.laws.law import NAMED_LAWS, Law, names_for
+from forcefeel.laws.law import NAMED_LAWS, Law, names_for, of_a_valve
 from forcefeel.laws.law_file import LAW_FILE
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.loops.command_loop import command_loops
 from forcefeel.loops.margins import LoopMargins, least_margins, loop_margins
 from forcefeel.threads import threads_or_cores
@@ -50,7 +51,7 @@ class OverEnvelope:
 
     shares: Shares
     lost_most: CaseShares | None
-    demand: Demand
+    demand: AnyDemand
     margins: LoopMargins
 
 
@@ -153,6 +154,8 @@ def check_names(loader: Loader, names: Sequence[str]) -> None:
     """
     able = names_for(loader)
     for name in names:
+        if name in NAMED_LAWS and name not in able and loader.drive == ELECTRIC:
+            raise of_a_valve(name, loader)
         if name in NAMED_LAWS and name not in able:
             raise InputError(
                 f"method: {name} is made for a digital controller, and the loader is analog; give controller.period and "
@@ -187,12 +190,17 @@ def score_over(plan: Plan, score: Score, found: Envelope) -> Score:
     return replace(score, over=over)
 
 
-def _demand(plan: Plan, laws: Law, feel: NDArray[np.float64], stable: NDArray[np.bool_]) -> Demand:
+def _demand(plan: Plan, laws: Law, feel: NDArray[np.float64], stable: NDArray[np.bool_]) -> AnyDemand:
     """The largest over the stable settings, those of one frequency together."""
     frequency = plan.settings.rows[:, 1]
     pieces = [np.flatnonzero(stable & (frequency == one)) for one in plan.settings.frequency]
     return of_all(
-        [largest_demand(plan.loader, laws.some(which), feel[which], plan.release_rad) for which in pieces if len(which)]
+        [
+            largest_demand(plan.loader, laws.some(which), feel[which], plan.release_rad)
+            for which in pieces
+            if len(which)
+        ],
+        plan.loader.drive,
     )
 
 

@@ -23,6 +23,7 @@ from forcefeel.errors import InputError
 _LOADER = "[LOADER]"
 _COMMANDS = {
     "new": "FILE",
+    "size": _LOADER,
     "design": _LOADER,
     "analyze": _LOADER,
     "compensate": _LOADER,

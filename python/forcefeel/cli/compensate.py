@@ -107,7 +107,7 @@ _METHOD_ALONE = ("envelope", "grid", "rule", "off", "out")
 def run(path: LoaderFile = None, /, *, options: CompensateOptions = CompensateOptions()) -> None:
     """Compute the feedback gains by recursion (22) and close the loop with them; or try methods and choose one.
 
-    With --method auto every method is scored over the envelope, on the valve, on noise and on margins, and one is chosen.
+    With --method auto every method is scored over the envelope, on the drive, on noise and on margins, and one is chosen.
 
     Exit status 1 if the compensated loader is unstable at the programmed setting, or no method is eligible.
 

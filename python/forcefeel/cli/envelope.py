@@ -41,7 +41,7 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
         option(
             f"{LAW_NAMES}. Designed anew for each setting; or the file of one. May be given again.",
             ASKED,
-            default="published",
+            default="published; robust of an electric loader",
             metavar=LAW_METAVAR,
         ),
     ] = ()
@@ -63,14 +63,14 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
             InputError: If an option is bad or does not go with another.
         """
         from forcefeel.envelope.draws import Draws
-        from forcefeel.envelope.plan import make_plan
+        from forcefeel.envelope.plan import make_plan, usual_law
         from forcefeel.laws.law import names_for
         from forcefeel.sweep import text
 
         if self.compare and self.law:
             raise InputError("--compare and --law: given both; --compare takes all, leave one out")
         loader = self.loader(path)
-        names = names_for(loader) if self.compare else self.law or ("published",)
+        names = names_for(loader) if self.compare else self.law or (usual_law(loader),)
         return make_plan(
             loader,
             names,

@@ -8,6 +8,9 @@ LAWS = ("original", "published", "converged", "load-cell", "observer", "recovere
 
 ORIGINAL = LAWS[0]
 
+DEFAULT_LAW = "original; robust of an electric loader"
+"""For help."""
+
 LAW_METAVAR = "NAME|FILE.json"
 
 LAW_NAMES = f"{', '.join(LAWS[:3])}; with a digital controller {', '.join(LAWS[3:-1])} or {LAWS[-1]}"

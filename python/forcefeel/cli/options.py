@@ -20,7 +20,7 @@ from cyclopts import Group, Parameter
 from cyclopts.help import DefaultFormatter, HelpPanel
 from rich.console import Console, ConsoleOptions
 
-from forcefeel.cli.law_option import LAW_METAVAR, check_law_name
+from forcefeel.cli.law_option import DEFAULT_LAW, LAW_METAVAR, check_law_name
 from forcefeel.cli.scenario_text import assignments
 from forcefeel.units import UnitSystem
 
@@ -74,7 +74,8 @@ LoaderFile = Annotated[
     Path | None,
     Parameter(
         "LOADER",
-        help="Loader file, or a built-in one: elevator, elevator-2khz.",
+        help="Loader file, or a built-in one: elevator, elevator-2khz; electric: elevator-electric, aileron-wheel, rudder-pedals, "
+        "sidestick-pitch, sidestick-roll, desktop-yoke.",
         show_default="elevator",
     ),
 ]
@@ -194,7 +195,7 @@ LawOption = Annotated[
         "published or an endless horizon, or a sampled law; or the file of one, from compensate --save-law.",
         LOADER,
         "--law",
-        default="original",
+        default=DEFAULT_LAW,
         metavar=LAW_METAVAR,
         converter=_law,
     ),

@@ -10,7 +10,7 @@ from rich.table import Table
 
 from forcefeel.cli.bench_data import options_named
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.law_option import LAW_METAVAR, ORIGINAL, check_law_name
+from forcefeel.cli.law_option import DEFAULT_LAW, LAW_METAVAR, check_law_name
 from forcefeel.cli.options import (
     EDITION,
     LOADER,
@@ -145,7 +145,7 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
             "the published or an endless horizon, or a sampled law; or the file of one, from compensate --save-law. Given "
             "again, a section each.",
             LOADER,
-            default="original",
+            default=DEFAULT_LAW,
             metavar=LAW_METAVAR,
             converter=_law_names,
         ),
@@ -180,7 +180,7 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
         return filled(
             QualificationSetup,
             self,
-            laws=names_for(loader) if self.compare else self.law or (ORIGINAL,),
+            laws=names_for(loader) if self.compare else self.law or None,
             throw_rad=None if self.throw is None else value("--throw", self.throw, "rad", "18 deg"),
             units=self.unit,
             dynamic_pressure_pa=None if pressure is None else value("--dynamic-pressure", pressure, "Pa", "5 kPa"),

@@ -63,7 +63,7 @@ def assignments(option: str, texts: tuple[str, ...]) -> dict[str, Value]:
     Raises:
         InputError: If one is not a name, an equals sign and a value, or a name stands twice.
     """
-    from forcefeel.loader.parameters import REQUIRED
+    from forcefeel.loader.parameters import TABLE
 
     found: dict[str, Value] = {}
     for text in texts:
@@ -75,7 +75,7 @@ def assignments(option: str, texts: tuple[str, ...]) -> dict[str, Value]:
         if key in found:
             raise InputError(f"{option}: {key} is given twice; give it once")
         found[key] = _WORDS.get(given.lower(), given)
-        if found[key] is None and key in REQUIRED:
+        if found[key] is None and key in TABLE and TABLE[key].off_si is None:
             raise InputError(f"{option}: {key} is what every loader has; expected a value, got {show(given)}")
     return found
 

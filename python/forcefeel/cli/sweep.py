@@ -173,7 +173,7 @@ def _show(console: Terminal, result: "SweepResult", summary: "Summary", units: U
 
 def _measures(result: "SweepResult", summary: "Summary", units: UnitSystem) -> Table:
     from forcefeel.sweep.findings import main_measures, number_of
-    from forcefeel.sweep.summary import measure_name, measure_unit
+    from forcefeel.sweep.summary import measure_name
 
     table = Table("measure", title="Measures", title_justify="left", title_style="bold")
     for name in ("nominal", "lowest", "5 %", "median", "95 %", "highest"):
@@ -181,6 +181,6 @@ def _measures(result: "SweepResult", summary: "Summary", units: UnitSystem) -> T
     for name in main_measures(result, summary):
         spread = summary.spreads[name]
         marks = (spread.nominal, spread.lowest, *map(spread.quantile, (0.05, 0.5, 0.95)), spread.highest)
-        values = (number_of(name, value, units) for value in marks)
-        table.add_row(f"{measure_name(name)}, {measure_unit(name).shown(units)}", *values)
+        values = (number_of(spread.unit, value, units) for value in marks)
+        table.add_row(f"{measure_name(name)}, {spread.unit.shown(units)}", *values)
     return table

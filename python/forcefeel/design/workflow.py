@@ -14,7 +14,7 @@ from forcefeel.linear.boundary import StabilityBoundary, smallest_stable_stiffne
 from forcefeel.linear.frequency import Margins, Peak, margins, resonance
 from forcefeel.linear.models import Linkage, loader_model, open_loop_model, servo_model
 from forcefeel.linear.modes import Mode, least_damped, modes
-from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.loader.loader import Loader, check_hydraulic
 from forcefeel.printable import table_html
 from forcefeel.units import HERTZ, RATIO
 
@@ -181,7 +181,7 @@ def analyze(loader: Loader) -> Analysis:
         >>> found.configuration("compliant").boundary.note
         'lost by oscillation at 12.0 Hz'
     """
-    check_loader(loader)
+    check_hydraulic(loader, "the analysis of the report")
     low = loader.scale_feel(LOW_SHARE)
     frequency, damping_ratio = feel_frequency(loader.values)
     return Analysis(
@@ -210,7 +210,7 @@ def design_loader(
         >>> ff.design.conclusions(found, ff.UnitSystem.US).good
         True
     """
-    check_loader(loader)
+    check_hydraulic(loader, "the design of the report")
     progress(STEPS[0])
     published, converged = compensate(loader), compensate(loader, DesignSettings())
     chosen = published if settings is None else compensate(loader, settings)

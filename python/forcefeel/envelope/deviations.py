@@ -16,7 +16,15 @@ from numpy.typing import NDArray
 from forcefeel.errors import InputError
 from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import OFF, PLANT_PARAMETERS, TABLE, did_you_mean, is_switch
+from forcefeel.loader.parameters import (
+    ELECTRIC,
+    MOTOR_PARAMETERS,
+    OFF,
+    PLANT_PARAMETERS,
+    TABLE,
+    did_you_mean,
+    is_switch,
+)
 from forcefeel.loader.tolerances import Distribution, Tolerance, beyond
 from forcefeel.units import show
 
@@ -28,13 +36,16 @@ CHANGES: Mapping[str, float] = MappingProxyType(
 """How far each parameter of the plant is assumed to be off, to either side. Not the sensors' gains, which are calibrated, nor those
 of the feel computer, which are numbers in a program."""
 
+MOTOR_CHANGES: Mapping[str, float] = MappingProxyType(dict.fromkeys(MOTOR_PARAMETERS, USUAL_CHANGE))
+"""Those of an electric loader."""
+
 _ORIFICE = {"valve.current_gain": "valve.rated_flow", "valve.pressure_gain": "valve.supply_pressure"}
 """What stands for the gains C_i, C_p where the flow follows the orifice, eq. (1)."""
 
 _IDLE = {False: {*_ORIFICE.values(), "valve.rated_current"}, True: set(_ORIFICE)}
 """Rows of the valve that do nothing, without the orifice and with it."""
 
-_MACHINE = ("amplifier", "valve", "actuator", "linkage", "column")
+_MACHINE = ("amplifier", "valve", "actuator", "motor", "winding", "current_loop", "transmission", "linkage", "column")
 """Parts whose tolerances count. Sensors are calibrated; controller, feel and pilot are not the machine."""
 
 
@@ -102,7 +113,9 @@ def deviations_of(loader: Loader) -> Mapping[str, Deviation]:
         InputError: If a tolerance leads out of its row's range.
     """
     orifice = bool(loader["valve.orifice"])
-    assumed = {_ORIFICE.get(key, key) if orifice else key: share for key, share in CHANGES.items()}
+    of_drive = MOTOR_CHANGES if loader.drive == ELECTRIC else CHANGES
+    usual = {key: share for key, share in of_drive.items() if key not in OFF or _has_shares(loader, key)}
+    assumed = {_ORIFICE.get(key, key) if orifice else key: share for key, share in usual.items()}
     found = {key: Deviation.within(share, Origin.ASSUMED) for key, share in assumed.items()}
     stated = {key: it for key, it in loader.tolerances.items() if _counts(loader, key)}
     if wrong := beyond(stated):

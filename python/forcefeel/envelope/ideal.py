@@ -11,13 +11,6 @@ from forcefeel import _core
 _BLOCK = 64
 
 
-def frequency_and_damping(feel: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Natural frequency in rad/s and damping ratio of each row I, B, G, eq. (11)."""
-    inertia, damping, stiffness = feel.T
-    frequency = np.sqrt(stiffness / inertia)
-    return frequency, damping / (2 * inertia * frequency)
-
-
 def ideal_releases(feel: NDArray[np.float64], angle: float, step_s: float, samples: int) -> NDArray[np.float64]:
     """Column angle (settings, samples) from the release at ``angle`` on; exact at the samples."""
     blocks = -(-samples // _BLOCK)

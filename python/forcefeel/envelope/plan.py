@@ -12,8 +12,9 @@ from forcefeel.envelope.draws import NO_DRAWS, Draws
 from forcefeel.envelope.machines import feel_json
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError, expect
-from forcefeel.laws.law import NAMED_LAWS, LawLike, check_given, named
+from forcefeel.laws.law import DEFAULTS, NAMED_LAWS, LawLike, check_given, named
 from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.qualification import DEFAULT_EDITION, Rules, load_rules
 from forcefeel.qualification.rules import Test
 from forcefeel.qualification.throw import Throw
@@ -106,6 +107,11 @@ class Plan:
         """Whether every tolerance of the release test, and how it is read, has been held against the document."""
         rows = [self.test.is_verified(tolerance) for tolerance in self.test.tolerances]
         return all(rows) and self.rules.release.verified
+
+
+def usual_law(loader: Loader) -> str:
+    """The law of an envelope for which none is named."""
+    return DEFAULTS[ELECTRIC] if loader.drive == ELECTRIC else "published"
 
 
 def make_plan(

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel import _core
 from forcefeel.envelope.cases import NOMINAL
-from forcefeel.envelope.ideal import frequency_and_damping, ideal_releases
+from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.machines import full_rows
 from forcefeel.envelope.releases import Record
 from forcefeel.envelope.settings import AXES
@@ -50,7 +51,7 @@ class ReleaseTest:
 
     def outcomes(self, loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator, threads: int) -> list[str]:
         """How each feel (settings, 3) with its law ends: passes, or the figure that fails first."""
-        frequency, damping = frequency_and_damping(feel)
+        frequency, damping = _core.feel_frequencies(feel)
         outcome = np.full(len(feel), NOT_JUDGED, dtype=object)
         asked = np.flatnonzero(damping >= AXES["damping"].low)
         bands = np.floor(np.log(frequency[asked]) / _BAND)

@@ -13,7 +13,7 @@ from forcefeel.frontier.rungs import FACTORS, Rungs, climb, rung_releases
 from forcefeel.frontier.tightening import INERTIA, tightening
 from forcefeel.frontier.valve_limits import valve_limits
 from forcefeel.laws.law_file import LAW_FILE
-from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.loader.loader import Loader, check_hydraulic
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, the releases that are done and all there are."""
@@ -70,7 +70,7 @@ def frontier_plan(
     **options: object,
 ) -> Plan:
     """The envelope that a frontier is about; arguments as ``find_frontier``."""
-    check_loader(loader)
+    check_hydraulic(loader, "a frontier")
     expect("compensator", compensator or "", str, "the name of a law, such as robust")
     expect("grid", grid or {}, Mapping, 'values by axis such as {"stiffness": "1..100 %:40:log"}')
     name = compensator or ("robust" if loader["controller.period"] else "published")

@@ -33,6 +33,7 @@ from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.referee import Referee, referees
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.valve_flow import no_load_flow, spool_flow
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import FLOW, PERCENT, SECONDS
 
@@ -101,13 +102,6 @@ def valve_limits(plan: Plan, *, threads: int | None = None) -> ValveLimits:
     return ValveLimits(spool_flow(plan.loader), demand, least, unload, plan.settings.rows[:, 1])
 
 
-def spool_flow(loader: Loader) -> float:
-    """Largest flow at no load, m^3/s: of the current, eq. (1) or (3), and of the spool's stroke."""
-    limit, rated = loader["amplifier.current_limit"], loader["valve.rated_current"]
-    by_current = loader["valve.rated_flow"] / rated if loader["valve.orifice"] else loader["valve.current_gain"]
-    return min(loader["valve.flow_limit"], by_current * (limit if np.isfinite(limit) else rated))
-
-
 def _demands(referee: Referee) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Share of the spool's flow that the ideal takes, and the least of any trial response that passes."""
     ideal = least = np.full(len(referee.which), np.inf)
@@ -132,16 +126,6 @@ def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
         flow = loader["actuator.area"] * piston + oil_compliance(loader) * pressure_rate
         found = np.maximum(found, no_load_flow(loader, flow, pressure) / limit)
     return found
-
-
-def no_load_flow(loader: Loader, flow: NDArray[np.float64], pressure: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Flow that the spool must let through at no load for so much against a load pressure; infinite where there is none."""
-    share = np.sign(flow) * pressure / loader["valve.supply_pressure"]
-    if loader["valve.orifice"]:
-        needed = np.abs(flow) / np.sqrt(np.where(share < 1, 1 - share, 1.0))
-    else:
-        needed = np.abs(flow + loader["valve.pressure_gain"] * pressure)
-    return np.asarray(np.where(share < 1, needed, np.inf))
 
 
 def oil_compliance(loader: Loader) -> float:

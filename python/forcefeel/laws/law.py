@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import isclose
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, cast
 
 import numpy as np
@@ -24,6 +25,7 @@ from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.linear.models import state_feedback
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.units import show
 
 NAMED_LAWS = (*NAMED_DESIGNS, *METHODS)
@@ -31,6 +33,9 @@ NAMED_LAWS = (*NAMED_DESIGNS, *METHODS)
 
 ORIGINAL = "original"
 """The loader's own position loop, eq. (13)."""
+
+DEFAULTS = MappingProxyType({HYDRAULIC: ORIGINAL, ELECTRIC: "robust"})
+"""What drives a loader where nothing is said, by its drive: the report's laws are for a valve."""
 
 _SAME = 1e-9
 """Relative; a number that went through a file or another unit is still the same."""
@@ -95,6 +100,8 @@ class Law:
             law = cls(**read_law(Path(given)))
             named_so = name or f"{law.name} ({Path(given).name})"
             return cls.of(replace(law, name=named_so), loader, own_feel(loader) if feel is None else feel)
+        if given is None and loader.drive == ELECTRIC:
+            given = DEFAULTS[ELECTRIC]
         if isinstance(given, str | Path):
             name = name or str(given)
             given = named((str(given),), loader)[str(given)]
@@ -119,6 +126,8 @@ class Law:
         Raises:
             InputError: If so.
         """
+        if loader.drive == ELECTRIC and self.sampled is None:
+            raise of_a_valve(self.name, loader)
         if self.numbers is None:
             return
         period, delay = loader["controller.period"], loader["controller.delay"]
@@ -241,8 +250,18 @@ def check_given(given: object, name: str = "compensator") -> None:
         )
 
 
+def of_a_valve(name: str, loader: Loader) -> InputError:
+    """What is wrong with a law for a valve on an electric loader."""
+    return InputError(
+        f"compensator: {name} is a law for a valve, and {loader.name} has a motor; expected one of "
+        f"{', '.join(names_for(loader))}"
+    )
+
+
 def names_for(loader: Loader) -> tuple[str, ...]:
-    """The names of all laws that a loader can run: the sampled ones need a digital controller."""
+    """The names of all laws that a loader can run: the sampled ones need a digital controller, the report's a valve."""
+    if loader.drive == ELECTRIC:
+        return tuple(name for name, one in METHODS.items() if ELECTRIC in one.drives)
     return NAMED_LAWS if loader["controller.period"] else tuple(NAMED_DESIGNS)
 
 
@@ -259,6 +278,10 @@ def named(names: Sequence[str], loader: Loader) -> dict[str, LawLike]:
             )
     if not names or len(set(names)) < len(names):
         raise InputError(f"compensator: expected different ones of {', '.join(NAMED_LAWS)}, got {show(list(names))}")
+    able = names_for(loader)
+    for name in names:
+        if loader.drive == ELECTRIC and name in NAMED_LAWS and name not in able:
+            raise of_a_valve(name, loader)
     return {name: _design(name, loader) for name in names}
 
 

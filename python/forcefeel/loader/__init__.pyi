@@ -1,6 +1,7 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
 from forcefeel.loader.built_in import digital_elevator as digital_elevator
+from forcefeel.loader.built_in import electric as electric
 from forcefeel.loader.built_in import elevator as elevator
 from forcefeel.loader.curves import Curve as Curve
 from forcefeel.loader.loader import Loader as Loader

@@ -2,13 +2,17 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
+from importlib.resources import as_file, files
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
+from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader, load
-from forcefeel.loader.parameters import OFF, TABLE
+from forcefeel.loader.parameters import HYDRAULIC, OFF, TABLE, absent, has
+from forcefeel.units import show
 
 _REPORT = (
     "NASA Langley, Analysis and Compensation of an Aircraft Simulator Control Loading System, October 1974; "
@@ -45,7 +49,9 @@ def elevator() -> Loader:
         >>> ff.elevator()
         <Loader 'elevator': feel G = 9600 lb in/rad, 2.01 Hz, damping ratio 0.2; analog; 13 tolerances>
     """
-    values = np.array([OFF.get(key, row.default_si) for key, row in TABLE.items()])
+    values = np.array(
+        [OFF.get(key, row.default_si) if has(HYDRAULIC, row) else absent(row) for key, row in TABLE.items()]
+    )
     return Loader("elevator", _REPORT, values).with_tolerances(_ASSUMED)
 
 
@@ -79,8 +85,42 @@ def digital_elevator() -> Loader:
     )
 
 
+ELECTRIC_AXES: Mapping[str, str] = MappingProxyType(
+    {
+        "elevator-electric": "pitch",
+        "aileron-wheel": "roll",
+        "rudder-pedals": "yaw",
+        "sidestick-pitch": "stick",
+        "sidestick-roll": "stick",
+        "desktop-yoke": "roll",
+    }
+)
+"""The built-in electric loaders, each the file of its name in ``data/loaders``, and the axis that each is of."""
+
+
+def electric(name: str) -> Loader:
+    """A built-in electric loader; its source says which of its numbers are illustrative.
+
+    Raises:
+        InputError: If there is none of that name.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.loader.electric("sidestick-pitch").drive
+        'electric'
+    """
+    if name not in ELECTRIC_AXES:
+        raise InputError(f"name: expected {', '.join(ELECTRIC_AXES)}, got {show(name)}")
+    with as_file(files("forcefeel") / "data" / "loaders" / f"{name}.toml") as path:
+        return load(path)
+
+
 BUILT_IN: Mapping[str, Callable[[], Loader]] = MappingProxyType(
-    {"elevator": elevator, "elevator-2khz": digital_elevator}
+    {
+        "elevator": elevator,
+        "elevator-2khz": digital_elevator,
+        **{name: partial(electric, name) for name in ELECTRIC_AXES},
+    }
 )
 """Loaders by name."""
 

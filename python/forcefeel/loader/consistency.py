@@ -10,14 +10,21 @@ BELOW = (
     ("column.stop_low", "column.stop_high"),
     ("feel.soft_stop_low", "feel.soft_stop_high"),
     ("feel.hard_stop_low", "feel.hard_stop_high"),
+    ("thermal.ambient", "thermal.derating_from"),
+    ("thermal.derating_from", "thermal.winding_limit"),
 )
 """Pairs of which the first lies below the second."""
 
 AT_LEAST = (
     ("column.static_friction", "column.coulomb_friction"),
     ("feel.static_friction", "feel.coulomb_friction"),
+    ("motor.static_friction", "motor.coulomb_friction"),
 )
 """Pairs of which the first, where given, is no smaller than the second."""
+
+_HEAT = tuple(
+    f"thermal.{name}" for name in ("winding_capacity", "housing_capacity", "winding_resistance", "housing_resistance")
+)
 
 _SAMPLED = ("load_cell", "potentiometer", "column_sensor")
 
@@ -37,6 +44,14 @@ ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("controller.output_bits", ("controller.period",)),
     ("controller.output_bits", ("controller.output_range",)),
     ("controller.antiwindup", ("controller.period",)),
+    ("motor.cogging_periods", ("motor.cogging_torque",)),
+    ("motor.cogging_phase", ("motor.cogging_torque",)),
+    ("motor.cogging_periods_2", ("motor.cogging_torque_2",)),
+    ("motor.cogging_phase_2", ("motor.cogging_torque_2",)),
+    ("winding.temperature_coefficient", ("thermal.winding_capacity",)),
+    *((one, (other,)) for one in _HEAT for other in _HEAT if one != other),
+    *((f"thermal.{name}", ("thermal.winding_capacity",)) for name in ("ambient", "derating_from", "winding_limit")),
+    ("brake.engaged", ("brake.torque",)),
     ("feel.breakout_travel", ("feel.breakout",)),
     ("feel.hysteresis_travel", ("feel.hysteresis",)),
     ("feel.detent_angle", ("feel.detent_force",)),
@@ -64,14 +79,19 @@ def complaints(values: Mapping[str, float]) -> list[str]:
         values: SI values by ``part.name``, each one good by itself.
     """
     return [
-        *(_not_below(low, high, values) for low, high in BELOW if not _below(values[low], values[high])),
+        *(
+            _not_below(low, high, values)
+            for low, high in BELOW
+            if low in values and not _below(values[low], values[high])
+        ),
         *(
             _too_small(key, least, values)
             for key, least in AT_LEAST
-            if values[key] != OFF[key] and values[key] < values[least] * (1 - _ROUNDING)
+            if key in values and values[key] != OFF[key] and values[key] < values[least] * (1 - _ROUNDING)
         ),
         *without_effect(values).values(),
         *_late(values),
+        *_undriven(values),
     ]
 
 
@@ -103,13 +123,23 @@ def _late(values: Mapping[str, float]) -> list[str]:
     return []
 
 
+def _undriven(values: Mapping[str, float]) -> list[str]:
+    """A line for a motor without a controller."""
+    if "motor.torque_constant" in values and not values["controller.period"]:
+        return [
+            "controller.period: missing value; an electric drive takes its command from a digital controller; "
+            'add [controller] period = "0.5 ms" and delay = "0.5 ms"'
+        ]
+    return []
+
+
 def without_effect(values: Mapping[str, float]) -> dict[str, str]:
     """The optional rows that are given, but not what they act with; a line for each.
 
     Args:
         values: SI values by ``part.name``.
     """
-    off = {key for key, value in OFF.items() if values[key] == value}
+    off = {key for key, value in OFF.items() if values.get(key, value) == value}
     found: dict[str, str] = {}
     for key, others in ONLY_WITH:
         if key not in off and off.issuperset(others):
@@ -123,7 +153,8 @@ def _below(low: float, high: float) -> bool:
 
 def _not_below(low: str, high: str, values: Mapping[str, float]) -> str:
     limit, came = (value_text(TABLE[key], values[key]) for key in (high, low))
-    return f"{low}: expected less than {high}, which is {limit}, got {came}; leave one out where there is no such stop"
+    remedy = "leave one out where there is no such stop" if "stop" in low else "set them apart"
+    return f"{low}: expected less than {high}, which is {limit}, got {came}; {remedy}"
 
 
 def _too_small(key: str, least: str, values: Mapping[str, float]) -> str:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from forcefeel.loader import consistency
 from forcefeel.loader.curves import Curve
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.loader.tolerances import Tolerance
 from forcefeel.loader.tolerances import check as check_tolerances
 from forcefeel.printable import unprintable
@@ -16,7 +17,7 @@ class Contents:
 
     Attributes:
         name, source: Of the loader.
-        values: SI values by ``part.name``.
+        values: SI values by ``part.name``, of the rows that its drive has.
         curves: Curves by name, SI units.
         tolerances: Tolerances by ``part.name``, SI units.
     """
@@ -26,6 +27,11 @@ class Contents:
     values: Mapping[str, float]
     curves: Mapping[str, Curve]
     tolerances: Mapping[str, Tolerance]
+
+    @property
+    def drive(self) -> str:
+        """What moves the linkage."""
+        return ELECTRIC if "motor.torque_constant" in self.values else HYDRAULIC
 
 
 def misfits(contents: Contents) -> list[str]:

@@ -9,7 +9,11 @@ part     given                                             instead of           
 valve    ``operating_current``, ``operating_pressure``     ``C_i``, ``C_p``            eqs. (1), (2)
 linkage  ``resonance_frequency``, ``..._damping_ratio``    ``k``, ``c``                eqs. (6), (9)
 feel     ``natural_frequency``, ``damping_ratio``          ``I``, ``B``                eq. (11)
+motor    ``torque_constant_rms``                           ``K_t``                     ``K_t = K_rms / sqrt(2)``
+winding  ``resistance_``, ``inductance_line_to_line``      ``R``, ``L``                a half: two phases in star
 =======  ================================================  ==========================  ===================
+
+and the transmission's ``lead`` for its travel, ``r = lead / (2 pi)``.
 
 Curves are read in ``curve_text``, tolerances in ``tolerance_text``; ``loader_text`` writes the file.
 """
@@ -19,6 +23,7 @@ import re
 import tomllib
 from collections.abc import Callable, Mapping
 from functools import cache, partial
+from math import sqrt, tau
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -35,16 +40,22 @@ from forcefeel.loader import curve_text, tolerance_text
 from forcefeel.loader.contents import Contents, misfits
 from forcefeel.loader.curves import CURVES
 from forcefeel.loader.parameters import (
+    DRIVES,
+    ELECTRIC,
+    HYDRAULIC,
     INDEX,
     OFF,
-    PARTS,
     TABLE,
+    a_drive,
+    absent,
     alternatives,
     in_range,
     is_switch,
     main_rows,
+    parts,
     range_text,
     replaced,
+    table,
     with_unit,
     without,
 )
@@ -61,9 +72,12 @@ _QUOTED = re.compile(r"""\"(?:[^"\\]|\\.?)*(?:"|$)|'[^']*(?:'|$)""")
 
 _STRICT = ConfigDict(extra="forbid", frozen=True, strict=True)
 
-_DERIVE: Mapping[str, Callable[[NDArray[np.float64], Mapping[str, float]], tuple[float, float]]] = {
+_DERIVE: Mapping[str, Callable[[NDArray[np.float64], Mapping[str, float]], tuple[float, ...]]] = {
     "valve": lambda v, a: _core.valve_gains(v, a["operating_current"], a["operating_pressure"]),
     "linkage": lambda v, a: _core.linkage_from_resonance(v, a["resonance_frequency"], a["resonance_damping_ratio"]),
+    "motor": lambda _, a: (a["torque_constant_rms"] / sqrt(2),),
+    "winding": lambda _, a: (a["resistance_line_to_line"] / 2, a["inductance_line_to_line"] / 2),
+    "transmission": lambda _, a: (a["lead"] / tau,),
     "feel": lambda v, a: _core.feel_from_frequency(
         a["natural_frequency"], a["damping_ratio"], v[INDEX["feel.stiffness"]]
     ),
@@ -77,13 +91,14 @@ def read(path: Path) -> Contents:
         InputError: With a line for each thing that is wrong.
     """
     document = _document(path)
-    complaints = [found for part in PARTS if (found := _contradiction(part, document.get(part)))]
+    drive = _drive(path, document)
+    complaints = [found for part in parts(drive) if (found := _contradiction(part, document.get(part), drive))]
     try:
-        checked = _schema().model_validate(document)
+        checked = _schema(drive).model_validate(document)
     except ValidationError as error:
         wrong = error.errors()
         unseen = (one["msg"] for one in wrong[MOST_LINES:])  # no message shows these
-        complaints = [*map(_explain, wrong[:MOST_LINES]), *unseen, *complaints]
+        complaints = [*(_explain(one, drive) for one in wrong[:MOST_LINES]), *unseen, *complaints]
     else:
         if not complaints:
             contents, complaints = _contents(checked)
@@ -95,15 +110,15 @@ def read(path: Path) -> Contents:
 def _contents(checked: BaseModel) -> tuple[Contents, list[str]]:
     """What follows from values that are good by themselves; and what is wrong with it."""
     top = dict(checked)
-    parts = {part: dict(top[part]) for part in PARTS}
-    values, complaints = _derive(parts)
+    stated = {part: dict(top[part]) for part in parts(top["drive"])}
+    values, complaints = _derive(stated, top["drive"])
     tolerances: dict[str, Tolerance] = {}
     for key, given in top["tolerances"].items():
         try:
-            tolerances[key] = tolerance_text.read(key, given, values.get(key, np.nan))
+            tolerances[key] = tolerance_text.read(key, given, values.get(key, np.nan), table(top["drive"]))
         except InputError as error:
             complaints.append(str(error))
-    curves = {name: curve for name in CURVES if (curve := parts["feel"][name]) is not None}
+    curves = {name: curve for name in CURVES if (curve := stated["feel"][name]) is not None}
     contents = Contents(top["name"], top["source"], values, curves, tolerances)
     return contents, complaints or misfits(contents) or beyond(tolerances)
 
@@ -135,21 +150,32 @@ def _check_dots(path: Path, text: str) -> None:
                 )
 
 
+def _drive(path: Path, document: Mapping[str, Any]) -> str:
+    """Which drive the file says; a hydraulic one where it says nothing."""
+    drive = document.get("drive", HYDRAULIC)
+    if drive not in DRIVES:
+        raise InputError(f"{path}: drive: expected {' or '.join(DRIVES)}, got {show(drive)}")
+    return str(drive)
+
+
 @cache
-def _schema() -> type[BaseModel]:
+def _schema(drive: str) -> type[BaseModel]:
     """The pydantic model of a loader file, made from the parameter table."""
-    parts: dict[str, Any] = {}
-    for part in PARTS:
+    tables: dict[str, Any] = {}
+    for part in parts(drive):
         fields: dict[str, Any] = {}
-        for row in (main_rows(part) | alternatives(part)).values():
+        for row in (main_rows(part, drive) | alternatives(part)).values():
             kind = Annotated[float, BeforeValidator(partial(_switch if is_switch(row) else _quantity, row))]
             fields[row.name] = (kind, ...) if _must_stand(row) else (kind | None, None)
         for row_of_curve in CURVES.values() if part == "feel" else ():
             fields[row_of_curve.name] = (Annotated[Any, BeforeValidator(partial(curve_text.read, row_of_curve))], None)
-        table = create_model(part, __config__=_STRICT, **fields)
-        parts[part] = (table, ... if any(map(_must_stand, main_rows(part).values())) else table())
-    parts["tolerances"] = (Annotated[dict[str, Any], BeforeValidator(tolerance_text.entries)], {})
-    return create_model("LoaderFile", __config__=_STRICT, name=(str, ...), source=(str, ""), **parts)
+        rows = create_model(part, __config__=_STRICT, **fields)
+        stated = any(row.off_si is None for row in main_rows(part, drive).values())
+        tables[part] = (rows, ... if stated else rows())
+    tables["tolerances"] = (Annotated[dict[str, Any], BeforeValidator(tolerance_text.entries)], {})
+    return create_model(
+        "LoaderFile", __config__=_STRICT, name=(str, ...), source=(str, ""), drive=(str, drive), **tables
+    )
 
 
 def _must_stand(row: Parameter) -> bool:
@@ -173,7 +199,7 @@ def _switch(row: Parameter, given: object) -> float:
     return float(given)
 
 
-def _contradiction(part: str, given: object) -> str | None:
+def _contradiction(part: str, given: object, drive: str) -> str | None:
     """What is wrong where a part can be stated in two ways; nothing if one of them is given, whole."""
     one, other = replaced(part), list(alternatives(part))
     if not other or not isinstance(given, dict):
@@ -183,19 +209,22 @@ def _contradiction(part: str, given: object) -> str | None:
     if has_one and has_other:
         return f"{part}: given both ways at once ({', '.join(has_one + has_other)}); {choice}"
     if has_one != one and has_other != other:
-        missing = [_example(part, key) for key in (other if has_other else one) if key not in given]
+        missing = [_example(part, key, drive) for key in (other if has_other else one) if key not in given]
         return f"{part}: missing value; add {' and '.join(missing)}; {choice}"
     return None
 
 
-def _derive(checked: Mapping[str, Mapping[str, Any]]) -> tuple[dict[str, float], list[str]]:
+def _derive(checked: Mapping[str, Mapping[str, Any]], drive: str) -> tuple[dict[str, float], list[str]]:
     """The table's values, with those stated in another way worked out by the model; and what is wrong with them."""
-    stated = {key: checked[row.part][row.name] for key, row in TABLE.items()}
+    stated = {key: checked[row.part][row.name] for key, row in table(drive).items()}
     # The model's formulas read only rows that are given; the others stand as "not a number" until worked out.
     values: dict[str, float] = {key: OFF.get(key, np.nan) if it is None else it for key, it in stated.items()}
-    array = np.array(list(values.values()))
-    complaints = []
-    for part, derive in _DERIVE.items():
+    array = np.array([values.get(key, absent(row)) for key, row in TABLE.items()])
+    complaints = _phases(checked) if drive == ELECTRIC else []
+    for part in parts(drive):
+        if part not in _DERIVE:
+            continue
+        derive = _DERIVE[part]
         given = {name: value for name in alternatives(part) if (value := checked[part][name]) is not None}
         derived = zip(replaced(part), derive(array, given), strict=True) if given else ()
         for name, value in derived:
@@ -207,39 +236,54 @@ def _derive(checked: Mapping[str, Mapping[str, Any]]) -> tuple[dict[str, float],
     return values, complaints
 
 
-def _explain(error: ErrorDetails) -> str:
+def _phases(checked: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """A line for each value of a motor that asks for three phases where there is one."""
+    if checked["motor"]["three_phase"]:
+        return []
+    of_three = [f"{part}.{name}" for part in ("motor", "winding") for name in alternatives(part) if checked[part][name]]
+    return [
+        f"{key}: is of a motor with three phases; add [motor] three_phase = true, or state what a brushed motor's data sheet gives"
+        for key in of_three
+    ]
+
+
+def _explain(error: ErrorDetails, drive: str) -> str:
     """One line for one pydantic complaint."""
     place = [str(name) for name in error["loc"]]
     key = ".".join(map(_key, place))
     match error["type"]:
         case "missing":
             what = 'name = "elevator"' if key == "name" else f"the table [{key}]"
-            return f"{key}: missing value; add {_example(*place) if key in TABLE else what}"
+            return f"{key}: missing value; add {_example(place[0], place[1], drive) if key in TABLE else what}"
         case "extra_forbidden":
-            return f"{key}: unknown key; {_hint(*place)}"
+            return f"{key}: unknown key; {_hint(drive, *place)}"
         case "value_error":
             return f"{key}: {error['ctx']['error']}"
         case _:
-            expected = f"the table [{key}]" if key in PARTS else f'text such as {key} = "elevator"'
+            expected = f"the table [{key}]" if key in parts(drive) else f'text such as {key} = "elevator"'
             return f"{key}: expected {expected}, got {show(error['input'])}"
 
 
-def _hint(*place: str) -> str:
+def _hint(drive: str, *place: str) -> str:
     """What may have been meant by an unknown key."""
-    keys = {part: [*main_rows(part), *alternatives(part)] for part in PARTS}
+    keys = {part: [*main_rows(part, drive), *alternatives(part)] for part in parts(drive)}
     keys["feel"] += CURVES
-    known = keys[place[0]] if len(place) > 1 else ["name", "source", *PARTS, "tolerances"]
+    known = keys[place[0]] if len(place) > 1 else ["name", "source", "drive", *parts(drive), "tolerances"]
     name = place[-1]
+    (other,) = (one for one in DRIVES if one != drive)
+    if name in (parts(other) if len(place) == 1 else main_rows(place[0], other)):
+        told = f'this file says drive = "{drive}", of which the tables are {", ".join(parts(drive))}'
+        return f'it is of {a_drive(other)}, and {told}; take it out, or say drive = "{other}"'
     if close := difflib.get_close_matches(name, known, n=1):
         return f"did you mean {close[0]}?"
-    if tables := [f"[{part}]" for part in PARTS if name in keys[part]]:
+    if tables := [f"[{part}]" for part in keys if name in keys[part]]:
         return f"it belongs in the table {' or '.join(tables)}"
     return f"known are {', '.join(known)}"
 
 
-def _example(part: str, name: str) -> str:
+def _example(part: str, name: str, drive: str) -> str:
     """A line of the file, with the elevator's value."""
-    row = (main_rows(part) | alternatives(part))[name]
+    row = (main_rows(part, drive) | alternatives(part))[name]
     return f"{name} = {toml_value(row, row.default_si, UnitSystem.US)}"
 
 

@@ -18,7 +18,8 @@ def table(contents: Contents) -> str:
     head = "".join(f'<th scope="col">{name}</th>' for name in _HEAD)
     rows = [f"<tr>{head}</tr>"]
     for part, what in PARTS.items():
-        given = [key for key, row in TABLE.items() if row.part == part and contents.values[key] != OFF.get(key)]
+        own = contents.values.items()
+        given = [key for key, value in own if TABLE[key].part == part and value != OFF.get(key)]
         if given:
             rows.append(f'<tr><th scope="rowgroup" colspan="{len(_HEAD)}">{escape(part)}: {escape(what)}</th></tr>')
             rows += [_row(key, contents) for key in given]

@@ -19,15 +19,22 @@ from forcefeel.loader.contents import Contents, misfits
 from forcefeel.loader.curves import CURVES, Curve
 from forcefeel.loader.curves import check as check_curve
 from forcefeel.loader.parameters import (
+    HYDRAULIC,
     INDEX,
     OFF,
-    REQUIRED,
     TABLE,
+    a_drive,
+    absent,
     did_you_mean,
+    drive_of,
+    has,
     in_range,
     is_switch,
+    parts,
     range_text,
+    required,
     stands,
+    table,
     unit,
     value_text,
     without,
@@ -92,8 +99,9 @@ class Loader:
             raise InputError(f"values: expected {len(TABLE)} numbers, one per parameter ({error})") from error
         if values.shape != (len(TABLE),):
             raise InputError(f"values: expected {len(TABLE)}, one per parameter, got shape {values.shape}")
+        drive = drive_of(values)
         for key, value in zip(TABLE, values.tolist(), strict=True):
-            _check_range(key, value)
+            _check_range(key, value, drive)
         if not isinstance(self.tolerances, Mapping):
             raise InputError(f"tolerances: expected a mapping by part.name, got {show(self.tolerances)}")
         _freeze(self, values=values, tolerances=self.tolerances)
@@ -189,7 +197,8 @@ class Loader:
         return Contents(self.name, self.source, self._by_key(), self.curves, self.tolerances)
 
     def _by_key(self) -> dict[str, float]:
-        return dict(zip(TABLE, self.values.tolist(), strict=True))
+        own = table(self.drive)
+        return {key: value for key, value in zip(TABLE, self.values.tolist(), strict=True) if key in own}
 
     @property
     def curves(self) -> dict[str, Curve]:
@@ -197,18 +206,41 @@ class Loader:
         return {name: curve for name in CURVES if (curve := getattr(self, name)) is not None}
 
     def __getitem__(self, key: str) -> float:
-        return float(self.values[_position(key)])
+        return float(self.values[self._position(key)])
 
     @property
     def fingerprint(self) -> str:
         """SHA-256 of the values and curves, to the last bit: by it a law knows the loader that it was made for."""
         curves = repr([(name, curve.x, curve.y) for name, curve in self.curves.items()])
-        return hashlib.sha256(self.values.tobytes() + curves.encode()).hexdigest()
+        own = np.array(list(self._by_key().values()))
+        return hashlib.sha256(own.tobytes() + curves.encode()).hexdigest()
+
+    @property
+    def drive(self) -> str:
+        """What moves the linkage: ``hydraulic`` or ``electric``."""
+        return drive_of(self.values)
+
+    def _position(self, key: str) -> int:
+        try:
+            return INDEX[key]
+        except KeyError:
+            raise InputError(f"unknown parameter {show(key)}; {did_you_mean(key, table(self.drive))}") from None
+
+    def _own(self, key: str, of: str = "") -> int:
+        """Position of a row that a loader of this drive has."""
+        position = self._position(key)
+        if not has(self.drive, TABLE[key]):
+            raise InputError(
+                f"{of}{key}: is of a loader with {a_drive(str(TABLE[key].drive))}; {self.name} has {a_drive(self.drive)}, with the "
+                f"parts {', '.join(parts(self.drive))}"
+            )
+        return position
 
     @property
     def given(self) -> tuple[str, ...]:
         """The optional rows that differ from what stands where a loader file does not give them."""
-        return tuple(key for key, off in OFF.items() if self[key] != off)
+        own = table(self.drive)
+        return tuple(key for key, off in OFF.items() if key in own and self[key] != off)
 
     def rows(self, keys: Sequence[str], values: NDArray[np.float64]) -> NDArray[np.float64]:
         """SI values of many loaders that differ from this one in some rows, a row each in the order of ``parameters.TABLE``.
@@ -218,7 +250,7 @@ class Loader:
             values: Their SI values, (loaders, keys); not checked.
         """
         found = np.tile(self.values, (len(values), 1))
-        found[:, [_position(key) for key in keys]] = values
+        found[:, [self._position(key) for key in keys]] = values
         return found
 
     def replace(self, changes: Mapping[str, str | float | bool | None]) -> "Loader":
@@ -241,7 +273,7 @@ class Loader:
         values = self.values.copy()
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
-            position = _position(key)
+            position = self._own(key)
             values[position] = _value(key, given)
             if key in tolerances:
                 told = _about(key, tolerances.pop(key), float(values[position]))
@@ -263,12 +295,12 @@ class Loader:
         expect("changes", changes, Mapping, 'tolerances by part.name such as {"linkage.stiffness": "10 %"}')
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
-            position = _position(key)
+            position = self._own(key, "tolerances.")
             tolerances.pop(key, None)
             if isinstance(given, Tolerance):
                 tolerances[key] = given
             elif given is not None:
-                tolerances[key] = tolerance_text.read(key, given, float(self.values[position]))
+                tolerances[key] = tolerance_text.read(key, given, float(self.values[position]), table(self.drive))
         loader = replace(self, tolerances=tolerances)
         if wrong := beyond({key: tolerances[key] for key in changes if key in tolerances}):
             raise InputError("\n".join(wrong))
@@ -290,10 +322,11 @@ class Loader:
 
     def as_json(self, system: UnitSystem) -> dict[str, Json]:
         """The numbers by ``part.name``; optional rows and curves only where given."""
-        shown = {*REQUIRED, *self.given}
+        shown = {*required(self.drive), *self.given}
         return {
             "name": self.name,
             "source": self.source,
+            **({} if self.drive == HYDRAULIC else {"drive": self.drive}),
             "values": {key: quantity(self[key], unit(row), system) for key, row in TABLE.items() if key in shown},
             "curves": {CURVES[name].key: CURVES[name].as_json(curve, system) for name, curve in self.curves.items()},
             "tolerances": {key: it.as_json(unit(TABLE[key]), system) for key, it in self.tolerances.items()},
@@ -362,14 +395,19 @@ def load(path: str | Path) -> Loader:
 
     expect("path", path, (str, Path), "the path of a loader file")
     found = read(Path(path))
-    values = np.array([found.values[key] for key in TABLE])
+    values = np.array([found.values.get(key, absent(row)) for key, row in TABLE.items()])
     return Loader(found.name, found.source, values, **found.curves, tolerances=found.tolerances)
 
 
-def _check_range(key: str, value: float) -> None:
+def _check_range(key: str, value: float, drive: str) -> None:
     """Refuses a value (SI) that is neither in the range of the parameter table nor the one of a row not given."""
     row = TABLE[key]
-    if not stands(row, value):
+    if not has(drive, row):
+        if value != absent(row):
+            raise InputError(
+                f"{key}: expected {absent(row):g}, as a loader with {a_drive(drive)} has no such row, got {value:g}"
+            )
+    elif not stands(row, value):
         raise InputError(f"{key}: expected {range_text(row)}, got {value_text(row, value)}")
 
 
@@ -413,8 +451,23 @@ def check_loader(given: object) -> None:
     expect("loader", given, Loader, "a Loader, as elevator() makes it or load(path) reads it")
 
 
-def _position(key: str) -> int:
-    try:
-        return INDEX[key]
-    except KeyError:
-        raise InputError(f"unknown parameter {show(key)}; {did_you_mean(key)}") from None
+INSTEAD = "for that there are compensate --method auto (or the name of a method), simulate, qualify, envelope, sweep and schedule"
+"""What is made for an electric loader too."""
+
+
+def check_hydraulic(given: object, what: str, instead: str = INSTEAD) -> None:
+    """Refuses what is no loader, and one with an electric drive where something is made for a valve alone.
+
+    Args:
+        given: The loader.
+        what: What is asked for, as the subject of a sentence.
+        instead: What there is for an electric one.
+
+    Raises:
+        InputError: If so, with what an electric loader is to be asked instead.
+    """
+    expect("loader", given, Loader, "a Loader, as elevator() makes it or load(path) reads it")
+    if isinstance(given, Loader) and given.drive != HYDRAULIC:
+        raise InputError(
+            f"{what} takes a loader with {a_drive(HYDRAULIC)}, and {given.name} has {a_drive(given.drive)}; {instead}"
+        )

@@ -1,22 +1,33 @@
 """The parameter table of the Rust model, indexed by ``part.name``."""
 
+from collections.abc import Mapping
 from difflib import get_close_matches
+from functools import cache
 from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import Parameter
 from forcefeel.units import RATIO, Unit, UnitSystem, to_text
 
 PARTS = MappingProxyType(dict(_core.parts()))
-"""Each part of a loader and what it is, in the order of figure 1."""
+"""Each part of a loader and what it is, in the order of figure 1; a loader has those of its drive."""
 
 _ROWS = {f"{row.part}.{row.name}": row for row in _core.parameters()}
 
 TABLE = MappingProxyType({key: row for key, row in _ROWS.items() if not row.instead_of})
-"""The rows that make a loader, in the order of its values."""
+"""The rows that make a loader, in the order of its values; rows that its drive has not are ``absent`` there."""
 
-REQUIRED = MappingProxyType({key: row for key, row in TABLE.items() if row.off_si is None})
-"""The rows that every loader states."""
+HYDRAULIC, ELECTRIC = DRIVES = ("hydraulic", "electric")
+"""What may move a linkage."""
+
+
+def absent(row: Parameter) -> float:
+    """What a row holds in SI units that a loader's drive has not: off, or zero."""
+    return 0.0 if row.off_si is None else row.off_si
+
 
 OFF = MappingProxyType({key: row.off_si for key, row in TABLE.items() if row.off_si is not None})
 """The optional rows with the value, in SI units, that stands where a loader does not give them; some are infinite."""
@@ -34,6 +45,40 @@ _LIMIT_ROUNDING = 1e-9
 
 DIGITS = 10
 """What people read of a value that is not rounded for them."""
+
+
+def drive_of(values: NDArray[np.float64]) -> str:
+    """The drive of a loader with these SI values: one with a motor, be its torque constant good or bad, is electric."""
+    return ELECTRIC if values[INDEX["motor.torque_constant"]] != 0 else HYDRAULIC
+
+
+def has(drive: str, row: Parameter) -> bool:
+    """Whether a loader of that drive has the row."""
+    return row.drive in (None, drive)
+
+
+def a_drive(drive: str) -> str:
+    """A drive with its article, for a sentence."""
+    return f"a{'n' if drive == ELECTRIC else ''} {drive} drive"
+
+
+@cache
+def table(drive: str) -> Mapping[str, Parameter]:
+    """The rows of ``TABLE`` that a loader of that drive has."""
+    return MappingProxyType({key: row for key, row in TABLE.items() if has(drive, row)})
+
+
+@cache
+def required(drive: str) -> Mapping[str, Parameter]:
+    """The rows that every loader of that drive states."""
+    return MappingProxyType({key: row for key, row in table(drive).items() if row.off_si is None})
+
+
+@cache
+def parts(drive: str) -> Mapping[str, str]:
+    """The parts of a loader of that drive and what each is."""
+    own = {row.part for row in table(drive).values()}
+    return MappingProxyType({part: meaning for part, meaning in PARTS.items() if part in own})
 
 
 def unit(row: Parameter) -> Unit:
@@ -101,21 +146,30 @@ def replaced(part: str) -> list[str]:
     return next((row.instead_of for row in ALTERNATIVES.values() if row.part == part), [])
 
 
-def main_rows(part: str) -> dict[str, Parameter]:
-    """The rows of ``part`` that make a loader."""
-    return {row.name: row for row in TABLE.values() if row.part == part}
+def main_rows(part: str, drive: str) -> dict[str, Parameter]:
+    """The rows of ``part`` that make a loader of that drive."""
+    return {row.name: row for row in table(drive).values() if row.part == part}
 
 
-def did_you_mean(key: str) -> str:
-    """What may have been meant by ``part.name`` that is no row."""
+def did_you_mean(key: str, known: Mapping[str, Parameter] = TABLE) -> str:
+    """What may have been meant by ``part.name`` that is none of the ``known`` rows."""
     if not isinstance(key, str):
         return "name it as text, part.name"
     if key in ALTERNATIVES:
         return f"a loader file may state it; a loader holds {' and '.join(ALTERNATIVES[key].instead_of)} instead"
-    if close := [known for known in TABLE if known.endswith(f".{key}")] or get_close_matches(key, TABLE, n=1):
+    if close := [row for row in known if row.endswith(f".{key}")] or get_close_matches(key, known, n=1):
         return f"did you mean {' or '.join(close)}?"
-    return f"the parameters are {', '.join(TABLE)}"
+    return f"the parameters are {', '.join(known)}"
 
+
+_LINK_AND_COLUMN = (
+    "linkage.ratio",
+    "linkage.stiffness",
+    "linkage.damping",
+    "column.inertia",
+    "column.base_arm",
+    "column.grip_arm",
+)
 
 PLANT_PARAMETERS = (
     "amplifier.admittance",
@@ -126,11 +180,16 @@ PLANT_PARAMETERS = (
     "actuator.area",
     "actuator.oil_volume",
     "actuator.bulk_modulus",
-    "linkage.ratio",
-    "linkage.stiffness",
-    "linkage.damping",
-    "column.inertia",
-    "column.base_arm",
-    "column.grip_arm",
+    *_LINK_AND_COLUMN,
 )
-"""Every parameter that the compensated loop depends on, besides its gains and the programmed feel."""
+"""Every parameter that the compensated loop of a hydraulic loader depends on, besides its gains and the programmed feel."""
+
+MOTOR_PARAMETERS = (
+    "motor.torque_constant",
+    "motor.inertia",
+    "current_loop.bandwidth",
+    "transmission.travel",
+    "transmission.stiffness",
+    *_LINK_AND_COLUMN,
+)
+"""Those of an electric loader."""

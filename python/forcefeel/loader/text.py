@@ -1,5 +1,6 @@
 """A loader file, as it is written."""
 
+import math
 from collections.abc import Mapping
 
 from forcefeel._core import Parameter
@@ -8,12 +9,13 @@ from forcefeel.loader.contents import Contents
 from forcefeel.loader.curves import CURVES
 from forcefeel.loader.parameters import (
     DIGITS,
-    PARTS,
+    DRIVES,
     TABLE,
     alternatives,
     is_switch,
     limits_si,
     main_rows,
+    parts,
     range_text,
     replaced,
     with_unit,
@@ -21,6 +23,9 @@ from forcefeel.loader.parameters import (
 from forcefeel.loader.tolerances import nothing
 from forcefeel.templating import environment
 from forcefeel.units import UnitSystem
+
+_SAME = 1e-9
+"""Relative; a value that was written in the other unit system is still the same."""
 
 _EXAMPLE_DIGITS = 4
 """An example in the other unit system is as good rounded."""
@@ -34,14 +39,17 @@ def write(contents: Contents, units: UnitSystem) -> str:
     return templates.get_template("loader/loader.toml.j2").render(
         name=contents.name,
         source=contents.source,
-        parts=PARTS,
-        rows=main_rows,
+        drive=contents.drive,
+        drives=DRIVES,
+        parts=parts(contents.drive),
+        rows=lambda part: main_rows(part, contents.drive),
         alternatives=alternatives,
         replaced=replaced,
         value=lambda row: toml_value(row, values[f"{row.part}.{row.name}"], units),
         example=lambda row: toml_value(row, row.default_si, units, _EXAMPLE_DIGITS),
         limits=lambda row: _limits(row, units),
-        optional=lambda part: _optional(part, values, units),
+        source_of=lambda row: _source(row, contents.values[f"{row.part}.{row.name}"]),
+        optional=lambda part: _optional(main_rows(part, contents.drive), values, units),
         curves=lambda part: [
             curve_text.write(row, curves.get(row.name), units) for row in CURVES.values() if part == "feel"
         ],
@@ -49,10 +57,10 @@ def write(contents: Contents, units: UnitSystem) -> str:
     )
 
 
-def _optional(part: str, values: Mapping[str, float], units: UnitSystem) -> list[str]:
+def _optional(rows: Mapping[str, Parameter], values: Mapping[str, float], units: UnitSystem) -> list[str]:
     """A line for each optional row: as a comment with an example where it is not given."""
     lines = []
-    for row in main_rows(part).values():
+    for row in rows.values():
         if row.off_si is None:
             continue
         value = values[f"{row.part}.{row.name}"]
@@ -63,6 +71,11 @@ def _optional(part: str, values: Mapping[str, float], units: UnitSystem) -> list
         lines.append((statement, f"{row.symbol}: {row.meaning} ({_limits(row, units)}{stands})"))
     width = max((len(statement) for statement, _ in lines), default=0)
     return [f"{statement:{width}}  # {comment}" for statement, comment in lines]
+
+
+def _source(row: Parameter, value: float) -> str:
+    """Where the table has the value from, if it is the table's; what a loader of its own says is in its own source."""
+    return f" · source {row.source}" if math.isclose(value, row.default_si, rel_tol=_SAME) else ""
 
 
 def toml_value(row: Parameter, value: float, units: UnitSystem, digits: int = DIGITS) -> str:

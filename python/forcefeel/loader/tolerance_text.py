@@ -44,18 +44,19 @@ def entries(section: object) -> dict[str, Any]:
     return found
 
 
-def read(key: str, given: object, value: float) -> Tolerance:
+def read(key: str, given: object, value: float, known: Mapping[str, Parameter] = TABLE) -> Tolerance:
     """A tolerance as a loader file states it.
 
     Args:
         key: The row's ``part.name``.
         given: Text or table; the forms are listed at the head of this module.
         value: The loader's value in SI units.
+        known: The rows that a loader of this drive has.
 
     Raises:
         InputError: If it is none of these forms, or a share of nothing; with ``key``.
     """
-    if complaint := unsuited(key):
+    if complaint := unsuited(key, known):
         raise InputError(complaint)
     reader = _Reader(TABLE[key], value)
     try:

@@ -15,7 +15,7 @@ from forcefeel._core import Parameter
 from forcefeel.errors import InputError
 from forcefeel.json_values import Json, quantity
 from forcefeel.loader import consistency
-from forcefeel.loader.parameters import OFF, TABLE, did_you_mean, in_range, is_switch, range_text, value_text
+from forcefeel.loader.parameters import OFF, TABLE, a_drive, did_you_mean, in_range, is_switch, range_text, value_text
 from forcefeel.units import Unit, UnitSystem, show
 
 _SAME = 1e-9
@@ -198,7 +198,7 @@ def check(tolerances: Mapping[str, Tolerance], values: Mapping[str, float]) -> l
 
 def _misfit(key: str, tolerance: object, values: Mapping[str, float]) -> str | None:
     """What is wrong with one tolerance; nothing if it goes with the value."""
-    if complaint := unsuited(key):
+    if complaint := unsuited(key, {known: TABLE[known] for known in values}):
         return complaint
     row, place = TABLE[key], f"tolerances.{key}"
     if not isinstance(tolerance, Tolerance):
@@ -226,10 +226,12 @@ def _beyond(row: Parameter, tolerance: Tolerance) -> str | None:
     return None
 
 
-def unsuited(key: str) -> str | None:
-    """Why there can be no tolerance of ``key``; nothing if there can."""
+def unsuited(key: str, known: Mapping[str, Parameter]) -> str | None:
+    """Why there can be no tolerance of ``key`` in a loader that has the ``known`` rows; nothing if there can."""
     if key not in TABLE:
-        return f"tolerances: unknown parameter {show(key)}; {did_you_mean(key)}"
+        return f"tolerances: unknown parameter {show(key)}; {did_you_mean(key, known)}"
+    if key not in known:
+        return f"tolerances.{key}: is of a loader with {a_drive(str(TABLE[key].drive))}; this one has the other; leave it out"
     if is_switch(TABLE[key]):
         return f"tolerances.{key}: a switch is on or off; leave its tolerance out"
     return None

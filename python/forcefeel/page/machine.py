@@ -5,7 +5,7 @@ import math
 from forcefeel._core import Parameter
 from forcefeel.loader.curves import CURVES, Curve, CurveRow
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import REQUIRED, TABLE, is_switch, unit
+from forcefeel.loader.parameters import TABLE, is_switch, required, unit
 from forcefeel.loader.tolerances import Distribution, Tolerance
 from forcefeel.page.table import Cell, Table, number, words
 from forcefeel.page.typography import NONE, change_text, number_text, prose_html, quantity_text, symbol_html, unit_text
@@ -17,7 +17,7 @@ _SAME = 1e-9
 
 def parameters(loader: Loader, system: UnitSystem) -> Table:
     """The loader's numbers; optional rows and curves only where given."""
-    shown = {*REQUIRED, *loader.given, *loader.tolerances}
+    shown = {*required(loader.drive), *loader.given, *loader.tolerances}
     rows = [_row(key, loader, system) for key in TABLE if key in shown]
     curves = [_curve(CURVES[name], curve, system) for name, curve in loader.curves.items()]
     head = ("Symbol", "Meaning", "Value", "Unit", "Tolerance", "Elevator of the 1974 report")

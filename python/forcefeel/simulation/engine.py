@@ -15,12 +15,12 @@ from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import linear
 from forcefeel.simulation.outcome import (
-    MEASURES,
     MOST_HISTORY_BYTES,
-    Measures,
     Run,
     RunStatus,
+    as_measures,
     history,
+    measures_of,
     outputs,
     statuses,
     without_diverged,
@@ -58,11 +58,11 @@ def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) ->
     """
     expect("scenario", scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")
     law = Law.of(compensator, loader)
-    units = outputs(law.displacement_unit)
+    units = outputs(law.displacement_unit, loader.drive)
     exact = _exact(loader, law, scenario)
     values, measured = exact or _stepped(loader, law, scenario, len(units))
     status = RunStatus(statuses(measured[np.newaxis])[0])
-    measures = Measures(*without_diverged(measured[np.newaxis])[0].tolist())
+    measures = as_measures(loader.drive, without_diverged(measured[np.newaxis])[0].tolist())
     values = _cut(values, scenario.sample_s, measures.diverged_at_s)
     about = {"loader": loader.name, "status": str(status)}
     return Run(
@@ -137,7 +137,7 @@ def simulate_batch(
     values = np.ascontiguousarray(values, dtype=np.float64)
     _check(loader, values)
     law = Law.of(compensator, loader)
-    units = outputs(law.displacement_unit)
+    units = outputs(law.displacement_unit, loader.drive)
     for name in keep:
         if name not in units:
             raise InputError(f"keep: expected names of outputs ({', '.join(units)}), got {name!r}")
@@ -159,7 +159,8 @@ def simulate_batch(
     status = statuses(measured)
     measured = without_diverged(measured)
     data: dict[str, Any] = {
-        name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(MEASURES.items())
+        name: ("run", measured[:, k], {"units": unit})
+        for k, (name, unit) in enumerate(measures_of(loader.drive).items())
     }
     data["status"] = ("run", status, {})
     coordinates: dict[str, Any] = {"run": np.arange(first_run, first_run + len(values))}

@@ -2,12 +2,15 @@
 
 from math import isfinite, isnan, pi
 
+import numpy as np
+
 from forcefeel._core import feel_frequency
 from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.loader.arms import UNVERIFIED, arm_of
 from forcefeel.loader.beyond_linear import beyond_linear
-from forcefeel.loader.parameters import INDEX
+from forcefeel.loader.parameters import ELECTRIC, INDEX
 from forcefeel.simulation import Run, RunStatus
+from forcefeel.simulation.demanded import demanded
 from forcefeel.simulation.inputs import (
     Chirp,
     Doublet,
@@ -21,12 +24,15 @@ from forcefeel.simulation.inputs import (
     StopToStop,
 )
 from forcefeel.simulation.limits_met import Limits, goes_to_a_place, keeps_moving, limits, why_no_overshoot
-from forcefeel.simulation.outcome import feel_position
+from forcefeel.simulation.outcome import MOTOR_CURRENT, feel_position
 from forcefeel.simulation.programmed_feel import has_arm, programmed, spring_is_g
 from forcefeel.units import ANGLE, CURRENT, FORCE, Unit, UnitSystem, to_text
 
 _LITTLE = 1e-3
 """Share of the time that is not worth a word."""
+
+_WARMER = 1.0
+"""Degrees that are not worth a word."""
 
 
 @of_result
@@ -44,6 +50,7 @@ def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
         _at_rest(run, units),
         _period(run),
         _demand(run, units),
+        _heat(run),
         _saturation(run, found, units),
         _stops(run, found),
         _friction(run, found),
@@ -154,22 +161,32 @@ def _demand(run: Run, units: UnitSystem) -> str:
     loader, found = run.loader, run.measures
     if found.maximum_angle_rad == found.minimum_angle_rad:
         return ""
-    current, flow, pressure = (
-        _percent(value / loader[key])
-        for value, key in (
-            (found.peak_current_a, "valve.rated_current"),
-            (found.peak_flow_m3_per_s, "valve.rated_flow"),
-            (found.peak_pressure_pa, "valve.supply_pressure"),
-        )
-    )
-    return f"At most {current} of the rated current, {flow} of the rated flow and {pressure} of the supply pressure are used."
+    used = [
+        f"{_percent(getattr(found, row.peak) / loader[row.whole])} of {row.whole_name}"
+        for row in demanded(loader)
+        if row.peak
+    ]
+    return f"At most {', '.join(used[:-1])} and {used[-1]} are used." if len(used) > 1 else ""
+
+
+def _heat(run: Run) -> str:
+    """How warm the motor becomes, where that is known."""
+    if run.loader.drive != ELECTRIC or not isfinite(run.loader["thermal.winding_capacity"]):
+        return ""
+    temperature = run.history["winding_temperature_degc"].values
+    warm = temperature[np.isfinite(temperature)]
+    if not len(warm) or warm.max() - warm.min() < _WARMER:
+        return ""
+    limit = run.loader["thermal.winding_limit"]
+    return f"The winding goes from {warm[0]:.0f} to {warm.max():.0f} degC; at {limit:.0f} degC the motor gives nothing."
 
 
 def _saturation(run: Run, found: Limits, units: UnitSystem) -> str:
     sentences = []
-    limit = run.loader["amplifier.current_limit"]
+    of_motor = run.loader.drive == ELECTRIC
+    limit = run.loader["current_loop.current_limit" if of_motor else "amplifier.current_limit"]
     if isfinite(limit):
-        at = f"the amplifier's limit of {_quantity(limit, CURRENT, units, 3)}"
+        at = f"the amplifier's limit of {_quantity(limit, MOTOR_CURRENT if of_motor else CURRENT, units, 3)}"
         spent = f"was at {at} for {_percent(found.current)} of the time" if found.current else f"never reached {at}"
         sentences.append(f"The current {spent}.")
     beyond = (

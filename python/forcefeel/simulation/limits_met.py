@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.conclusions import of_result
+from forcefeel.loader.parameters import HYDRAULIC
+from forcefeel.simulation.demanded import DEMANDED, Demanded
 from forcefeel.simulation.inputs import Chirp, Force, Multisine, Release, Step, StopToStop
-from forcefeel.simulation.outcome import Measures, Run, RunStatus, feel_position, per_feel_angle
+from forcefeel.simulation.outcome import Measures, MotorMeasures, Run, RunStatus, feel_position, per_feel_angle
 from forcefeel.units import PERCENT, SECONDS
 
 _AT = 1e-6
@@ -22,7 +24,8 @@ class Limits:
 
     Attributes:
         current: Share of the time that the current was at the amplifier's limit.
-        over_current: Share of the time that the current was above the valve's rating.
+        over_current: Share of the time that the current was above the valve's rating; of a motor, which has no other limits than
+            those of its amplifier, zero, as the next two.
         over_flow: Share of the time that the flow was above the valve's rating.
         over_pressure: Share of the time that the load pressure was above the supply's.
         stop_low_s: How long the column was at its lower stop.
@@ -63,16 +66,8 @@ def limits(run: Run) -> Limits:
     """
     loader, history, sample_s = run.loader, run.history, run.scenario.sample_s
     known = np.isfinite(history["column_angle_rad"].values)
-    angle, velocity, current, flow, pressure, feel = (
-        history[name].values[known]
-        for name in (
-            "column_angle_rad",
-            "column_velocity_rad_per_s",
-            "valve_current_a",
-            "actuator_flow_m3_per_s",
-            "load_pressure_pa",
-            feel_position(run),
-        )
+    angle, velocity, feel = (
+        history[name].values[known] for name in ("column_angle_rad", "column_velocity_rad_per_s", feel_position(run))
     )
     feel_angle = feel / per_feel_angle(run)
     moved = np.maximum.accumulate(velocity != 0) if len(velocity) else np.zeros(0, bool)
@@ -85,11 +80,17 @@ def limits(run: Run) -> Limits:
     def seconds(beyond: NDArray[np.bool_]) -> float:
         return float(np.count_nonzero(beyond)) * sample_s
 
+    def over(row: Demanded) -> float:
+        return share(np.abs(history[row.output].values[known]) > loader[row.whole] * (1 + _AT))
+
+    first, *_ = rows = DEMANDED[loader.drive]
+    current = np.abs(history[first.output].values[known])
+    over_current, over_flow, over_pressure = map(over, rows) if loader.drive == HYDRAULIC else (0.0, 0.0, 0.0)
     return Limits(
-        current=share(np.abs(current) >= loader["amplifier.current_limit"] * (1 - _AT)),
-        over_current=share(np.abs(current) > loader["valve.rated_current"] * (1 + _AT)),
-        over_flow=share(np.abs(flow) > loader["valve.rated_flow"] * (1 + _AT)),
-        over_pressure=share(np.abs(pressure) > loader["valve.supply_pressure"] * (1 + _AT)),
+        current=share(current >= loader[first.limit] * (1 - _AT)),
+        over_current=over_current,
+        over_flow=over_flow,
+        over_pressure=over_pressure,
         stop_low_s=seconds(angle < loader["column.stop_low"]),
         stop_high_s=seconds(angle > loader["column.stop_high"]),
         feel_low_s=seconds(_reached(-feel_angle, -loader["feel.hard_stop_low"])),
@@ -100,20 +101,21 @@ def limits(run: Run) -> Limits:
 
 
 @of_result
-def known_measures(run: Run) -> Measures:
+def known_measures(run: Run) -> Measures | MotorMeasures:
     """The measures that mean something: of a run that diverged only when it did.
 
     Overshoot and period are those of a column that goes to a place and stays there; final angle and settling time are those
     of a column that is left alone in the end.
     """
-    values = {field.name: getattr(run.measures, field.name) for field in fields(Measures)}
+    kind = type(run.measures)
+    values = {field.name: getattr(run.measures, field.name) for field in fields(kind)}
     if run.status is RunStatus.DIVERGED:
-        return Measures(**dict.fromkeys(values, nan) | {"diverged_at_s": run.measures.diverged_at_s})
+        return kind(**dict.fromkeys(values, nan) | {"diverged_at_s": run.measures.diverged_at_s})
     if not goes_to_a_place(run.scenario.force):
         values |= dict.fromkeys(("overshoot", "period_s", "passes"), nan)
     if keeps_moving(run.scenario.force):
         values |= dict.fromkeys(("final_angle_rad", "settling_time_s", "last_swing_rad"), nan)
-    return Measures(**values)
+    return kind(**values)
 
 
 def why_no_overshoot(run: Run) -> str:

@@ -1,9 +1,12 @@
 """What comes of a run."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cache
 from html import escape
 from math import isfinite
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -13,6 +16,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.simulation.scenario import Scenario
 from forcefeel.units import ANGLE, CURRENT, FLOW, FORCE, LENGTH, PRESSURE, RATIO, SECONDS, Unit, UnitSystem, show
 
@@ -31,7 +35,13 @@ _SUFFIX = {
     "m^3/s": "_m3_per_s",
     "V": "_v",
     "V/s": "_v_per_s",
+    "degC": "_degc",
 }
+
+VOLTAGE = Unit("V", "V", "V", "v")
+MOTOR_CURRENT = Unit("A", "A", "A", "a")
+"""In which people read a motor's current."""
+SPEED = Unit("rad/s", "deg/s", "deg/s", "rad_per_s")
 
 BAND = 0.05
 """A run has settled when its last swing is within this share of its whole swing: the residual band of the rules."""
@@ -42,8 +52,14 @@ def named(name: str, unit: str) -> str:
     return name + _SUFFIX[unit]
 
 
-MEASURES = {named(name, unit): unit for name, unit in _core.simulation_measures()}
-"""The measures of a run and their SI units, in the engine's order."""
+@cache
+def measures_of(drive: str) -> Mapping[str, str]:
+    """The measures of a run with that drive and their SI units, in the engine's order."""
+    return MappingProxyType({named(name, unit): unit for name, unit in _core.simulation_measures(drive)})
+
+
+MEASURES = measures_of(HYDRAULIC)
+"""Those of a hydraulic loader; of any other too the first are those of the motion, and the last is when it diverged."""
 
 
 class RunStatus(StrEnum):
@@ -61,8 +77,8 @@ class RunStatus(StrEnum):
 
 
 @dataclass(frozen=True)
-class Measures:
-    """What a run is judged by.
+class Motion:
+    """What a run is judged by, whatever the drive.
 
     Attributes:
         maximum_angle_rad: Largest column angle.
@@ -77,16 +93,7 @@ class Measures:
         period_s: Mean time between two passes of the final angle upwards; not a number with fewer than two.
         passes: How many such passes.
         last_swing_rad: Lowest to highest angle over the last tenth of the run.
-        peak_current_a: Largest magnitude of the valve current.
-        peak_pressure_pa: Largest magnitude of the load pressure.
-        peak_flow_m3_per_s: Largest magnitude of the flow.
-        diverged_at_s: When the run left every bound; infinite if it did not.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
-        >>> f"overshoot {run.measures.overshoot:.0%}"
-        'overshoot 46%'
+        peak_current_a: Largest magnitude of the current of valve or motor.
     """
 
     maximum_angle_rad: Annotated[float, ANGLE]
@@ -100,9 +107,55 @@ class Measures:
     passes: Annotated[float, RATIO]
     last_swing_rad: Annotated[float, ANGLE]
     peak_current_a: Annotated[float, CURRENT]
+
+
+@dataclass(frozen=True)
+class Measures(Motion):
+    """What a run of a hydraulic loader is judged by.
+
+    Attributes:
+        peak_pressure_pa: Largest magnitude of the load pressure.
+        peak_flow_m3_per_s: Largest magnitude of the flow.
+        diverged_at_s: When the run left every bound; infinite if it did not.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
+        >>> f"overshoot {run.measures.overshoot:.0%}"
+        'overshoot 46%'
+    """
+
     peak_pressure_pa: Annotated[float, PRESSURE]
     peak_flow_m3_per_s: Annotated[float, FLOW]
     diverged_at_s: Annotated[float, SECONDS]
+
+
+@dataclass(frozen=True)
+class MotorMeasures(Motion):
+    """What a run of an electric loader is judged by.
+
+    Attributes:
+        peak_current_a: Largest magnitude of its current.
+        peak_voltage_v: Largest magnitude of the motor's voltage.
+        peak_speed_rad_per_s: Largest magnitude of its speed.
+        diverged_at_s: When the run left every bound; infinite if it did not.
+    """
+
+    peak_current_a: Annotated[float, MOTOR_CURRENT]
+    peak_voltage_v: Annotated[float, VOLTAGE]
+    peak_speed_rad_per_s: Annotated[float, SPEED]
+    diverged_at_s: Annotated[float, SECONDS]
+
+
+KINDS: Mapping[str, type[Measures] | type[MotorMeasures]] = MappingProxyType(
+    {HYDRAULIC: Measures, ELECTRIC: MotorMeasures}
+)
+"""What a run is judged by, by drive."""
+
+
+def as_measures(drive: str, values: Iterable[float]) -> Measures | MotorMeasures:
+    """The measures of a run from the engine's numbers."""
+    return KINDS[drive](**dict(zip(measures_of(drive), values, strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +180,7 @@ class Run:
     loader: Loader
     scenario: Scenario
     status: RunStatus
-    measures: Measures
+    measures: Measures | MotorMeasures
     history: xr.Dataset = field(repr=False)
     method: str = "stepped"
 
@@ -214,7 +267,7 @@ def per_feel_angle(run: Run) -> float:
 
 
 _SHOWN = {unit.si: unit for unit in (ANGLE, LENGTH, CURRENT, PRESSURE, FLOW, FORCE)}
-_SHOWN["rad/s"] = Unit("rad/s", "deg/s", "deg/s")
+_SHOWN["rad/s"] = SPEED
 
 
 def _words(name: str, unit: str) -> str:
@@ -239,12 +292,12 @@ def without_diverged(measures: NDArray[np.float64]) -> NDArray[np.float64]:
     return kept
 
 
-def outputs(displacement_unit: str) -> dict[str, str]:
+def outputs(displacement_unit: str, drive: str = HYDRAULIC) -> dict[str, str]:
     """The outputs of a run and their SI units; the feel's displacement is a voltage or an angle."""
     feel = {"feel_position": displacement_unit, "feel_velocity": f"{displacement_unit}/s"}
     return {
         named(name, found): found
-        for name, unit in _core.simulation_outputs()
+        for name, unit in _core.simulation_outputs(drive)
         if (found := feel.get(name, unit)) is not None
     }
 

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from forcefeel.conclusions import of_result
 from forcefeel.json_values import Json, json_value
-from forcefeel.simulation import Measures, Run
+from forcefeel.simulation import Run
 from forcefeel.simulation.findings import input_text, run_conclusions
 from forcefeel.simulation.limits_met import known_measures, limits, why_no_overshoot
+from forcefeel.simulation.outcome import MOTOR_CURRENT
 from forcefeel.units import (
     ANGLE,
     CURRENT,
@@ -43,6 +44,8 @@ NAMES = {
     "peak_current_a": "largest current",
     "peak_pressure_pa": "largest load pressure",
     "peak_flow_m3_per_s": "largest flow",
+    "peak_voltage_v": "largest voltage",
+    "peak_speed_rad_per_s": "largest speed of the motor",
     "diverged_at_s": "diverged at",
 }
 """Each measure in words."""
@@ -58,8 +61,9 @@ _HISTORY_UNITS = {
     "Pa": PRESSURE,
     "m^3/s": FLOW,
     "A": CURRENT,
+    "degC": Unit("degC", "degC", "degC"),
 }
-_SUFFIXES = ("_m3_per_s", "_rad_per_s", "_v_per_s", "_rad", "_pa", "_m", "_n", "_v", "_a", "_s")
+_SUFFIXES = ("_degc", "_m3_per_s", "_rad_per_s", "_v_per_s", "_rad", "_pa", "_m", "_n", "_v", "_a", "_s")
 
 
 @dataclass(frozen=True)
@@ -80,9 +84,11 @@ class Column:
 @of_result
 def measure_rows(run: Run, units: UnitSystem, digits: int = 4) -> tuple[tuple[str, str, str], ...]:
     """Name, value and unit of each measure that there is; a dash for an overshoot that there cannot be, and why."""
-    found, hints = known_measures(run), get_type_hints(Measures, include_extras=True)
+    found, hints = known_measures(run), get_type_hints(type(run.measures), include_extras=True)
     rows = []
     for key, name in NAMES.items():
+        if key not in hints:
+            continue  # of another drive
         value, measured_in = getattr(found, key), hints[key].__metadata__[0]
         if key == "overshoot" and (why := why_no_overshoot(run)):
             rows.append((f"{name} ({why})", "–", ""))
@@ -101,7 +107,7 @@ def columns(run: Run, units: UnitSystem) -> tuple[Column, ...]:
     for name in ("time_s", *map(str, run.history.data_vars)):
         data = run.history[name]
         bare = next(name.removesuffix(end) for end in _SUFFIXES if name.endswith(end))
-        unit = _HISTORY_UNITS[data.attrs["units"]]
+        unit = MOTOR_CURRENT if name == "motor_current_a" else _HISTORY_UNITS[data.attrs["units"]]
         found.append(
             Column(bare.replace("_", " "), unit.shown(units), data.values[known] * factor(unit.si, unit.shown(units)))
         )

@@ -11,7 +11,7 @@ from forcefeel.simulation.findings import input_text
 from forcefeel.sweep.findings import sweep_conclusions
 from forcefeel.sweep.plan import Sweep
 from forcefeel.sweep.result import SweepResult
-from forcefeel.sweep.summary import QUANTILES, Spread, Summary, measure_unit
+from forcefeel.sweep.summary import QUANTILES, Spread, Summary
 from forcefeel.units import UnitSystem
 
 
@@ -69,7 +69,7 @@ def _without_unknown(share: Json) -> Json:
 
 
 def _spread(spread: Spread, units: UnitSystem) -> dict[str, Json]:
-    measured_in = measure_unit(spread.measure)
+    measured_in = spread.unit
 
     def shown(value: float) -> float | None:
         return measured_in.from_si(value, units) if isfinite(value) else None

@@ -1,13 +1,13 @@
 """A piece of a sweep, computed: the same numbers wherever that happens."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.simulation import simulate_batch
-from forcefeel.simulation.outcome import MEASURES
+from forcefeel.simulation.outcome import measures_of
 from forcefeel.sweep.members import impossible
 from forcefeel.sweep.plan import Sweep
 
@@ -21,18 +21,20 @@ def measure(sweep: Sweep, runs: range, threads: int | None = None) -> NDArray[np
         threads: How many threads; all cores if not given.
 
     Returns:
-        A row for each run, in the order of ``MEASURES``; nothing but "not a number" for a machine that cannot be.
+        A row for each run, in the order of ``outcome.measures_of`` the drive; not numbers for a machine that cannot be.
     """
     found = histories(sweep, runs, (), threads)
-    measured = np.full((len(runs), len(MEASURES)), np.nan)
-    measured[found["run"].values - runs.start] = columns(found)
+    measures = measures_of(sweep.loader.drive)
+    measured = np.full((len(runs), len(measures)), np.nan)
+    measured[found["run"].values - runs.start] = columns(found, measures)
     return measured
 
 
 def nominal(sweep: Sweep) -> NDArray[np.float64]:
     """Measures of the nominal loader."""
     values = sweep.loader.values[np.newaxis]
-    return np.asarray(columns(simulate_batch(sweep.loader, sweep.scenario, values, sweep.law(values), threads=1))[0])
+    found = simulate_batch(sweep.loader, sweep.scenario, values, sweep.law(values), threads=1)
+    return np.asarray(columns(found, measures_of(sweep.loader.drive))[0])
 
 
 def histories(sweep: Sweep, runs: range, keep: Sequence[str], threads: int | None = None) -> xr.Dataset:
@@ -51,6 +53,6 @@ def histories(sweep: Sweep, runs: range, keep: Sequence[str], threads: int | Non
     return found.isel(run=~failed)
 
 
-def columns(found: xr.Dataset) -> NDArray[np.float64]:
-    """The measures as rows, in the order of ``MEASURES``."""
-    return np.column_stack([found[name].values for name in MEASURES])
+def columns(found: xr.Dataset, measures: Iterable[str]) -> NDArray[np.float64]:
+    """These measures as rows."""
+    return np.column_stack([found[name].values for name in measures])

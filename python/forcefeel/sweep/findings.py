@@ -7,12 +7,12 @@ import numpy as np
 from forcefeel.conclusions import Conclusions, capital, interval_text, of_result, share_text
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.simulation import RunStatus
+from forcefeel.simulation.demanded import demanded, peaks
 from forcefeel.simulation.limits_met import goes_to_a_place, keeps_moving
 from forcefeel.sweep.result import IMPOSSIBLE, SweepResult
-from forcefeel.sweep.summary import Spread, Summary, measure_name, measure_unit
-from forcefeel.units import UnitSystem, to_text
+from forcefeel.sweep.summary import Spread, Summary, measure_name
+from forcefeel.units import Unit, UnitSystem, to_text
 
-_PEAKS = ("peak_current_a", "peak_flow_m3_per_s", "peak_pressure_pa")
 _DEMAND = 2
 """Measures of the motion that the findings go through."""
 
@@ -41,7 +41,8 @@ def main_measures(result: SweepResult, summary: Summary) -> tuple[str, ...]:
         motion = ("maximum_angle_rad", "minimum_angle_rad")
     else:
         motion = ("maximum_angle_rad", "minimum_angle_rad", "final_angle_rad", "settling_time_s", "last_swing_rad")
-    return tuple(name for name in (*motion, *_PEAKS) if _differs(summary.spreads[name]))
+    most = (row.peak for row in peaks(result.sweep.loader.drive))
+    return tuple(name for name in (*motion, *most) if _differs(summary.spreads[name]))
 
 
 def _differs(spread: Spread) -> bool:
@@ -65,16 +66,16 @@ def sweep_conclusions(result: SweepResult, summary: Summary, units: UnitSystem) 
     return Conclusions(good, words.verdict(measures), tuple(filter(None, sentences)))
 
 
-def value_with_unit(measure: str, value: float, units: UnitSystem) -> str:
+def value_with_unit(measured_in: Unit, value: float, units: UnitSystem) -> str:
     """A measure's SI value as people read it."""
-    return f"{number_of(measure, value, units)} {measure_unit(measure).shown(units)}".rstrip()
+    return f"{number_of(measured_in, value, units)} {measured_in.shown(units)}".rstrip()
 
 
-def number_of(measure: str, value: float, units: UnitSystem) -> str:
+def number_of(measured_in: Unit, value: float, units: UnitSystem) -> str:
     """A measure's SI value in the unit that people read, a dash where there is none; rounding errors are zero."""
     if not isfinite(value):
         return "–"
-    shown = measure_unit(measure).from_si(value, units) if abs(value) > _NOTHING else 0.0
+    shown = measured_in.from_si(value, units) if abs(value) > _NOTHING else 0.0
     return to_text(shown, 3).replace("-", "\N{MINUS SIGN}")
 
 
@@ -143,7 +144,7 @@ class _Words:
     def spread(self, name: str) -> str:
         """How a measure is spread, and what makes it differ."""
         found = self._summary.spreads[name]
-        nominal = value_with_unit(name, found.nominal, self._units) if isfinite(found.nominal) else "none"
+        nominal = value_with_unit(found.unit, found.nominal, self._units) if isfinite(found.nominal) else "none"
         middle = self._range(name, found.quantile(0.05), found.quantile(0.95))
         whole = self._range(name, found.lowest, found.highest)
         ranking = [one for one in self._summary.ranking(name) if abs(one[1]) >= _WEAK][:_LISTED]
@@ -163,35 +164,27 @@ class _Words:
         over = self._result.map(name)
         if not np.isfinite(over.values).any():
             return ""
-        places = []
+        places, measured_in = [], self._summary.spreads[name].unit
         for what, find in (("smallest", np.nanargmin), ("largest", np.nanargmax)):
             spot = np.unravel_index(int(find(over.values)), over.shape)
             at = " and ".join(
                 f"{key} = {_setting(key, float(over[key].values[k]), self._units)}"
                 for key, k in zip(self._result.sweep.axes, spot, strict=True)
             )
-            places.append(f"{what} with {value_with_unit(name, float(over.values[spot]), self._units)} at {at}")
+            places.append(f"{what} with {value_with_unit(measured_in, float(over.values[spot]), self._units)} at {at}")
         of = "" if self._result.sweep.machines == 1 else ", median of the machines at a setting"
         return f"{capital(measure_name(name))}{of}: {', '.join(places)}."
 
     def demand(self) -> str:
-        """How far the valve is used, nine of ten and at most."""
-        ratings = (
-            ("peak_current_a", "valve.rated_current", "rated current"),
-            ("peak_flow_m3_per_s", "valve.rated_flow", "rated flow"),
-            ("peak_pressure_pa", "valve.supply_pressure", "supply pressure"),
-        )
+        """How far the drive is used at most."""
         loader = self._result.sweep.loader
         parts = [
-            f"{to_text(100 * found.highest / loader[key], 3)} % of the {name}"
-            for measure, key, name in ratings
-            if (found := self._summary.spreads[measure]).runs
+            f"{to_text(100 * found.highest / loader[row.whole], 3)} % of {row.whole_name}"
+            for row in demanded(loader)
+            if row.peak and (found := self._summary.spreads[row.peak]).runs
         ]
-        return (
-            f"At most {', '.join(parts[:-1])} and {parts[-1]} are used; the ratings are the nominal ones."
-            if parts
-            else ""
-        )
+        used = f"{', '.join(parts[:-1])} and {parts[-1]} are" if len(parts) > 1 else f"{''.join(parts)} is"
+        return f"At most {used} used; the ratings are the nominal ones." if parts else ""
 
     def impossible(self) -> str:
         """Which machines cannot be."""
@@ -202,8 +195,9 @@ class _Words:
         return f"{count:,} {self._noun} cannot be, and were not run: {reasons}. Bounds that do not overlap avoid it."
 
     def _range(self, name: str, low: float, high: float) -> str:
-        ends = (number_of(name, value, self._units) for value in (low, high))
-        return f"{' to '.join(ends)} {measure_unit(name).shown(self._units)}".rstrip()
+        measured_in = self._summary.spreads[name].unit
+        ends = (number_of(measured_in, value, self._units) for value in (low, high))
+        return f"{' to '.join(ends)} {measured_in.shown(self._units)}".rstrip()
 
 
 def _setting(key: str, value: float, units: UnitSystem) -> str:

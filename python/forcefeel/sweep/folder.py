@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from forcefeel.errors import InputError
 from forcefeel.files import write_whole
 from forcefeel.json_values import json_text
-from forcefeel.simulation.outcome import MEASURES
+from forcefeel.simulation.outcome import measures_of
 from forcefeel.sweep.identity import differences, digest, identity
 from forcefeel.sweep.plan import Sweep
 from forcefeel.units import show
@@ -166,6 +166,10 @@ class Folder:
     def _chunk(self, index: int) -> Path:
         return self.path / CHUNKS / f"{index:05d}.npy"
 
+    @property
+    def _measures(self) -> tuple[str, ...]:
+        return tuple(measures_of(self.sweep.loader.drive))
+
     def keep(self, index: int, measured: NDArray[np.float64]) -> None:
         """Writes a finished chunk, whole."""
         data = io.BytesIO()
@@ -182,7 +186,7 @@ class Folder:
                 measured = np.load(self._chunk(index), allow_pickle=False)
             except (OSError, ValueError, EOFError):
                 continue
-            if measured.shape == (len(runs), len(MEASURES)) and measured.dtype == np.float64:
+            if measured.shape == (len(runs), len(self._measures)) and measured.dtype == np.float64:
                 found[index] = measured
         return found
 
@@ -191,10 +195,10 @@ class Folder:
         place = self.path / RUNS
         try:
             with xr.open_dataset(io.BytesIO(place.read_bytes()), engine="scipy") as stored:
-                measured = np.column_stack([stored[name].values for name in MEASURES])
+                measured = np.column_stack([stored[name].values for name in self._measures])
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise InputError(f"{place}: cannot be read ({error}); --replace to begin anew") from error
-        if measured.shape != (self.sweep.total, len(MEASURES)):
+        if measured.shape != (self.sweep.total, len(self._measures)):
             raise InputError(
                 f"{place}: holds {len(measured):,} runs, not {self.sweep.total:,}; --replace to begin anew"
             )

@@ -13,7 +13,7 @@ import numpy as np
 from forcefeel._core import Compensator
 from forcefeel.laws.law_file import compensator_json
 from forcefeel.loader.parameters import TABLE
-from forcefeel.simulation.outcome import MEASURES
+from forcefeel.simulation.outcome import measures_of
 from forcefeel.sweep.chunk import nominal
 from forcefeel.sweep.plan import Sweep
 
@@ -48,7 +48,7 @@ def identity(sweep: Sweep) -> dict[str, Any]:
         "seed": sweep.seed,
         "varied": sweep.varied,
         "grid": sweep.axes,
-        "nominal": dict(zip(MEASURES, nominal(sweep).tolist(), strict=True)),
+        "nominal": dict(zip(measures_of(loader.drive), nominal(sweep).tolist(), strict=True)),
     }
     found: dict[str, Any] = json.loads(json.dumps(_exact(document), allow_nan=False))
     return found

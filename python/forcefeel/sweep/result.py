@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from forcefeel.loader.parameters import TABLE
 from forcefeel.printable import table_html
-from forcefeel.simulation.outcome import MEASURES, Measures, RunStatus, statuses
+from forcefeel.simulation.outcome import Measures, MotorMeasures, RunStatus, as_measures, measures_of, statuses
 from forcefeel.sweep.chunk import histories, nominal
 from forcefeel.sweep.members import impossible
 from forcefeel.sweep.plan import Sweep
@@ -68,7 +68,8 @@ class SweepResult:
     @classmethod
     def of(cls, sweep: Sweep, measured: NDArray[np.float64]) -> "SweepResult":
         """The result from the measures of all runs, a row each."""
-        data = {name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(MEASURES.items())}
+        measures = measures_of(sweep.loader.drive).items()
+        data = {name: ("run", measured[:, k], {"units": unit}) for k, (name, unit) in enumerate(measures)}
         failed = np.isnan(measured[:, -1])  # a run that took place diverged at some time, or at infinity
         status = np.where(failed, IMPOSSIBLE, statuses(measured))
         coordinates = {
@@ -85,9 +86,9 @@ class SweepResult:
         return cls(sweep, runs.assign(status=("run", status)))
 
     @cached_property
-    def nominal(self) -> Measures:
+    def nominal(self) -> Measures | MotorMeasures:
         """Measures of the nominal loader."""
-        return Measures(*nominal(self.sweep).tolist())
+        return as_measures(self.sweep.loader.drive, nominal(self.sweep).tolist())
 
     @cached_property
     def envelope(self) -> xr.Dataset:

@@ -10,7 +10,7 @@ from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import INDEX, REQUIRED, TABLE, did_you_mean
+from forcefeel.loader.parameters import HYDRAULIC, INDEX, TABLE, did_you_mean, required
 from forcefeel.loops.sampled_loop import sampled_loops
 from forcefeel.simulation.linear import STABLE, STABLE_BY_POLES
 from forcefeel.sweep.plan import Sweep
@@ -124,7 +124,7 @@ def _check(columns: Mapping[str, NDArray[np.float64]], compensator: Compensator 
     for key, values in columns.items():
         if key not in TABLE:
             raise InputError(f"varied: unknown parameter {show(key)}; {did_you_mean(key)}")
-        if key not in REQUIRED:
+        if key not in required(HYDRAULIC):
             raise InputError(f"varied: {key} is no part of the linear model; leave it out")
         if values.ndim != 1 or not len(values) or len(counts) > 1:
             raise InputError(f"varied: expected one value for each loop, got {key} of shape {values.shape}")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 from scipy.stats import rankdata
 
-from forcefeel.simulation.outcome import MEASURES, Measures
+from forcefeel.simulation.outcome import KINDS, measures_of
 from forcefeel.simulation.tables import NAMES
 from forcefeel.sweep.result import STATUSES, SweepResult
 from forcefeel.units import PERCENT, RATIO, Unit
@@ -25,9 +25,6 @@ _NAMES = {"settling_time_s": "settling time"}
 
 FEWEST = 3
 """Runs below which nothing is said of a correlation."""
-
-SPREAD = tuple(name for name in MEASURES if name != "diverged_at_s")
-"""The measures whose spread is summed up."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +56,7 @@ class Spread:
         runs: How many runs have it.
         lowest, highest: Over these.
         quantiles: At the shares ``QUANTILES``.
+        unit: In which people read it.
     """
 
     measure: str
@@ -67,6 +65,7 @@ class Spread:
     lowest: float
     highest: float
     quantiles: tuple[float, ...]
+    unit: Unit
 
     def quantile(self, share: float) -> float:
         """The value below which ``share``, one of ``QUANTILES``, of the runs lie."""
@@ -118,12 +117,17 @@ def summarize(result: SweepResult) -> Summary:
         True
     """
     runs = result.runs
-    measured = {name: runs[name].values for name in SPREAD}  # not a number where the run diverged or cannot be
+    drive = result.sweep.loader.drive
+    spread = [name for name in measures_of(drive) if name != "diverged_at_s"]
+    measured = {name: runs[name].values for name in spread}  # not a number where the run diverged or cannot be
     counts = {status: int((runs["status"].values == status).sum()) for status in STATUSES}
     random = bool(result.sweep.varied) and not result.sweep.axes
     return Summary(
         shares=tuple(_share(status, count, result.sweep.total, random) for status, count in counts.items()),
-        spreads={name: _spread(name, values, getattr(result.nominal, name)) for name, values in measured.items()},
+        spreads={
+            name: _spread(name, values, getattr(result.nominal, name), measure_unit(name, drive))
+            for name, values in measured.items()
+        },
         correlations=_correlations(
             measured, {key: runs[key].values for key in (*result.sweep.axes, *result.sweep.varied)}
         ),
@@ -132,9 +136,9 @@ def summarize(result: SweepResult) -> Summary:
 
 
 @cache
-def measure_unit(measure: str) -> Unit:
-    """The units of a measure; a share is shown in percent."""
-    hint = get_type_hints(Measures, include_extras=True)[measure]
+def measure_unit(measure: str, drive: str) -> Unit:
+    """The units of a measure of a drive; a share is shown in percent."""
+    hint = get_type_hints(KINDS[drive], include_extras=True)[measure]
     found: Unit = hint.__metadata__[0]
     return PERCENT if found is RATIO and measure == "overshoot" else found
 
@@ -151,12 +155,12 @@ def _share(status: str, count: int, total: int, random: bool) -> Share:
     return Share(status, count, share, *wilson_interval(count, total))
 
 
-def _spread(name: str, values: NDArray[np.float64], nominal: float) -> Spread:
+def _spread(name: str, values: NDArray[np.float64], nominal: float, measured_in: Unit) -> Spread:
     known = values[np.isfinite(values)]
     if not len(known):
-        return Spread(name, nominal, 0, math.nan, math.nan, (math.nan,) * len(QUANTILES))
+        return Spread(name, nominal, 0, math.nan, math.nan, (math.nan,) * len(QUANTILES), measured_in)
     lowest, *quantiles, highest = np.quantile(known, (0.0, *QUANTILES, 1.0)).tolist()
-    return Spread(name, nominal, len(known), lowest, highest, tuple(quantiles))
+    return Spread(name, nominal, len(known), lowest, highest, tuple(quantiles), measured_in)
 
 
 def _correlations(measured: dict[str, NDArray[np.float64]], parameters: dict[str, NDArray[np.float64]]) -> xr.DataArray:

@@ -19,8 +19,10 @@ pub mod valve;
 
 use super::{Coupling, Drive, Link, REMEMBERED, SIGNALS, Seen};
 use crate::Scalar;
+use crate::channels::{self, Bench, CHANNELS};
+use crate::controller::Converters;
 use crate::effects::Effects;
-use crate::machine::{Begun, Machine, Now, Shared, State};
+use crate::machine::{Begun, Machine, Moment, Now, Shared, State};
 use crate::parameters::Parameters;
 use pressure::{Balance, Flow, Side};
 use valve::ValveMotion;
@@ -56,6 +58,11 @@ pub struct Oil<S> {
 }
 
 impl<S: Scalar> Drive<S> for Hydraulic<S> {
+    const NAMES: &'static [(&'static str, &'static str)] =
+        &[("piston_position", "m"), ("load_pressure", "Pa"), ("actuator_flow", "m^3/s"), ("valve_current", "A")];
+    const PEAKS: [usize; 3] = [CURRENT, PRESSURE, FLOW];
+    const CHANNELS: &'static [(&'static str, &'static str)] = CHANNELS;
+
     type Side = Side<S>;
     type Balance = Flow<S>;
     type Memory = Oil<S>;
@@ -72,6 +79,11 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
             direct: S::select(coupling.direct, balance.area, one.zero()),
             per_area: one / balance.area,
         }
+    }
+
+    #[inline(always)]
+    fn converters(parameters: &Parameters<S>) -> Converters<S> {
+        Converters::new(parameters)
     }
 
     #[inline(always)]
@@ -111,7 +123,7 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
     }
 
     #[inline(always)]
-    fn behind(memory: &Oil<S>) -> S {
+    fn left(memory: &Oil<S>) -> S {
         -memory.lag
     }
 
@@ -148,7 +160,14 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
     }
 
     #[inline(always)]
-    fn rates(&self, effects: &Effects, _: &Oil<S>, plant: &[S; 5], e: S, now: &mut Now<S, Self>) -> [S; 3] {
+    fn rates(
+        &self,
+        effects: &Effects,
+        _: &Oil<S>,
+        (plant, _): (&[S; 5], Moment),
+        e: S,
+        now: &mut Now<S, Self>,
+    ) -> [S; 3] {
         let &[_, q_i, q_i_rate, ..] = plant;
         let current = self.valve.current(effects, e);
         now.signals[CURRENT] = current;
@@ -189,7 +208,7 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
 
     /// Flow that the command asks for, less what is lost at the pressure.
     #[inline(always)]
-    fn left_over(&self, effects: &Effects, e: S, effort: S) -> S {
+    fn left_over(&self, effects: &Effects, e: S, (_, effort): (S, S)) -> S {
         let flow = self.valve.flow_per_current * self.valve.current(effects, e);
         flow - self.balance.leakage(effects, effort)
     }
@@ -238,6 +257,13 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         begun: &Begun<S, Self>,
     ) {
         machine.drive.met(machine, shared, state, start, begun);
+    }
+
+    #[inline(always)]
+    fn channels(now: &Now<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
+        let &Now { base, base_rate, position, signals, .. } = now;
+        let [pressure, flow, current] = [PRESSURE, FLOW, CURRENT].map(|k| signals[k]);
+        Bench { base, base_rate, piston: position, pressure, flow, current }.channels(parameters)
     }
 
     fn remembered(memory: &Oil<S>) -> [S; REMEMBERED] {

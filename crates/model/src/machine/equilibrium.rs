@@ -137,7 +137,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let [force, piston, angle] = y;
             self.law.command(&[piston, self.drive.effort(force), delta, zero, angle / self.per_base, zero, pilot_force])
         };
-        let left_over = self.drive.left_over(effects, e, effort);
+        let left_over = self.drive.left_over(effects, e, (x_p, effort));
         (left_over, Equilibrium { base: x_b, position: x_p, delta, neutral, effort, command: e, pilot_force })
     }
 

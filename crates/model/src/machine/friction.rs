@@ -48,6 +48,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             now.delta_rate = found.velocity;
             rates.feel[0] = found.velocity;
         }
+        D::settle(self, effects, state, now, rates);
         Self::resist(effects, state, rates);
         side
     }
@@ -59,6 +60,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let pull = rates.plant[4] + state.column.drag;
             rates.plant[4] = S::select(state.column.stuck, pull.zero(), pull);
         }
+        D::resist(effects, &state.drive, rates);
         if effects.feel_friction && !effects.sampled {
             let pull = rates.feel[1] + state.feel.drag;
             rates.feel[1] = S::select(state.feel.stuck, pull.zero(), pull);

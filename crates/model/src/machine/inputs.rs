@@ -55,9 +55,12 @@ inputs! {
 
 /// When within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Moment {
+pub enum Moment {
+    /// At its start.
     Start,
+    /// Half-way.
     Half,
+    /// At its end.
     End,
 }
 

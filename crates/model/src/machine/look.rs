@@ -8,7 +8,7 @@ use crate::effects::Effects;
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// What follows from the slow states: the drive in balance, velocities and forces, and what sensors measure of a drive that is
-    /// `behind` its balance.
+    /// behind its balance, by what the last step `left`.
     #[inline(always)]
     pub(super) fn look(
         &self,
@@ -16,7 +16,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         side: &D::Side,
         slow: &Slow<S>,
         state: &State<S, D>,
-        (pilot_force, behind): (S, S),
+        (pilot_force, left): (S, S),
     ) -> Now<S, D> {
         let [.., x_b, w] = slow.plant;
         let [delta, u] = slow.feel;
@@ -29,7 +29,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let rate = self.drive.feel_velocity(u, &balance);
             if effects.feel_friction { S::select(state.feel.stuck, u.zero(), rate) } else { rate }
         };
-        let drive::Seen { position, force, signals } = self.drive.seen(&slow.plant, &balance, behind);
+        let drive::Seen { position, force, signals } = self.drive.seen(&slow.plant, &balance, left);
         Now { base: x_b, base_rate, delta, delta_rate, position, force, signals, pilot_force, balance }
     }
 }

@@ -70,6 +70,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let total = Slow::weighted(&[k_1, k_2, k_3, k_4]);
         state.slow = start.moved(&total, self.step.times(1.0 / 6.0), analog);
         self.touch(shared, state, inputs, &start, begun);
+        D::end_step(self, &shared.effects, state, begun);
         if analog {
             state.slider = self.dragged(&shared.effects, state);
             if shared.effects.surroundings {
@@ -92,7 +93,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     ) -> Slow<S> {
         // The lag hardly changes in a step.
         let force = self.pilot_force(state, inputs, moment);
-        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, D::behind(&state.drive)));
+        let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, D::left(&state.drive)));
         if shared.effects.feel_limits && shared.timing.is_none() {
             let before = (begun.now.delta, begun.now.delta_rate);
             (now.delta, now.delta_rate) = self.feel.held_within(before, (now.delta, now.delta_rate));
@@ -125,7 +126,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         if effects.test_signal {
             e = e + e.constant(stage.moment.of(stage.inputs.test_signal));
         }
-        let [first, second, third] = self.drive.rates(effects, &stage.state.drive, &slow.plant, e, now);
+        let [first, second, third] = self.drive.rates(effects, &stage.state.drive, (&slow.plant, stage.moment), e, now);
         let pull = self.pull(effects, (stage.state.slow.plant[3], slow.plant[3]), now);
         Slow { plant: [first, second, third, now.base_rate, pull], feel }
     }

@@ -17,7 +17,7 @@ from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification.unknowns import parameter_keys, unknowns_of
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_hydraulic
 
 _IN_BAND = 1e-3
 """Share of the largest power of a line from which on a chirp passes through it."""
@@ -65,6 +65,7 @@ def excite(
     """
     plan = plan or ExcitationPlan()
     keys = parameter_keys(fit)
+    check_hydraulic(loader, "excitation")
     unknowns_of(loader, keys)
     asked = experiment if isinstance(experiment, Experiment) else Experiment.read(experiment)
     if asked.drive is Drive.RELEASE:

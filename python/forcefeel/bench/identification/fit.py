@@ -30,7 +30,7 @@ from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError, expect, type_text
 from forcefeel.laws.law import LawLike
-from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.loader.loader import Loader, check_hydraulic
 
 _HALF_RATE = 0.499
 """Cycles of a line in a controller's period at most."""
@@ -81,7 +81,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         >>> found["k"].status.value
         'determined'
     """
-    check_loader(loader)
+    check_hydraulic(loader, "identification")
     expect("fit", fit, (str, Sequence), 'symbols or rows of parameters such as "k,c,J"')
     if isinstance(data, str) or not isinstance(data, Sequence):
         raise InputError(

@@ -3,7 +3,7 @@
 from math import degrees, inf, isfinite
 
 from forcefeel.choice import Choice, Score, Scored
-from forcefeel.choice.demand import Demand
+from forcefeel.choice.demand import AnyDemand, demand_shares
 from forcefeel.choice.noise import FORCE
 from forcefeel.conclusions import capital, share_text
 from forcefeel.envelope.settings import AXES
@@ -78,7 +78,7 @@ def _margins(one: LoopMargins, where: str = "own setting") -> tuple[Cell, ...]:
 
 
 def demands(scored: Scored, system: UnitSystem) -> Table:
-    """What releases take of the valve, and what noise does."""
+    """What releases take of the drive, and what noise does."""
     rows = []
     for score in scored.scores:
         rows.append(
@@ -93,13 +93,14 @@ def demands(scored: Scored, system: UnitSystem) -> Table:
             empty = [number(NONE)] * (2 * scored.sampled)
             rows.append((words(""), Cell("largest"), *_demand(score.over.demand), *empty))
     noise = ("Noise, angle, 0.001 deg", heading_text("Noise, on a hand", FORCE, system)) if scored.sampled else ()
-    head = ("Peak current", "Peak flow", "Peak pressure", *noise)
+    head = (*(f"Peak {name}" for name in demand_shares(scored.scores[0].own.demand)), *noise)
     return Table((Cell("Method"), Cell("At"), *(Cell(one, "number") for one in head)), tuple(rows))
 
 
-def _demand(one: Demand) -> tuple[Cell, ...]:
-    found = (one.current, one.flow, one.pressure)
-    return tuple(number(share_text(share) if isfinite(share) else NONE, bad=share >= 1) for share in found)
+def _demand(one: AnyDemand) -> tuple[Cell, ...]:
+    return tuple(
+        number(share_text(share) if isfinite(share) else NONE, bad=share >= 1) for share in demand_shares(one).values()
+    )
 
 
 def _noise(scored: Scored, score: Score, system: UnitSystem) -> tuple[Cell, ...]:

@@ -5,7 +5,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from forcefeel.envelope.ideal import frequency_and_damping
+from forcefeel import _core
 from forcefeel.flight_schedule.axes import ScheduleAxis, mesh
 from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
@@ -124,7 +124,7 @@ def _axis(picture: go.Figure, row: int, axis: ScheduleAxis) -> None:
 
 def _ideal_decay(feel: NDArray[np.float64]) -> NDArray[np.float64]:
     """``zeta w`` of each feel; not a number where it does not swing."""
-    frequency, damping = frequency_and_damping(feel)
+    frequency, damping = _core.feel_frequencies(feel)
     return np.where(damping < 1, damping * frequency, np.nan)
 
 

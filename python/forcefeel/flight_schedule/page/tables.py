@@ -4,7 +4,7 @@ from math import isfinite
 
 import numpy as np
 
-from forcefeel.envelope.ideal import frequency_and_damping
+from forcefeel import _core
 from forcefeel.flight_schedule.as_json import FEEL_UNITS
 from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
@@ -43,7 +43,7 @@ def parts(found: ScheduleCheck) -> Table:
 def knots(found: ScheduleCheck, units: UnitSystem) -> Table:
     """Every knot: its feel, its poles, its release."""
     schedule = found.schedule
-    frequency, damping = frequency_and_damping(schedule.rows)
+    frequency, damping = _core.feel_frequencies(schedule.rows)
     critical, outcomes = found.poles.critical[:, found.knot], [one.outcome for one in found.releases if one.knot]
     rows = []
     for k in range(min(schedule.knots, MOST_ROWS)):

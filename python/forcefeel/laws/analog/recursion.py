@@ -19,7 +19,7 @@ from forcefeel._core import Compensator
 from forcefeel.errors import InputError, expect
 from forcefeel.json_values import Json, fields_json, quantity
 from forcefeel.linear.models import DESIGN_STATES, design_model, state_feedback
-from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.loader.loader import Loader, check_hydraulic
 from forcefeel.units import LENGTH, RATIO, SECONDS, Unit, UnitSystem
 
 GAIN_UNITS = (
@@ -200,6 +200,7 @@ def published_settings(loader: Loader) -> DesignSettings:
         >>> ff.laws.published_settings(ff.elevator()).horizon_s
         0.05
     """
+    check_hydraulic(loader, "recursion (22)")
     law = state_feedback(loader, np.zeros(6))
     return DesignSettings(horizon_s=PUBLISHED_HORIZON_S, pilot_arm_m=-law.load_cell_arm)
 
@@ -232,7 +233,7 @@ def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compen
         >>> len(found.gains), found.note
         (7, 'horizon of 0.05 s, 500 steps of 0.0001 s')
     """
-    check_loader(loader)
+    check_hydraulic(loader, "recursion (22)")
     if settings is not None:
         expect("settings", settings, DesignSettings, "DesignSettings, such as DesignSettings(r2=0.05)")
     settings = settings or published_settings(loader)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.laws.sampled.observer import REMEMBERED
-from forcefeel.laws.sampled.plant import BASE, SampledPlant
+from forcefeel.laws.sampled.plant import SampledPlant
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class FeedForward:
     """Plant and command as the feel, the pilot's torque and the disturbance ask for, ``w = [delta; delta'; T_p; d]``.
 
     Attributes:
-        states: Pi, (settings, 7, 4), on ``[x; e_h]`` in the plant's units; delta and delta' are in SI.
+        states: Pi, (settings, n + 1, 4), on ``[x; e_h]`` in the plant's units; delta and delta' are in SI.
         command: Gamma_w, (settings, 4).
         moves: S, (settings, 4, 4).
     """
@@ -59,12 +59,12 @@ def feed_forward(plant: SampledPlant, feel: NDArray[np.float64]) -> FeedForward:
 def follow(
     plant: SampledPlant, moves: NDArray[np.float64], enters: NDArray[np.float64], wanted: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """``Pi`` (settings, 7, k) and ``Gamma_w`` (settings, k) of the regulator equations.
+    """``Pi`` (settings, n + 1, k) and ``Gamma_w`` (settings, k) of the regulator equations.
 
     Args:
         plant: Phi and Gamma.
         moves: S, (settings, k, k).
-        enters: E, (7, k): how w enters the plant.
+        enters: E, (n + 1, k): how w enters the plant.
         wanted: r, (k,): what of w the column's angle is to be.
 
     Raises:
@@ -73,7 +73,7 @@ def follow(
     phi, gamma = plant.transition, plant.input
     n, k = enters.shape
     reads = np.zeros((1, n))
-    reads[0, BASE] = 1.0
+    reads[0, plant.places.base] = 1.0
     # [Pi; Gamma_w] row by row: Pi S is (1 x S') on it, Phi Pi is (Phi x 1).
     matrix = np.zeros((len(moves), (n + 1) * k, (n + 1) * k))
     matrix[:, : n * k, : n * k] = np.einsum("ab,mji->maibj", np.eye(n), moves).reshape(-1, n * k, n * k)

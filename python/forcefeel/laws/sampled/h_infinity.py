@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feed_forward
-from forcefeel.laws.sampled.observer import HELD, STATES, TORQUE, observed, process_noise, readings, sensor_noise
+from forcefeel.laws.sampled.observer import observed, process_noise, readings, sensor_noise
 from forcefeel.laws.sampled.observer_law import Gains, assemble, feel_rows, followed
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
@@ -43,8 +43,6 @@ _MOST_DOUBLINGS = 20
 _ROUNDING = 1e-9
 """Of the least eigenvalue of P, beside one."""
 
-_ESTIMATED = slice(0, HELD)
-
 H_INFINITY = replace(
     OBSERVER,
     piston_noise=None,
@@ -63,8 +61,8 @@ class TorqueFilter:
     """The filter, in the units of the plant, and how well it is proved.
 
     Attributes:
-        gains: L, (9, 3), on what is sampled: F_c, x_p, theta; the column of what is not trusted is zero.
-        matrix: P of x, T_p, d before the sample, (8, 8).
+        gains: L, (m, 3), on what is sampled: F_c, x_p, theta; the column of what is not trusted is zero.
+        matrix: P of x, T_p, d before the sample, (m - 1, m - 1).
         level: gamma.
         least: The least gamma, to ``FOUND``.
         riccati_residual: Residual of the Riccati equation, as a share of P.
@@ -82,11 +80,12 @@ class Filtering:
     """What a filter is made for: ``xi+ = A xi + w``, ``y = C xi + v``, in the units of the plant.
 
     Attributes:
-        transition: A of x, T_p, d, (8, 8).
-        reads: C of the trusted sensors, (trusted, 8).
-        process: W, (8, 8).
+        transition: A of x, T_p, d, (m - 1, m - 1).
+        reads: C of the trusted sensors, (trusted, m - 1).
+        process: W, (m - 1, m - 1).
         sensors: R, (trusted, trusted).
         trusted: Which of F_c, x_p, theta those are.
+        torque: Place of T_p.
     """
 
     transition: NDArray[np.float64] = field(repr=False)
@@ -94,17 +93,20 @@ class Filtering:
     process: NDArray[np.float64] = field(repr=False)
     sensors: NDArray[np.float64] = field(repr=False)
     trusted: list[int]
+    torque: int
 
     @classmethod
     def of(cls, plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> "Filtering":
         """What the observer is made for, with the same tuning."""
         noise, trusted = sensor_noise(plant, tuning, inertia_ratio)
+        estimated = plant.places.estimated
         return cls(
-            transition=observed(plant)[_ESTIMATED, _ESTIMATED],
-            reads=readings()[trusted][:, _ESTIMATED],
+            transition=observed(plant)[estimated, estimated],
+            reads=readings(plant)[trusted][:, estimated],
             process=process_noise(plant, tuning, inertia_ratio),
             sensors=np.diag(noise**2),
             trusted=trusted,
+            torque=plant.places.torque,
         )
 
     def matrix(self, level: float) -> NDArray[np.float64]:
@@ -116,13 +118,14 @@ class Filtering:
         p = stationary(self.transition.T, *self._equation(level))
         unit = np.sqrt(np.abs(np.diag(p)))
         if not (
-            np.linalg.eigvalsh(p / np.outer(unit, unit)).min() > -_ROUNDING and self._kept(p)[TORQUE, TORQUE] < level**2
+            np.linalg.eigvalsh(p / np.outer(unit, unit)).min() > -_ROUNDING
+            and self._kept(p)[self.torque, self.torque] < level**2
         ):
             raise np.linalg.LinAlgError("H-infinity filter: gamma is too small")
         return p
 
     def gains(self, p: NDArray[np.float64]) -> NDArray[np.float64]:
-        """L, (8, trusted)."""
+        """L, (m - 1, trusted)."""
         return np.asarray(np.linalg.solve(self.sensors + self.reads @ p @ self.reads.T, self.reads @ p)).T
 
     def residual(self, level: float, p: NDArray[np.float64]) -> float:
@@ -136,7 +139,7 @@ class Filtering:
             numpy.linalg.LinAlgError: If there is no filter at all in double precision.
         """
         # With the sample, the Kalman filter's deviation: P grows as gamma falls, so gamma is above it.
-        below = float(np.sqrt(self._kept(self.matrix(np.inf))[TORQUE, TORQUE]))
+        below = float(np.sqrt(self._kept(self.matrix(np.inf))[self.torque, self.torque]))
         above = 2 * below
         for _ in range(_MOST_DOUBLINGS):
             if self._reached(above):
@@ -160,7 +163,7 @@ class Filtering:
         """The equation as a Riccati equation's b, q, r: the torque as one more sensor, of variance ``-gamma^2``."""
         if np.isinf(level):
             return self.reads.T, self.process, self.sensors
-        torque = np.eye(1, HELD, TORQUE)
+        torque = np.eye(1, len(self.process), self.torque)
         r = np.diag(np.append(np.diag(self.sensors), -(level**2)))
         return np.vstack([self.reads, torque]).T, self.process, r
 
@@ -179,8 +182,8 @@ def filter_torque(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> 
     least = made_for.least()
     level = ABOVE_LEAST * least
     p = made_for.matrix(level)
-    gains = np.zeros((STATES, len(readings())))
-    gains[_ESTIMATED, made_for.trusted] = made_for.gains(p)
+    gains = np.zeros((plant.places.observed, len(readings(plant))))
+    gains[plant.places.estimated, made_for.trusted] = made_for.gains(p)
     return TorqueFilter(gains, p, level, least, made_for.residual(level, p))
 
 
@@ -195,7 +198,7 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning = H_INFINITY) -> Samp
         raise InputError(
             f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
         ) from error
-    return assemble(plant, gains, *followed(gains.regulator, ahead.states, ahead.command))
+    return assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
 
 
 def _gains(plant: SampledPlant, ratios: NDArray[np.float64], tuning: Tuning) -> Gains:

@@ -11,6 +11,9 @@ so that the column, whose own ``J theta''`` the load cell does not feel, moves a
 
 over the sampled plant with its delay. As in eq. (19) the valve's own motion is neglected. There is no observer: the base's velocity
 is the last period's difference. Its state is the last angle and the command under way.
+
+Of a valve alone: its command moves the piston, so that an error of the angle dies away by itself. A motor's command is a force,
+which would leave an error wherever a force is to be held.
 """
 
 import numpy as np
@@ -19,13 +22,16 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feel_moves
 from forcefeel.laws.sampled.observer_law import feel_rows
-from forcefeel.laws.sampled.plant import BASE, BASE_RATE, PISTON, PRESSURE, Scale, delayed, period_and_delay
+from forcefeel.laws.sampled.plant import Scale, delayed, period_and_delay
 from forcefeel.laws.sampled.riccati import stationary
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.linear.models import DESIGN_PLANT, design_model
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_hydraulic
 
-_OF_DESIGN = [PISTON, PRESSURE, BASE, BASE_RATE]
+LOAD_CELL = "load-cell"
+"""The name of the method."""
+
+_OF_DESIGN = [0, 1, 4, 5]
 """Places of the design plant's states among ``PLANT_STATES``, in its order."""
 
 _PRESSURE, _BASE, _HELD, _FEEL = 1, 2, 4, [5, 6]  # among x
@@ -45,8 +51,9 @@ def design(loader: Loader, feel: ArrayLike) -> SampledCompensator:
         feel: I, B, G in SI units, a row per setting.
 
     Raises:
-        InputError: If the loader has no period, a row is bad, or a programmed inertia is the column's own.
+        InputError: If the loader has a motor or no period, a row is bad, or a programmed inertia is the column's own.
     """
+    check_hydraulic(loader, LOAD_CELL, "take another method, such as robust")
     rows = feel_rows(feel)
     loop = _Loop(loader, rows)
     scale, (period, delay) = loop.scale, loop.timing

@@ -11,8 +11,9 @@ from forcefeel.errors import InputError
 from forcefeel.laws.sampled import h_infinity, load_cell_loop
 from forcefeel.laws.sampled import observer_law as laws
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
-from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, ROBUST, Tuning
+from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, ROBUST, ROBUST_ELECTRIC, Tuning
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
 from forcefeel.units import show
 
 
@@ -24,6 +25,7 @@ class Method:
         name: What it is called.
         summary: What it is, in a line.
         design: The laws of a loader for settings I, B, G in SI units, a row each.
+        drives: Of which loaders.
 
     Example:
         >>> import forcefeel as ff
@@ -34,10 +36,11 @@ class Method:
     name: str
     summary: str
     design: Callable[[Loader, ArrayLike], SampledCompensator] = field(repr=False)
+    drives: tuple[str, ...] = DRIVES
 
 
-def tuned(name: str, summary: str, tuning: Tuning) -> Method:
-    """Regulator, feed-forward and observer with these weights and noises.
+def tuned(name: str, summary: str, tuning: Tuning, electric: Tuning | None = None) -> Method:
+    """Regulator, feed-forward and observer with these weights and noises; ``electric`` where a motor is to have others.
 
     Example:
         >>> import forcefeel as ff
@@ -45,14 +48,19 @@ def tuned(name: str, summary: str, tuning: Tuning) -> Method:
         >>> ff.laws.tuned("mine", "the robust law by another name", ROBUST).name
         'mine'
     """
-    return Method(name, summary, partial(laws.design, tuning=tuning))
+    return Method(name, summary, partial(_tuned, tunings={HYDRAULIC: tuning, ELECTRIC: electric or tuning}))
+
+
+def _tuned(loader: Loader, feel: ArrayLike, tunings: Mapping[str, Tuning]) -> SampledCompensator:
+    return laws.design(loader, feel, tunings[loader.drive])
 
 
 _METHODS = (
     Method(
-        "load-cell",
+        load_cell_loop.LOAD_CELL,
         "state feedback with the load cell's loop in the plant, the column's inertia taken off the feel's",
         load_cell_loop.design,
+        (HYDRAULIC,),
     ),
     tuned(
         "observer",
@@ -73,6 +81,7 @@ _METHODS = (
         "robust",
         "the observer design without the potentiometer, weights and noises searched for over many perturbed plants at once",
         ROBUST,
+        ROBUST_ELECTRIC,
     ),
 )
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.laws.sampled.plant import BASE, FLOW, PISTON, PRESSURE, SampledPlant
+from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.riccati import residual, stationary
 from forcefeel.laws.sampled.tuning import Tuning
 
@@ -23,25 +23,17 @@ REMEMBERED = 1 - 1e-9
 """Share of the disturbance that a period leaves. A law that forgot nothing would have no rest of its own, as any disturbance goes
 with the same samples; one that forgets so little takes six days at 2 kHz."""
 
-STATES = 9
-"""x, T_p, d, e_h."""
-
-TORQUE, DISTURBANCE, HELD = 6, 7, 8
-"""Places of T_p, d and e_h."""
-
-_ESTIMATED = slice(0, HELD)
-
 
 @dataclass(frozen=True, eq=False)
 class Observer:
     """The filter, in the units of the plant, and how well it is proved.
 
     Attributes:
-        transition: Phi_o, (9, 9).
-        input: Gamma_o, (9,).
-        reads: C, (3, 9): F_c, x_p, theta.
-        gains: L, (9, 3); the column of what is not trusted is zero.
-        covariance: Of the error of x, T_p, d before the sample, (8, 8).
+        transition: Phi_o, (m, m), m the plant's states and three.
+        input: Gamma_o, (m,).
+        reads: C, (3, m): F_c, x_p, theta.
+        gains: L, (m, 3); the column of what is not trusted is zero.
+        covariance: Of the error of x, T_p, d before the sample, (m - 1, m - 1).
         riccati_residual: Residual of the Riccati equation, as a share of the covariance.
     """
 
@@ -59,13 +51,13 @@ def observe(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Observ
     Raises:
         numpy.linalg.LinAlgError: If there is none in double precision.
     """
-    transition, reads = observed(plant), readings()
+    transition, reads, estimated = observed(plant), readings(plant), plant.places.estimated
     noise, trusted = sensor_noise(plant, tuning, inertia_ratio)
-    a, c = transition[_ESTIMATED, _ESTIMATED], reads[trusted][:, _ESTIMATED]
+    a, c = transition[estimated, estimated], reads[trusted][:, estimated]
     w, r = process_noise(plant, tuning, inertia_ratio), np.diag(noise**2)
     covariance = stationary(a.T, c.T, w, r)
-    gains = np.zeros((STATES, len(reads)))
-    gains[_ESTIMATED, trusted] = np.linalg.solve(r + c @ covariance @ c.T, c @ covariance).T
+    gains = np.zeros((plant.places.observed, len(reads)))
+    gains[estimated, trusted] = np.linalg.solve(r + c @ covariance @ c.T, c @ covariance).T
     return Observer(
         transition=transition,
         input=np.concatenate([plant.by_command, [0.0, 0.0, 1.0]]),
@@ -77,30 +69,35 @@ def observe(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Observ
 
 
 def observed(plant: SampledPlant) -> NDArray[np.float64]:
-    """Phi_o of ``[x; T_p; d; e_h]``, (9, 9)."""
-    n = len(plant.phi)
-    found = np.zeros((STATES, STATES))
+    """Phi_o of ``[x; T_p; d; e_h]``, (m, m)."""
+    n, places = len(plant.phi), plant.places
+    found = np.zeros((places.observed, places.observed))
     found[:n, :n] = plant.phi
-    found[:n, TORQUE], found[:n, DISTURBANCE], found[:n, HELD] = plant.by_torque, plant.by_disturbance, plant.by_held
-    found[TORQUE, TORQUE], found[DISTURBANCE, DISTURBANCE] = 1.0, REMEMBERED
+    enters = (plant.by_torque, plant.by_disturbance, plant.by_held)
+    found[:n, [places.torque, places.disturbance, places.held]] = np.column_stack(enters)
+    found[places.torque, places.torque], found[places.disturbance, places.disturbance] = 1.0, REMEMBERED
     return found
 
 
-def readings() -> NDArray[np.float64]:
-    """C, (3, 9): load cell force, piston displacement and column angle, each one state in its unit."""
-    found = np.zeros((3, STATES))
-    found[[0, 1, 2], [PRESSURE, PISTON, BASE]] = 1.0
+def readings(plant: SampledPlant) -> NDArray[np.float64]:
+    """C, (3, m): load cell force, the drive's displacement and the column's angle, each one state in its unit."""
+    found = np.zeros((3, plant.places.observed))
+    found[[0, 1, 2], plant.places.sampled] = 1.0
     return found
 
 
 def process_noise(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> NDArray[np.float64]:
     """Covariance of what a period adds to x, T_p, d."""
-    h = plant.periods_per_time
-    found = np.zeros((HELD, HELD))
+    h, places = plant.periods_per_time, plant.places
+    found = np.zeros((places.held, places.held))
     n = len(plant.phi)
     # White noise of density s^2, held over the period, has the variance s^2 / h.
     found[:n, :n] = np.outer(plant.by_disturbance, plant.by_disturbance) * tuning.input_noise.at(inertia_ratio) ** 2 / h
-    walks = {TORQUE: tuning.torque_walk, DISTURBANCE: tuning.disturbance_walk, FLOW: tuning.flow_walk}
+    walks = {
+        places.torque: tuning.torque_walk,
+        places.disturbance: tuning.disturbance_walk,
+        places.drive: tuning.flow_walk,
+    }
     for place, walk in walks.items():
         found[place, place] += walk.at(inertia_ratio) ** 2 * h
     return found

@@ -14,16 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feed_forward
-from forcefeel.laws.sampled.observer import DISTURBANCE, HELD, STATES, TORQUE, observe, observed, readings
-from forcefeel.laws.sampled.plant import PLANT_STATES, SampledPlant
+from forcefeel.laws.sampled.observer import observe, observed, readings
+from forcefeel.laws.sampled.plant import Places, SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
 from forcefeel.laws.sampled.sampled_compensator import SAMPLED, SampledCompensator
 from forcefeel.laws.sampled.tuning import Tuning
 from forcefeel.loader.feel_settings import setting_rows
 from forcefeel.loader.loader import Loader
-
-_ON_PLANT = [*range(len(PLANT_STATES)), HELD]
-"""[x; e_h] in the observer's state."""
 
 
 def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledCompensator:
@@ -36,8 +33,8 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledCompensato
         tuning: Weights and noises.
 
     Returns:
-        A law of nine states for each setting. All are in the same coordinates, so laws of one loader and any tuning can be
-        interpolated.
+        A law for each setting, of nine states for a valve, of eight for a motor. All are in the same coordinates, so laws of one
+        loader and any tuning can be interpolated.
 
     Raises:
         InputError: If the loader has no period or a delay longer than that, a setting is not a row of three finite numbers
@@ -52,12 +49,12 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledCompensato
         raise InputError(
             f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
         ) from error
-    return assemble(plant, gains, *followed(gains.regulator, ahead.states, ahead.command))
+    return assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
 
 
 @dataclass(frozen=True, eq=False)
 class Gains:
-    """K, (settings, 7), and L, (settings, 9, 3)."""
+    """K, (settings, n + 1), and L, (settings, m, 3)."""
 
     regulator: NDArray[np.float64] = field(repr=False)
     observer: NDArray[np.float64] = field(repr=False)
@@ -73,13 +70,13 @@ def _gains(plant: SampledPlant, feel: NDArray[np.float64], column_inertia: float
 
 
 def followed(
-    gains: NDArray[np.float64], states: NDArray[np.float64], command: NDArray[np.float64]
+    places: Places, gains: NDArray[np.float64], states: NDArray[np.float64], command: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """What the command is of the estimate, (settings, 9), and of delta, delta', (settings, 2), in the plant's units."""
+    """What the command is of the estimate, (settings, m), and of delta, delta', (settings, 2), in the plant's units."""
     of_w = command + np.einsum("sj,sjw->sw", gains, states)
-    of_estimate = np.zeros((len(gains), STATES))
-    of_estimate[:, _ON_PLANT] = -gains
-    of_estimate[:, [TORQUE, DISTURBANCE]] += of_w[:, 2:]
+    of_estimate = np.zeros((len(gains), places.observed))
+    of_estimate[:, places.regulated] = -gains
+    of_estimate[:, [places.torque, places.disturbance]] += of_w[:, 2:]
     return of_estimate, of_w[:, :2]
 
 
@@ -87,16 +84,16 @@ def assemble(
     plant: SampledPlant, gains: Gains, of_estimate: NDArray[np.float64], of_feel: NDArray[np.float64]
 ) -> SampledCompensator:
     """The law as data: signals and what it says in SI units, its state in the plant's."""
-    settings, scale = len(gains.regulator), plant.scale
+    settings, scale, places = len(gains.regulator), plant.scale, plant.places
     transition = observed(plant)
-    kept = np.eye(STATES) - gains.observer @ readings()  # what the estimate keeps of xi
+    kept = np.eye(places.observed) - gains.observer @ readings(plant)  # what the estimate keeps of xi
     taken = gains.observer / scale.sampled  # and what it takes of y
-    by_command = np.zeros((STATES, 1))
-    by_command[: len(PLANT_STATES), 0], by_command[HELD] = plant.by_command, 1.0
+    by_command = np.zeros((places.observed, 1))
+    by_command[: places.count, 0], by_command[places.held] = plant.by_command, 1.0
     estimate = np.concatenate([kept, taken], axis=2)
     command = np.concatenate([np.einsum("sj,sjk->sk", of_estimate, estimate), of_feel], axis=1)
-    torque = np.zeros((settings, STATES + SAMPLED + 2))
-    torque[:, : STATES + SAMPLED] = estimate[:, TORQUE]
+    torque = np.zeros((settings, places.observed + SAMPLED + 2))
+    torque[:, : places.observed + SAMPLED] = estimate[:, places.torque]
     return SampledCompensator(
         period_s=plant.period_s,
         delay_s=plant.delay_s,

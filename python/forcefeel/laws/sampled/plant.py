@@ -6,6 +6,9 @@ column · ``T`` period · ``tau`` delay from the sample to its command
     x+   = Phi x + Gamma_0 e_h + Gamma_1 e + Gamma_p T_p
     e_h+ = e
 
+``x`` of an electric drive is position of its end, force on the link, current, and the base: the force stands in the place of the
+rotor's velocity, so that each thing that is sampled is a state.
+
 exact for a torque that stays over the period: ``Phi = exp(A T)``, the new command acts over the last ``T - tau``,
 ``Gamma_1 = Gamma(T - tau)``, and the old one over the first ``tau``, ``Gamma_0 = exp(A (T - tau)) Gamma(tau)``, where
 ``Gamma(t)`` is the integral of ``exp(A s) B`` from 0 to t.
@@ -23,6 +26,7 @@ from forcefeel._core import Compensator
 from forcefeel.errors import InputError
 from forcefeel.linear.models import INPUTS, Linkage, loader_model
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.units import SECONDS, to_text
 
 PLANT_STATES = (
@@ -35,8 +39,66 @@ PLANT_STATES = (
 )
 """The states x, in this order."""
 
-PISTON, PRESSURE, FLOW, FLOW_RATE, BASE, BASE_RATE = range(6)
-"""Places of ``PLANT_STATES``."""
+
+@dataclass(frozen=True)
+class Places:
+    """Where a plant's states stand.
+
+    Attributes:
+        position: Of the drive's end, which is sampled.
+        effort: Load pressure, or the force itself: what the load cell shows.
+        drive: Flow or current: what the command moves.
+        base, base_rate: The column's base.
+        count: How many states there are.
+    """
+
+    position: int
+    effort: int
+    drive: int
+    base: int
+    base_rate: int
+    count: int
+
+    @property
+    def sampled(self) -> list[int]:
+        """F_c, x_p, theta, each one state in its unit."""
+        return [self.effort, self.position, self.base]
+
+    @property
+    def torque(self) -> int:
+        """T_p among ``[x; T_p; d; e_h]``, of which an observer makes an estimate."""
+        return self.count
+
+    @property
+    def disturbance(self) -> int:
+        """d, at the command."""
+        return self.count + 1
+
+    @property
+    def held(self) -> int:
+        """e_h, which is known."""
+        return self.count + 2
+
+    @property
+    def estimated(self) -> slice:
+        """x, T_p, d."""
+        return slice(0, self.held)
+
+    @property
+    def observed(self) -> int:
+        """States of an observer."""
+        return self.count + 3
+
+    @property
+    def regulated(self) -> list[int]:
+        """``[x; e_h]`` in an observer's state."""
+        return [*range(self.count), self.held]
+
+
+_OF_SERVO = Places(position=0, effort=1, drive=2, base=4, base_rate=5, count=6)
+"""Of ``PLANT_STATES``."""
+
+_OF_MOTOR = Places(position=0, effort=1, drive=2, base=3, base_rate=4, count=5)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +108,7 @@ class Scale:
     Attributes:
         torque_n_m: Torque of the supply pressure on the column, ``alpha R_b A p_s``.
         time_s: Time in which that torque turns the column from rest by half a radian, ``sqrt(J / T_s)``.
-        command_v: Command for the rated current, ``i_r / K_2``.
+        command_v: Command for the rated current, ``i_r / K_2`` in V; of a motor for the largest one, in A.
         states: SI value of one unit of each of ``PLANT_STATES``: the column at one radian, its rate in radians per unit of
             time, supply pressure, rated flow and its rate at the valve's natural frequency.
         sampled: SI value of one unit of F_c, x_p and theta.
@@ -61,6 +123,8 @@ class Scale:
     @classmethod
     def of(cls, loader: Loader) -> "Scale":
         """The units of a loader."""
+        if loader.drive == ELECTRIC:
+            return cls._of_motor(loader)
         pressure, base, flow = loader["valve.supply_pressure"], loader["column.base_arm"], loader["valve.rated_flow"]
         piston = loader["linkage.ratio"] * base
         force = loader["actuator.area"] * pressure
@@ -73,6 +137,25 @@ class Scale:
             sampled=np.array([force, piston, 1.0]),
         )
 
+    @classmethod
+    def _of_motor(cls, loader: Loader) -> "Scale":
+        """The motor's largest current and force in the place of the valve's; at no limit, what the feel asks for at a radian."""
+        base, travel = loader["column.base_arm"], loader["transmission.travel"]
+        end = loader["linkage.ratio"] * base
+        per_ampere = loader["motor.torque_constant"] / travel
+        current = loader["current_loop.current_limit"]
+        if not np.isfinite(current):
+            current = loader["feel.maximum_stiffness"] / (end * per_ampere)
+        force = per_ampere * current
+        time = float(np.sqrt(loader["column.inertia"] / (end * force)))
+        return cls(
+            torque_n_m=end * force,
+            time_s=time,
+            command_v=current,
+            states=np.array([end, force, current, base, base / time]),
+            sampled=np.array([force, end, 1.0]),
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class SampledPlant:
@@ -82,15 +165,17 @@ class SampledPlant:
         period_s: T.
         delay_s: tau.
         scale: Its units.
-        phi: Phi, (6, 6).
-        by_held: Gamma_0, (6,).
-        by_command: Gamma_1, (6,).
-        by_torque: Gamma_p, (6,).
+        places: Where its states stand; n of them.
+        phi: Phi, (n, n).
+        by_held: Gamma_0, (n,).
+        by_command: Gamma_1, (n,).
+        by_torque: Gamma_p, (n,).
     """
 
     period_s: Annotated[float, SECONDS]
     delay_s: Annotated[float, SECONDS]
     scale: Scale
+    places: Places
     phi: NDArray[np.float64] = field(repr=False)
     by_held: NDArray[np.float64] = field(repr=False)
     by_command: NDArray[np.float64] = field(repr=False)
@@ -108,7 +193,8 @@ class SampledPlant:
         a, b = _continuous(loader, scale)
         phi, by_held, by_command = delayed(a, b[:, 1:], *timing)
         _, whole = _core.discretize(a, b, timing[0])
-        return cls(*timing, scale, phi, by_held[:, 0], by_command[:, 0], whole[:, 0])
+        places = _OF_MOTOR if loader.drive == ELECTRIC else _OF_SERVO
+        return cls(*timing, scale, places, phi, by_held[:, 0], by_command[:, 0], whole[:, 0])
 
     @property
     def periods_per_time(self) -> float:
@@ -117,20 +203,20 @@ class SampledPlant:
 
     @cached_property
     def transition(self) -> NDArray[np.float64]:
-        """Transition matrix of ``[x; e_h]``, (7, 7)."""
-        n = len(PLANT_STATES)
+        """Transition matrix of ``[x; e_h]``, (n + 1, n + 1)."""
+        n = self.places.count
         found = np.zeros((n + 1, n + 1))
         found[:n, :n], found[:n, n] = self.phi, self.by_held
         return found
 
     @property
     def input(self) -> NDArray[np.float64]:
-        """How the command enters ``[x; e_h]``, (7,)."""
+        """How the command enters ``[x; e_h]``, (n + 1,)."""
         return np.append(self.by_command, 1.0)
 
     @property
     def by_disturbance(self) -> NDArray[np.float64]:
-        """How what is added to the held command enters ``x`` over a period, ``Gamma_0 + Gamma_1``, (6,)."""
+        """How what is added to the held command enters ``x`` over a period, ``Gamma_0 + Gamma_1``, (n,)."""
         return self.by_held + self.by_command
 
 
@@ -163,10 +249,34 @@ def delayed(
 
 def _continuous(loader: Loader, scale: Scale) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A and B of eq. (17) in units of ``scale``, the feel computer left out; inputs T_p, e."""
+    if loader.drive == ELECTRIC:
+        a, force, signal = _motor(loader)
+    else:
+        a, force, signal = _servo(loader)
+    a = a * scale.states / scale.states[:, None]
+    torque = force / loader["column.grip_arm"] * scale.torque_n_m
+    return a, np.column_stack([torque, signal * scale.command_v]) / scale.states[:, None]
+
+
+_FORCE_OUTPUT = 2
+"""F_c among the outputs of ``_core.electric_plant``."""
+
+_Plant = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+"""A, and how the pilot's force and the command enter."""
+
+
+def _motor(loader: Loader) -> _Plant:
+    """Of an electric drive, with the force for the rotor's velocity."""
+    a, b, c, _ = _core.electric_plant(loader.values)
+    to = np.eye(_OF_MOTOR.count)  # from x_m, x_m', i, x_b, x_b'
+    to[_OF_MOTOR.effort] = c[_FORCE_OUTPUT]
+    return to @ np.linalg.solve(to.T, a.T).T, *(to @ b).T
+
+
+def _servo(loader: Loader) -> _Plant:
+    """Of a hydraulic drive."""
     # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
     model = loader_model(loader, Compensator.none(loader.values), Linkage.COMPLIANT)
     kept = [model.state_labels.index(name) for name in PLANT_STATES]
     force, signal = (model.B[kept, INPUTS.index(name)] for name in INPUTS)
-    a = model.A[np.ix_(kept, kept)] * scale.states / scale.states[:, None]
-    torque = force / loader["column.grip_arm"] * scale.torque_n_m
-    return a, np.column_stack([torque, signal * scale.command_v]) / scale.states[:, None]
+    return model.A[np.ix_(kept, kept)], force, signal

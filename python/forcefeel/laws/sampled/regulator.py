@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.laws.sampled.plant import BASE, BASE_RATE, SampledPlant
+from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.riccati import residual, stationary
 from forcefeel.laws.sampled.tuning import Tuning
 
@@ -21,8 +21,8 @@ class Regulator:
     """Gains and how well they are proved.
 
     Attributes:
-        gains: K on ``[x; e_h]``, (7,).
-        cost: P, (7, 7).
+        gains: K on ``[x; e_h]``, (n + 1,).
+        cost: P, (n + 1, n + 1).
         riccati_residual: Residual of the Riccati equation, as a share of the cost.
     """
 
@@ -39,9 +39,10 @@ def regulate(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Regul
     """
     a, b = plant.transition, plant.input[:, None]
     q = np.zeros_like(a)
-    q[BASE, BASE] = 1.0
+    base, rate = plant.places.base, plant.places.base_rate
+    q[base, base] = 1.0
     if tuning.rate_weight is not None:
-        q[BASE_RATE, BASE_RATE] = tuning.rate_weight.at(inertia_ratio)
+        q[rate, rate] = tuning.rate_weight.at(inertia_ratio)
     r = np.array([[tuning.command_weight.at(inertia_ratio)]])
     cost = stationary(a, b, q, r)
     gains = np.linalg.solve(r + b.T @ cost @ b, b.T @ cost @ a)

@@ -55,11 +55,11 @@ class Tuning:
             own margins: loop transfer recovery.
         torque_walk: Random walk of the pilot's torque, per root of time: how fast the observer believes that it changes.
         disturbance_walk: Random walk of the disturbance at the command, likewise: how fast offsets are learned.
-        flow_walk: Noise of the valve's flow, a density.
-        pressure_noise: Noise of the load cell, as pressure, a density.
+        flow_walk: Noise of the valve's flow or the motor's current, a density.
+        pressure_noise: Noise of the load cell, as pressure or, of a motor, as force, a density.
         angle_noise: Noise of the column's angle, a density.
-        piston_noise: Noise of the piston's position, a density; ``None`` leaves the potentiometer out. Who trusts it trusts
-            stiffness and ratio of the link too: the piston's position less the column's is the link's stretch.
+        piston_noise: Noise of the position of piston or motor, a density; ``None`` leaves it out. Who trusts it trusts stiffness
+            and ratio of the link too: that position less the column's is the link's stretch.
         rate_weight: Weight of the squared error of the angle's rate; ``None`` for none.
 
     Example:
@@ -115,3 +115,17 @@ ROBUST = Tuning(
 """Without the potentiometer. From searches like ``envelopes.tune`` on ``elevator-2khz``, whose orifice, limits and noise it
 knows: for the share of settings whose release is within tolerance on every perturbed plant and under every arm at once, the
 column's inertia off by 1 %, and beside it for the nominal share and for what is stable."""
+
+ROBUST_ELECTRIC = Tuning(
+    command_weight=Power(-3.224, -0.313),
+    rate_weight=Power(-3.021, 1.128),
+    input_noise=Power(-1.638, 0.262),
+    torque_walk=Power(-1.6, 0.183),
+    disturbance_walk=Power(-2.811, -0.018),
+    flow_walk=Power(-5.302, -1.58),
+    pressure_noise=Power(-5.923, -1.501),
+    angle_noise=Power(-6.866, -0.212),
+)
+"""``ROBUST`` for a motor, whose command is a force and not a speed, and so with far less noise at the plant's input. From a search
+like ``envelopes.tune`` over the six built-in electric loaders at once, 36 settings each, for the share that passes with the nominal
+plant, beside it for margin and stability; not over perturbed plants."""

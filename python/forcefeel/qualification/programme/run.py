@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from forcefeel.errors import InputError, expect
-from forcefeel.laws.law import ORIGINAL, Law, LawLike
+from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
@@ -31,7 +31,8 @@ class QualificationSetup:
     """How a loader is qualified.
 
     Attributes:
-        laws: Names of ``law.NAMED_LAWS``, or laws by name, ``None`` being the original loop; a section each.
+        laws: Names of ``law.NAMED_LAWS``, or laws by name, ``None`` being the original loop; a section each. If not given, the
+            original loop of a hydraulic loader and the robust law of an electric one.
         rule: Edition of the rule.
         axis: Which control of the rule.
         throw_rad: Throw to either side; the loader's or its feel's stops, or a usual one if not given.
@@ -51,7 +52,7 @@ class QualificationSetup:
         'pitch'
     """
 
-    laws: Sequence[str] | Mapping[str, LawLike] = (ORIGINAL,)
+    laws: Sequence[str] | Mapping[str, LawLike] | None = None
     rule: str = DEFAULT_EDITION
     axis: Axis = "pitch"
     throw_rad: Annotated[float, ANGLE] | None = None

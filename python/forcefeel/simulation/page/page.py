@@ -17,7 +17,7 @@ _MOTION = (
 _IDEAL = "Dotted: what I, B and G alone would do under the same force."
 _IDEAL_ARM = "Dotted: what I, B and G with the pilot's arm would do under the same force."
 _DIVERGED = "Drawn up to where the run left every bound, with the first motion in view."
-_DEMAND = "What the valve must give. Red: ratings and limits, where the curve comes near them."
+_DEMAND = "What the drive must give. Red: ratings and limits, where the curve comes near them."
 _LOOP = "The way there and the way back are one line at rest; friction, hysteresis and motion part them."
 
 

@@ -13,6 +13,7 @@ from forcefeel.page.canvas import drawn, frame, line
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
 from forcefeel.page.typography import parameter_text
 from forcefeel.simulation import Run, RunStatus
+from forcefeel.simulation.demanded import demanded
 from forcefeel.simulation.inputs import Chirp, Multisine, Recorded, StopToStop
 from forcefeel.simulation.outcome import feel_position, per_feel_angle
 from forcefeel.units import FORCE, UnitSystem
@@ -85,26 +86,22 @@ def motion(run: Run, ideal: NDArray[np.float64] | None, system: UnitSystem) -> g
 
 
 def demand(run: Run, system: UnitSystem) -> go.Figure:
-    """Valve current and flow as percent of their ratings, load pressure as percent of the supply's, over time."""
-    picture = make_subplots(rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.06)
-    panels = (
-        ("valve_current_a", "Current", "valve.rated_current", "amplifier.current_limit", "amplifier's limit"),
-        ("actuator_flow_m3_per_s", "Flow", "valve.rated_flow", "valve.flow_limit", "spool's limit, no load"),
-        ("load_pressure_pa", "Pressure", "valve.supply_pressure", "actuator.relief_pressure", "relief"),
-    )
-    for row, (name, title, rating, limit, limit_name) in enumerate(panels, start=1):
-        share = 100 * _values(run, name) / run.loader[rating]
-        _curve(picture, run, row, title.lower(), share, _COLUMN, "%{y:.1f} %")
-        text = f"{title}, % of<br>{parameter_text(run.loader, rating, system)}"
+    """What the drive gives as percent of what there is, over time: of a valve current, flow and pressure."""
+    asked = demanded(run.loader)
+    picture = make_subplots(rows=len(asked), cols=1, shared_xaxes=True, vertical_spacing=0.06)
+    for row, one in enumerate(asked, start=1):
+        share = 100 * _values(run, one.output) / run.loader[one.whole]
+        _curve(picture, run, row, one.title.lower(), share, _COLUMN, "%{y:.1f} %")
+        text = f"{one.title}, % of<br>{parameter_text(run.loader, one.whole, system)}"
         picture.update_yaxes(title_text=text, row=row, col=1)
-        full = "supply" if name == "load_pressure_pa" else "rating"
-        bounds = [Level(100.0, full), Level(100 * run.loader[limit] / run.loader[rating], limit_name)]
+        full = "rating" if one.whole_name.startswith("the rated") else one.whole_name.split()[1]
+        bounds = [Level(100.0, full), Level(100 * run.loader[one.limit] / run.loader[one.whole], one.limit_name)]
         _levels(picture, row, share, [Level(sign * one.at, one.name) for one in bounds for sign in (1, -1)])
         if run.status is RunStatus.DIVERGED:
             _view(picture, row, np.clip(share, -_VIEW_PERCENT, _VIEW_PERCENT))
     frame(picture, 560, top=16)
     picture.update_layout(showlegend=False)
-    _time_axis(picture, run, rows=3)
+    _time_axis(picture, run, rows=len(asked))
     return picture
 
 

@@ -44,12 +44,12 @@ def measure_map(
     Returns:
         The plot, and a remark if values lie beyond the ends of its colours.
     """
-    measured_in = measure_unit(measure)
+    measured_in = measure_unit(measure, result.sweep.loader.drive)
     z = result.map(measure).values.T * measured_in.from_si(1.0, system)
     low, high, cut = _limits(z)
     hover = f"%{{z:.3~g}} {unit_text(measured_in.shown(system))}"
     picture = _map(result, z, system, hover, colorscale="Viridis", zmin=low, zmax=high)
-    picture.update_traces(colorbar=_bar(axis_title(measure, system)), selector={"type": "heatmap"})
+    picture.update_traces(colorbar=_bar(axis_title(measure, measured_in, system)), selector={"type": "heatmap"})
     if stability is not None:
         _boundary(picture, result, stability, system, "#FFFFFF")
     _nominal(picture, result, system)
@@ -96,8 +96,9 @@ def stability_map(result: SweepResult, stability: xr.DataArray, system: UnitSyst
 def measure_line(result: SweepResult, measure: str, system: UnitSystem, hue: str) -> go.Figure:
     """A measure over one setting: the median, and the middle nine of ten where several machines stand at each point."""
     (key,) = result.sweep.axes
-    x, scale = _axis(result, key, system), measure_unit(measure).from_si(1.0, system)
-    hover = f"%{{y:.4~g}} {unit_text(measure_unit(measure).shown(system))}"
+    measured_in = measure_unit(measure, result.sweep.loader.drive)
+    x, scale = _axis(result, key, system), measured_in.from_si(1.0, system)
+    hover = f"%{{y:.4~g}} {unit_text(measured_in.shown(system))}"
     picture = go.Figure()
     single = result.sweep.machines == 1
     if not single:
@@ -119,7 +120,7 @@ def measure_line(result: SweepResult, measure: str, system: UnitSystem, hue: str
     own = result.sweep.loader[key]
     if min(result.sweep.axes[key]) <= own <= max(result.sweep.axes[key]):
         picture.add_vline(unit(TABLE[key]).from_si(own, system), line={"color": IDEAL, "dash": "dash", "width": 1.2})
-    picture.update_yaxes(title_text=axis_title(measure, system))
+    picture.update_yaxes(title_text=axis_title(measure, measured_in, system))
     return picture
 
 

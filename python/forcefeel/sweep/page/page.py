@@ -17,7 +17,7 @@ from forcefeel.sweep.page import plots as sweep_plots
 from forcefeel.sweep.page import tables as sweep_tables
 from forcefeel.sweep.result import ENVELOPE_RUNS
 from forcefeel.sweep.stability import damping_map
-from forcefeel.sweep.summary import Spread, Summary, measure_unit
+from forcefeel.sweep.summary import Spread, Summary
 from forcefeel.units import UnitSystem
 
 _TORNADOS = 4
@@ -100,7 +100,7 @@ def _distributions(
         )
         remark = f"Not in view: {many}." if many else ""
         middle = _middle(summary.spreads[name], units)
-        found.append(Picture.of(f"spread-{name}", _name(name, units), middle, drawn, remark))
+        found.append(Picture.of(f"spread-{name}", sweep_plots.title(name), middle, drawn, remark))
     return tuple(found)
 
 
@@ -108,14 +108,14 @@ def _influences(
     result: SweepResult, summary: Summary, measures: tuple[str, ...], units: UnitSystem, law: str
 ) -> tuple[Picture, ...]:
     found = [
-        Picture.of(f"influence-{name}", _name(name, units), "", sweep_plots.tornado(name, summary, units))
+        Picture.of(f"influence-{name}", sweep_plots.title(name), "", sweep_plots.tornado(name, summary, units))
         for name in measures[:_TORNADOS]
     ]
     for name in measures[:_SLICED]:
         if ranking := summary.ranking(name):
             key = ranking[0][0]
             drawn = sweep_plots.slices(result, name, key, units, sweep_plots.color(law))
-            title = f"{_name(name, units)} over {key}"
+            title = f"{sweep_plots.title(name)} over {key}"
             found.append(
                 Picture.of(f"slices-{name}", title, "What matters most for it, while all others vary too.", drawn)
             )
@@ -126,13 +126,13 @@ def _maps(result: SweepResult, measures: tuple[str, ...], units: UnitSystem, law
     hue = sweep_plots.color(law)
     if len(result.sweep.axes) == 1:
         lines = [
-            Picture.of(f"line-{name}", _name(name, units), "", sweep_maps.measure_line(result, name, units, hue))
+            Picture.of(f"line-{name}", sweep_plots.title(name), "", sweep_maps.measure_line(result, name, units, hue))
             for name in measures[:_MAPPED]
         ]
         return (*lines, Picture.of("line-status", "How the runs ended", "", sweep_maps.status_lines(result, units)))
     damping = damping_map(result.sweep)
     found = [
-        Picture.of(f"map-{name}", _name(name, units), "", *sweep_maps.measure_map(result, name, damping, units))
+        Picture.of(f"map-{name}", sweep_plots.title(name), "", *sweep_maps.measure_map(result, name, damping, units))
         for name in measures[:_MAPPED]
     ]
     if damping is not None:
@@ -152,11 +152,6 @@ def _maps(result: SweepResult, measures: tuple[str, ...], units: UnitSystem, law
 def _middle(spread: Spread, units: UnitSystem) -> str:
     """Where nine of ten runs lie, and the nominal loader."""
     low, high, nominal = (
-        number_of(spread.measure, value, units)
-        for value in (spread.quantile(0.05), spread.quantile(0.95), spread.nominal)
+        number_of(spread.unit, value, units) for value in (spread.quantile(0.05), spread.quantile(0.95), spread.nominal)
     )
-    return f"{low} to {high} {measure_unit(spread.measure).shown(units)} for nine of ten; nominal {nominal}."
-
-
-def _name(measure: str, units: UnitSystem) -> str:
-    return sweep_plots.axis_title(measure, units).partition(",")[0]
+    return f"{low} to {high} {spread.unit.shown(units)} for nine of ten; nominal {nominal}."

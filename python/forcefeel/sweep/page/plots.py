@@ -7,13 +7,14 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
+from forcefeel.conclusions import capital
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.canvas import frame, line
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
 from forcefeel.page.typography import heading_text, unit_text
 from forcefeel.sweep import SweepResult
 from forcefeel.sweep.summary import Spread, Summary, measure_name, measure_unit
-from forcefeel.units import UnitSystem
+from forcefeel.units import Unit, UnitSystem
 
 MOST_POINTS = 1000
 """Most points of a drawn curve over time."""
@@ -109,7 +110,7 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
     Returns:
         The plot, and how many runs are farther out than it shows.
     """
-    measured_in = measure_unit(spread.measure)
+    measured_in = spread.unit
     scale = measured_in.from_si(1.0, system)
     known = values[np.isfinite(values)]
     room = _BEYOND * (spread.quantile(0.99) - spread.quantile(0.01))
@@ -148,7 +149,8 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
     frame(picture, 320, top=34, hover="closest")
     picture.update_layout(bargap=0, barmode="overlay")
     picture.update_xaxes(
-        title_text=axis_title(spread.measure, system), range=[(low * scale) - width, (high * scale) + width]
+        title_text=axis_title(spread.measure, spread.unit, system),
+        range=[(low * scale) - width, (high * scale) + width],
     )
     picture.update_yaxes(title_text="Runs, %", range=[0, top])
     return picture, len(known) - int(counts.sum())
@@ -196,7 +198,7 @@ def slices(result: SweepResult, measure: str, key: str, system: UnitSystem, hue:
     known = np.isfinite(values)
     order = np.argsort(along[known], kind="stable")
     parts = [part for part in np.array_split(order, min(_SLICES, max(1, len(order) // 20))) if len(part)]
-    measured_in, of = measure_unit(measure), unit(TABLE[key])
+    measured_in, of = measure_unit(measure, result.sweep.loader.drive), unit(TABLE[key])
     x = np.array([np.median(along[known][part]) for part in parts]) * of.from_si(1.0, system)
     y = np.array([np.quantile(values[known][part], (0.05, 0.5, 0.95)) for part in parts]) * measured_in.from_si(
         1.0, system
@@ -209,14 +211,18 @@ def slices(result: SweepResult, measure: str, key: str, system: UnitSystem, hue:
     )
     frame(picture, 320, top=34)
     picture.update_xaxes(title_text=parameter_title(key, system))
-    picture.update_yaxes(title_text=axis_title(measure, system))
+    picture.update_yaxes(title_text=axis_title(measure, measured_in, system))
     return picture
 
 
-def axis_title(measure: str, system: UnitSystem) -> str:
+def title(measure: str) -> str:
+    """``Overshoot``."""
+    return capital(measure_name(measure))
+
+
+def axis_title(measure: str, measured_in: Unit, system: UnitSystem) -> str:
     """``Overshoot, %``."""
-    name = measure_name(measure)
-    return heading_text(f"{name[0].upper()}{name[1:]}", measure_unit(measure), system)
+    return heading_text(title(measure), measured_in, system)
 
 
 def parameter_title(key: str, system: UnitSystem) -> str:

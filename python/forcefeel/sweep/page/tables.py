@@ -12,7 +12,7 @@ from forcefeel.page.typography import NONE, change_text, number_text, parameter_
 from forcefeel.simulation import RunStatus
 from forcefeel.sweep import SweepResult
 from forcefeel.sweep.findings import correlation_text, number_of
-from forcefeel.sweep.page.plots import axis_title
+from forcefeel.sweep.page.plots import axis_title, title
 from forcefeel.sweep.result import IMPOSSIBLE
 from forcefeel.sweep.summary import QUANTILES, Summary
 from forcefeel.units import UnitSystem
@@ -46,7 +46,8 @@ def spreads(summary: Summary, measures: tuple[str, ...], system: UnitSystem) -> 
     for name in measures:
         spread = summary.spreads[name]
         values = (spread.nominal, spread.lowest, *spread.quantiles, spread.highest)
-        rows.append((words(axis_title(name, system)), *(number(number_of(name, value, system)) for value in values)))
+        cells = (number(number_of(spread.unit, value, system)) for value in values)
+        rows.append((words(axis_title(name, spread.unit, system)), *cells))
     marks = (f"{100 * share:g} %" for share in QUANTILES)
     return Table(heads("Measure", "Nominal", "Lowest", *marks, "Highest"), tuple(rows))
 
@@ -62,7 +63,7 @@ def correlations(summary: Summary, measures: tuple[str, ...], system: UnitSystem
         rows.append(
             (words(parameter_name(key)), *(_correlation(float(rho), summary.chance) for rho in table.values[:, k]))
         )
-    titles = (axis_title(name, system).partition(",")[0] for name in measures)
+    titles = map(title, measures)
     return Table(heads("", *titles), tuple(rows), "heat")
 
 

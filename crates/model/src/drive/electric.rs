@@ -1,0 +1,374 @@
+//! An electric drive: motor, current loop and transmission.
+//!
+//! `x_m` displacement of the drive's end · `r` travel per radian of the motor · `omega = x_m' / r` · `i` current · `e` command, in A ·
+//! `K_t` torque constant, `K_e = K_t / n` back-EMF, `n = 3/2` for three phases in peak amperes, 1 for a brushed motor · `R`, `L`
+//! winding · `F` force on the link, `k`, `c` link and transmission in series · `v_b` velocity of the base
+//!
+//! | | |
+//! |---|---|
+//! | `F = k (x_m - alpha x_b) + c (x_m' - alpha v_b)` | link and transmission, eq. (9) |
+//! | `(J_m / r^2) x_m'' = (K_t i + T_cog(omega t)) / r - B_m x_m' / r^2 - F - friction` | rotor |
+//! | `L i' = u - R i - K_e omega` | winding |
+//! | `u = R i + K_e omega + w_c L (e - i)` within the voltage that there is | current loop |
+//!
+//! Without limits the current follows its command as a first-order lag of the loop's bandwidth, solved exactly: it may be as fast as it
+//! likes. Its three numbers are `x_m, x_m', i`;
+//! the rotor has mass, so the force follows from them and effort is the force itself.
+//!
+//! | part | file |
+//! |---|---|
+//! | torque, cogging, friction and inertia of the motor | [`motor`] |
+//! | voltage, current and their limits | [`current_loop`] |
+//! | link and transmission, losses of it | [`transmission`] |
+//! | temperatures of winding and housing | [`thermal`] |
+//! | motor, linkage and column as a linear system | [`plant`] |
+
+pub mod current_loop;
+pub mod motor;
+pub mod plant;
+pub mod thermal;
+pub mod transmission;
+
+use super::{Coupling, Drive, Link, REMEMBERED, SIGNALS, Seen};
+use crate::Scalar;
+use crate::channels;
+use crate::controller::Converters;
+use crate::dry_friction::Grip;
+use crate::effects::Effects;
+use crate::machine::slow::Slow;
+use crate::machine::{Begun, Machine, Moment, Now, Shared, State};
+use crate::parameters::Parameters;
+use current_loop::{Course, Current, Warm};
+use motor::Rotor;
+use thermal::Warming;
+use transmission::Train;
+
+/// Places of its quantities: current in A, voltage in V, speed of the motor in rad/s.
+pub const CURRENT: usize = 0;
+/// See [`CURRENT`].
+pub const VOLTAGE: usize = 1;
+/// See [`CURRENT`].
+pub const SPEED: usize = 2;
+/// Temperature of the winding in degrees Celsius.
+pub const WINDING: usize = 3;
+
+/// Motor, current loop and transmission of one loader.
+#[derive(Debug, Clone, Copy)]
+pub struct Electric<S> {
+    rotor: Rotor<S>,
+    current: Current<S>,
+    train: Train<S>,
+    warming: Warming<S>,
+    per_travel: S,
+    one: S,
+}
+
+/// What the drive remembers of a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Motion<S: Scalar> {
+    /// What the rotor's dry friction does.
+    pub grip: Grip<S>,
+    /// Temperatures of winding and housing over that around, in K.
+    pub warmth: [S; 2],
+    /// What that makes of the winding.
+    warm: Warm<S>,
+    /// The current through the step.
+    pub course: Course<S>,
+}
+
+impl<S: Scalar> Electric<S> {
+    /// Torque of the motor in N m, friction left out.
+    #[inline(always)]
+    fn torque(&self, effects: &Effects, x_m: S, i: S) -> S {
+        self.rotor.torque(effects, x_m * self.per_travel, i)
+    }
+
+    /// Acceleration of the drive's end at `x_m, x_m', i` against the link's force.
+    #[inline(always)]
+    fn acceleration(&self, effects: &Effects, [x_m, v_m, i]: [S; 3], force: S) -> S {
+        self.rotor.acceleration(self.torque(effects, x_m, i), v_m, force)
+    }
+
+    /// At the start of a step: what dry friction did to the rotor inside the last one, and does in this.
+    #[inline(always)]
+    fn stick(
+        &self,
+        machine: &Machine<S, Self>,
+        state: &mut State<S, Self>,
+        now: &mut Now<S, Self>,
+        rates: &mut Slow<S>,
+    ) {
+        let (v, pull) = (state.slow.plant[1], rates.plant[1]);
+        let moves = v.zero().less(v.abs());
+        let friction = self.friction(now.balance, S::select(moves, v, pull));
+        let found = friction.settled(&state.drive.grip, v, pull, (machine.step, machine.per_step));
+        state.drive.grip = friction.grip(found.velocity, pull);
+        state.slow.plant[0] = state.slow.plant[0] + found.displacement;
+        state.slow.plant[1] = S::select(found.settled, found.velocity, v);
+        now.position = state.slow.plant[0];
+        now.signals[SPEED] = state.slow.plant[1] * self.per_travel;
+        rates.plant[0] = state.slow.plant[1];
+    }
+
+    /// Dry friction of the rotor under the link's force `f`, moving or about to move along `way`.
+    #[inline(always)]
+    fn friction(&self, f: S, way: S) -> crate::dry_friction::DryFriction<S> {
+        self.rotor.friction(self.train.lost(f, way) / self.per_travel)
+    }
+}
+
+impl<S: Scalar> Drive<S> for Electric<S> {
+    const NAMES: &'static [(&'static str, &'static str)] = &[
+        ("drive_position", "m"),
+        ("motor_current", "A"),
+        ("motor_voltage", "V"),
+        ("motor_speed", "rad/s"),
+        ("winding_temperature", "degC"),
+    ];
+    const PEAKS: [usize; 3] = [CURRENT, VOLTAGE, SPEED];
+    const CHANNELS: &'static [(&'static str, &'static str)] = plant::CHANNELS;
+
+    /// `alpha c` while the base moves, zero while it sticks.
+    type Side = S;
+    /// Force on the link in N.
+    type Balance = S;
+    type Memory = Motion<S>;
+
+    #[inline(always)]
+    fn new(parameters: &Parameters<S>, shared: &Shared, _: &Coupling<S>) -> Self {
+        let one = parameters.column.inertia.constant(1.0);
+        Self {
+            rotor: Rotor::new(parameters),
+            current: Current::new(parameters, shared.step_s),
+            train: Train::new(parameters),
+            warming: Warming::new(parameters, shared.step_s),
+            per_travel: one / parameters.transmission.travel,
+            one,
+        }
+    }
+
+    #[inline(always)]
+    fn converters(parameters: &Parameters<S>) -> Converters<S> {
+        Converters::of_numbers(parameters.current_loop.current_limit, parameters.controller.antiwindup)
+    }
+
+    #[inline(always)]
+    fn link(&self) -> Link<S> {
+        self.train.link
+    }
+
+    #[inline(always)]
+    fn force_per_effort(&self) -> S {
+        self.one
+    }
+
+    #[inline(always)]
+    fn side(&self, _: &Effects, stuck: S::Mask) -> S {
+        S::select(stuck, self.one.zero(), self.train.base_damping)
+    }
+
+    #[inline(always)]
+    fn moving(&self) -> S {
+        self.train.base_damping
+    }
+
+    #[inline(always)]
+    fn touches(&self, _: &[S; 5]) -> S::Mask {
+        !self.one.less(self.one)
+    }
+
+    #[inline(always)]
+    fn balance(&self, effects: &Effects, side: &S, _: S::Mask, &[x_m, v_m, _, x_b, w]: &[S; 5]) -> S {
+        self.train.force(effects, (x_m, v_m), x_b, *side * w)
+    }
+
+    #[inline(always)]
+    fn seen(&self, &[x_m, v_m, i, ..]: &[S; 5], balance: &S, warmth: S) -> Seen<S> {
+        let mut signals = [i; SIGNALS];
+        (signals[VOLTAGE], signals[SPEED]) = (i.zero(), v_m * self.per_travel);
+        signals[WINDING] = self.warming.ambient + warmth;
+        Seen { position: x_m, force: *balance, signals }
+    }
+
+    #[inline(always)]
+    fn left(memory: &Motion<S>) -> S {
+        memory.warmth[0]
+    }
+
+    #[inline(always)]
+    fn base_velocity(&self, w: S, _: &S) -> S {
+        w
+    }
+
+    #[inline(always)]
+    fn base_momentum(&self, velocity: S, _: &S) -> S {
+        velocity
+    }
+
+    #[inline(always)]
+    fn feel_velocity(&self, u: S, _: &S) -> S {
+        u
+    }
+
+    #[inline(always)]
+    fn feel_momentum(&self, rate: S, _: &S) -> S {
+        rate
+    }
+
+    #[inline(always)]
+    fn feel_changed(&mut self, _: S, _: S, balance: &S) -> S {
+        balance.zero()
+    }
+
+    #[inline(always)]
+    fn pull(&self, base_per_force: S, balance: &S) -> S {
+        base_per_force * *balance
+    }
+
+    #[inline(always)]
+    fn rates(
+        &self,
+        effects: &Effects,
+        memory: &Motion<S>,
+        (&[x_m, v_m, carried, ..], moment): (&[S; 5], Moment),
+        e: S,
+        now: &mut Now<S, Self>,
+    ) -> [S; 3] {
+        let asked = self.current.commanded(effects, &memory.warm, e);
+        let (i, i_rate) = self.current.at(moment, &memory.course, carried, asked);
+        if moment == Moment::Start {
+            now.signals[VOLTAGE] = self.current.voltage(effects, &memory.warm, (i, v_m * self.per_travel), asked);
+        }
+        [v_m, self.acceleration(effects, [x_m, v_m, i], now.balance), i_rate]
+    }
+
+    #[inline(always)]
+    fn command_jump(&self, _: &Effects, _: &Now<S, Self>, e_change: S) -> S {
+        self.current.bandwidth * e_change
+    }
+
+    #[inline(always)]
+    fn effort_shown(&self, force: S) -> S {
+        force
+    }
+
+    #[inline(always)]
+    fn heard(&self, force: S, _: &Now<S, Self>) -> S {
+        force
+    }
+
+    #[inline(always)]
+    fn effort(&self, force: S) -> S {
+        force
+    }
+
+    #[inline(always)]
+    fn effort_of_stretch(&self, stretch: S) -> S {
+        stretch / self.train.link.per_stiffness
+    }
+
+    #[inline(always)]
+    fn stretch_at_rest(&self, effort: S) -> S {
+        self.train.stretch_at_rest(effort)
+    }
+
+    /// Force of the motor under the command, less what the link takes.
+    #[inline(always)]
+    fn left_over(&self, effects: &Effects, e: S, (position, effort): (S, S)) -> S {
+        let i = self.current.commanded(effects, &self.current.warm(e.zero()), e);
+        self.torque(effects, position, i) * self.per_travel - effort
+    }
+
+    #[inline(always)]
+    fn at_rest(&self, effects: &Effects, position: S, effort: S) -> ([S; 3], [S; 2], Motion<S>) {
+        let zero = position.zero();
+        let i = (effort / self.per_travel - self.torque(effects, position, zero)) / self.rotor.torque_constant;
+        let grip = Grip::resting(&self.friction(effort, zero));
+        (
+            [position, zero, i],
+            [zero; 2],
+            Motion { grip, warmth: [zero; 2], warm: self.current.warm(zero), course: Course::constant(i) },
+        )
+    }
+
+    #[inline(always)]
+    fn settle(
+        machine: &Machine<S, Self>,
+        effects: &Effects,
+        state: &mut State<S, Self>,
+        now: &mut Now<S, Self>,
+        rates: &mut Slow<S>,
+    ) {
+        let drive = &machine.drive;
+        if effects.drive_friction {
+            drive.stick(machine, state, now, rates);
+        }
+        let asked = rates.plant[2];
+        let mut resisted = *rates;
+        Self::resist(effects, &state.drive, &mut resisted);
+        let speed = (state.slow.plant[1] + resisted.plant[1] * machine.step.times(0.5)) * drive.per_travel;
+        state.drive.course = drive.current.course(effects, &state.drive.warm, (state.slow.plant[2], speed), asked);
+        rates.plant[2] = state.drive.course.rate;
+    }
+
+    #[inline(always)]
+    fn resist(effects: &Effects, memory: &Motion<S>, rates: &mut Slow<S>) {
+        if effects.drive_friction {
+            let pull = rates.plant[1] + memory.grip.drag;
+            rates.plant[1] = S::select(memory.grip.stuck, pull.zero(), pull);
+        }
+    }
+
+    #[inline(always)]
+    fn catch_up(
+        machine: &Machine<S, Self>,
+        effects: &Effects,
+        _: &S,
+        state: &mut State<S, Self>,
+        now: &mut Now<S, Self>,
+    ) {
+        if effects.heating {
+            now.signals[WINDING] = machine.drive.warming.ambient + state.drive.warmth[0];
+        }
+    }
+
+    #[inline(always)]
+    fn end_step(machine: &Machine<S, Self>, effects: &Effects, state: &mut State<S, Self>, begun: &Begun<S, Self>) {
+        if effects.heating {
+            let drive = &machine.drive;
+            let squared = state.drive.course.mean_square(begun.now.signals[CURRENT], state.slow.plant[2]);
+            let power = drive.current.heat(&state.drive.warm, squared);
+            state.drive.warmth = drive.warming.after(state.drive.warmth, power);
+            state.drive.warm = drive.current.warm(state.drive.warmth[0]);
+        }
+    }
+
+    #[inline(always)]
+    fn seen_between(&self, plant: &[S; 5], balance: &S, (a, b): (&Now<S, Self>, &Now<S, Self>), _: bool) -> Seen<S> {
+        let mut seen = self.seen(plant, balance, balance.zero());
+        seen.signals[WINDING] = (a.signals[WINDING] + b.signals[WINDING]).times(0.5);
+        seen.signals[VOLTAGE] = (a.signals[VOLTAGE] + b.signals[VOLTAGE]).times(0.5);
+        seen
+    }
+
+    /// Nothing to make good: the rotor has mass, so the force comes in with the damper's part alone.
+    #[inline(always)]
+    fn close_play(_: &Machine<S, Self>, _: &Shared, state: &mut State<S, Self>, _: &[S; 5], _: &Begun<S, Self>) {
+        state.late = state.late.zero();
+    }
+
+    #[inline(always)]
+    fn channels(now: &Now<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
+        let angle = |x: S| parameters.column.angle(x);
+        let [i, voltage, speed, winding] = now.signals;
+        let torque = parameters.motor.torque(i);
+        [angle(now.base), angle(now.base_rate), now.position, now.force, i, voltage, speed, torque, winding]
+    }
+
+    /// None: heat and dry friction are left out of a linear loop.
+    fn remembered(memory: &Motion<S>) -> [S; REMEMBERED] {
+        [memory.warmth[0].zero(); REMEMBERED]
+    }
+
+    fn remember(_: &mut Motion<S>, _: [S; REMEMBERED]) {}
+}

@@ -1,0 +1,123 @@
+"""``forcefeel size``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from rich.table import Table
+
+from forcefeel.cli.exit_status import BAD_ANSWER
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.release_options import ASKED, AngleOptions
+from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.errors import InputError
+from forcefeel.units import UnitSystem
+
+if TYPE_CHECKING:
+    from forcefeel.sizing import CockpitSizing, Sizing
+
+
+@dataclass(frozen=True, kw_only=True)
+class SizeOptions(AngleOptions, LoaderOptions, FolderOptions, OutputOptions):
+    """The options of ``forcefeel size``."""
+
+    axis: Annotated[
+        Literal["pitch", "roll", "yaw", "stick"] | None,
+        option(
+            "Which control it is: 14 CFR 25.143(d) limits the forces of each but a stick's.",
+            ASKED,
+            default="that of a built-in loader, else pitch",
+        ),
+    ] = None
+    out: Annotated[Path, option("Folder for size.html and results.json.", OUTPUT)] = Path("forcefeel-size")
+
+    def sizing(self, path: Path | None) -> "Sizing":
+        """The sizing of a loader.
+
+        Raises:
+            InputError: If an option or the loader is bad.
+        """
+        from forcefeel.sizing.run import size_drive
+
+        return size_drive(self.loader(path), self.axis, self.angle_rad)
+
+    def cockpit(self, path: Path) -> "CockpitSizing":
+        """The sizing of a project.
+
+        Raises:
+            InputError: If an option is of one loader alone, or the project is bad.
+        """
+        from forcefeel.sizing.cockpit import size_cockpit
+
+        for name, given in (("--axis", self.axis), ("--set", self.set_)):
+            if given:
+                raise InputError(f"{name}: is for one loader; {path} is a project, change its files")
+        return size_cockpit(path, self.angle_rad)
+
+
+def run(path: LoaderFile = None, /, *, options: SizeOptions = SizeOptions()) -> None:
+    """Set what feel and rule ask of the drive, force, speed, torque, heat, beside what motor or valve give.
+
+    In place of a loader also a project file, whose table [axes] names the loader of each axis of a cockpit. Exit status 1 if a
+    drive does not give what the programmed feel asks for.
+
+    Example: forcefeel size sidestick-pitch --units si --out size
+    """
+    from forcefeel.loader.project import is_project
+    from forcefeel.sizing.as_json import cockpit_json, sizing_json
+    from forcefeel.sizing.page.folder import FOLDER, write_cockpit, write_sizing
+
+    command = options.command_line(path)
+    if path is not None and is_project(path):
+        cockpit = options.cockpit(path)
+        FOLDER.check(options.out, replace=options.replace, inputs=(path,))
+        page = write_cockpit(cockpit, options.out, options.units, replace=options.replace, command=command)
+        answer(
+            {"page": page},
+            lambda: cockpit_json(cockpit, options.units),
+            lambda terminal: _show_axes(terminal, cockpit, options.units),
+            as_json=options.json,
+        )
+        good = cockpit.good
+    else:
+        found = options.sizing(path)
+        FOLDER.check(options.out, replace=options.replace)
+        page = write_sizing(found, options.out, options.units, replace=options.replace, command=command)
+        answer(
+            {"page": page},
+            lambda: sizing_json(found, options.units),
+            lambda terminal: _show(terminal, found, options.units),
+            as_json=options.json,
+        )
+        good = found.good
+    if not good:
+        raise SystemExit(BAD_ANSWER)
+
+
+def _show_axes(console: Terminal, found: "CockpitSizing", units: UnitSystem) -> None:
+    from forcefeel.sizing.cockpit import cockpit_conclusions
+    from forcefeel.sizing.columns import axis_columns
+
+    shown = axis_columns(units)
+    table = Table("axis", title=f"{found.name}: the drives of its axes", title_justify="left", title_style="bold")
+    for one in shown:
+        table.add_column(one.title, justify="right")
+    for axis, sizing in found.axes.items():
+        table.add_row(axis, *(one.text(sizing) for one in shown))
+    console.show(table, [one.title for one in shown if one.detail])
+    console.conclude(cockpit_conclusions(found, units))
+
+
+def _show(console: Terminal, found: "Sizing", units: UnitSystem) -> None:
+    from forcefeel.sizing.columns import columns
+    from forcefeel.sizing.findings import sizing_conclusions
+
+    shown = columns(found, units)
+    title = f"{found.loader.name}, {found.plan.axis}: asked at the grip"
+    table = Table("asked", title=title, title_justify="left", title_style="bold")
+    for one in shown:
+        table.add_column(one.title, justify="right")
+    for asked in found.asked:
+        table.add_row(asked.name, *(one.text(asked) for one in shown))
+    console.show(table, [one.title for one in shown if one.detail])
+    console.conclude(sizing_conclusions(found, units))

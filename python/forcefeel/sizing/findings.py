@@ -1,0 +1,211 @@
+"""What an engineer should conclude from the sizing of a drive, in sentences."""
+
+from collections.abc import Iterator
+from math import isfinite, isnan
+
+from forcefeel.conclusions import Conclusions, of_result, share_text
+from forcefeel.sizing.control_forces import RULE
+from forcefeel.sizing.demand import Duration
+from forcefeel.sizing.motor import MotorGives, MotorNeeds, MotorRemedy
+from forcefeel.sizing.quantities import AREA, MASS, SPEED, TEMPERATURE, TORQUE
+from forcefeel.sizing.result import Asked, Sizing
+from forcefeel.units import FORCE, LENGTH, PRESSURE, Unit, UnitSystem, to_text
+
+
+def text(value: float, measured_in: Unit, units: UnitSystem) -> str:
+    """A SI value with its unit, to three digits."""
+    return f"{to_text(measured_in.from_si(value, units), 3)} {measured_in.shown(units)}".rstrip()
+
+
+def time_text(seconds: float) -> str:
+    """A time as people say it of heat."""
+    if seconds >= 2 * _HOUR:
+        return f"{to_text(seconds / _HOUR, 2)} h"
+    return f"{to_text(seconds / _MINUTE, 2)} min" if seconds >= 2 * _MINUTE else f"{to_text(seconds, 2)} s"
+
+
+_MINUTE, _HOUR = 60.0, 3600.0
+
+
+@of_result
+def sizing_conclusions(found: Sizing, units: UnitSystem) -> Conclusions:
+    """The conclusions, with numbers in ``units``; ``good`` where the drive gives what the programmed feel asks for.
+
+    Args:
+        found: The sizing.
+        units: The units of the numbers.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.sizing.size_drive(ff.elevator())
+        >>> ff.sizing.sizing_conclusions(found, ff.UnitSystem.US).good
+        True
+    """
+    lines = (*_remedies(found, units), *_gives(found, units), _rule(found), *_heat(found, units), _mass(found, units))
+    return Conclusions(found.good, _verdict(found, units), tuple(filter(None, (*lines, *_unknown(found)))))
+
+
+def noun(found: Sizing) -> str:
+    """The drive, as a sentence calls it."""
+    return "motor" if isinstance(found.gives, MotorGives) else "valve"
+
+
+def _verdict(found: Sizing, units: UnitSystem) -> str:
+    programmed = [one for one in found.asked if one.programmed]
+    lacking = [one for one in programmed if not one.given]
+    if lacking:
+        worst = max(lacking, key=lambda one: one.of_peak)
+        share = f"{share_text(worst.of_peak)} of" if isfinite(worst.of_peak) else "more than"
+        return f"The {noun(found)} is too small for the programmed feel: {_what(worst, units)}, takes {share} what it gives."
+    known = [one for one in programmed if not isnan(one.of_peak)]
+    if not known:
+        return (
+            "How much the motor gives is not known: the loader file gives neither its largest current nor its voltage."
+        )
+    worst = max(known, key=lambda one: one.of_peak)
+    return (
+        f"The {noun(found)} gives what the programmed feel asks for: most is {_what(worst, units)}, {share_text(worst.of_peak)} of "
+        f"what it gives{' for a short time' if isinstance(found.gives, MotorGives) else ''}."
+    )
+
+
+def _what(one: Asked, units: UnitSystem) -> str:
+    force = text(one.force_n, FORCE, units)
+    if one.duration is not Duration.MOVING:
+        return f"the {one.name}, {force}" if not one.name.startswith("25.") else f"{one.name}, {force}"
+    return f"the {one.name}, up to {force} and {text(one.speed_m_per_s, SPEED, units)}"
+
+
+def _remedies(found: Sizing, units: UnitSystem) -> Iterator[str]:
+    """What would give what the drive does not, the largest of each kind."""
+    for programmed, long in ((True, False), (False, False), (False, True)):
+        lacking = [
+            one
+            for one in found.asked
+            if one.remedy and (one.programmed, one.duration is Duration.LONG) == (programmed, long)
+        ]
+        if lacking:
+            yield _remedy(found, max(lacking, key=lambda one: one.force_n), units)
+    for one in found.asked:
+        if one.duration is Duration.MOVING and not one.given:
+            yield _too_fast(found, one, units)
+
+
+def _remedy(found: Sizing, one: Asked, units: UnitSystem) -> str:
+    remedy, gives = one.remedy, found.gives
+    what, loader = _what(one, units), found.loader
+    what = what[:1].upper() + what[1:]
+    if isinstance(remedy, MotorRemedy) and isinstance(gives, MotorGives):
+        long = one.duration is Duration.LONG
+        torque = gives.continuous_torque_n_m if long else gives.peak_torque_n_m
+        sentence = (
+            f"{what}, takes {text(remedy.torque_n_m, TORQUE, units)} at the motor, which gives {text(torque, TORQUE, units)} "
+            f"{'for ever' if long else 'for a short time'}. What would do: a motor of that torque"
+        )
+        if isnan(remedy.travel_m):
+            return f"{sentence}."
+        now = text(loader["transmission.travel"], LENGTH, units)
+        return (
+            f"{sentence}, or a transmission.travel of {text(remedy.travel_m, LENGTH, units)} per radian in place of {now}, with "
+            f"which the rotor adds {text(remedy.added_mass_kg, MASS, units)} at the grip and the motor turns "
+            f"{to_text(loader['transmission.travel'] / remedy.travel_m, 3)} times as fast."
+        )
+    if remedy is None or isinstance(remedy, MotorRemedy) or isinstance(gives, MotorGives):
+        return ""
+    return (
+        f"{what}, takes a load pressure of {text(remedy.pressure_pa, PRESSURE, units)}; the valve gives "
+        f"{text(gives.peak_pressure_pa, PRESSURE, units)}. What would do: that pressure of the supply and "
+        f"the relief, or an actuator.area of {text(remedy.area_m2, AREA, units)} in place of "
+        f"{text(loader['actuator.area'], AREA, units)}, which takes as much more flow."
+    )
+
+
+def _too_fast(found: Sizing, one: Asked, units: UnitSystem) -> str:
+    needs, what = one.needs, _what(one, units)
+    what = what[:1].upper() + what[1:]
+    if isinstance(needs, MotorNeeds):
+        volts, amperes = (to_text(it, 3) for it in (needs.voltage_v, needs.current_a))
+        limits = [found.loader[f"current_loop.{name}_limit"] for name in ("voltage", "current")]
+        there = " and ".join(
+            f"{to_text(limit, 3)} {unit}" for limit, unit in zip(limits, "VA", strict=True) if isfinite(limit)
+        )
+        return f"{what}, takes {volts} V and {amperes} A; there is {there}."
+    fastest = text(found.gives.fastest_m_per_s, SPEED, units)
+    return f"{what}, is beyond the valve's flow at that load; without a load it moves the grip at {fastest}."
+
+
+def _gives(found: Sizing, units: UnitSystem) -> Iterator[str]:
+    gives = found.gives
+    if not isinstance(gives, MotorGives):
+        yield (
+            f"At the grip the valve gives {text(gives.peak_force_n, FORCE, units)} standing still, for as long as one likes, and "
+            f"{text(gives.fastest_m_per_s, SPEED, units)} without a load. The give of oil and link is left out."
+        )
+        return
+    if not isfinite(gives.peak_force_n):
+        return
+    for_ever = (
+        f"{text(gives.continuous_force_n, FORCE, units)} ({text(gives.continuous_torque_n_m, TORQUE, units)}) for ever"
+        if not isnan(gives.continuous_force_n)
+        else "for ever an unknown force"
+    )
+    speed = f"; without a load it moves it at {text(gives.fastest_m_per_s, SPEED, units)}"
+    yield (
+        f"At the grip the motor gives {text(gives.peak_force_n, FORCE, units)} ({text(gives.peak_torque_n_m, TORQUE, units)}) for "
+        f"a short time, and {for_ever}{speed if isfinite(gives.fastest_m_per_s) else ''}. Cogging is left out."
+    )
+
+
+def _rule(found: Sizing) -> str:
+    rows = [one for one in found.asked if not one.programmed]
+    if not rows:
+        return f"{RULE} has no limits for a {found.plan.axis}: they are for wheels and pedals."
+    beyond = [one.name.removeprefix("25.143(d) ") for one in rows if not one.given]
+    unknown = [
+        one.name.removeprefix("25.143(d) ")
+        for one in rows
+        if isnan(one.of_continuous if one.duration is Duration.LONG else one.of_peak)
+    ]
+    says = f"all but {' and '.join((*beyond, *unknown))}" if beyond or unknown else "all"
+    says += f"; of {' and '.join(unknown)} it is not known" if unknown else ""
+    unread = "" if all(one.verified for one in rows) else " Nobody has held its table here against the document."
+    return f"Of the forces of {RULE} in {found.plan.axis} the {noun(found)} gives {says}.{unread}"
+
+
+def _heat(found: Sizing, units: UnitSystem) -> Iterator[str]:
+    limit = found.loader["thermal.derating_from"] if isinstance(found.gives, MotorGives) else 0.0
+    for one in found.asked:
+        needs = one.needs
+        if not isinstance(needs, MotorNeeds) or not one.programmed or one.duration is Duration.MOVING:
+            continue
+        if isnan(needs.winding_degc):
+            return
+        held = _what(one, units)
+        if needs.winding_degc <= limit:
+            yield f"Held for ever, {held}, brings the winding to {text(needs.winding_degc, TEMPERATURE, units)}."
+        elif not isnan(needs.derates_after_s):
+            yield (
+                f"Held for {time_text(needs.derates_after_s)} from cold, {held}, brings the winding to "
+                f"{text(limit, TEMPERATURE, units)}, where the current begins to be taken back."
+            )
+
+
+def _mass(found: Sizing, units: UnitSystem) -> str:
+    if not isinstance(found.gives, MotorGives):
+        return ""
+    share = share_text(found.added_mass_kg / found.column_mass_kg)
+    return (
+        f"The rotor adds {text(found.added_mass_kg, MASS, units)} at the grip, J (F/T)², {share} of the column's own "
+        f"{text(found.column_mass_kg, MASS, units)}; the law has to hide it."
+    )
+
+
+def _unknown(found: Sizing) -> Iterator[str]:
+    heat = [row for row in found.missing if row.startswith("thermal.")]
+    if heat:
+        yield f"The continuous torque is not known: {', '.join(heat)} of the loader file give it."
+    for row in found.missing:
+        if row in heat:
+            continue
+        what = "torque" if "current" in row.partition(".")[2] else "speed"
+        yield f"No end of the {what} is known: {row} of the loader file gives it."

@@ -1,0 +1,78 @@
+"""The folder of a sizing: its page and its results, whole or not at all."""
+
+from pathlib import Path
+
+from forcefeel.json_values import json_text
+from forcefeel.page.folder import OutputFolder
+from forcefeel.sizing.as_json import cockpit_json, sizing_json
+from forcefeel.sizing.cockpit import CockpitSizing
+from forcefeel.sizing.page.page import cockpit_page, sizing_page
+from forcefeel.sizing.result import Sizing
+from forcefeel.units import UnitSystem
+
+PAGE, RESULTS = "size.html", "results.json"
+"""Names in the folder."""
+
+FOLDER = OutputFolder("the sizing", (PAGE, RESULTS))
+"""Checked before it is written."""
+
+
+def write_sizing(found: Sizing, out: Path, units: UnitSystem, *, replace: bool = False, command: str = "") -> Path:
+    """Writes ``results.json`` and ``size.html``, the page last; other files in the folder are left alone.
+
+    Args:
+        found: The sizing.
+        out: The folder; made if it is not there.
+        units: The units of every number.
+        replace: Whether the new files may take the place of others.
+        command: The command that asked for it, to stand on the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> found = ff.sizing.size_drive(ff.elevator())
+        >>> ff.sizing.write_sizing(found, Path("size"), ff.UnitSystem.US).name
+        'size.html'
+    """
+    FOLDER.check(out, replace=replace)
+    results = json_text(sizing_json(found, units))
+    FOLDER.write(out, {RESULTS: results, PAGE: sizing_page(found, units, command=command)})
+    return out / PAGE
+
+
+def write_cockpit(
+    found: CockpitSizing, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+) -> Path:
+    r"""Writes ``results.json`` and ``size.html`` of a cockpit's drives, the page last.
+
+    Args:
+        found: The sizing of each axis.
+        out: The folder; made if it is not there.
+        units: The units of every number.
+        replace: Whether the new files may take the place of others.
+        command: The command that asked for it, to stand on the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: As ``write_sizing``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
+        >>> found = ff.sizing.size_cockpit("cockpit.toml")
+        >>> ff.sizing.write_cockpit(found, Path("size"), ff.UnitSystem.US).name
+        'size.html'
+    """
+    FOLDER.check(out, replace=replace)
+    results = json_text(cockpit_json(found, units))
+    FOLDER.write(out, {RESULTS: results, PAGE: cockpit_page(found, units, command=command)})
+    return out / PAGE

@@ -1,0 +1,64 @@
+"""What a drive is sized for: a loader, which control it is, and how far its releases go."""
+
+from dataclasses import dataclass
+from math import degrees, isfinite, pi
+from typing import Annotated, Literal, get_args
+
+from forcefeel.errors import InputError, expect_number
+from forcefeel.loader.built_in import ELECTRIC_AXES
+from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.qualification.rules import load_rules
+from forcefeel.qualification.throw import Throw
+from forcefeel.units import ANGLE, show, to_text
+
+Axis = Literal["pitch", "roll", "yaw", "stick"]
+AXES: tuple[str, ...] = get_args(Axis)
+"""The controls; the rule's limits are for wheels and pedals, so there are none for a stick."""
+
+
+@dataclass(frozen=True)
+class SizingPlan:
+    """What a drive is sized for.
+
+    Attributes:
+        loader: The loader.
+        axis: Which control it is: ``pitch``, ``roll``, ``yaw`` or ``stick``.
+        release_rad: Angle from which the control is let go.
+
+    Raises:
+        InputError: If the axis is none of these, or the angle is not above 0 and within a quarter turn.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.sizing.SizingPlan.of(ff.loader.electric("rudder-pedals")).axis
+        'yaw'
+    """
+
+    loader: Loader
+    axis: str
+    release_rad: Annotated[float, ANGLE]
+
+    def __post_init__(self) -> None:
+        check_loader(self.loader)
+        if self.axis not in AXES:
+            raise InputError(f"axis: expected {', '.join(AXES[:-1])} or {AXES[-1]}, got {show(self.axis)}")
+        expect_number("release_rad", self.release_rad)
+        if not (isfinite(self.release_rad) and 0 < self.release_rad <= pi / 2):
+            came = f"{to_text(degrees(self.release_rad))} deg"
+            raise InputError(f"release_rad: expected an angle above 0, up to 90 deg, got {came}")
+
+    @classmethod
+    def of(cls, loader: Loader, axis: str | None = None, release_rad: float | None = None) -> "SizingPlan":
+        """The plan of a loader.
+
+        Args:
+            loader: The loader.
+            axis: Which control it is; that of a built-in loader of its name, else pitch, if not given.
+            release_rad: Angle of the release, rad; half the throw's shorter side, 10 deg without stops, if not given.
+
+        Raises:
+            InputError: As the class.
+        """
+        check_loader(loader)
+        angle = Throw.of(loader).release_rad(load_rules()) if release_rad is None else release_rad
+        return cls(loader, ELECTRIC_AXES.get(loader.name, "pitch") if axis is None else axis, angle)

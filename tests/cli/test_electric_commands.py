@@ -1,0 +1,70 @@
+"""Commands on an electric loader: what each does, or that it says what does."""
+
+import json
+
+import numpy as np
+import pytest
+
+from forcefeel.cli.exit_status import BAD_INPUT
+from forcefeel.envelope.deviations import deviations_of
+from forcefeel.loader.built_in import BUILT_IN
+from forcefeel.loader.parameters import HYDRAULIC, parts
+from tests.command_line import runner
+
+LOADER = "sidestick-roll"
+OF_A_VALVE = set(parts(HYDRAULIC)) - set(parts("electric"))
+
+
+@pytest.mark.parametrize(
+    ("command", "more"),
+    [
+        ("analyze", ()),
+        ("design", ()),
+        ("compensate", ()),
+        ("compensate", ("--converge",)),
+        ("frontier", ()),
+        ("excite", ("--experiment", "servo-closed", "--fit", "k")),
+    ],
+)
+def test_what_is_made_for_a_valve_says_what_there_is(monkeypatch, capsys, tmp_path, command, more):
+    status, out, error = runner(monkeypatch, capsys, tmp_path, command)(LOADER, *more)
+    assert (status, out) == (BAD_INPUT, "")
+    assert "has an electric drive" in error
+    assert "compensate --method auto" in error
+
+
+def test_a_method_tells_what_is_asked_of_the_motor(monkeypatch, capsys, tmp_path):
+    call = runner(monkeypatch, capsys, tmp_path, "compensate")
+    status, out, _ = call(LOADER, "--method", "robust", "--save-law", "law.json")
+    assert status == 0
+    assert "% of the current and" in out
+    assert "% of the voltage that there is" in " ".join(out.split())
+    found = json.loads((tmp_path / "forcefeel-compensate" / "results.json").read_text(encoding="utf-8"))
+    assert '"demand": {"current"' in json.dumps(found)
+    assert '"pressure"' not in json.dumps(found)
+
+
+def test_a_qualification_takes_the_law_of_the_drive(monkeypatch, capsys, tmp_path):
+    call = runner(monkeypatch, capsys, tmp_path, "qualify")
+    status, out, _ = call(LOADER, "--test", "release-25-positive", "--set", "feel.breakout=off")
+    assert status == 0
+    assert "robust compensation" in out
+
+
+def test_a_sweep_has_the_measures_of_the_motor(monkeypatch, capsys, tmp_path):
+    call = runner(monkeypatch, capsys, tmp_path, "sweep")
+    status, out, _ = call(LOADER, "--runs", "16", "--duration", "0.3", "--out", "s")
+    assert status == 0
+    assert "% of the largest current and" in " ".join(out.split())
+    kept = json.loads((tmp_path / "s" / "summary.json").read_text(encoding="utf-8"))["measures"]
+    assert kept["peak_current_a"]["unit"] == "A"
+    assert {"peak_voltage_v", "peak_speed_rad_per_s"} < set(kept)
+    assert "peak_flow_m3_per_s" not in kept
+
+
+def test_what_is_off_are_parts_that_the_loader_has():
+    loader = BUILT_IN[LOADER]()
+    off = deviations_of(loader)
+    assert {"motor.torque_constant", "motor.inertia"} < set(off)
+    assert not OF_A_VALVE & {key.partition(".")[0] for key in off}
+    assert np.isclose(off["motor.inertia"].size, 0.1)  # as the file says

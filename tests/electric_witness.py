@@ -1,0 +1,179 @@
+"""An electric loader under a sampled law, written out by hand and solved to tight tolerance: the tests' independent witness.
+
+The equations are those at the head of ``crates/model/src/drive/electric.rs`` and of its parts; nothing of the engine is used, of a
+loader its numbers alone. Dry friction is a steep slope through zero, ``CREEP`` wide, so static friction is the dry friction.
+
+`x_m` end of the drive · `v_m` its velocity · `i` current · `x_b`, `v_b` base of the column · `T_w`, `T_h` winding and housing over
+the temperature around · `f`, `x`, `theta` what the sensors show · `delta` programmed displacement · `e` command ·
+`xi` state of the law
+"""
+
+import math
+
+import numpy as np
+from scipy.integrate import LSODA
+from scipy.linalg import expm
+
+CREEP = 1e-6
+"""m/s at which dry friction is three quarters of what it is."""
+
+OUTPUTS = (
+    "drive_position_m",
+    "motor_speed",
+    "motor_current_a",
+    "column_angle_rad",
+    "column_rate",
+    "winding",
+    "housing",
+)
+SCALES = np.array([1e-3, 1e-2, 1.0, 1e-3, 1e-2, 10.0, 10.0, 100.0, 1e-3, 1e-3])
+"""Size of each state, the lags in N, m, rad."""
+
+
+class Plant:
+    """Motor, transmission, column and sensors of a loader; states as above."""
+
+    def __init__(self, loader):
+        g = loader.__getitem__
+        self.loader = loader
+        self.three = 1.5 if g("motor.three_phase") else 1.0
+        self.kt, self.r = g("motor.torque_constant"), g("transmission.travel")
+        self.ke = self.kt / self.three
+        softness = 1 / g("linkage.stiffness") + 1 / g("transmission.stiffness")
+        self.k = 1 / softness
+        self.c = g("linkage.damping") * self.k / g("linkage.stiffness")
+        self.alpha, self.arm, self.grip = g("linkage.ratio"), g("column.base_arm"), g("column.grip_arm")
+        self.play = 0.5 * (g("linkage.backlash") + g("transmission.backlash"))
+        self.heats = math.isfinite(g("thermal.winding_capacity"))
+        self.bandwidths = [g(f"{part}.bandwidth") for part in ("load_cell", "potentiometer", "column_sensor")]
+
+    def force(self, x_m, v_m, x_b, v_b):
+        """On the link."""
+        stretch = x_m - self.alpha * x_b
+        spring = stretch - min(max(stretch, -self.play), self.play)
+        force = self.k * spring + self.c * (v_m - self.alpha * v_b)
+        return force if self.play == 0 or (spring != 0 and force * stretch > 0) else 0.0
+
+    def heat(self, i, warm):
+        """Of all phases in W."""
+        return self.three * self.resistance(warm) * i * i
+
+    def resistance(self, warm):
+        return self.loader["winding.resistance"] * (1 + self.loader["winding.temperature_coefficient"] * warm)
+
+    def current_rate(self, i, omega, warm, e):
+        g = self.loader.__getitem__
+        limit = g("current_loop.current_limit")
+        if self.heats:
+            start, end = (g(f"thermal.{name}") - g("thermal.ambient") for name in ("derating_from", "winding_limit"))
+            limit *= 1 - min(max((warm - start) / (end - start), 0.0), 1.0)
+        e = min(max(e, -limit), limit)
+        held = self.resistance(warm) * i + self.ke * omega
+        inductance, most = g("winding.inductance"), g("current_loop.voltage_limit")
+        u = held + g("current_loop.bandwidth") * inductance * (e - i)
+        return (min(max(u, -most), most) - held) / inductance
+
+    def rates(self, y, e, pilot):
+        g = self.loader.__getitem__
+        x_m, v_m, i, x_b, v_b, winding, housing, *shown = y
+        force, phi, omega = self.force(x_m, v_m, x_b, v_b), x_m / self.r, v_m / self.r
+        torque = self.kt * i - g("motor.viscous_friction") * omega - self.r * force
+        for n in ("", "_2"):
+            angle = g(f"motor.cogging_periods{n}") * phi + g(f"motor.cogging_phase{n}")
+            torque += g(f"motor.cogging_torque{n}") * math.sin(angle)
+        driven = force * v_m <= 0
+        eta = g("transmission.backdriving_efficiency" if driven else "transmission.efficiency")
+        lost = abs(force) * self.r * (1 - eta if driven else 1 / eta - 1)
+        torque -= (g("motor.coulomb_friction") + lost) * math.tanh(v_m / CREEP)
+        theta, rate = x_b / self.arm, v_b / self.arm
+        on_column = self.grip * pilot + self.alpha * self.arm * force - g("column.viscous_friction") * rate
+        on_column -= self.grip * g("column.coulomb_friction") * math.tanh(v_b / CREEP)
+        for side, stop in ((1, g("column.stop_high")), (-1, g("column.stop_low"))):
+            depth = side * (theta - stop)
+            if depth > 0:
+                on_column -= side * max(
+                    g("column.stop_stiffness") * depth + side * g("column.stop_damping") * rate, 0.0
+                )
+        warmer = [0.0, 0.0]
+        if self.heats:
+            inner = (winding - housing) / g("thermal.winding_resistance")
+            outer = housing / g("thermal.housing_resistance")
+            power = self.heat(i, winding)
+            warmer = [(power - inner) / g("thermal.winding_capacity"), (inner - outer) / g("thermal.housing_capacity")]
+        measured = (force, x_m, theta)
+        lags = [
+            w * (value - seen) if math.isfinite(w) else 0.0
+            for w, value, seen in zip(self.bandwidths, measured, shown, strict=True)
+        ]
+        warm = winding if self.heats else 0.0
+        return [
+            v_m,
+            torque * self.r / g("motor.inertia"),
+            self.current_rate(i, omega, warm, e),
+            v_b,
+            on_column * self.arm / g("column.inertia"),
+            *warmer,
+            *lags,
+        ]
+
+    def sampled(self, y):
+        """What the controller reads."""
+        x_m, v_m, _, x_b, v_b, *_ = y
+        measured = (self.force(x_m, v_m, x_b, v_b), x_m, x_b / self.arm)
+        return np.array(
+            [
+                seen if math.isfinite(w) else value
+                for w, value, seen in zip(self.bandwidths, measured, y[7:], strict=True)
+            ]
+        )
+
+
+def simulate(loader, law, pilot, duration, *, command=None, rtol=1e-9):
+    """Columns `OUTPUTS` at the controller's samples, from rest at zero; ``pilot`` is a force over time in N.
+
+    ``law`` are a sampled law's numbers; ``command`` over time, in A, stands in place of one.
+    """
+    plant, g = Plant(loader), loader.__getitem__
+    period, delay = g("controller.period"), g("controller.delay")
+    feel = np.array(
+        [
+            [0, 1, 0],
+            [-g("feel.stiffness") / g("feel.inertia"), -g("feel.damping") / g("feel.inertia"), 1 / g("feel.inertia")],
+            [0, 0, 0],
+        ]
+    )
+    step = expm(feel * period)
+    y, feels, rows = np.zeros(10), np.zeros(2), []
+    xi, e = None if law is None else np.zeros(law.transition.shape[-1]), 0.0
+    for k in range(round(duration / period)):
+        t = k * period
+        rows.append(y[:7])
+        new = command(t) if law is None else 0.0
+        if law is not None:
+            sample = plant.sampled(y)
+            known = np.concatenate([xi, sample, feels])
+            new, torque = float(law.command[0] @ known), float(law.torque[0] @ known)
+            limit = g("current_loop.current_limit")
+            answered = min(max(new, -limit), limit)
+            xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered)
+            feels = (step @ np.append(feels, torque))[:2]
+        for start, end, held in ((t, t + delay, e), (t + delay, t + period, new)):
+            if end - start > 1e-12:  # s, far below any delay
+                y = _piece(plant, y, (start, end), held, pilot, rtol)
+        e = new
+    rows.append(y[:7])
+    found = dict(zip(OUTPUTS, np.array(rows).T, strict=True))
+    found["column_angle_rad"] = found["column_angle_rad"] / plant.arm
+    return found
+
+
+def _piece(plant, y, span, e, pilot, rtol):
+    """The states at the end of a span in which the command stays."""
+    solver = LSODA(
+        lambda t, states: plant.rates(states, e, pilot(t)), span[0], y, span[1], rtol=rtol, atol=rtol * SCALES
+    )
+    while solver.status == "running":
+        solver.step()
+    if solver.status != "finished":
+        raise ArithmeticError(f"no solution beyond {solver.t} s")
+    return solver.y

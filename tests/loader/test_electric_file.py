@@ -1,0 +1,392 @@
+"""The file of an electric loader: what it may not say, and that what it says comes back."""
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+import tomlkit
+
+import forcefeel as ff
+from forcefeel.errors import InputError
+from forcefeel.loader.built_in import ELECTRIC_AXES, digital_elevator, electric, elevator
+from forcefeel.loader.loader import Loader, load
+from forcefeel.loader.parameters import ALTERNATIVES, ELECTRIC, TABLE, absent, has
+from forcefeel.units import UnitSystem
+from tests.optional_rows import bare
+
+TEN_DIGITS = 1e-9  # relative; what a file holds
+ROUNDING = 4e-15  # relative; a conversion to SI multiplies about ten times
+INCH, POUND = 0.0254, 4.4482216152605  # m, N
+FINGERPRINTS = {
+    "elevator": "03fa822b254aef8caae1f1325f360e2a16b23aac300c0782985cdfc2f313ee90",
+    "elevator-2khz": "8a092bbfbd4a2f3459f51dd93f835c537bb2e026759b6e5fa754c3cdd1b6b3f6",
+}
+"""By the version before there were other drives: by these a saved law knows its loader."""
+OFF: Any = None
+"""In a change: the key is taken out."""
+MOTOR_TABLES = (
+    "motor, winding, current_loop, transmission, thermal, brake, linkage, column, load_cell, potentiometer, column_sensor, "
+    "controller, feel, pilot"
+)
+SERVO_TABLES = (
+    "amplifier, valve, actuator, linkage, column, load_cell, potentiometer, column_sensor, controller, feel, pilot"
+)
+HEAT = {
+    "winding_resistance": "1 K/W",
+    "housing_resistance": "1.5 K/W",
+    "winding_capacity": "100 J/K",
+    "housing_capacity": "1000 J/K",
+}
+PERIOD = {"period": "0.5 ms"}
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where a test writes its file."""
+    return tmp_path_factory.mktemp("loaders") / "my.toml"
+
+
+def read(path: Path, changes: dict[str, Any], loader: Loader | None = None) -> Loader:
+    """A bare motor's file, or another loader's, with some tables changed, and read."""
+    document: dict[str, Any] = tomllib.loads((loader or bare(ELECTRIC)).to_toml())
+    for key, given in changes.items():
+        if isinstance(given, dict):
+            document.setdefault(key, {}).update(given)
+            for name in [name for name, value in document[key].items() if value is OFF]:
+                del document[key][name]
+        elif given is OFF:
+            del document[key]
+        else:
+            document[key] = given
+    path.write_text(tomlkit.dumps(document), encoding="utf-8")
+    return load(path)
+
+
+def complaints(path: Path, changes: dict[str, Any], loader: Loader | None = None) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        read(path, changes, loader)
+    return [line.removeprefix(f"{path}: ") for line in str(caught.value).splitlines()]
+
+
+def of_other(key: str, which: str, this: str, tables: str) -> str:
+    article = "an electric" if which == "electric" else "a hydraulic"
+    return (
+        f'{key}: unknown key; it is of {article} drive, and this file says drive = "{this}", of which the tables are {tables}; '
+        f'take it out, or say drive = "{which}"'
+    )
+
+
+KT_CHOICE = "give either torque_constant, or torque_constant_rms"
+WINDING_CHOICE = "give either resistance and inductance, or resistance_line_to_line and inductance_line_to_line"
+BRUSHED = (
+    "is of a motor with three phases; add [motor] three_phase = true, or state what a brushed motor's data sheet gives"
+)
+
+
+@pytest.mark.parametrize(
+    ("changes", "messages"),
+    [
+        ({"drive": "steam"}, ["drive: expected hydraulic or electric, got 'steam'"]),
+        ({"drive": 1}, ["drive: expected hydraulic or electric, got 1"]),
+        ({"valve": {"orifice": True}}, [of_other("valve", "hydraulic", "electric", MOTOR_TABLES)]),
+        ({"load_cell": {"gain": "0.005 V/lb"}}, [of_other("load_cell.gain", "hydraulic", "electric", MOTOR_TABLES)]),
+        (
+            {"controller": {"output_bits": 16}},
+            [of_other("controller.output_bits", "hydraulic", "electric", MOTOR_TABLES)],
+        ),
+        ({"motor": {"kt": "0.3 N m/A"}}, None),
+        (
+            {"motor": {"torque_constant": OFF}},
+            [f'motor: missing value; add torque_constant = "3.0667 lb in/A"; {KT_CHOICE}'],
+        ),
+        (
+            {"motor": {"torque_constant_rms": "0.49 N m/A", "three_phase": True}},
+            [f"motor: given both ways at once (torque_constant, torque_constant_rms); {KT_CHOICE}"],
+        ),
+        (
+            {"motor": {"torque_constant": OFF, "torque_constant_rms": "0.49 N m/A"}},
+            [f"motor.torque_constant_rms: {BRUSHED}"],
+        ),
+        (
+            {"winding": {"resistance_line_to_line": "3 ohm"}},
+            [f"winding: given both ways at once (resistance, inductance, resistance_line_to_line); {WINDING_CHOICE}"],
+        ),
+        (
+            {
+                "winding": {
+                    "resistance": OFF,
+                    "inductance": OFF,
+                    "resistance_line_to_line": "3 ohm",
+                    "inductance_line_to_line": "6 mH",
+                }
+            },
+            [f"winding.resistance_line_to_line: {BRUSHED}", f"winding.inductance_line_to_line: {BRUSHED}"],
+        ),
+        ({"winding": OFF}, ["winding: missing value; add the table [winding]"]),
+        (
+            {"winding": {"inductance": OFF}},
+            [f'winding: missing value; add inductance = "3.285 mH"; {WINDING_CHOICE}'],
+        ),
+        ({"transmission": OFF}, ["transmission: missing value; add the table [transmission]"]),
+        (
+            {"transmission": {"travel": "0 mm"}},
+            ["transmission.travel: out of range: expected 0.0001 to 100 in (0.000254 to 254 cm), got '0 mm'"],
+        ),
+        (
+            {"transmission": {"travel": "20 mm", "lead": "20 mm"}},
+            [
+                "transmission: given both ways at once (travel, lead); give either travel, or lead",
+            ],
+        ),
+        (
+            {"transmission": {"efficiency": 0}},
+            ["transmission.efficiency: out of range: expected 0.05 to 1, got 0"],
+        ),
+        ({"linkage": {"ratio": 0}}, ["linkage.ratio: out of range: expected 0.01 to 1, got 0"]),
+        (
+            {"motor": {"torque_constant": "0.3"}},
+            [
+                "motor.torque_constant: expected a number with its unit such as '3.0667 lb in/A', got '0.3', which has no unit",
+            ],
+        ),
+        (
+            {"winding": {"resistance": "3 mH"}},
+            [
+                "winding.resistance: expected a number with its unit such as '1.535 ohm', got '3 mH': 'mH' measures an inductance, "
+                "not a resistance",
+            ],
+        ),
+        (
+            {"thermal": {name: HEAT[name] for name in ("winding_resistance", "housing_resistance")}},
+            [
+                f"thermal.{one}: has no effect without thermal.{other}; give thermal.{other} too, such as '{example}', or leave "
+                f"thermal.{one} out"
+                for one, other, example in (
+                    ("winding_resistance", "winding_capacity", "100 J/K"),
+                    ("housing_resistance", "winding_capacity", "100 J/K"),
+                )
+            ],
+        ),
+        (
+            {"thermal": {"ambient": "30 degC"}},
+            [
+                "thermal.ambient: has no effect without thermal.winding_capacity; give thermal.winding_capacity too, such as "
+                "'100 J/K', or leave thermal.ambient out"
+            ],
+        ),
+        (
+            {"thermal": {**HEAT, "derating_from": "140 degC"}},
+            [
+                "thermal.derating_from: expected less than thermal.winding_limit, which is 130 degC, got 140 degC; set them apart"
+            ],
+        ),
+        (
+            {"thermal": {**HEAT, "ambient": "90 degC", "derating_from": "80 degC"}},
+            [
+                "thermal.ambient: expected less than thermal.derating_from, which is 80 degC, got 90 degC; set them apart"
+            ],
+        ),
+        (
+            {"thermal": {**HEAT, "ambient": "300 K"}},
+            [
+                "thermal.ambient: expected a number with its unit such as '25 degC', got '300 K': 'K' does not measure a "
+                "temperature"
+            ],
+        ),
+        (
+            {"controller": OFF},
+            [
+                "controller.period: missing value; an electric drive takes its command from a digital controller; add [controller] "
+                'period = "0.5 ms" and delay = "0.5 ms"'
+            ],
+        ),
+        (
+            {"motor": {"coulomb_friction": "2 lb in", "static_friction": "1 lb in"}},
+            [
+                "motor.static_friction: expected at least motor.coulomb_friction, which is 2 lb in, got 1 lb in; leave it out "
+                "where both are the same"
+            ],
+        ),
+        (
+            {"motor": {"cogging_periods": 12}},
+            [
+                "motor.cogging_periods: has no effect without motor.cogging_torque; give motor.cogging_torque too, such as "
+                "'0.2 lb in', or leave motor.cogging_periods out"
+            ],
+        ),
+        (
+            {"brake": {"engaged": True}},
+            [
+                "brake.engaged: has no effect without brake.torque; give brake.torque too, such as '20 lb in', or leave "
+                "brake.engaged out"
+            ],
+        ),
+        (
+            {"tolerances": {"valve.current_gain": "10 %"}},
+            [
+                "tolerances.valve.current_gain: is of a loader with a hydraulic drive; this one has the other; leave it out"
+            ],
+        ),
+        (
+            {"tolerances": {"motor.three_phase": "10 %"}},
+            ["tolerances.motor.three_phase: a switch is on or off; leave its tolerance out"],
+        ),
+    ],
+    ids=str,
+)
+def test_what_an_electric_file_may_not_say_is_answered_in_a_line(
+    path: Path, changes: dict[str, Any], messages: list[str] | None
+) -> None:
+    said = complaints(path, changes)
+    if messages is None:
+        known = "torque_constant, inertia, three_phase, viscous_friction"
+        assert [line.split(known)[0] for line in said] == ["motor.kt: unknown key; known are "]
+        assert said[0].endswith("torque_constant_rms")
+    else:
+        assert said == messages
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [({"motor": {"inertia": "1 kg cm^2"}}, "motor"), ({"brake": {"engaged": True}}, "brake")],
+    ids=str,
+)
+def test_what_a_hydraulic_file_may_not_say(path: Path, changes: dict[str, Any], key: str) -> None:
+    assert complaints(path, changes, elevator()) == [of_other(key, "electric", "hydraulic", SERVO_TABLES)]
+    said = "tolerances.motor.inertia: is of a loader with an electric drive; this one has the other; leave it out"
+    assert complaints(path, {"tolerances": {"motor.inertia": "5 %"}}, elevator()) == [said]
+
+
+def test_a_file_that_only_says_electric_is_told_what_it_needs(path: Path) -> None:
+    said = complaints(path, {"drive": "electric"}, elevator())
+    for part in ("motor", "winding", "current_loop", "transmission"):
+        assert f"{part}: missing value; add the table [{part}]" in said
+    for part in ("amplifier", "valve", "actuator"):
+        assert of_other(part, "hydraulic", "electric", MOTOR_TABLES) in said
+
+
+@pytest.mark.parametrize(
+    ("loader", "key", "message"),
+    [
+        (
+            bare(ELECTRIC),
+            "actuator.area",
+            "actuator.area: is of a loader with a hydraulic drive; motor has an electric drive",
+        ),
+        (
+            elevator(),
+            "motor.inertia",
+            "motor.inertia: is of a loader with an electric drive; elevator has a hydraulic drive",
+        ),
+    ],
+    ids=["electric", "hydraulic"],
+)
+def test_a_loader_takes_no_row_of_the_other_drive(loader: Loader, key: str, message: str) -> None:
+    row = TABLE[key]
+    with pytest.raises(InputError) as caught:
+        loader.replace({key: row.default_si})
+    assert str(caught.value).startswith(f"{message}, with the parts ")
+    with pytest.raises(InputError) as caught:
+        loader.with_tolerances({key: "10 %"})
+    assert str(caught.value).startswith(f"tolerances.{message}, with the parts ")
+    values = loader.values.copy()
+    values[list(TABLE).index(key)] = row.default_si
+    if key == "actuator.area":
+        with pytest.raises(
+            InputError, match=r"^actuator\.area: expected 0, as a loader with an electric drive has no such row"
+        ):
+            Loader("both", "", values)
+    assert loader[key] == absent(row)
+
+
+def test_unknown_rows_are_answered_with_those_of_the_drive() -> None:
+    with pytest.raises(InputError, match=r"'area'; the parameters are motor\.torque_constant"):
+        bare(ELECTRIC).replace({"area": 1.0})
+    with pytest.raises(
+        InputError, match=r"did you mean transmission\.stiffness or linkage\.stiffness or feel\.stiffness\?"
+    ):
+        bare(ELECTRIC).replace({"stiffness": 1.0})
+
+
+# What is stated in another way
+
+
+def test_a_motor_as_its_data_sheet_has_it(path: Path) -> None:
+    loader = read(
+        path,
+        {
+            "motor": {"torque_constant": OFF, "torque_constant_rms": "0.49 N m/A", "three_phase": True},
+            "winding": {
+                "resistance": OFF,
+                "inductance": OFF,
+                "resistance_line_to_line": "3.07 ohm",
+                "inductance_line_to_line": "6.57 mH",
+            },
+            "transmission": {"travel": OFF, "lead": "20 mm"},
+        },
+    )
+    # A sine of the peak I has I / sqrt(2) r.m.s.; two phases of a star lie between two lines
+    assert loader["motor.torque_constant"] == pytest.approx(0.49 / math.sqrt(2), rel=ROUNDING)
+    assert loader["winding.resistance"] == pytest.approx(3.07 / 2, rel=ROUNDING)
+    assert loader["winding.inductance"] == pytest.approx(6.57e-3 / 2, rel=ROUNDING)
+    assert loader["transmission.travel"] == pytest.approx(0.02 / (2 * math.pi), rel=ROUNDING)
+
+
+def test_values_that_follow_are_held_to_their_range(path: Path) -> None:
+    changes = {"transmission": {"travel": OFF, "lead": "0.001 in"}, "motor": {"torque_constant": "0.0005 lb in/A"}}
+    assert complaints(path, {"motor": changes["motor"]})[0].startswith(
+        "motor.torque_constant: out of range: expected 0.001 to"
+    )
+    del changes["motor"]
+    assert read(path, changes)["transmission.travel"] == pytest.approx(0.001 * INCH / (2 * math.pi), rel=ROUNDING)
+
+
+# Round trips
+
+
+@pytest.mark.parametrize("units", list(UnitSystem))
+@pytest.mark.parametrize("name", ELECTRIC_AXES)
+def test_a_built_in_loader_comes_back(path: Path, name: str, units: UnitSystem) -> None:
+    loader = electric(name)
+    path.write_text(loader.to_toml(units), encoding="utf-8")
+    back = load(path)
+    assert (back.name, back.source, back.drive) == (name, loader.source, ELECTRIC)
+    assert back.values == pytest.approx(loader.values, rel=TEN_DIGITS, abs=0)
+    assert set(back.tolerances) == set(loader.tolerances)
+    path.write_text(back.to_toml(units), encoding="utf-8")
+    assert load(path) == back
+    for key, row in TABLE.items():
+        assert has(ELECTRIC, row) or loader[key] == absent(row)
+
+
+@pytest.mark.parametrize("name", ELECTRIC_AXES)
+def test_a_built_in_loader_says_what_is_illustrative(name: str) -> None:
+    assert "llustrative" in electric(name).source
+
+
+def test_an_unknown_built_in_loader_is_answered_with_those_there_are() -> None:
+    with pytest.raises(InputError, match=r"^name: expected elevator-electric, .+, got 'rudder'$"):
+        electric("rudder")
+
+
+def test_every_alternative_of_a_motor_is_tried_here() -> None:
+    parts = {"motor", "winding", "transmission"}
+    assert {row.name for row in ALTERNATIVES.values() if row.part in parts} == {
+        "torque_constant_rms", "resistance_line_to_line", "inductance_line_to_line", "lead",
+    }  # fmt: skip
+
+
+# Laws that were saved
+
+
+@pytest.mark.parametrize(("name", "made"), [("elevator", elevator), ("elevator-2khz", digital_elevator)])
+def test_a_hydraulic_loader_is_known_by_the_same_fingerprint_as_before(name: str, made: Any) -> None:
+    assert made().fingerprint == FINGERPRINTS[name]
+
+
+def test_a_row_of_the_motor_is_in_its_fingerprint() -> None:
+    loader = ff.loader.electric("desktop-yoke")
+    assert loader.replace({"motor.inertia": "81 kg cm^2"}).fingerprint != loader.fingerprint
+    assert ff.loader.electric("desktop-yoke").fingerprint == loader.fingerprint

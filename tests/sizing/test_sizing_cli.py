@@ -1,0 +1,184 @@
+"""``forcefeel size`` as a user types it, and what follows from a sizing."""
+
+import json
+import re
+from math import isnan, radians
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.loader.built_in import BUILT_IN
+from forcefeel.sizing.control_forces import control_forces
+from forcefeel.sizing.demand import Duration
+from forcefeel.sizing.motor import HEAT
+from tests.command_line import runner
+
+POUND_N = 4.4482216152605
+ROUNDING = 1e-9  # relative
+SHOWN = 5e-3  # relative; three digits
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    """Runs ``forcefeel size ...``; gives exit status, output and error output."""
+    return runner(monkeypatch, capsys, tmp_path, "size")
+
+
+def test_the_built_in_loaders_give_their_programmed_feel():
+    for name, make in BUILT_IN.items():
+        assert ff.sizing.size_drive(make()).good, name
+
+
+def test_the_folder_and_what_is_printed_agree(run, tmp_path):
+    status, out, err = run("elevator-electric", "--json", "--units", "si")
+    found = json.loads(out)
+    assert (status, err) == (0, "")
+    folder = tmp_path / "forcefeel-size"
+    assert {one.name for one in folder.iterdir()} == {"size.html", "results.json", "plotly.min.js"}
+    stored = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    assert {key: value for key, value in found.items() if key != "page"} == stored
+    assert found["good"]
+    assert found["axis"] == "pitch"
+    assert found["asked"][0]["force"] == {"value": pytest.approx(60 * POUND_N, rel=ROUNDING), "unit": "N"}
+    assert run("elevator-electric")[0] == 2  # the folder is there
+    assert run("elevator-electric", "--replace")[0] == 0
+
+
+def test_a_motor_that_cannot_hold_the_programmed_force_is_named_with_what_would(run):
+    """And what would does: with the named travel the motor holds the force, to the digits that are shown."""
+    given = ("elevator-electric", "--set", "pilot.force=600 N", "--units", "si")
+    status, out, err = run(*given)
+    said = " ".join(out.split())
+    assert (status, err) == (1, "")
+    assert (
+        "The motor is too small for the programmed feel: the pilot's force, 600 N, takes 154 % of what it gives."
+        in said
+    )
+    (travel,) = re.findall(r"a transmission\.travel of ([0-9.]+) cm per radian in place of 0\.318 cm", said)
+    loader = ff.loader.electric("elevator-electric").replace({"pilot.force": "600 N"})
+    would = ff.sizing.size_drive(loader.replace({"transmission.travel": f"{travel} cm"}))
+    assert would.asked[0].of_peak == pytest.approx(1.0, rel=SHOWN)
+    torque = ff.sizing.size_drive(loader).asked[0].remedy.torque_n_m
+    assert f"takes {torque:.1f} N m at the motor, which gives 6.58 N m for a short time" in said
+
+
+def test_a_valve_that_cannot_is_named_with_the_piston_that_would():
+    loader = ff.digital_elevator().replace({"valve.supply_pressure": "200 lb/in^2"})
+    found = ff.sizing.size_drive(loader)
+    assert not found.good
+    would = loader.replace({"actuator.area": found.asked[0].remedy.area_m2})
+    assert ff.sizing.size_drive(would).asked[0].of_peak == pytest.approx(1.0, rel=ROUNDING)
+
+
+def test_a_release_that_is_too_fast_is_told(run):
+    status, out, _ = run("elevator-electric", "--set", "current_loop.voltage_limit=21 V", "--angle", "20 deg")
+    assert status == 1
+    said = " ".join(out.split())
+    assert re.search(
+        r"The release from 20 deg, up to 7[0-9.]+ lb and 104 in/s, takes 4[0-9.]+ V and 1[0-9.]+ A; there is 21 V and 19 A",
+        said,
+    )
+
+
+def test_without_the_heat_the_continuous_torque_is_not_known():
+    loader = ff.loader.electric("elevator-electric")
+    found = ff.sizing.size_drive(loader.replace(dict.fromkeys([*HEAT, "winding.temperature_coefficient"])))
+    assert found.missing == HEAT
+    assert all(isnan(one.of_continuous) for one in found.asked)
+    said = ff.sizing.sizing_conclusions(found, ff.UnitSystem.SI).findings
+    assert any("the motor gives all but long term; of long term it is not known." in line for line in said)
+    assert any(line.startswith(f"The continuous torque is not known: {', '.join(HEAT)}") for line in said)
+
+
+def test_the_rule_goes_by_the_axis():
+    """14 CFR 25.143(d): short term by two hands, one hand, long term; lb."""
+    expected = {"pitch": [75, 50, 10], "roll": [50, 25, 5], "yaw": [150, 20], "stick": []}
+    loader = ff.loader.electric("rudder-pedals")
+    assert ff.sizing.SizingPlan.of(loader).axis == "yaw"
+    for axis, forces in expected.items():
+        rows = [one for one in ff.sizing.size_drive(loader, axis).asked if not one.programmed]
+        assert [one.force_n / POUND_N for one in rows] == pytest.approx(forces, rel=ROUNDING)
+        assert [one.duration for one in rows[-1:]] == [Duration.LONG] * bool(rows)
+    assert not any(row.verified for row in control_forces())
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (("--axis", "tail"), "--axis: expected pitch, roll, yaw or stick, got 'tail'"),
+        (("--angle", "0 deg"), "release_rad: expected an angle above 0, up to 90 deg, got 0 deg"),
+        (("--set", "motor.inertia=1 kg m^2"), "motor.inertia: is of a loader with an electric drive"),
+    ],
+)
+def test_bad_input_is_named(run, given, told):
+    status, _, err = run(*given)
+    assert status == 2
+    assert told in err
+
+
+def test_a_project_has_a_row_for_each_axis(run, tmp_path):
+    (tmp_path / "own.toml").write_text(ff.digital_elevator().to_toml(), encoding="utf-8")
+    project = '[axes]\npitch = "own.toml"\nyaw = "rudder-pedals"\nstick-roll = "sidestick-roll"\n'
+    (tmp_path / "cockpit.toml").write_text(project, encoding="utf-8")
+    status, out, err = run("cockpit.toml", "--json")
+    found = json.loads(out)
+    assert (status, err) == (0, "")
+    assert {axis: one["axis"] for axis, one in found["axes"].items()} == {
+        "pitch": "pitch",
+        "yaw": "yaw",
+        "stick-roll": "stick",
+    }
+    alone = json.loads(run("rudder-pedals", "--json", "--out", "alone")[1])
+    del alone["page"]
+    assert found["axes"]["yaw"] == alone
+    said = " ".join(run("cockpit.toml", "--replace")[1].split())
+    assert "Every drive of the cockpit gives what its programmed feel asks for." in said
+
+
+def test_a_project_with_a_drive_that_is_too_small_ends_with_one(run, tmp_path):
+    small = ff.loader.electric("desktop-yoke").replace({"pilot.force": "250 N"})
+    (tmp_path / "small.toml").write_text(small.to_toml(), encoding="utf-8")
+    (tmp_path / "cockpit.toml").write_text('[axes]\nroll = "small.toml"\nyaw = "rudder-pedals"\n', encoding="utf-8")
+    status, out, _ = run("cockpit.toml")
+    assert status == 1
+    assert "Too small for the programmed feel: the drive of roll." in " ".join(out.split())
+
+
+@pytest.mark.parametrize(
+    ("project", "told"),
+    [
+        ("[axes]\n", "axes: expected a table with a loader for at least one axis"),
+        ("axes = 3\n", "axes: expected a table with a loader for at least one axis"),
+        ('[axes]\ntail = "elevator"\n', "axes: expected pitch, roll, yaw, stick-pitch, stick-roll; got 'tail'"),
+        ("[axes]\npitch = 3\n", "axes.pitch: expected a loader"),
+        ('[axes]\npitch = "gone.toml"\n', "axes.pitch: gone.toml"),
+        (
+            '[axes]\npitch = "sidestick-pitch"\n',
+            "axes.pitch: expected stick-pitch or stick-roll for the built-in loader",
+        ),
+        ('name = "x"\n[axes]\npitch = "elevator"\n', "name: a project file has a table [axes] and nothing else"),
+    ],
+)
+def test_a_bad_project_is_named(run, tmp_path, project, told):
+    (tmp_path / "cockpit.toml").write_text(project, encoding="utf-8")
+    status, _, err = run("cockpit.toml")
+    assert status == 2
+    assert told in err
+
+
+def test_what_is_for_one_loader_is_refused_for_a_project(run, tmp_path):
+    (tmp_path / "cockpit.toml").write_text('[axes]\npitch = "elevator"\n', encoding="utf-8")
+    status, _, err = run("cockpit.toml", "--axis", "roll")
+    assert (status, err.strip()) == (
+        2,
+        "forcefeel: --axis: is for one loader; cockpit.toml is a project, change its files",
+    )
+
+
+def test_each_side_of_the_feel_is_asked_at_its_own_stop():
+    """A soft stop on the nearer side, beyond which the farther end does not lie."""
+    stops = {"column.stop_low": "-15 deg", "column.stop_high": "12 deg", "feel.soft_stop_high": "13 deg"}
+    loader = ff.loader.electric("elevator-electric").replace(stops)
+    found = {one.name: one for one in ff.sizing.size_drive(loader).asked}["feel at its stop, -15 deg"]
+    expected = loader["feel.stiffness"] * radians(15.0) / loader["column.grip_arm"]
+    assert found.force_n == pytest.approx(expected, rel=ROUNDING)
