@@ -29,6 +29,8 @@ __all__ = [
     "compliant",
     "design_plant",
     "discretize",
+    "electric_plant",
+    "feel_frequencies",
     "feel_frequency",
     "feel_from_frequencies",
     "feel_from_frequency",
