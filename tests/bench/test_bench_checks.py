@@ -16,7 +16,7 @@ from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.response_checks import check_response
 from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError
-from forcefeel.loader.parameters import OFF, TABLE, limits_si
+from forcefeel.loader.parameters import HYDRAULIC, TABLE, limits_si, required
 from forcefeel.units import factor
 
 CLOSED = Experiment.read("servo-closed")
@@ -254,7 +254,7 @@ def test_a_response_at_fault_is_refused(changes, message):
 
 
 # What the linear models depend on.
-KEYS = [key for key in TABLE if key not in OFF and key != "pilot.force"]
+KEYS = [key for key in required(HYDRAULIC) if key != "pilot.force"]
 ENDS = [
     ("servo-open", "potentiometer", 0),
     ("servo-open", "column_angle", 1),

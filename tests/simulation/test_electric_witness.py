@@ -33,7 +33,7 @@ RAW = {
     f"{sensor}.{name}": None
     for sensor in ("load_cell", "potentiometer", "column_sensor")
     for name in ("noise", "resolution")
-}
+} | {"column.stop_low": None, "column.stop_high": None}
 LOADER = ff.loader.electric("elevator-electric").replace(RAW)
 EFFECTS = {
     "nothing": {},
@@ -91,7 +91,8 @@ def test_the_engine_agrees_with_its_witness(law, effect):
 
 
 def test_the_engine_agrees_with_its_witness_with_everything_on(law):
-    history, expected = both(EVERYTHING, law, 0.4, 1e-3)
+    """In steps of 0.25 ms. Play that closes inside a step while the column bounces is of the first order in it: 1.5e-4 at 0.5."""
+    history, expected = both(EVERYTHING, law, 0.4, 2.5e-4)
     angle = expected["column_angle_rad"]
     assert angle.max() > EVERYTHING["column.stop_high"]
     assert np.abs(history.motor_voltage_v.values).max() == EVERYTHING["current_loop.voltage_limit"]

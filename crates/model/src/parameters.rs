@@ -422,6 +422,17 @@ impl Parameter {
 }
 
 impl Parameters<f64> {
+    /// The elevator loader with every optional row of a hydraulic loader at its example.
+    pub fn with_every_row() -> Self {
+        let elevator = Self::elevator().values();
+        let of_motor = |row: &Parameter| row.drive() == Some(DriveKind::Electric);
+        Self::from_values(&core::array::from_fn(
+            |k| {
+                if of_motor(&TABLE[k]) { elevator[k] } else { TABLE[k].default_si() }
+            },
+        ))
+    }
+
     /// The elevator loader of the report, every optional row off.
     pub fn elevator() -> Self {
         let stated = |row: &Parameter| if row.drive() == Some(DriveKind::Electric) { 0.0 } else { row.default_si() };

@@ -7,7 +7,7 @@ use forcefeel_model::controller::Timing;
 use forcefeel_model::drive::hydraulic::{CURRENT, FLOW, PRESSURE};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
-use forcefeel_model::parameters::{Parameters, TABLE};
+use forcefeel_model::parameters::Parameters;
 use near::{assert_near, assert_within};
 
 const STEP: f64 = 1e-3;
@@ -17,7 +17,7 @@ const GAINS: [f64; 7] = [-194.0, -3.8e-9, 22.0, 0.67, 19.9, -0.7, -1.5e-3];
 
 /// The elevator loader with every optional row at its example, but what sets one side before the other, and without noise.
 fn everything() -> Parameters<f64> {
-    let mut p = Parameters::from_values(&core::array::from_fn(|k| TABLE[k].default_si()));
+    let mut p = Parameters::with_every_row();
     for one_sided in [
         &mut p.load_cell.offset,
         &mut p.potentiometer.offset,

@@ -9,7 +9,7 @@ use forcefeel_model::drive::hydraulic::pressure::Balance;
 use forcefeel_model::drive::hydraulic::valve::ValveMotion;
 use forcefeel_model::dry_friction::DryFriction;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::parameters::{COUNT, Parameters, TABLE};
+use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::transducers::{Seen, Transducers};
 use forcefeel_simulate::pair::Pair;
 use forcefeel_solve::lanes::Lanes;
@@ -30,11 +30,13 @@ fn number<S: Scalar>(mask: S::Mask, like: S) -> S {
 /// Parameters whose numbers all depend on `x`, so that they differ from lane to lane.
 fn parameters<S: Scalar>(x: S) -> Parameters<S> {
     let share = x.times(1e-1) + x.constant(1.0);
-    Parameters::from_values(&core::array::from_fn::<_, COUNT, _>(|k| share.times(TABLE[k].default_si())))
+    Parameters::from_values(&core::array::from_fn::<_, COUNT, _>(|k| {
+        share.times(Parameters::with_every_row().values()[k])
+    }))
 }
 
 fn effects() -> Effects {
-    Effects::of(&core::array::from_fn(|k| TABLE[k].default_si()))
+    Effects::of(&Parameters::with_every_row().values())
 }
 
 struct Operations;

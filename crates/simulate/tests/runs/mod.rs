@@ -4,7 +4,7 @@
 use forcefeel_model::controller::Timing;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Shared};
-use forcefeel_model::parameters::{COUNT, Parameters, TABLE};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
 use forcefeel_simulate::batch::{Job, Sampling, Values};
 use forcefeel_solve::law::Law;
 use forcefeel_solve::start::Start;
@@ -17,7 +17,7 @@ pub const GAINS: [f64; 7] = [-194.0, -3.8e-9, 22.0, 0.67, 19.9, -0.7, -1.5e-3];
 
 /// The elevator loader with every optional row at its example, but stops that a push of [`steps`] reaches.
 pub fn everything() -> Parameters<f64> {
-    let mut p = Parameters::from_values(&core::array::from_fn(|k| TABLE[k].default_si()));
+    let mut p = Parameters::with_every_row();
     (p.column.stop_low, p.column.stop_high) = (-0.06, 0.06);
     (p.feel.soft_stop_low, p.feel.soft_stop_high) = (-0.05, 0.05);
     (p.feel.hard_stop_low, p.feel.hard_stop_high) = (-0.07, 0.07);
@@ -32,6 +32,9 @@ pub fn drawn(runs: usize, spread: f64) -> Vec<[f64; COUNT]> {
         f64::from(u32::try_from(state >> 32).expect("32 bits")) / f64::from(u32::MAX) * 2.0 - 1.0
     };
     let one = |k: usize, uniform: &mut dyn FnMut() -> f64| {
+        if TABLE[k].drive() == Some(DriveKind::Electric) {
+            return everything().values()[k];
+        }
         let (row, share, off) = (&TABLE[k], uniform(), uniform() < -0.5 && spread > 0.0);
         let switch = ["orifice", "period", "delay", "input_range", "input_bits", "output_range", "output_bits"]
             .contains(&row.name);
