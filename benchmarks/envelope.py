@@ -71,7 +71,7 @@ def parts():
             spent.append(time.process_time() - begin)
         return found, float(np.median(spent)) / len(which) * 1e6
 
-    (stable, angles), of_release = timed(lambda: released(plan, plan.cases[0], feel[which], some, record, 1))
+    (stable, angles), of_release = timed(lambda: released(plan, plan.cases[:1], feel[which], some, record, 1))
     batch, of_measure = timed(lambda: measure_releases(record.time_s, angles, threads=1))
     _, of_verdict = timed(lambda: judge_releases(batch, batch, plan.test))
     begin, worst = time.process_time(), 0.0

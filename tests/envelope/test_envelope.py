@@ -178,13 +178,13 @@ def test_a_release_has_the_same_bits_in_any_company(found):
     laws = Law.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
     record = releases.Record(2e-3, 333)
     case = plan.cases[-1]
-    stable, angles = releases.released(plan, case, feel, laws, record, 2)
+    stable, angles = releases.released(plan, (case,), feel, laws, record, 2)
     assert stable.any()
     assert not stable.all()
     assert np.isnan(angles[~stable]).all()
     np.testing.assert_allclose(angles[stable, 0], plan.release_rad, rtol=1e-9)  # rounding of the state at rest
     for which in (slice(3, 4), slice(5, 40), slice(11, 18)):
-        alone = releases.released(plan, case, feel[which], laws.some(which), record, 1)
+        alone = releases.released(plan, (case,), feel[which], laws.some(which), record, 1)
         np.testing.assert_array_equal(alone[0], stable[which])
         np.testing.assert_array_equal(alone[1], angles[which])
 
@@ -253,7 +253,7 @@ def test_a_loader_with_optional_rows_is_stepped():
     record = releases.Record.of(plan.settings.rows[0, 1], plan.settings.damping[0])
     which = np.flatnonzero(plan.settings.rows[:, 1] == plan.settings.frequency[0])
     laws = Law.of(NAMED_DESIGNS["published"](plan.loader), plan.loader, feel)
-    stable, angles = releases.released(plan, case, feel[which], laws.some(which), record, 1)
+    stable, angles = releases.released(plan, (case,), feel[which], laws.some(which), record, 1)
     np.testing.assert_array_equal(stable, found.stable("published")[place, which])
     for k in np.flatnonzero(stable):
         nominal = plan.loader.replace(dict(zip(FEEL_SETTING, feel[which[k]].tolist(), strict=True)))

@@ -80,7 +80,7 @@ def test_verdicts_and_releases_are_those_of_the_exact_plant(loader: ff.Loader, n
         case = plan.cases[place]
         values = {case.parameter: plan.loader[case.parameter] * (1 + case.change)} if case.parameter else {}
         values |= dict(zip(ARM_ROWS, case.arm.values, strict=True)) if case.arm else {}
-        stable, angles = released(plan, case, feel, laws, record, 1)
+        stable, angles = released(plan, (case,), feel, laws, record, 1)
         for k in draw.choice(len(feel), 5, replace=False):
             loop, state, row = exact(plan.loader, laws.single(plan.loader, k).sampled, values, feel[k])
             largest = np.abs(np.linalg.eigvals(loop)).max()

@@ -5,7 +5,7 @@ from types import MappingProxyType
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.tables.header import heading
-from forcefeel.units import ANGLE, CURRENT, FLOW, FORCE, LENGTH, PRESSURE, Unit, show
+from forcefeel.units import ANGLE, ANGULAR_VELOCITY, CURRENT, FLOW, FORCE, LENGTH, PRESSURE, VOLTAGE, Unit, show
 
 INPUTS = MappingProxyType({"test_signal": "V", "pilot_force": "N", "command_signal": "V"})
 """What drives the bench, and its SI unit: the test signal e_T at the amplifier, the pilot's force F_p at the grip, and a signal e_C
@@ -40,10 +40,7 @@ def channel_and_unit(text: str) -> tuple[str, str]:
     return channel(found.name), found.unit
 
 
-_UNITS = {
-    one.si: one
-    for one in (ANGLE, LENGTH, FORCE, PRESSURE, FLOW, CURRENT, Unit("rad/s", "deg/s", "deg/s"), Unit("V", "V", "V"))
-}
+_UNITS = {one.si: one for one in (ANGLE, LENGTH, FORCE, PRESSURE, FLOW, CURRENT, ANGULAR_VELOCITY, VOLTAGE)}
 
 
 def channel_unit(channel: str) -> Unit:

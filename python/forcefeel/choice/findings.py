@@ -3,7 +3,7 @@
 from math import degrees, inf, isfinite
 
 from forcefeel.choice.demand import demand_shares
-from forcefeel.choice.noise import FORCE, HOLDING, Noise
+from forcefeel.choice.noise import HOLDING, Noise
 from forcefeel.choice.rule import Choice, obstacles
 from forcefeel.choice.score import OverEnvelope, Score, Scored
 from forcefeel.conclusions import Conclusions, capital, of_result, share_text
@@ -12,7 +12,7 @@ from forcefeel.envelope.tolerance_sentences import tolerance_sentences
 from forcefeel.linear.modes import feel_mode
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.margins import LoopMargins
-from forcefeel.units import ANGLE, HERTZ, UnitSystem, to_text
+from forcefeel.units import ANGLE, FORCE, HERTZ, UnitSystem, to_text
 
 
 @of_result

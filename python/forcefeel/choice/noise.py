@@ -27,9 +27,7 @@ from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.timing import controller_steps
 from forcefeel.loops.sampled_loop import sampled_loops
-from forcefeel.units import ANGLE, Unit
-
-FORCE = Unit("N", "N", "lb", "n")
+from forcefeel.units import ANGLE, FORCE
 
 HOLDING: PilotArm = REFERENCE_ARMS[-1]
 """The arm that holds the grip: the firmest of the reference."""

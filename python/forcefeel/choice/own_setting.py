@@ -89,7 +89,7 @@ def _released(plan: Plan, laws: Law, feel: NDArray[np.float64], threads: int) ->
     """Whether it is stable, the outcome of the release test, and the release, as the envelope has them."""
     (frequency,), (damping,) = (values.tolist() for values in _core.feel_frequencies(feel))
     record = Record.of(frequency, damping)
-    stable, angles = released(plan, plan.cases[0], feel, laws, record, threads)
+    stable, angles = released(plan, plan.cases[:1], feel, laws, record, threads)
     ideal = ideal_releases(feel, plan.release_rad, record.step_s, record.samples)
     found, reference = (measured(plan, record, one, threads) for one in (angles, ideal))
     verdict = judge_releases(found, reference, plan.test, travel=plan.throw.travel_rad)

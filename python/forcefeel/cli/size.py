@@ -14,7 +14,10 @@ from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from forcefeel.sizing import CockpitSizing, Sizing
+    from forcefeel.sizing.columns import Column, Row
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,13 +101,7 @@ def _show_axes(console: Terminal, found: "CockpitSizing", units: UnitSystem) -> 
     from forcefeel.sizing.cockpit import cockpit_conclusions
     from forcefeel.sizing.columns import axis_columns
 
-    shown = axis_columns(units)
-    table = Table("axis", title=f"{found.name}: the drives of its axes", title_justify="left", title_style="bold")
-    for one in shown:
-        table.add_column(one.title, justify="right")
-    for axis, sizing in found.axes.items():
-        table.add_row(axis, *(one.text(sizing) for one in shown))
-    console.show(table, [one.title for one in shown if one.detail])
+    _show_table(console, ("axis", f"{found.name}: the drives of its axes"), axis_columns(units), found.axes.items())
     console.conclude(cockpit_conclusions(found, units))
 
 
@@ -112,12 +109,26 @@ def _show(console: Terminal, found: "Sizing", units: UnitSystem) -> None:
     from forcefeel.sizing.columns import columns
     from forcefeel.sizing.findings import sizing_conclusions
 
-    shown = columns(found, units)
     title = f"{found.loader.name}, {found.plan.axis}: asked at the grip"
-    table = Table("asked", title=title, title_justify="left", title_style="bold")
-    for one in shown:
-        table.add_column(one.title, justify="right")
-    for asked in found.asked:
-        table.add_row(asked.name, *(one.text(asked) for one in shown))
-    console.show(table, [one.title for one in shown if one.detail])
+    _show_table(console, ("asked", title), columns(found, units), ((one.name, one) for one in found.asked))
     console.conclude(sizing_conclusions(found, units))
+
+
+def _show_table(
+    console: Terminal, heading: tuple[str, str], columns: "tuple[Column[Row], ...]", rows: "Iterable[tuple[str, Row]]"
+) -> None:
+    """A table with a named row for each demand or axis.
+
+    Args:
+        console: Where.
+        heading: Head of the column of names, and title.
+        columns: Its further columns.
+        rows: By name.
+    """
+    names, title = heading
+    table = Table(names, title=title, title_justify="left", title_style="bold")
+    for column in columns:
+        table.add_column(column.title, justify="right")
+    for name, row in rows:
+        table.add_row(name, *(column.text(row) for column in columns))
+    console.show(table, [column.title for column in columns if column.detail])

@@ -11,7 +11,7 @@ from forcefeel.envelope.deviations import Deviation, chosen_deviations
 from forcefeel.envelope.draws import NO_DRAWS, Draws
 from forcefeel.envelope.machines import feel_json
 from forcefeel.envelope.settings import Settings
-from forcefeel.errors import InputError, expect
+from forcefeel.errors import InputError, expect, expect_number
 from forcefeel.laws.law import DEFAULTS, NAMED_LAWS, LawLike, check_given, named
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import ELECTRIC
@@ -70,7 +70,10 @@ class Plan:
     def __post_init__(self) -> None:
         loader, left_out = feel_json(self.given)
         rules = load_rules(self.rule)
+        expect("draws", self.draws, Draws, "Draws such as ff.envelope.Draws(100, seed=1)")
         given = self.angle_rad
+        if given is not None:
+            expect_number("angle_rad", given)
         if given is not None and not (isfinite(given) and 0 < given <= _LARGEST_ANGLE):
             raise InputError(f"angle_rad: expected an angle above 0 and up to 90 deg, got {show(given)} rad")
         if not self.compensators:

@@ -97,20 +97,31 @@ def carrying(loader: Loader, feel: NDArray[np.float64], arm: PilotArm | None) ->
 
 
 def released(
-    plan: Plan, case: Case, feel: NDArray[np.float64], laws: Law, record: Record, threads: int
+    plan: Plan, cases: Sequence[Case], feel: NDArray[np.float64], laws: Law, record: Record, threads: int
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Whether each setting's loop is stable, and its column's angle (settings, samples) after the release.
+    """Whether each setting's loop is stable, and its column's angle (cases x settings, samples) after the release.
 
     Args:
         plan: The envelope.
-        case: Machine and arm.
+        cases: Machines and arms. With a digital controller they run in one batch, since one of few settings leaves lanes and
+            cores idle; each run has its own noise, by its place in the batch.
         feel: I, B, G of the settings, a row each.
         laws: The law of each.
         record: How long, how finely.
         threads: How many.
     """
     if plan.loader["controller.period"]:
-        return released_together(plan, (case,), feel, laws, record, threads)
+        rows = np.vstack([full_rows(plan.loader, case, feel, laws) for case in cases])
+        each = laws.some(np.tile(np.arange(len(feel)), len(cases)))
+        stable = sampled_loops(plan.loader, each, rows, threads=threads).stable
+        return _stepped(plan, rows, each, record, threads, stable)
+    stables, angles = zip(*(_analog(plan, case, feel, laws, record, threads) for case in cases), strict=True)
+    return np.concatenate(stables), np.vstack(angles)
+
+
+def _analog(
+    plan: Plan, case: Case, feel: NDArray[np.float64], laws: Law, record: Record, threads: int
+) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
     columns_ = [INDEX[key] for key in columns(case)]
     values = machines(plan.loader, case, feel, laws)
     loops = _core.Loops(plan.loader.values, columns_, values, law=laws.fixed, gains=laws.gains)
@@ -120,19 +131,6 @@ def released(
     if plan.linear:
         return stable, angles
     return _stepped(plan, full_rows(plan.loader, case, feel, laws), laws, record, threads, stable)
-
-
-def released_together(
-    plan: Plan, cases: Sequence[Case], feel: NDArray[np.float64], laws: Law, record: Record, threads: int
-) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """As `released` on a loader with a digital controller, (cases x settings, samples): all cases in one batch.
-
-    A batch of few settings leaves lanes and cores idle. Each run has its own noise, by its place in the batch.
-    """
-    rows = np.vstack([full_rows(plan.loader, case, feel, laws) for case in cases])
-    each = laws.some(np.tile(np.arange(len(feel)), len(cases)))
-    stable = sampled_loops(plan.loader, each, rows, threads=threads).stable
-    return _stepped(plan, rows, each, record, threads, stable)
 
 
 _STABLE, _STABLE_BY_POLES = 1, 3

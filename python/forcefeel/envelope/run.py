@@ -11,7 +11,7 @@ from forcefeel.envelope.cases import Case, PilotArm
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.passivity import passivity
 from forcefeel.envelope.plan import Plan, make_plan
-from forcefeel.envelope.releases import Record, carrying, measured, pieces, released, released_together
+from forcefeel.envelope.releases import Record, carrying, measured, pieces, released
 from forcefeel.envelope.result import PASSES, UNSTABLE, Envelope
 from forcefeel.envelope.settings import AXES
 from forcefeel.laws.law import Law
@@ -70,30 +70,8 @@ def find_envelope(
 
 def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lambda done, total: None) -> Envelope:
     """Computes a planned envelope; arguments as ``envelope``."""
-    threads = threads_or_cores(threads)
-    feel, laws = _designed(plan)
-    cases = (*plan.cases, *plan.machines)
-    shape = len(laws), len(cases), len(feel)
-    outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
-    done, total = 0, int(np.prod(shape))
-    progress(0, total)
-    names: tuple[str, ...] = ()
-    parts = [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan)]
-    references: dict[tuple[int, PilotArm | None], ReleaseBatch] = {}
-    for place, case in enumerate(cases):  # slow releases take longer: each case has them all, and so the pace is even
-        for piece, (which, record, some) in enumerate(parts):
-            if (piece, case.arm) not in references:
-                references[piece, case.arm] = measured(plan, record, _ideal(plan, case, feel[which], record), threads)
-            reference = references[piece, case.arm]
-            for k, law in enumerate(some):
-                stable, angles = released(plan, case, feel[which], law, record, threads)
-                found = measured(plan, record, angles, threads)
-                verdicts = judge_releases(found, reference, plan.test, travel=plan.throw.travel_rad)
-                names = verdicts.names
-                outcome[k, place, which], margin[k, place, which] = _judged(verdicts, stable)
-                done += len(which)
-                progress(done, total)
-    return _envelope(plan, feel, laws, names, outcome, margin)
+    # Slow releases take longer: each case has them all, and so the pace is even.
+    return _compute(plan, [(case,) for case in (*plan.cases, *plan.machines)], threads, progress)
 
 
 def compute_few(plan: Plan, *, threads: int | None = None) -> Envelope:
@@ -101,21 +79,37 @@ def compute_few(plan: Plan, *, threads: int | None = None) -> Envelope:
 
     Each run has another draw of the sensors' noise than in ``compute``.
     """
+    return _compute(plan, [plan.cases], threads, lambda done, total: None)
+
+
+def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None, progress: Progress) -> Envelope:
+    """Releases every law in every case, the cases of a group side by side."""
     threads = threads_or_cores(threads)
     feel, laws = _designed(plan)
-    shape = len(laws), len(plan.cases), len(feel)
+    shape = len(laws), sum(map(len, groups)), len(feel)
     outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
+    done, total = 0, int(np.prod(shape))
+    progress(0, total)
     names: tuple[str, ...] = ()
-    for which, record in pieces(plan):
-        ideal = np.vstack([_ideal(plan, case, feel[which], record) for case in plan.cases])
-        reference = measured(plan, record, ideal, threads)
-        for k, law in enumerate(laws.values()):
-            stable, angles = released_together(plan, plan.cases, feel[which], law.some(which), record, threads)
-            found = measured(plan, record, angles, threads)
-            verdicts = judge_releases(found, reference, plan.test, travel=plan.throw.travel_rad)
-            names = verdicts.names
-            judged = (one.reshape(len(plan.cases), -1) for one in _judged(verdicts, stable))
-            outcome[k][:, which], margin[k][:, which] = judged
+    parts = [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan)]
+    references: dict[tuple[int, tuple[PilotArm | None, ...]], ReleaseBatch] = {}
+    first = 0
+    for cases in groups:
+        places, arms = slice(first, first + len(cases)), tuple(case.arm for case in cases)
+        first = places.stop
+        for piece, (which, record, some) in enumerate(parts):
+            if (piece, arms) not in references:
+                ideal = np.vstack([_ideal(plan, case, feel[which], record) for case in cases])
+                references[piece, arms] = measured(plan, record, ideal, threads)
+            for k, law in enumerate(some):
+                stable, angles = released(plan, cases, feel[which], law, record, threads)
+                found = measured(plan, record, angles, threads)
+                verdicts = judge_releases(found, references[piece, arms], plan.test, travel=plan.throw.travel_rad)
+                names = verdicts.names
+                judged = (one.reshape(len(cases), -1) for one in _judged(verdicts, stable))
+                outcome[k, places][:, which], margin[k, places][:, which] = judged
+                done += len(cases) * len(which)
+                progress(done, total)
     return _envelope(plan, feel, laws, names, outcome, margin)
 
 

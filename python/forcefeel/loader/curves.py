@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.json_values import Json
-from forcefeel.units import ANGLE, RATIO, Unit, UnitSystem, show, to_text
+from forcefeel.units import ANGLE, FORCE, RATIO, Unit, UnitSystem, show, to_text
 
 MOST_POINTS = 32
 """Most points of a curve: what the Rust engine holds."""
@@ -174,7 +174,6 @@ class CurveRow:
         return {"units": list(self.units(system)), "points": [list(point) for point in zip(*columns, strict=True)]}
 
 
-_FORCE = Unit("N", "N", "lb")
 _DYNAMIC_PRESSURE = Unit("Pa", "Pa", "lb/ft^2")
 
 CURVES: Mapping[str, CurveRow] = MappingProxyType(
@@ -183,7 +182,7 @@ CURVES: Mapping[str, CurveRow] = MappingProxyType(
             "force_curve",
             "force at the grip over angle, in place of the stiffness; straight beyond its ends",
             Axis("angle", ANGLE, -180.0, 180.0),
-            Axis("force", _FORCE, -1e4, 1e4),
+            Axis("force", FORCE, -1e4, 1e4),
             ((-20, -60), (-5, -20), (0, 0), (5, 18), (20, 75)),
         ),
         "stiffness_factor": CurveRow(

@@ -4,16 +4,16 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from forcefeel.units import ANGLE, CURRENT, FLOW, LENGTH, Unit, UnitSystem, factor
+from forcefeel.units import ANGLE, CURRENT, FLOW, FORCE, LENGTH, PRESSURE, UnitSystem, factor
 
 _PLAIN = ("dB", "deg", "Hz", "s", "V")
 _UNITS = {
     "rad": ANGLE,
     "m": LENGTH,
-    "N": Unit("N", "N", "lb"),
+    "N": FORCE,
     "A": CURRENT,
     "m^3/s": FLOW,
-    "Pa": Unit("Pa", "MPa", "lb/in^2"),
+    "Pa": PRESSURE,
 }
 _SUFFIXES = ("_m3_per_s", "_rad", "_deg", "_pa", "_hz", "_db", "_m", "_n", "_v", "_a", "_s")
 

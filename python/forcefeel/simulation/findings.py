@@ -24,9 +24,9 @@ from forcefeel.simulation.inputs import (
     StopToStop,
 )
 from forcefeel.simulation.limits_met import Limits, goes_to_a_place, keeps_moving, limits, why_no_overshoot
-from forcefeel.simulation.outcome import MOTOR_CURRENT, feel_position
+from forcefeel.simulation.outcome import feel_position
 from forcefeel.simulation.programmed_feel import has_arm, programmed, spring_is_g
-from forcefeel.units import ANGLE, CURRENT, FORCE, Unit, UnitSystem, to_text
+from forcefeel.units import ANGLE, CURRENT, FORCE, MOTOR_CURRENT, Unit, UnitSystem, to_text
 
 _LITTLE = 1e-3
 """Share of the time that is not worth a word."""

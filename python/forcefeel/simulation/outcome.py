@@ -18,7 +18,22 @@ from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.simulation.scenario import Scenario
-from forcefeel.units import ANGLE, CURRENT, FLOW, FORCE, LENGTH, PRESSURE, RATIO, SECONDS, Unit, UnitSystem, show
+from forcefeel.units import (
+    ANGLE,
+    ANGULAR_VELOCITY,
+    CURRENT,
+    FLOW,
+    FORCE,
+    LENGTH,
+    MOTOR_CURRENT,
+    PRESSURE,
+    RATIO,
+    SECONDS,
+    VOLTAGE,
+    Unit,
+    UnitSystem,
+    show,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,11 +52,6 @@ _SUFFIX = {
     "V/s": "_v_per_s",
     "degC": "_degc",
 }
-
-VOLTAGE = Unit("V", "V", "V", "v")
-MOTOR_CURRENT = Unit("A", "A", "A", "a")
-"""In which people read a motor's current."""
-SPEED = Unit("rad/s", "deg/s", "deg/s", "rad_per_s")
 
 BAND = 0.05
 """A run has settled when its last swing is within this share of its whole swing: the residual band of the rules."""
@@ -143,7 +153,7 @@ class MotorMeasures(Motion):
 
     peak_current_a: Annotated[float, MOTOR_CURRENT]
     peak_voltage_v: Annotated[float, VOLTAGE]
-    peak_speed_rad_per_s: Annotated[float, SPEED]
+    peak_speed_rad_per_s: Annotated[float, ANGULAR_VELOCITY]
     diverged_at_s: Annotated[float, SECONDS]
 
 
@@ -267,7 +277,7 @@ def per_feel_angle(run: Run) -> float:
 
 
 _SHOWN = {unit.si: unit for unit in (ANGLE, LENGTH, CURRENT, PRESSURE, FLOW, FORCE)}
-_SHOWN["rad/s"] = SPEED
+_SHOWN["rad/s"] = ANGULAR_VELOCITY
 
 
 def _words(name: str, unit: str) -> str:

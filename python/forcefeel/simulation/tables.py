@@ -14,16 +14,19 @@ from forcefeel.json_values import Json, json_value
 from forcefeel.simulation import Run
 from forcefeel.simulation.findings import input_text, run_conclusions
 from forcefeel.simulation.limits_met import known_measures, limits, why_no_overshoot
-from forcefeel.simulation.outcome import MOTOR_CURRENT
 from forcefeel.units import (
     ANGLE,
+    ANGULAR_VELOCITY,
     CURRENT,
     FLOW,
     FORCE,
     LENGTH,
+    MOTOR_CURRENT,
     PERCENT,
     PRESSURE,
     SECONDS,
+    TEMPERATURE,
+    VOLTAGE,
     Unit,
     UnitSystem,
     factor,
@@ -53,15 +56,15 @@ NAMES = {
 _HISTORY_UNITS = {
     "s": SECONDS,
     "rad": ANGLE,
-    "rad/s": Unit("rad/s", "deg/s", "deg/s"),
-    "V": Unit("V", "V", "V"),
+    "rad/s": ANGULAR_VELOCITY,
+    "V": VOLTAGE,
     "V/s": Unit("V/s", "V/s", "V/s"),
     "m": LENGTH,
     "N": FORCE,
     "Pa": PRESSURE,
     "m^3/s": FLOW,
     "A": CURRENT,
-    "degC": Unit("degC", "degC", "degC"),
+    "degC": TEMPERATURE,
 }
 _SUFFIXES = ("_degc", "_m3_per_s", "_rad_per_s", "_v_per_s", "_rad", "_pa", "_m", "_n", "_v", "_a", "_s")
 

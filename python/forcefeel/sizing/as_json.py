@@ -6,9 +6,8 @@ from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.sizing.cockpit import CockpitSizing, cockpit_conclusions
 from forcefeel.sizing.control_forces import RULE
 from forcefeel.sizing.findings import sizing_conclusions
-from forcefeel.sizing.quantities import MASS
 from forcefeel.sizing.result import Sizing
-from forcefeel.units import ANGLE, UnitSystem
+from forcefeel.units import ANGLE, MASS, UnitSystem
 
 
 def sizing_json(found: Sizing, units: UnitSystem) -> dict[str, Json]:

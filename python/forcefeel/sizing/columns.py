@@ -1,38 +1,54 @@
-"""The columns of the table of what is asked: one list for the terminal and the page."""
+"""The columns of the tables of what is asked: one list for the terminal and the page."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from math import isfinite, isinf, isnan, nan
+from typing import Generic, TypeVar
 
 from forcefeel.conclusions import share_text
 from forcefeel.sizing.demand import Duration
 from forcefeel.sizing.findings import text, time_text
 from forcefeel.sizing.motor import MotorGives, MotorNeeds
-from forcefeel.sizing.quantities import MASS, MOTOR_CURRENT, SPEED, TEMPERATURE, TORQUE, VOLTAGE
 from forcefeel.sizing.result import Asked, Sizing
-from forcefeel.units import FLOW, FORCE, PRESSURE, Unit, UnitSystem
+from forcefeel.units import (
+    FLOW,
+    FORCE,
+    MASS,
+    MOTOR_CURRENT,
+    PRESSURE,
+    SPEED,
+    TEMPERATURE,
+    TORQUE,
+    VOLTAGE,
+    Unit,
+    UnitSystem,
+)
 
 NONE = "–"
 """Stands where there is no number."""
 
 
+Row = TypeVar("Row", Asked, Sizing)
+"""What a row is of: a demand, or an axis of a cockpit."""
+
+
 @dataclass(frozen=True)
-class Column:
+class Column(Generic[Row]):
     """One column.
 
     Attributes:
         title: Its head.
-        text: What it says of a demand.
+        text: What it says of a row's demand or axis.
         detail: Whether a narrow terminal can do without.
     """
 
     title: str
-    text: Callable[[Asked], str]
+    text: Callable[[Row], str]
     detail: bool = False
 
 
-def columns(found: Sizing, units: UnitSystem) -> tuple[Column, ...]:
+def columns(found: Sizing, units: UnitSystem) -> tuple[Column[Asked], ...]:
     """The columns that go with the drive."""
     needs = partial(_needs, units=units)
     at_grip = (
@@ -58,32 +74,17 @@ def columns(found: Sizing, units: UnitSystem) -> tuple[Column, ...]:
     )
 
 
-@dataclass(frozen=True)
-class AxisColumn:
-    """One column of the table over a cockpit's axes.
-
-    Attributes:
-        title: Its head.
-        text: What it says of an axis.
-        detail: Whether a narrow terminal can do without.
-    """
-
-    title: str
-    text: Callable[[Sizing], str]
-    detail: bool = False
-
-
-def axis_columns(units: UnitSystem) -> tuple[AxisColumn, ...]:
+def axis_columns(units: UnitSystem) -> tuple[Column[Sizing], ...]:
     """The columns of the table over the axes, whatever moves them."""
     return (
-        AxisColumn("loader", lambda one: one.loader.name),
-        AxisColumn("drive", lambda one: one.loader.drive, detail=True),
-        AxisColumn("gives, short", lambda one: text(one.gives.peak_force_n, FORCE, units)),
-        AxisColumn("gives, for ever", lambda one: _force(_for_ever(one), units)),
-        AxisColumn("feel, of the peak", lambda one: _share(_most(one, programmed=True, duration=None))),
-        AxisColumn("rule, short", lambda one: _share(_most(one, programmed=False, duration=Duration.SHORT))),
-        AxisColumn("rule, long", lambda one: _share(_most(one, programmed=False, duration=Duration.LONG))),
-        AxisColumn("rotor at the grip", lambda one: text(one.added_mass_kg, MASS, units), detail=True),
+        Column("loader", lambda one: one.loader.name),
+        Column("drive", lambda one: one.loader.drive, detail=True),
+        Column("gives, short", lambda one: text(one.gives.peak_force_n, FORCE, units)),
+        Column("gives, for ever", lambda one: _force(_for_ever(one), units)),
+        Column("feel, of the peak", lambda one: _share(_most(one, programmed=True, duration=None))),
+        Column("rule, short", lambda one: _share(_most(one, programmed=False, duration=Duration.SHORT))),
+        Column("rule, long", lambda one: _share(_most(one, programmed=False, duration=Duration.LONG))),
+        Column("rotor at the grip", lambda one: text(one.added_mass_kg, MASS, units), detail=True),
     )
 
 

@@ -7,9 +7,8 @@ from forcefeel.conclusions import Conclusions, of_result, share_text
 from forcefeel.sizing.control_forces import RULE
 from forcefeel.sizing.demand import Duration
 from forcefeel.sizing.motor import MotorGives, MotorNeeds, MotorRemedy
-from forcefeel.sizing.quantities import AREA, MASS, SPEED, TEMPERATURE, TORQUE
 from forcefeel.sizing.result import Asked, Sizing
-from forcefeel.units import FORCE, LENGTH, PRESSURE, Unit, UnitSystem, to_text
+from forcefeel.units import AREA, FORCE, LENGTH, MASS, PRESSURE, SPEED, TEMPERATURE, TORQUE, Unit, UnitSystem, to_text
 
 
 def text(value: float, measured_in: Unit, units: UnitSystem) -> str:

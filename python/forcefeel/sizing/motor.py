@@ -24,8 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.loader.loader import Loader
-from forcefeel.sizing.quantities import MASS, MOTOR_CURRENT, SPEED, TEMPERATURE, TORQUE, VOLTAGE
-from forcefeel.units import FORCE, LENGTH, SECONDS
+from forcefeel.units import FORCE, LENGTH, MASS, MOTOR_CURRENT, SECONDS, SPEED, TEMPERATURE, TORQUE, VOLTAGE
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,8 @@ from forcefeel.loader.loader import Loader
 from forcefeel.sizing.demand import Duration
 from forcefeel.sizing.motor import MotorGives, MotorNeeds, MotorRemedy
 from forcefeel.sizing.plan import SizingPlan
-from forcefeel.sizing.quantities import MASS, SPEED
 from forcefeel.sizing.valve import ValveGives, ValveNeeds, ValveRemedy
-from forcefeel.units import FORCE, PERCENT
+from forcefeel.units import FORCE, MASS, PERCENT, SPEED
 
 Needs = MotorNeeds | ValveNeeds
 Gives = MotorGives | ValveGives

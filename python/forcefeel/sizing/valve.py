@@ -18,8 +18,7 @@ from forcefeel import _core
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.valve_flow import no_load_flow, spool_flow
 from forcefeel.sizing.motor import POINTS
-from forcefeel.sizing.quantities import AREA, SPEED
-from forcefeel.units import FLOW, FORCE, PRESSURE
+from forcefeel.units import AREA, FLOW, FORCE, PRESSURE, SPEED
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,12 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from forcefeel.choice import Choice, Score, Scored
-from forcefeel.choice.noise import FORCE
 from forcefeel.choice.rule import LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_RAD
 from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.page.canvas import ZERO, frame, line
 from forcefeel.page.palette import COMPENSATED, IDEAL, RIGID, Look
-from forcefeel.units import UnitSystem
+from forcefeel.units import FORCE, UnitSystem
 
 _MARK = "#6B7580"
 _SHOWN_PERIODS = 6

@@ -4,14 +4,13 @@ from math import degrees, inf, isfinite
 
 from forcefeel.choice import Choice, Score, Scored
 from forcefeel.choice.demand import AnyDemand, demand_shares
-from forcefeel.choice.noise import FORCE
 from forcefeel.conclusions import capital, share_text
 from forcefeel.envelope.settings import AXES
 from forcefeel.linear.modes import Mode
 from forcefeel.loops.margins import LoopMargins
 from forcefeel.page.table import Cell, Table, heads, number, words
 from forcefeel.page.typography import NONE, heading_text, number_text, prose_html
-from forcefeel.units import HERTZ, UnitSystem
+from forcefeel.units import FORCE, HERTZ, UnitSystem
 
 _MOST_HZ = 1000.0
 """Poles above are those of sampling and delay."""

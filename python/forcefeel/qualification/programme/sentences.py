@@ -8,7 +8,7 @@ from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
 from forcefeel.qualification.release import ReleaseFeatures
-from forcefeel.units import ANGLE, FORCE, LENGTH, RATIO, SECONDS, Unit, UnitSystem, to_text
+from forcefeel.units import ANGLE, ANGULAR_VELOCITY, FORCE, LENGTH, RATIO, SECONDS, Unit, UnitSystem, to_text
 
 UNITS = {
     "s": SECONDS,
@@ -16,7 +16,7 @@ UNITS = {
     "m": LENGTH,
     "N": FORCE,
     "": RATIO,
-    "rad/s": Unit("rad/s", "deg/s", "deg/s"),
+    "rad/s": ANGULAR_VELOCITY,
     "N/rad": Unit("N/rad", "N/deg", "lb/deg"),
     "N/m": Unit("N/m", "N/cm", "lb/in"),
 }

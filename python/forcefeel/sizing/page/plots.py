@@ -6,9 +6,8 @@ from forcefeel.page.canvas import frame, line
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
 from forcefeel.page.typography import heading_text
 from forcefeel.sizing.demand import Duration
-from forcefeel.sizing.quantities import SPEED
 from forcefeel.sizing.result import Asked, Sizing
-from forcefeel.units import FORCE, UnitSystem
+from forcefeel.units import FORCE, SPEED, UnitSystem
 
 _CURVES = (Look(COMPENSATED, "solid", 2.8), Look(RIGID, "dash", 2.2))
 _FEEL = ("diamond", "square")
