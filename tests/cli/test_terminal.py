@@ -3,10 +3,12 @@
 import re
 
 import pytest
+from rich.progress import Progress
 from rich.table import Table
 
 from forcefeel.cli.app import command_line
 from forcefeel.cli.options import EDITION, HELP_ALL
+from forcefeel.cli.progress import _Left
 from forcefeel.cli.terminal import Terminal
 from forcefeel.qualification import DEFAULT_EDITION
 from tests.command_line import runner
@@ -88,3 +90,15 @@ def test_columns_that_the_page_has_go_first(shown):
     found = shown(44, on_the_page=("interval",))
     assert "│ stiffness of the linkage │ 6108 lb/in │" in [line.rstrip() for line in found]
     assert "too narrow for interval; the page has them" in " ".join(found)
+
+
+@pytest.mark.parametrize(
+    ("elapsed", "done", "said"), [(0.3, 10, "a few seconds left"), (2.0, 10, "18 s left"), (60, 25, "3 min 0 s left")]
+)
+def test_a_short_rest_is_not_told_in_seconds(elapsed, done, said):
+    now = [0.0]
+    bar = Progress(_Left(), get_time=lambda: now[0], disable=True)
+    task = bar.add_task("sweep", total=100)
+    now[0] = elapsed
+    bar.update(task, completed=done)
+    assert str(_Left().render(bar.tasks[0])) == said

@@ -82,14 +82,26 @@ def all_or_nothing(command: str, what: str, *, silent: bool, even: bool = True) 
 
 
 class _Left(ProgressColumn):
-    """The time that is left, if the rest goes as fast as all that is done: the pace of the last seconds alone leaps."""
+    """The time that is left, if the rest goes as fast as all that is done: the pace of the last seconds alone leaps.
 
-    max_refresh = 0.5
+    What comes after what is counted, files and the page, takes a second or two: a time in which these weigh is not told in
+    seconds.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._done, self._at = 0.0, 0.0
 
     def render(self, task: Task) -> Text:
         if not task.completed or not task.elapsed or not task.total:
             return Text("")
-        return Text(f"{_time(task.elapsed * (task.total - task.completed) / task.completed)} left")
+        if task.completed != self._done:
+            self._done, self._at = task.completed, task.elapsed
+        left = self._at * (task.total - self._done) / self._done - (task.elapsed - self._at)
+        return Text(f"{_time(left) if left > _FEW_SECONDS else 'a few seconds'} left")
+
+
+_FEW_SECONDS = 8.0
 
 
 class _SoFar(ProgressColumn):
