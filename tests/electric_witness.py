@@ -144,7 +144,7 @@ def simulate(loader, law, pilot, duration, *, command=None, rtol=1e-9):
     )
     step = expm(feel * period)
     y, feels, rows = np.zeros(10), np.zeros(2), []
-    xi, e = None if law is None else np.zeros(law.transition.shape[-1]), 0.0
+    xi, e, heard = None if law is None else np.zeros(law.transition.shape[-1]), 0.0, 0.0
     for k in range(round(duration / period)):
         t = k * period
         rows.append(y[:7])
@@ -155,8 +155,9 @@ def simulate(loader, law, pilot, duration, *, command=None, rtol=1e-9):
             new, torque = float(law.command[0] @ known), float(law.torque[0] @ known)
             limit = g("current_loop.current_limit")
             answered = min(max(new, -limit), limit)
-            xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered)
-            feels = (step @ np.append(feels, torque))[:2]
+            heard, moved = hear(law.friction[0], known, torque, heard)
+            xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered) + moved
+            feels = (step @ np.append(feels, heard))[:2]
         for start, end, held in ((t, t + delay, e), (t + delay, t + period, new)):
             if end - start > 1e-12:  # s, far below any delay
                 y = _piece(plant, y, (start, end), held, pilot, rtol)
@@ -165,6 +166,22 @@ def simulate(loader, law, pilot, duration, *, command=None, rtol=1e-9):
     found = dict(zip(OUTPUTS, np.array(rows).T, strict=True))
     found["column_angle_rad"] = found["column_angle_rad"] / plant.arm
     return found
+
+
+def hear(numbers, known, torque, heard):
+    """What the feel hears of an estimated torque, and how the friction that is known moves the law's state."""
+    level, margin, slow, leak = numbers[-4:]
+    by_rate, enters = np.split(numbers[:-4], [len(known)])
+    if not level:
+        return torque, 0.0
+    rate = by_rate @ known
+    friction = level * rate / math.hypot(rate, slow)
+    # The torques of dry friction at this rate: all of them at rest, one in motion, in between within half a slow rate.
+    least, most = (min(max(2 * (rate + way * slow) / slow, -1.0), 1.0) for way in (-1, 1))
+    band = level + margin * (most - least) / 2
+    rest = torque - friction
+    heard += leak * (rest - heard)
+    return min(max(heard, rest + least * band), rest + most * band), enters * friction
 
 
 def _piece(plant, y, span, e, pilot, rtol):

@@ -22,6 +22,7 @@ def numbers(settings=3, n=7, seed=0):
         "input": rng.normal(size=(settings, n, 4)),
         "command": rng.normal(size=(settings, n + 5)),
         "torque": rng.normal(size=(settings, n + 5)),
+        "friction": rng.normal(size=(settings, 2 * n + 9)),
     }
     found["command"][:, :n] *= 0.02
     return found
@@ -40,7 +41,7 @@ def says(one, xi, y, feel):
 
 def read(row):
     """T, e and next as the engine reads a row: in the order of its documentation."""
-    sizes = [(9, 9), (9, 4), (14,), (14,), (9, 4)]
+    sizes = [(9, 9), (9, 4), (14,), (14,), (9, 4), (27,)]
     ends = np.cumsum([np.prod(size) for size in sizes])
     return [part.reshape(size) for part, size in zip(np.split(row, ends[:-1]), sizes, strict=True)]
 
@@ -67,7 +68,7 @@ def test_rows_are_the_law_with_zeros_for_the_states_it_has_not(n):
     rng = np.random.default_rng(2)
     for k, row in enumerate(rows):
         one, xi, y, feel = laws.some(k), rng.normal(size=n), rng.normal(size=3), rng.normal(size=2)
-        transition, input_, command, torque, settled = read(row)
+        transition, input_, command, torque, settled, friction = read(row)
         wide = np.append(xi, rng.normal(size=MOST_STATES - n))  # whatever stands in the others
         z = np.concatenate([wide, y, feel])
         expected = says(one, xi, y, feel)
@@ -77,6 +78,12 @@ def test_rows_are_the_law_with_zeros_for_the_states_it_has_not(n):
         assert not after[n:].any()
         np.testing.assert_array_equal(settled[:n], one.settled[0])
         assert not settled[n:].any()
+        rate, enters, level = np.split(friction, [14, 23])
+        np.testing.assert_array_equal(np.delete(rate, range(n, MOST_STATES)), one.friction[0, : n + 5])
+        np.testing.assert_array_equal(enters[:n], one.friction[0, n + 5 : -4])
+        np.testing.assert_array_equal(level, one.friction[0, -4:])
+        assert not rate[n:MOST_STATES].any()
+        assert not enters[n:].any()
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
@@ -141,6 +148,7 @@ def integrating():
         ({"input": np.zeros((3, 7, 3))}, r"input: expected the shape \(3, 7, 4\), got \(3, 7, 3\)"),
         ({"command": np.zeros((3, 10))}, r"command: expected the shape \(3, 12\)"),
         ({"torque": np.zeros((2, 12))}, r"torque: expected the shape \(3, 12\)"),
+        ({"friction": np.zeros((3, 9))}, r"friction: expected the shape \(3, 23\), got \(3, 9\)"),
         ({"torque": [["a"] * 12] * 3}, "torque: expected an array of numbers"),
         ({"command": np.full((3, 12), np.inf)}, "command: expected finite numbers.* setting 0"),
         (integrating(), "pole at 1 in setting 1"),

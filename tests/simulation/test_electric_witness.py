@@ -99,6 +99,14 @@ def test_the_engine_agrees_with_its_witness_with_everything_on(law):
     assert np.abs(history.column_angle_rad.values - angle).max() / TRAVEL < AGREES
 
 
+def test_the_engine_runs_a_law_that_knows_the_friction_as_its_witness_does():
+    changes = {"column.coulomb_friction": 5.0}
+    law = ff.Law.of("robust", LOADER.replace(changes)).numbers
+    assert law.knows_friction
+    history, expected = both(changes, law, 0.4, 2.5e-4)
+    assert np.abs(history.column_angle_rad.values - expected["column_angle_rad"]).max() / TRAVEL < AGREES
+
+
 def test_half_a_step_is_a_multiple_better(law):
     errors = []
     for step_s in (5e-4, 2.5e-4):

@@ -41,6 +41,8 @@ pub struct Effects {
     pub feedback: bool,
     /// A law with an observer in place of gains.
     pub observer: bool,
+    /// Dry friction that this law knows.
+    pub known_friction: bool,
     /// Trim, a factor on the feel's spring, or the stick shaker.
     pub surroundings: bool,
     /// A test signal at the amplifier, or one on the command.
@@ -95,6 +97,7 @@ impl Effects {
             noise: any(&[p.load_cell.noise, p.potentiometer.noise, p.column_sensor.noise]),
             feedback: true,
             observer: false,
+            known_friction: false,
             surroundings: true,
             test_signal: true,
             drive_friction: any(&[p.motor.coulomb_friction, p.motor.static_friction, p.brake.engaged])
@@ -117,6 +120,7 @@ impl Effects {
             feel_spring: false,
             feel_limits: false,
             noise: false,
+            known_friction: false,
             drive_friction: false,
             cogging: false,
             heating: false,
@@ -144,6 +148,7 @@ impl Effects {
             noise: self.noise | other.noise,
             feedback: self.feedback | other.feedback,
             observer: self.observer | other.observer,
+            known_friction: self.known_friction | other.known_friction,
             surroundings: self.surroundings | other.surroundings,
             test_signal: self.test_signal | other.test_signal,
             biased: self.biased | other.biased,

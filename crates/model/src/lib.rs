@@ -27,7 +27,7 @@
 //! | dry friction, stops | [`dry_friction`], [`contact`] |
 //! | feel with all that is nonlinear, its force curve | [`feel`], [`curve`] |
 //! | sensors | [`transducers`] |
-//! | digital controller, its law with an observer | [`controller`], [`observer`] |
+//! | digital controller, its law with an observer, the friction that it knows | [`controller`], [`observer`], [`known_friction`] |
 //! | which of these are in play | [`effects`] |
 //! | what a bench measures of it | [`channels`] |
 //!
@@ -49,6 +49,7 @@ pub mod dual;
 pub mod effects;
 pub mod feel;
 pub mod feel_computer;
+pub mod known_friction;
 pub mod linkage;
 pub mod load_cell;
 pub mod loader;

@@ -11,9 +11,11 @@
 //! | `xi = R [y; delta]` | state at rest, with `e` its own command |
 //!
 //! Regulators, Kalman filters, feed-forward from the feel and disturbance estimates are all sets of numbers of this one law,
-//! so the step need not know which it runs. Coordinates of `xi` are the law's own.
+//! so the step need not know which it runs. Coordinates of `xi` are the law's own. What a law knows of the column's dry friction stands
+//! in [`crate::known_friction`].
 
 use crate::Scalar;
+use crate::known_friction::{FRICTION_NUMBERS, KnownFriction};
 
 /// Most states; a law with fewer leaves the others at zero.
 pub const MOST_STATES: usize = 9;
@@ -22,10 +24,10 @@ pub const MOST_STATES: usize = 9;
 pub const SAMPLED: usize = 3;
 
 /// Numbers of a law, in the order of [`Observer::from_numbers`].
-pub const NUMBERS: usize = MOST_STATES * (MOST_STATES + 2 * (SAMPLED + 1)) + 2 * KNOWN;
+pub const NUMBERS: usize = MOST_STATES * (MOST_STATES + 2 * (SAMPLED + 1)) + 2 * KNOWN + FRICTION_NUMBERS;
 
 /// What command and torque are made of: `[xi; y; delta; delta']`.
-const KNOWN: usize = MOST_STATES + SAMPLED + 2;
+pub(crate) const KNOWN: usize = MOST_STATES + SAMPLED + 2;
 
 /// State of the law.
 pub type Estimate<S> = [S; MOST_STATES];
@@ -38,6 +40,7 @@ pub struct Observer<S> {
     command: [S; KNOWN],
     torque: [S; KNOWN],
     settled: [[S; SAMPLED + 1]; MOST_STATES],
+    friction: KnownFriction<S>,
 }
 
 /// What a law says at a sample.
@@ -47,10 +50,12 @@ pub struct Says<S> {
     pub command: S,
     /// Torque `T` in N m.
     pub torque: S,
+    /// Friction that the observer's plant is told, in N m.
+    pub friction: S,
 }
 
 impl<S: Scalar> Observer<S> {
-    /// The law of these numbers: `A` and `B` row by row, `c`, `t`, then `R` row by row, SI units.
+    /// The law of these numbers: `A` and `B` row by row, `c`, `t`, `R` row by row, then those of the friction; SI units.
     #[inline(always)]
     pub fn from_numbers(numbers: &[S; NUMBERS]) -> Self {
         let mut next = 0;
@@ -81,6 +86,7 @@ impl<S: Scalar> Observer<S> {
                 *entry = take();
             }
         }
+        law.friction = KnownFriction::take(take);
         law
     }
 
@@ -94,19 +100,25 @@ impl<S: Scalar> Observer<S> {
             command: [zero; KNOWN],
             torque: [zero; KNOWN],
             settled: [[zero; SAMPLED + 1]; MOST_STATES],
+            friction: KnownFriction::none(zero),
         }
     }
 
-    /// Command and torque at a sample.
+    /// Command and torque at a sample, where friction is known and `heard` was heard last, or where none is.
     #[inline(always)]
-    pub fn says(&self, xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2]) -> Says<S> {
-        Says { command: said(&self.command, xi, y, feel), torque: said(&self.torque, xi, y, feel) }
+    pub fn says(&self, xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2], heard: Option<S>) -> Says<S> {
+        let (command, estimated) = (said(&self.command, xi, y, feel), said(&self.torque, xi, y, feel));
+        let (torque, friction) = match heard {
+            Some(heard) => self.friction.given_back(estimated, (xi, y, feel), heard),
+            None => (estimated, estimated.zero()),
+        };
+        Says { command, torque, friction }
     }
 
-    /// The state at the next sample, where the amplifier answers the command as `e`.
+    /// The state at the next sample, where the amplifier answers the command as `e` and the friction is known, or is not.
     #[expect(clippy::needless_range_loop, reason = "iterators are not sure to be compiled into the lanes' loop")]
     #[inline(always)]
-    pub fn next(&self, xi: &Estimate<S>, y: &[S; SAMPLED], e: S) -> Estimate<S> {
+    pub fn next(&self, xi: &Estimate<S>, y: &[S; SAMPLED], e: S, friction: Option<S>) -> Estimate<S> {
         let mut next = *xi;
         for row in 0..MOST_STATES {
             let (a, b) = (&self.transition[row], &self.input[row]);
@@ -117,7 +129,7 @@ impl<S: Scalar> Observer<S> {
             for k in 0..MOST_STATES {
                 sum = sum + a[k] * xi[k];
             }
-            next[row] = sum;
+            next[row] = friction.map_or(sum, |friction| sum + self.friction.moves(row, friction));
         }
         next
     }
@@ -159,13 +171,14 @@ impl<S: Scalar> Says<S> {
         Self {
             command: self.command + (next.command - self.command).times(share),
             torque: self.torque + (next.torque - self.torque).times(share),
+            friction: self.friction + (next.friction - self.friction).times(share),
         }
     }
 }
 
 /// What a row of numbers makes of `[xi; y; delta; delta']`.
 #[inline(always)]
-fn said<S: Scalar>(row: &[S; KNOWN], xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2]) -> S {
+pub(crate) fn said<S: Scalar>(row: &[S; KNOWN], xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2]) -> S {
     let mut sum = row[MOST_STATES + SAMPLED] * feel[0] + row[MOST_STATES + SAMPLED + 1] * feel[1];
     for k in 0..MOST_STATES {
         sum = sum + row[k] * xi[k];

@@ -5,6 +5,7 @@ mod near;
 
 use draws::Draws;
 use forcefeel_model::compensator::Compensator;
+use forcefeel_model::known_friction::FRICTION_NUMBERS;
 use forcefeel_model::observer::{Estimate, MOST_STATES, NUMBERS, Observer, SAMPLED};
 use forcefeel_model::parameters::Parameters;
 use near::{ROUNDING, assert_near, assert_within};
@@ -44,7 +45,7 @@ fn random_law(draws: &mut Draws) -> ([f64; NUMBERS], Estimate<f64>, [f64; SAMPLE
 
 #[test]
 fn numbers_are_those_of_all_matrices() {
-    assert_eq!(R + MOST_STATES * SIGNALS, NUMBERS);
+    assert_eq!(R + MOST_STATES * SIGNALS + FRICTION_NUMBERS, NUMBERS);
 }
 
 #[test]
@@ -52,7 +53,7 @@ fn law_says_the_products_of_its_rows() {
     let mut draws = Draws::new(1);
     for _ in 0..DRAWS {
         let (numbers, xi, y, feel) = random_law(&mut draws);
-        let says = Observer::from_numbers(&numbers).says(&xi, &y, feel);
+        let says = Observer::from_numbers(&numbers).says(&xi, &y, feel, None);
         let known = [xi.as_slice(), &y, &feel].concat();
         assert_within(says.command, dot(&numbers[C..T], &known), SUM);
         assert_within(says.torque, dot(&numbers[T..R], &known), SUM);
@@ -64,7 +65,7 @@ fn next_state_is_the_matrices_times_state_sample_and_answered_command() {
     let mut draws = Draws::new(2);
     for _ in 0..DRAWS {
         let (numbers, xi, y, [e, _]) = random_law(&mut draws);
-        let next = Observer::from_numbers(&numbers).next(&xi, &y, e);
+        let next = Observer::from_numbers(&numbers).next(&xi, &y, e, None);
         let moved_by = [y.as_slice(), &[e]].concat();
         for (k, next) in next.into_iter().enumerate() {
             let (a, b) = (row(&numbers, 0, k, MOST_STATES), row(&numbers, B, k, SIGNALS));
@@ -93,7 +94,7 @@ fn torque_at_rest_is_what_the_law_says_of_its_state_at_rest() {
         let (numbers, _, y, [delta, _]) = random_law(&mut draws);
         let law = Observer::from_numbers(&numbers);
         let found = dot(&law.torque_at_rest(), &[y.as_slice(), &[delta]].concat());
-        let said = law.says(&law.at_rest(&y, delta), &y, [delta, 0.0]).torque;
+        let said = law.says(&law.at_rest(&y, delta), &y, [delta, 0.0], None).torque;
         assert_within(found, said, SUM);
     }
 }
@@ -103,7 +104,7 @@ fn command_per_feel_is_its_number_in_the_row() {
     let numbers: [f64; NUMBERS] = random(&mut Draws::new(5));
     let law = Observer::from_numbers(&numbers);
     assert_near(law.per_delta(), numbers[C + MOST_STATES + SAMPLED], 0.0);
-    let by_delta = law.says(&[0.0; MOST_STATES], &[0.0; SAMPLED], [1.0, 0.0]).command;
+    let by_delta = law.says(&[0.0; MOST_STATES], &[0.0; SAMPLED], [1.0, 0.0], None).command;
     assert_near(law.per_delta(), by_delta, 0.0);
 }
 
@@ -114,7 +115,7 @@ fn between_two_laws_is_what_the_law_of_numbers_between_theirs_says() {
         let (from, xi, y, feel) = random_law(&mut draws);
         let to: [f64; NUMBERS] = random(&mut draws);
         let blended = core::array::from_fn(|k| (1.0 - share) * from[k] + share * to[k]);
-        let says = |numbers: &[f64; NUMBERS]| Observer::from_numbers(numbers).says(&xi, &y, feel);
+        let says = |numbers: &[f64; NUMBERS]| Observer::from_numbers(numbers).says(&xi, &y, feel, None);
         let (found, expected) = (says(&from).towards(says(&to), share), says(&blended));
         assert_within(found.command, expected.command, SUM);
         assert_within(found.torque, expected.torque, SUM);
@@ -136,14 +137,14 @@ fn law_without_states_says_what_the_gains_say_that_it_repeats() {
         numbers[T + MOST_STATES] = -law.load_cell_arm;
         let (_, xi, y, feel) = random_law(&mut draws);
         let observer = Observer::from_numbers(&numbers);
-        let says = observer.says(&xi, &y, feel);
+        let says = observer.says(&xi, &y, feel, None);
         let [force, x_p, theta] = y;
         let e = law.command(&[x_p, force / area, feel[0], feel[1], arm * theta, 0.3, -0.7]);
         assert_within(says.command, e, SUM * (1.0 + pressure.abs() / area)); // A is 1.5e-3 m²
         assert_near(says.torque, law.feel_torque(force), ROUNDING);
         // Whatever its state was, it keeps none and rests without one.
         assert_eq!(
-            (observer.next(&xi, &y, e), observer.at_rest(&y, feel[0])),
+            (observer.next(&xi, &y, e, None), observer.at_rest(&y, feel[0])),
             ([0.0; MOST_STATES], [0.0; MOST_STATES])
         );
     }
@@ -153,8 +154,8 @@ fn law_without_states_says_what_the_gains_say_that_it_repeats() {
 fn law_that_says_nothing_says_nothing() {
     let (_, xi, y, feel) = random_law(&mut Draws::new(8));
     let law = Observer::none(1.0);
-    let says = law.says(&xi, &y, feel);
+    let says = law.says(&xi, &y, feel, None);
     assert_eq!((says.command, says.torque, law.per_delta()), (0.0, 0.0, 0.0));
-    assert_eq!((law.next(&xi, &y, 1.0), law.at_rest(&y, 1.0)), ([0.0; MOST_STATES], [0.0; MOST_STATES]));
+    assert_eq!((law.next(&xi, &y, 1.0, None), law.at_rest(&y, 1.0)), ([0.0; MOST_STATES], [0.0; MOST_STATES]));
     assert!(law.torque_at_rest().iter().all(|&torque| torque.abs() < f64::MIN_POSITIVE));
 }

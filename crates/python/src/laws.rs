@@ -88,6 +88,7 @@ pub fn effects_of<'a>(values: impl Iterator<Item = &'a [f64; COUNT]>, law: &Law<
     let mut effects = values.map(Effects::of).reduce(Effects::or).unwrap_or_default();
     effects.feedback = law.feeds_back();
     effects.observer = matches!(law, Law::Observers(_));
+    effects.known_friction = law.knows_friction();
     effects
 }
 

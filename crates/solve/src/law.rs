@@ -2,6 +2,7 @@
 
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
+use forcefeel_model::known_friction::LEVEL_FROM_END;
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::Parameters;
 
@@ -30,6 +31,11 @@ impl Law<'_> {
             Self::Fixed(law) => [1, 3, 4, 5, 6].iter().any(|&k| law.gains[k] != 0.0),
             Self::Gains(_) => true,
         }
+    }
+
+    /// Whether the law of a run knows of dry friction.
+    pub fn knows_friction(&self) -> bool {
+        matches!(self, Self::Observers(laws) if laws.iter().any(|law| law[NUMBERS - LEVEL_FROM_END] != 0.0))
     }
 
     /// The gains of a group's runs; none under an observer, whose feel is driven by the column's torque.

@@ -7,6 +7,7 @@ share the coordinates of their observers, so a law between two says what lies be
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import prod
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +17,7 @@ from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.flight_schedule.axes import ScheduleAxis, check_axes, mesh, place_text, point_of
 from forcefeel.laws.sampled.methods import method as method_of
-from forcefeel.laws.sampled.sampled_compensator import SAMPLED, SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import TABLE, in_range, range_text, value_text
 from forcefeel.simulation import FeelChange
@@ -97,27 +98,17 @@ class FlightSchedule:
 
     @cached_property
     def _numbers(self) -> RegularGridInterpolator:
-        laws = (self.laws.transition, self.laws.input, self.laws.command, self.laws.torque)
-        flat = np.hstack([self.rows, *(part.reshape(self.knots, -1) for part in laws)])
+        flat = np.hstack([self.rows, *(getattr(self.laws, name).reshape(self.knots, -1) for name in NUMBERS)])
         values = flat.reshape(*self.feel.shape[:-1], -1)
         return RegularGridInterpolator([axis.values for axis in self.axes], values, method="linear", bounds_error=True)
 
     def between(self, where: NDArray[np.float64]) -> tuple[NDArray[np.float64], SampledCompensator]:
         """Feels (points, 3) and laws at many points (points, axes) within the knots."""
         found = self._numbers(where)
-        n, points = self.laws.states, len(where)
-        said = n + SAMPLED + 2
-        cuts = np.cumsum([_FEEL, n * n, n * (SAMPLED + 1), said])
-        feel, transition, taken, command, torque = np.split(found, cuts, axis=1)
-        laws = SampledCompensator(
-            self.laws.period_s,
-            self.laws.delay_s,
-            transition.reshape(points, n, n),
-            taken.reshape(points, n, SAMPLED + 1),
-            command,
-            torque,
-        )
-        return feel, laws
+        shapes = [getattr(self.laws, name).shape[1:] for name in NUMBERS]
+        feel, *parts = np.split(found, np.cumsum([_FEEL, *map(prod, shapes[:-1])]), axis=1)
+        numbers = (part.reshape(-1, *shape) for part, shape in zip(parts, shapes, strict=True))
+        return feel, SampledCompensator(self.laws.period_s, self.laws.delay_s, *numbers)
 
     def at(self, **where: float) -> ScheduledSetting:
         """Feel and law at a place: ``schedule.at(dynamic_pressure=120, flaps=10)``.

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.flight_schedule.schedule import FlightSchedule
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,14 +49,8 @@ class Transitions:
         start, end = (np.repeat(self.ends[:, k], len(self.shares)) for k in (0, 1))
         share = np.tile(self.shares, len(self.ends))
         one, two = schedule.laws.some(start), schedule.laws.some(end)
-        laws = SampledCompensator(
-            one.period_s,
-            one.delay_s,
-            _blend(one.transition, two.transition, share),
-            _blend(one.input, two.input, share),
-            _blend(one.command, two.command, share),
-            _blend(one.torque, two.torque, share),
-        )
+        numbers = (_blend(getattr(one, name), getattr(two, name), share) for name in NUMBERS)
+        laws = SampledCompensator(one.period_s, one.delay_s, *numbers)
         return blended_feel(schedule.rows[start], schedule.rows[end], share), laws
 
 

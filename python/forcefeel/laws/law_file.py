@@ -23,7 +23,7 @@ from forcefeel.errors import InputError
 from forcefeel.files import read_input, write_whole
 from forcefeel.json_values import json_text
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
-from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import FRICTION, NUMBERS, SampledCompensator
 from forcefeel.units import show
 
 Numbers = Compensator | SampledCompensator | NDArray[np.float64] | None
@@ -45,6 +45,17 @@ _SAMPLED_UNITS = {
     "input": ["xi on", *_ON[1:], "command in V"],
     "command": ["V on", *_ON, "feel displacement in rad", "its rate in rad/s"],
     "torque": ["N m on", *_ON, "feel displacement in rad", "its rate in rad/s"],
+    "friction": [
+        "rad/s on",
+        *_ON,
+        "feel displacement in rad",
+        "its rate in rad/s",
+        "xi on friction in N m",
+        "friction in N m",
+        "margin in N m",
+        "slow rate in rad/s",
+        "leak",
+    ],
 }
 
 
@@ -89,7 +100,8 @@ def _numbers_json(numbers: Numbers) -> dict[str, Any]:
         case None:
             return {"kind": "original"}
         case SampledCompensator():
-            rows = {name: getattr(numbers, name).tolist() for name in NUMBERS}
+            names = NUMBERS if numbers.knows_friction else NUMBERS[:-1]
+            rows = {name: getattr(numbers, name).tolist() for name in names}
             return {"kind": "sampled", "units": _SAMPLED_UNITS, **rows}
         case Compensator():
             return {"kind": "compensator", "units": gain_units, **compensator_json(numbers)}
@@ -173,8 +185,8 @@ def _compensator(keys: "_Keys", *_: float | None) -> Compensator:
 
 
 def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> SampledCompensator:
-    dimensions = (3, 3, 2, 2)
-    arrays = (keys.array(name, count) for name, count in zip(NUMBERS, dimensions, strict=True))
+    dimensions = dict(zip(NUMBERS, (3, 3, 2, 2, 2), strict=True))
+    arrays = (keys.array(name, count) for name, count in dimensions.items() if name != FRICTION or name in keys)
     return SampledCompensator(period or 0.0, delay or 0.0, *arrays)
 
 
@@ -193,6 +205,9 @@ class _Keys:
         if not isinstance(given, dict):
             raise InputError(f"expected a JSON object, got {show(given)}")
         self._given = given
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._given
 
     def get(self, key: str, kind: type[Any]) -> Any:
         """The value of a key, of this kind; a whole number is a number."""

@@ -19,6 +19,8 @@ pub struct Memory<S> {
     pub(super) base: S,
     /// State of the observer.
     pub(super) estimate: Estimate<S>,
+    /// Torque that the feel computer heard last.
+    heard: S,
     /// What is added to every command on its way, in V, beside the inputs' signal.
     pub(super) command_signal: S,
 }
@@ -30,7 +32,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let base = equilibrium.base + self.transducers.offset[2];
         let y = self.sampled_at_rest(equilibrium.base, equilibrium.position, equilibrium.effort);
         let estimate = self.observer.at_rest(&y, equilibrium.delta);
-        Memory { under_way: UnderWay::holding(equilibrium.command), base, estimate, command_signal: base.zero() }
+        let heard = self.observer.says(&estimate, &y, [equilibrium.delta, base.zero()], None).torque;
+        let under_way = UnderWay::holding(equilibrium.command);
+        Memory { under_way, base, estimate, heard, command_signal: base.zero() }
     }
 
     /// The digital controller's share of a step.
@@ -75,12 +79,12 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let base_rate = (base - memory.base) / period;
         memory.base = base;
         let y = [force, piston, base * self.per_base];
-        let Says { command: e, torque } = if shared.effects.observer {
-            self.observed(memory, &y, state.slow.feel, inputs.fade[0])
+        let Says { command: e, torque, .. } = if shared.effects.observer {
+            self.observed(shared, memory, &y, state.slow.feel, inputs.fade[0])
         } else {
             let [delta, delta_rate] = state.slow.feel;
             let x = [piston, self.drive.effort_shown(force), delta, delta_rate, base, base_rate, now.pilot_force];
-            Says { command: self.law.command(&x), torque: self.law.feel_torque(force) }
+            Says { command: self.law.command(&x), torque: self.law.feel_torque(force), friction: force.zero() }
         };
         // The neutral moves through the period: half of it before the feel runs, half after.
         let trim = period.constant(inputs.trim[0]);
@@ -108,16 +112,19 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// What the observer's law says at a sample; while the feel changes, between the two laws.
     #[inline(always)]
-    fn observed(&self, memory: &mut Memory<S>, y: &[S; SAMPLED], feel: [S; 2], fade: f64) -> Says<S> {
+    fn observed(&self, shared: &Shared, memory: &mut Memory<S>, y: &[S; SAMPLED], feel: [S; 2], fade: f64) -> Says<S> {
         let xi = memory.estimate;
-        let now = self.observer.says(&xi, y, feel);
+        let heard = if shared.effects.known_friction { Some(memory.heard) } else { None };
+        let now = self.observer.says(&xi, y, feel, heard);
         if fade == 0.0 {
-            memory.estimate = self.observer.next(&xi, y, self.answered(now.command));
+            memory.heard = now.torque;
+            memory.estimate = self.observer.next(&xi, y, self.answered(now.command), heard.map(|_| now.friction));
             return now;
         }
-        let says = now.towards(self.next_observer.says(&xi, y, feel), fade);
-        let e = self.answered(says.command);
-        let (from, to) = (self.observer.next(&xi, y, e), self.next_observer.next(&xi, y, e));
+        let says = now.towards(self.next_observer.says(&xi, y, feel, heard), fade);
+        memory.heard = says.torque;
+        let (e, friction) = (self.answered(says.command), heard.map(|_| says.friction));
+        let (from, to) = (self.observer.next(&xi, y, e, friction), self.next_observer.next(&xi, y, e, friction));
         for k in 0..MOST_STATES {
             memory.estimate[k] = from[k] + (to[k] - from[k]).times(fade);
         }

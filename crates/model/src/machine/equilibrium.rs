@@ -132,7 +132,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let pilot_force = -pull / self.column.per_pilot_force;
         let y = self.sampled_at_rest(x_b, x_p, effort);
         let e = if effects.observer {
-            self.observer.says(&self.observer.at_rest(&y, delta), &y, [delta, zero]).command
+            self.observer.says(&self.observer.at_rest(&y, delta), &y, [delta, zero], None).command
         } else {
             let [force, piston, angle] = y;
             self.law.command(&[piston, self.drive.effort(force), delta, zero, angle / self.per_base, zero, pilot_force])

@@ -1,6 +1,7 @@
 //! Sampled laws with an observer: one that repeats static gains, and one that estimates.
 #![allow(dead_code, reason = "each test file takes what it needs")]
 
+use forcefeel_model::known_friction::FRICTION_NUMBERS;
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, SAMPLED};
 use forcefeel_model::parameters::Parameters;
 use nalgebra::{SMatrix, SVector};
@@ -117,7 +118,9 @@ impl Sampled {
         let settled = alone.lu().solve(&by_signal).expect("a state at rest");
         // Column by column of the transposed is row by row.
         let (a, b, r) = (self.transition.transpose(), self.input.transpose(), settled.transpose());
-        let parts = [a.as_slice(), b.as_slice(), self.command.as_slice(), self.torque.as_slice(), r.as_slice()];
+        let friction = [0.0; FRICTION_NUMBERS];
+        let parts =
+            [a.as_slice(), b.as_slice(), self.command.as_slice(), self.torque.as_slice(), r.as_slice(), &friction];
         parts.concat().try_into().expect("all numbers")
     }
 }

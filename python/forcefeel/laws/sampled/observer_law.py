@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feed_forward
+from forcefeel.laws.sampled.known_friction import known_friction
 from forcefeel.laws.sampled.observer import observe, observed, readings
 from forcefeel.laws.sampled.plant import Places, SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
@@ -95,6 +96,7 @@ def assemble(
     torque = np.zeros((settings, places.observed + SAMPLED + 2))
     torque[:, : places.observed + SAMPLED] = estimate[:, places.torque]
     return SampledCompensator(
+        friction=known_friction(plant, estimate),
         period_s=plant.period_s,
         delay_s=plant.delay_s,
         transition=transition @ kept,

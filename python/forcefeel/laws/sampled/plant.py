@@ -170,6 +170,7 @@ class SampledPlant:
         by_held: Gamma_0, (n,).
         by_command: Gamma_1, (n,).
         by_torque: Gamma_p, (n,).
+        friction_n_m: Dry friction of the moving column, as torque on it.
     """
 
     period_s: Annotated[float, SECONDS]
@@ -180,6 +181,7 @@ class SampledPlant:
     by_held: NDArray[np.float64] = field(repr=False)
     by_command: NDArray[np.float64] = field(repr=False)
     by_torque: NDArray[np.float64] = field(repr=False)
+    friction_n_m: float
 
     @classmethod
     def of(cls, loader: Loader) -> "SampledPlant":
@@ -194,7 +196,8 @@ class SampledPlant:
         phi, by_held, by_command = delayed(a, b[:, 1:], *timing)
         _, whole = _core.discretize(a, b, timing[0])
         places = _OF_MOTOR if loader.drive == ELECTRIC else _OF_SERVO
-        return cls(*timing, scale, places, phi, by_held[:, 0], by_command[:, 0], whole[:, 0])
+        friction = loader["column.coulomb_friction"] * loader["column.grip_arm"]
+        return cls(*timing, scale, places, phi, by_held[:, 0], by_command[:, 0], whole[:, 0], friction)
 
     @property
     def periods_per_time(self) -> float:

@@ -8,6 +8,7 @@ N m that the feel computer hears in the period
     e_k    = command [xi; y; delta; delta']
     xi_k+1 = transition xi_k + input [y; e_k]        e_k as the amplifier answers it, after limits
 
+and, where it knows the column's dry friction, torque and state as ``crates/model/src/known_friction.rs`` says.
 ``crates/model/src/observer.rs`` runs it. Observers, regulators and feed-forward are all sets of numbers of this one law.
 """
 
@@ -30,6 +31,9 @@ SAMPLED = 3
 _FEEL = 2
 """delta, delta'."""
 
+OF_FRICTION = 4
+"""F, M, v_s, l."""
+
 _AT_ONE = 1e-11
 """A pole of the law, left to itself, that is nearer to 1 may be one: rounding moves poles by 1e-13."""
 
@@ -45,6 +49,8 @@ class SampledCompensator:
         input: (settings, n, 4), columns F_c, x_p, theta, e.
         command: (settings, n + 5), in V on xi, F_c, x_p, theta, delta, delta'.
         torque: (settings, n + 5), in N m on the same.
+        friction: (settings, 2 n + 9), the dry friction that it knows: r, the column's rate in rad/s on the same as command; b, by
+            which xi moves per N m of friction; F and M in N m, v_s in rad/s, l. Zeros where it is not given: it knows of none.
         settled: (settings, n, 4), the state at rest per F_c, x_p, theta, delta; see ``_settled``.
 
     Arrays are read-only.
@@ -66,6 +72,7 @@ class SampledCompensator:
     input: NDArray[np.float64] = field(repr=False)
     command: NDArray[np.float64] = field(repr=False)
     torque: NDArray[np.float64] = field(repr=False)
+    friction: NDArray[np.float64] = field(default_factory=lambda: np.empty(0), repr=False)
     settled: NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -84,6 +91,11 @@ class SampledCompensator:
     def settings(self) -> int:
         """How many settings it has a law for."""
         return len(self.transition)
+
+    @property
+    def knows_friction(self) -> bool:
+        """Whether it gives dry friction back."""
+        return bool(self.friction[:, -OF_FRICTION].any())
 
     @property
     def states(self) -> int:
@@ -122,8 +134,8 @@ class SampledCompensator:
     def rows(self) -> NDArray[np.float64]:
         """A row of ``_core.OBSERVER_NUMBERS`` numbers for each setting, as the engine takes them.
 
-        transition (9 by 9), input (9 by 4), command (14), torque (14) and settled (9 by 4), row by row, with zeros for the
-        states that the law has not.
+        transition (9 by 9), input (9 by 4), command (14), torque (14), settled (9 by 4) and friction (27), row by row, with zeros
+        for the states that the law has not.
         """
         n, spare = self.states, MOST_STATES - self.states
         wide = ((0, 0), (0, spare), (0, 0))
@@ -133,11 +145,13 @@ class SampledCompensator:
             np.insert(self.command, [n] * spare, 0.0, axis=1),
             np.insert(self.torque, [n] * spare, 0.0, axis=1),
             np.pad(self.settled, wide),
+            np.insert(self.friction, [n] * spare + [2 * n + SAMPLED + _FEEL] * spare, 0.0, axis=1),
         )
         return np.ascontiguousarray(np.hstack([part.reshape(self.settings, -1) for part in parts]))
 
 
-NUMBERS = ("transition", "input", "command", "torque")
+FRICTION = "friction"
+NUMBERS = ("transition", "input", "command", "torque", FRICTION)
 """The arrays that a law is made of, in the order in which it takes them."""
 
 
@@ -151,7 +165,11 @@ def _arrays(law: SampledCompensator) -> dict[str, NDArray[np.float64]]:
         )
     settings, n, _ = shape
     said = (settings, n + SAMPLED + _FEEL)
-    for name, expected in {"input": (settings, n, SAMPLED + 1), "command": said, "torque": said}.items():
+    known = (settings, 2 * n + SAMPLED + _FEEL + OF_FRICTION)
+    if not found[FRICTION].size:
+        found[FRICTION] = np.zeros(known)
+    shapes = {"input": (settings, n, SAMPLED + 1), "command": said, "torque": said, FRICTION: known}
+    for name, expected in shapes.items():
         if found[name].shape != expected:
             raise InputError(f"{name}: expected the shape {expected}, got {found[name].shape}")
     for name, array in found.items():
