@@ -10,7 +10,8 @@ import xarray as xr
 
 import forcefeel as ff
 from forcefeel.envelope import run as envelope_run
-from forcefeel.envelope.page.folder import MAPS, PAGE, RESULTS, SETTINGS
+from forcefeel.envelope.page.folder import PAGE, RESULTS
+from forcefeel.envelope.page.page import Files
 from tests.command_line import runner
 
 SMALL = (
@@ -32,10 +33,10 @@ def test_the_built_in_loader_compared(run, tmp_path):
     assert (status, err) == (0, "")
     assert "passes in every case" in out
     assert f"Of {COUNT} programmed feels" in out
-    assert {one.name for one in (tmp_path / "found").iterdir()} == {PAGE, RESULTS, SETTINGS, MAPS, "plotly.min.js"}
-    with xr.open_dataset(tmp_path / "found" / MAPS, engine="scipy") as stored:
+    assert {one.name for one in (tmp_path / "found").iterdir()} == {*Files.of().names, RESULTS, "plotly.min.js"}
+    with xr.open_dataset(tmp_path / "found" / Files.of().maps, engine="scipy") as stored:
         assert stored["outcome"].shape == (3, CASES, 2, 3, 5)
-    rows = list(csv.reader(io.StringIO((tmp_path / "found" / SETTINGS).read_text(encoding="utf-8"))))
+    rows = list(csv.reader(io.StringIO((tmp_path / "found" / Files.of().settings).read_text(encoding="utf-8"))))
     assert len(rows) == COUNT + 1
     assert rows[0][:2] == ["damping ratio", "natural frequency (Hz)"]
     assert {row[6] for row in rows[1:]} >= {"passes", "unstable", "P0"}
@@ -55,7 +56,7 @@ def test_the_results_agree_with_the_maps(run, tmp_path):
         "verified": True,
     }
     shares = found["compensators"]["published"]["shares"]
-    with xr.open_dataset(tmp_path / "forcefeel-envelope" / MAPS, engine="scipy") as maps:
+    with xr.open_dataset(tmp_path / "forcefeel-envelope" / Files.of().maps, engine="scipy") as maps:
         assert shares["passes"]["value"] == pytest.approx(100 * float((maps["outcome"][0, 0] == 0).mean()))
     assert len(found["compensators"]["published"]["cases"]) == CASES
     assert not next(case for case in found["cases"] if case["name"] == "firm arm")["arm"]["verified"]

@@ -13,7 +13,8 @@ from forcefeel.envelope.cases import Case, Kind
 from forcefeel.envelope.deviations import Deviation, Origin
 from forcefeel.envelope.draws import Draws
 from forcefeel.envelope.machines import machines
-from forcefeel.envelope.page.folder import MAPS, PAGE, RESULTS
+from forcefeel.envelope.page.folder import PAGE, RESULTS
+from forcefeel.envelope.page.page import Files
 from forcefeel.envelope.releases import Record
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
@@ -187,7 +188,7 @@ def test_draws_on_page_terminal_and_files(monkeypatch, capsys, tmp_path):
     stored = json.loads((folder / RESULTS).read_text(encoding="utf-8"))
     assert stored["draws"] == {"count": 5, "seed": 2**62, "corners": True}
     assert stored["compensators"][LAW]["all_at_once"]["machines"] == 5
-    with xr.open_dataset(folder / MAPS, engine="scipy") as maps:
+    with xr.open_dataset(folder / Files.of().maps, engine="scipy") as maps:
         assert maps["drawn_outcome"].shape == (1, 5, 2, 2, 2)
         assert maps["off"].shape == (5, len(NAMES))
     page = (folder / PAGE).read_text(encoding="utf-8")

@@ -8,7 +8,8 @@ import forcefeel as ff
 from forcefeel.laws.law import Law, names_for
 from forcefeel.laws.sampled import load_cell_loop
 from forcefeel.laws.sampled.plant import SampledPlant
-from forcefeel.loader.built_in import BUILT_IN, ELECTRIC_AXES
+from forcefeel.loader.axes import ELECTRIC_AXES
+from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.timing import longest_step_s
 from forcefeel.loops import sampled_loops

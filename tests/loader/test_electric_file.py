@@ -10,7 +10,8 @@ import tomlkit
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.loader.built_in import ELECTRIC_AXES, digital_elevator, electric, elevator
+from forcefeel.loader.axes import ELECTRIC_AXES
+from forcefeel.loader.built_in import digital_elevator, electric, elevator
 from forcefeel.loader.loader import Loader, load
 from forcefeel.loader.parameters import ALTERNATIVES, ELECTRIC, TABLE, absent, has
 from forcefeel.units import UnitSystem
@@ -78,7 +79,7 @@ def of_other(key: str, which: str, this: str, tables: str) -> str:
     )
 
 
-KT_CHOICE = "give either torque_constant, or torque_constant_rms"
+KT_CHOICE = "give either torque_constant, or torque_constant_peak, or torque_constant_rms"
 WINDING_CHOICE = "give either resistance and inductance, or resistance_line_to_line and inductance_line_to_line"
 BRUSHED = (
     "is of a motor with three phases; add [motor] three_phase = true, or state what a brushed motor's data sheet gives"
@@ -104,6 +105,31 @@ BRUSHED = (
         (
             {"motor": {"torque_constant_rms": "0.49 N m/A", "three_phase": True}},
             [f"motor: given both ways at once (torque_constant, torque_constant_rms); {KT_CHOICE}"],
+        ),
+        (
+            {"motor": {"three_phase": True}},
+            [
+                "motor.torque_constant: of a motor with three phases a data sheet gives it per peak or per r.m.s. ampere, 1.41 "
+                "times as much; expected torque_constant_peak or torque_constant_rms"
+            ],
+        ),
+        (
+            {"motor": {"torque_constant": OFF, "three_phase": True}},
+            [f'motor: missing value; add torque_constant_peak = "3.0667 lb in/A"; {KT_CHOICE}'],
+        ),
+        (
+            {
+                "motor": {
+                    "torque_constant": OFF,
+                    "torque_constant_peak": "0.3 N m/A",
+                    "torque_constant_rms": "0.4 N m/A",
+                }
+            },
+            [f"motor: given both ways at once (torque_constant_peak, torque_constant_rms); {KT_CHOICE}"],
+        ),
+        (
+            {"motor": {"torque_constant": OFF, "torque_constant_peak": "0.49 N m/A"}},
+            [f"motor.torque_constant_peak: {BRUSHED}"],
         ),
         (
             {"motor": {"torque_constant": OFF, "torque_constant_rms": "0.49 N m/A"}},
@@ -313,6 +339,16 @@ def test_unknown_rows_are_answered_with_those_of_the_drive() -> None:
 # What is stated in another way
 
 
+def test_a_torque_constant_of_three_phases_is_written_with_its_kind(path: Path) -> None:
+    """A file made from a loader that was given it per r.m.s. ampere says peak, and means the same."""
+    loader = electric("aileron-wheel")
+    text = loader.to_toml(UnitSystem.SI)
+    assert '\ntorque_constant_peak = "0.3464823228 N m/A"\n' in text
+    assert "\ntorque_constant = " not in text
+    path.write_text(text, encoding="utf-8")
+    assert load(path)["motor.torque_constant"] == pytest.approx(0.49 / math.sqrt(2))
+
+
 def test_a_motor_as_its_data_sheet_has_it(path: Path) -> None:
     loader = read(
         path,
@@ -374,7 +410,7 @@ def test_an_unknown_built_in_loader_is_answered_with_those_there_are() -> None:
 def test_every_alternative_of_a_motor_is_tried_here() -> None:
     parts = {"motor", "winding", "transmission"}
     assert {row.name for row in ALTERNATIVES.values() if row.part in parts} == {
-        "torque_constant_rms", "resistance_line_to_line", "inductance_line_to_line", "lead",
+        "torque_constant_peak", "torque_constant_rms", "resistance_line_to_line", "inductance_line_to_line", "lead",
     }  # fmt: skip
 
 

@@ -144,37 +144,6 @@ def test_a_project_with_a_drive_that_is_too_small_ends_with_one(run, tmp_path):
     assert "Too small for the programmed feel: the drive of roll." in " ".join(out.split())
 
 
-@pytest.mark.parametrize(
-    ("project", "told"),
-    [
-        ("[axes]\n", "axes: expected a table with a loader for at least one axis"),
-        ("axes = 3\n", "axes: expected a table with a loader for at least one axis"),
-        ('[axes]\ntail = "elevator"\n', "axes: expected pitch, roll, yaw, stick-pitch, stick-roll; got 'tail'"),
-        ("[axes]\npitch = 3\n", "axes.pitch: expected a loader"),
-        ('[axes]\npitch = "gone.toml"\n', "axes.pitch: gone.toml"),
-        (
-            '[axes]\npitch = "sidestick-pitch"\n',
-            "axes.pitch: expected stick-pitch or stick-roll for the built-in loader",
-        ),
-        ('name = "x"\n[axes]\npitch = "elevator"\n', "name: a project file has a table [axes] and nothing else"),
-    ],
-)
-def test_a_bad_project_is_named(run, tmp_path, project, told):
-    (tmp_path / "cockpit.toml").write_text(project, encoding="utf-8")
-    status, _, err = run("cockpit.toml")
-    assert status == 2
-    assert told in err
-
-
-def test_what_is_for_one_loader_is_refused_for_a_project(run, tmp_path):
-    (tmp_path / "cockpit.toml").write_text('[axes]\npitch = "elevator"\n', encoding="utf-8")
-    status, _, err = run("cockpit.toml", "--axis", "roll")
-    assert (status, err.strip()) == (
-        2,
-        "forcefeel: --axis: is for one loader; cockpit.toml is a project, change its files",
-    )
-
-
 def test_each_side_of_the_feel_is_asked_at_its_own_stop():
     """A soft stop on the nearer side, beyond which the farther end does not lie."""
     stops = {"column.stop_low": "-15 deg", "column.stop_high": "12 deg", "feel.soft_stop_high": "13 deg"}

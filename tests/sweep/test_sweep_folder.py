@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import forcefeel as ff
 from forcefeel.errors import InputError
+from forcefeel.loader.parameters import table
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.inputs import Recorded, Step
 from forcefeel.sweep import Sweep, chunk, folder, identity, run_sweep
@@ -50,6 +52,12 @@ def test_a_finished_sweep_leaves_plan_and_runs(tmp_path, whole):
     assert names(tmp_path / "new" / "sweep") == {"plan.json", "runs.nc"}
     assert found.runs.identical(whole)
     assert progress.told == [0, *np.cumsum([len(chunk) for chunk in small().chunks])]
+
+
+def test_a_plan_lists_the_rows_that_its_loader_has():
+    for loader in (ff.digital_elevator(), ff.loader.electric("sidestick-pitch")):
+        document = identity.identity(Sweep(loader, PUSH, runs=8))
+        assert [*document["loader"]["values"]] == [*table(loader.drive)]
 
 
 def test_units_and_coordinates_survive_the_file(tmp_path, whole):

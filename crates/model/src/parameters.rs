@@ -200,6 +200,7 @@ parameter_table! {
         cogging_phase_2: "phi_2", "its phase at the motor's zero", ANGLE, 0.0, -360.0..360.0, off 0.0;
     }
     alternative to [torque_constant] {
+        torque_constant_peak: "K_t,peak", "torque per peak ampere of a phase of three", TORQUE_PER_CURRENT, 3.0667, 1e-3..1e4, "servo motor";
         torque_constant_rms: "K_t,rms", "torque per r.m.s. ampere of a phase of three", TORQUE_PER_CURRENT, 4.337, 1e-3..1e4, "servo motor";
     }
 
@@ -261,14 +262,14 @@ parameter_table! {
     }
     alternative to [] {}
 
-    /// Link between the actuator's load cell and the base of the column.
+    /// Link between the drive's load cell and the base of the column.
     linkage: Linkage {
-        ratio: "alpha", "linkage ratio l_2 / (l_1 + l_2): piston travel per travel of the column's base", RATIO, 0.59, 1e-2..1.0, "appendix";
+        ratio: "alpha", "linkage ratio l_2 / (l_1 + l_2): travel of the drive per travel of the column's base", RATIO, 0.59, 1e-2..1.0, "appendix";
         stiffness: "k", "spring rate of the linkage", STIFFNESS, 6107.86, 1.0..1e8, "appendix";
         damping: "c", "damping coefficient of the linkage", DAMPING, 16.2016, 1e-3..1e6, "appendix";
     }
     optional {
-        backlash: "b", "free play of the link, measured at the piston", LENGTH, 0.002, 0.0..1.0, off 0.0;
+        backlash: "b", "free play of the link, measured at the drive", LENGTH, 0.002, 0.0..1.0, off 0.0;
     }
     alternative to [stiffness, damping] {
         resonance_frequency: "w_link / 2 pi", "frequency at which the column swings on the linkage", FREQUENCY, 12.0, 0.1..1e3, "page of figure 8";
@@ -294,7 +295,7 @@ parameter_table! {
     }
     alternative to [] {}
 
-    /// Load cell between actuator and linkage.
+    /// Load cell between drive and linkage.
     load_cell: LoadCell {
         gain: "K_1", "load cell circuit's output per unit of force", VOLTAGE_PER_FORCE, 0.005, 1e-7..10.0, "appendix";
     }
@@ -306,15 +307,15 @@ parameter_table! {
     }
     alternative to [] {}
 
-    /// Potentiometer at the piston.
+    /// Sensor of the drive's position: a potentiometer, or any other.
     potentiometer: Potentiometer {
         gain: "K_3", "potentiometer circuit's output per unit of piston travel", VOLTAGE_PER_LENGTH, 7.632, 1e-3..1e4, "appendix";
     }
     optional {
-        offset: "x_0", "offset of the piston's position", LENGTH, 0.001, -10.0..10.0, off 0.0;
-        noise: "sigma_x", "noise of a sample of the piston's position, r.m.s.", LENGTH, 0.0005, 0.0..1.0, off 0.0;
-        resolution: "dx", "smallest step of the piston's position", LENGTH, 0.0005, 0.0..1.0, off 0.0;
-        bandwidth: "f_x", "bandwidth of the piston's sensor, a first-order lag", FREQUENCY, 500.0, 0.1..1e5, off f64::INFINITY;
+        offset: "x_0", "offset of the drive's position", LENGTH, 0.001, -10.0..10.0, off 0.0;
+        noise: "sigma_x", "noise of a sample of the drive's position, r.m.s.", LENGTH, 0.0005, 0.0..1.0, off 0.0;
+        resolution: "dx", "smallest step of the drive's position", LENGTH, 0.0005, 0.0..1.0, off 0.0;
+        bandwidth: "f_x", "bandwidth of the position's sensor, a first-order lag", FREQUENCY, 500.0, 0.1..1e5, off f64::INFINITY;
     }
     alternative to [] {}
 

@@ -12,6 +12,7 @@ from forcefeel.envelope.tolerance_sentences import tolerance_sentences
 from forcefeel.linear.modes import feel_mode
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.margins import LoopMargins
+from forcefeel.sizing.too_small import too_small_text
 from forcefeel.units import ANGLE, FORCE, HERTZ, UnitSystem, to_text
 
 
@@ -21,10 +22,18 @@ def choice_conclusions(scored: Scored, choice: Choice, units: UnitSystem) -> Con
     lines = [remark.sentence for remark in choice.remarks if remark.name != choice.chosen]
     if choice.chosen is None:
         among = f"None of the {len(scored.scores)} methods is eligible for {scored.plan.loader.name}."
-        return Conclusions(False, among, (*lines, *_caveats(scored)))
+        return Conclusions(False, among, (*_too_small(scored, units), *lines, *_caveats(scored)))
     best = next(score for score in scored.scores if score.name == choice.chosen)
     verdict = f"Take {best.name}. {choice.remarks[0].sentence}"
-    return Conclusions(True, verdict, (*_about(scored, best, units), *lines, *_caveats(scored)))
+    return Conclusions(
+        True, verdict, (*_about(scored, best, units), *_too_small(scored, units), *lines, *_caveats(scored))
+    )
+
+
+def _too_small(scored: Scored, units: UnitSystem) -> tuple[str, ...]:
+    """That the motor does not give what is programmed, and what would; nothing where it does."""
+    found = too_small_text(scored.plan.given, units, scored.plan.release_rad)
+    return (found,) if found else ()
 
 
 @of_result
@@ -34,7 +43,7 @@ def design_conclusions(scored: Scored, units: UnitSystem) -> Conclusions:
     own, name = score.own, capital(score.name)
     where = "at the loader's own setting"
     if not own.stable:
-        return Conclusions(False, f"{name} is unstable {where}.", _caveats(scored))
+        return Conclusions(False, f"{name} is unstable {where}.", (*_too_small(scored, units), *_caveats(scored)))
     test = scored.plan.rules.title
     outcome = (
         f"passes the release test of {test}"
@@ -44,7 +53,9 @@ def design_conclusions(scored: Scored, units: UnitSystem) -> Conclusions:
     lines = [*_about(scored, score, units)]
     if wrong := obstacles(score, scored.plan.loader["controller.period"]):
         lines.append(f"It would not be eligible under --method auto: {'; '.join(wrong)}.")
-    return Conclusions(True, f"{name} is stable {where} and {outcome}.", (*lines, *_caveats(scored)))
+    return Conclusions(
+        True, f"{name} is stable {where} and {outcome}.", (*_too_small(scored, units), *lines, *_caveats(scored))
+    )
 
 
 def margins_text(margins: LoopMargins) -> str:

@@ -8,7 +8,7 @@ from cyclopts import Group
 from rich.table import Table
 
 from forcefeel.cli.law_option import LAW_METAVAR, LAW_NAMES
-from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOrProject, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
 from forcefeel.cli.terminal import Terminal, answer
@@ -17,8 +17,10 @@ from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
-    from forcefeel.envelope import Envelope
+    from forcefeel.envelope import CockpitEnvelope, Envelope
     from forcefeel.envelope.plan import Plan
+    from forcefeel.loader.loader import Loader
+    from forcefeel.loader.project import Project
 
 DRAWN = Group("All tolerances at once", sort_key=20)
 
@@ -56,8 +58,8 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
         "forcefeel-envelope"
     )
 
-    def plan(self, path: Path | None) -> "Plan":
-        """What is to be computed.
+    def plan(self, loader: "Loader") -> "Plan":
+        """What is to be computed of a loader.
 
         Raises:
             InputError: If an option is bad or does not go with another.
@@ -69,7 +71,6 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
 
         if self.compare and self.law:
             raise InputError("--compare and --law: given both; --compare takes all, leave one out")
-        loader = self.loader(path)
         names = names_for(loader) if self.compare else self.law or (usual_law(loader),)
         return make_plan(
             loader,
@@ -82,32 +83,71 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
         )
 
 
-def run(path: LoaderFile = None, /, *, options: EnvelopeOptions = EnvelopeOptions()) -> None:
+def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeOptions()) -> None:
     """Map which programmed feels the loader renders: stable, and its release within the tolerances of a rule.
 
     With the nominal plant, with each plant parameter at either end of its tolerance (the loader file's; where it gives none, 20 %
     are assumed, of the valve's gain 30 %; --off) and with each pilot's arm at the grip; then with all tolerances at once.
 
+    In place of a loader also a project file, whose table [axes] names the loader of each axis: a table over them, a page for each.
+
     Example: forcefeel envelope my.toml --compare --out envelope
     """
+    command = options.command_line(path)
+    if project := options.project(path):
+        _map_cockpit(project, options, command)
+    else:
+        _map_loader(options.plan(options.loader(path)), options, command)
+
+
+def _map_loader(plan: "Plan", options: EnvelopeOptions, command: str) -> None:
     from forcefeel.envelope.as_json import envelope_json
     from forcefeel.envelope.page.folder import FOLDER, write_envelope
     from forcefeel.envelope.run import compute
 
-    plan = options.plan(path)
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     with all_or_nothing("envelope", "releases", silent=options.json) as bar:
         found = compute(plan, threads=options.threads, progress=bar.show)
         bar.describe("report")
-        page = write_envelope(
-            found, options.out, options.units, replace=options.replace, command=options.command_line(path)
-        )
+        page = write_envelope(found, options.out, options.units, replace=options.replace, command=command)
     answer(
         {"page": page},
         lambda: envelope_json(found, options.units),
         lambda terminal: _show(terminal, found, options.units),
         as_json=options.json,
     )
+
+
+def _map_cockpit(project: "Project", options: EnvelopeOptions, command: str) -> None:
+    from forcefeel.envelope.as_json import cockpit_json
+    from forcefeel.envelope.cockpit import find_cockpit
+    from forcefeel.envelope.page.folder import FOLDER, write_cockpit
+
+    FOLDER.check(options.out, replace=options.replace)
+    with all_or_nothing("envelope", "releases", silent=options.json) as bar:
+        found = find_cockpit(project, options.plan, threads=options.threads, progress=bar.show)
+        bar.describe("report")
+        page = write_cockpit(found, options.out, options.units, replace=options.replace, command=command)
+    answer(
+        {"page": page},
+        lambda: cockpit_json(found, options.units),
+        lambda terminal: _show_axes(terminal, found),
+        as_json=options.json,
+    )
+
+
+def _show_axes(console: Terminal, found: "CockpitEnvelope") -> None:
+    from forcefeel.envelope.cockpit import SHARES, cockpit_conclusions
+
+    title = f"{found.name}: shares of the settings"
+    table = Table("axis", "loader", "drive", "law", title=title, title_justify="left", title_style="bold")
+    for name in SHARES:
+        table.add_column(name, justify="right")
+    table.add_column("most is lost with")
+    for row in found.rows:
+        table.add_row(row.axis, row.loader, row.drive, row.compensator, *row.shares, row.worst_text)
+    console.show(table, ["drive", "loader"])
+    console.conclude(cockpit_conclusions(found), alarming=False)
 
 
 def _show(console: Terminal, found: "Envelope", units: UnitSystem) -> None:

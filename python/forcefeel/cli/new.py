@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Group, Parameter
 
@@ -10,8 +10,17 @@ from forcefeel.cli.options import OUTPUT, OutputOptions, option
 from forcefeel.cli.terminal import print_json
 from forcefeel.errors import InputError
 from forcefeel.files import write_whole
+from forcefeel.loader.axes import AXIS_OF, ELECTRIC_AXES, HYDRAULIC_AXES, control_of
+from forcefeel.printable import visible
 
 WHICH = Group("Which loader", sort_key=10)
+
+
+def _name(_: type, tokens: Any) -> str:
+    (token,) = tokens
+    if token.value not in AXIS_OF:
+        raise InputError(f"--built-in: expected {', '.join(AXIS_OF)}, got {visible(repr(token.value))}")
+    return str(token.value)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,21 +30,13 @@ class NewOptions(OutputOptions):
     drive: Annotated[Literal["hydraulic", "electric"] | None, option("What moves the linkage.", WHICH)] = None
     axis: Annotated[Literal["pitch", "roll", "yaw", "stick"] | None, option("Which control it is.", WHICH)] = None
     built_in: Annotated[
-        Literal[
-            "elevator",
-            "elevator-2khz",
-            "elevator-electric",
-            "aileron-wheel",
-            "rudder-pedals",
-            "sidestick-pitch",
-            "sidestick-roll",
-            "desktop-yoke",
-        ]
-        | None,
+        str | None,
         option(
-            "Which by its name: the elevators with a valve, the latter with a digital controller; the others with a motor.",
+            f"Which by its name: {', '.join(HYDRAULIC_AXES)} with a valve; {', '.join(ELECTRIC_AXES)} with a motor.",
             WHICH,
             default="the first of that drive and axis",
+            metavar="NAME",
+            converter=_name,
         ),
     ] = None
     replace: Annotated[bool, option("Replace the file if it is there.", OUTPUT)] = False
@@ -71,18 +72,17 @@ def _chosen(options: NewOptions) -> str:
     Raises:
         InputError: If there is none.
     """
-    from forcefeel.loader.built_in import ELECTRIC_AXES
-
-    axes = dict.fromkeys(("elevator", "elevator-2khz"), ("hydraulic", "pitch"))
-    axes |= {name: ("electric", axis) for name, axis in ELECTRIC_AXES.items()}
+    drives = dict.fromkeys(HYDRAULIC_AXES, "hydraulic") | dict.fromkeys(ELECTRIC_AXES, "electric")
     fitting = [
         name
-        for name, (drive, axis) in axes.items()
-        if options.drive in (None, drive) and options.axis in (None, axis) and options.built_in in (None, name)
+        for name, axis in AXIS_OF.items()
+        if options.drive in (None, drives[name])
+        and options.axis in (None, control_of(axis))
+        and options.built_in in (None, name)
     ]
     if not fitting:
         asked = {"--drive": options.drive, "--axis": options.axis, "--built-in": options.built_in}
         given = " ".join(f"{name} {value}" for name, value in asked.items() if value)
-        known = ", ".join(f"{name} ({drive}, {axis})" for name, (drive, axis) in axes.items())
+        known = ", ".join(f"{name} ({drives[name]}, {control_of(axis)})" for name, axis in AXIS_OF.items())
         raise InputError(f"{given}: there is no such loader; built in are {known}")
     return fitting[0]

@@ -22,10 +22,13 @@ from rich.console import Console, ConsoleOptions
 
 from forcefeel.cli.law_option import DEFAULT_LAW, LAW_METAVAR, check_law_name
 from forcefeel.cli.scenario_text import assignments
+from forcefeel.errors import InputError
+from forcefeel.loader.axes import ELECTRIC_AXES, HYDRAULIC_AXES
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
     from forcefeel.loader.loader import Loader
+    from forcefeel.loader.project import Project
 
 HELP_ALL = "--help-all"
 
@@ -70,16 +73,20 @@ def _shown(value: object) -> str | None:
     return None if value is None or value is False or value in ((), "") else str(value)
 
 
-LoaderFile = Annotated[
+_LOADER = f"Loader file, or a built-in one: {', '.join(HYDRAULIC_AXES)}; electric: {', '.join(ELECTRIC_AXES)}"
+
+LoaderFile = Annotated[Path | None, Parameter("LOADER", help=f"{_LOADER}.", show_default="elevator")]
+"""The argument that every command on a loader takes."""
+
+LoaderOrProject = Annotated[
     Path | None,
     Parameter(
         "LOADER",
-        help="Loader file, or a built-in one: elevator, elevator-2khz; electric: elevator-electric, aileron-wheel, rudder-pedals, "
-        "sidestick-pitch, sidestick-roll, desktop-yoke.",
+        help=f"{_LOADER}; or a project file, whose table [axes] names the loader of each axis of a cockpit.",
         show_default="elevator",
     ),
 ]
-"""The argument that every command on a loader takes."""
+"""The argument of a command that takes a cockpit too."""
 
 
 @Parameter(name="*")
@@ -173,6 +180,28 @@ class LoaderOptions:
         from forcefeel.loader.built_in import open_loader
 
         return self.changed(open_loader(path))
+
+    def project(self, path: Path | None, **of_one_loader: object) -> "Project | None":
+        """The project of ``path``, each of its loaders with ``--set``; ``None`` if it is no project.
+
+        Args:
+            path: The file.
+            of_one_loader: What was given for options that are for one loader, by their names.
+
+        Raises:
+            InputError: If the project, a change or one of its loaders is bad, or an option is for one loader.
+        """
+        from forcefeel.loader.project import Project, is_project, read_project
+
+        if path is None or not is_project(path):
+            return None
+        for name, given in of_one_loader.items():
+            if given:
+                raise InputError(
+                    f"--{name}: is for one loader, and {path} is a project; give it with one of its loaders"
+                )
+        project = read_project(path)
+        return Project(path, project.each(lambda _, loader: self.changed(loader)))
 
     def changed(self, loader: "Loader") -> "Loader":
         """``loader`` with ``--set``.

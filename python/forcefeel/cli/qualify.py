@@ -16,8 +16,8 @@ from forcefeel.cli.options import (
     LOADER,
     OUTPUT,
     FolderOptions,
-    LoaderFile,
     LoaderOptions,
+    LoaderOrProject,
     OutputOptions,
     filled,
     option,
@@ -29,6 +29,7 @@ from forcefeel.errors import InputError
 if TYPE_CHECKING:
     from forcefeel.loader.loader import Loader
     from forcefeel.qualification.programme import Qualification, QualificationSetup
+    from forcefeel.qualification.programme.cockpit import CockpitQualification
 
 TESTS = Group("Tests", sort_key=10)
 RECORDS = Group("Records", sort_key=20)
@@ -79,7 +80,10 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
             metavar="NAME",
         ),
     ] = ()
-    axis: Annotated[ControlAxis, option("Which control of the rule.", TESTS)] = ControlAxis.PITCH
+    axis: Annotated[
+        ControlAxis | None,
+        option("Which control of the rule.", TESTS, default="that of a built-in loader, else pitch"),
+    ] = None
     throw: Annotated[
         str | None,
         option(
@@ -188,34 +192,67 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
         )
 
 
-def run(path: LoaderFile = None, /, *, options: QualifyOptions = QualifyOptions()) -> None:
+def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOptions()) -> None:
     """Make the control feel tests of a qualification rule on a loader, or on records of a simulator.
 
     The reference is the programmed feel, or a recorded aircraft. What is tested qualifies, does not qualify, or is incomplete.
     Exit status 0 if it qualifies, or passed all that --test asked for; else 1.
 
+    In place of a loader also a project file, whose table [axes] names the loader of each axis: one test guide over them.
+
     Example: forcefeel qualify my.toml --compare --pdf
     """
     from forcefeel.page.chromium import find_chromium
-    from forcefeel.qualification.page.folder import FOLDER, write_qualification
+    from forcefeel.qualification.page.folder import FOLDER, write_cockpit, write_qualification
     from forcefeel.qualification.programme import qualify_loader
-    from forcefeel.qualification.programme.as_json import qualification_json
+    from forcefeel.qualification.programme.as_json import cockpit_json, qualification_json
+    from forcefeel.qualification.programme.cockpit import qualify_cockpit
 
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     if options.pdf:
         find_chromium()
-    loader = options.loader(path)
-    with options_named():
-        found = qualify_loader(loader, options.setup(loader))
-    page = write_qualification(found, options.out, pdf=options.pdf, command=options.command_line(path))
-    answer(
-        {"page": page},
-        lambda: qualification_json(found),
-        lambda terminal: _show(terminal, found),
-        as_json=options.json,
-    )
-    if not found.fulfilled:
+    command, units = options.command_line(path), options.units
+    if project := options.project(path, axis=options.axis, record=options.records, reference=options.references):
+        cockpit = qualify_cockpit(project, options.setup)
+        page = write_cockpit(cockpit, options.out, units, pdf=options.pdf, command=command)
+        answer(
+            {"page": page},
+            lambda: cockpit_json(cockpit, units),
+            lambda terminal: _show_axes(terminal, cockpit),
+            as_json=options.json,
+        )
+        fulfilled = cockpit.fulfilled
+    else:
+        loader = options.loader(path)
+        with options_named():
+            found = qualify_loader(loader, options.setup(loader))
+        page = write_qualification(found, options.out, pdf=options.pdf, command=command)
+        answer(
+            {"page": page},
+            lambda: qualification_json(found),
+            lambda terminal: _show(terminal, found),
+            as_json=options.json,
+        )
+        fulfilled = found.fulfilled
+    if not fulfilled:
         raise SystemExit(BAD_ANSWER)
+
+
+def _show_axes(console: Terminal, found: "CockpitQualification") -> None:
+    from forcefeel.qualification.programme.cockpit import cockpit_conclusions
+
+    table = Table(
+        "axis", "test", "outcome", "law", title=f"{found.name}: test guide", title_justify="left", title_style="bold"
+    )
+    table.add_column("number")
+    for axis, one in found.axes.items():
+        for section in one.sections:
+            for result in section.results:
+                trial = result.trial
+                table.add_row(axis, trial.key, str(result.outcome), section.title, trial.test.number)
+        table.add_section()
+    console.show(table)
+    console.conclude(cockpit_conclusions(found))
 
 
 def _show(console: Terminal, found: "Qualification") -> None:

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOptions, LoaderOrProject, OutputOptions, option
 from forcefeel.cli.release_options import ASKED, AngleOptions
 from forcefeel.cli.terminal import Terminal, answer
-from forcefeel.errors import InputError
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
@@ -44,21 +43,8 @@ class SizeOptions(AngleOptions, LoaderOptions, FolderOptions, OutputOptions):
 
         return size_drive(self.loader(path), self.axis, self.angle_rad)
 
-    def cockpit(self, path: Path) -> "CockpitSizing":
-        """The sizing of a project.
 
-        Raises:
-            InputError: If an option is of one loader alone, or the project is bad.
-        """
-        from forcefeel.sizing.cockpit import size_cockpit
-
-        for name, given in (("--axis", self.axis), ("--set", self.set_)):
-            if given:
-                raise InputError(f"{name}: is for one loader; {path} is a project, change its files")
-        return size_cockpit(path, self.angle_rad)
-
-
-def run(path: LoaderFile = None, /, *, options: SizeOptions = SizeOptions()) -> None:
+def run(path: LoaderOrProject = None, /, *, options: SizeOptions = SizeOptions()) -> None:
     """Set what feel and rule ask of the drive, force, speed, torque, heat, beside what motor or valve give.
 
     In place of a loader also a project file, whose table [axes] names the loader of each axis of a cockpit. Exit status 1 if a
@@ -66,14 +52,14 @@ def run(path: LoaderFile = None, /, *, options: SizeOptions = SizeOptions()) -> 
 
     Example: forcefeel size sidestick-pitch --units si --out size
     """
-    from forcefeel.loader.project import is_project
     from forcefeel.sizing.as_json import cockpit_json, sizing_json
+    from forcefeel.sizing.cockpit import size_cockpit
     from forcefeel.sizing.page.folder import FOLDER, write_cockpit, write_sizing
 
     command = options.command_line(path)
-    if path is not None and is_project(path):
-        cockpit = options.cockpit(path)
-        FOLDER.check(options.out, replace=options.replace, inputs=(path,))
+    if project := options.project(path, axis=options.axis):
+        FOLDER.check(options.out, replace=options.replace, inputs=(project.path,))
+        cockpit = size_cockpit(project, options.angle_rad)
         page = write_cockpit(cockpit, options.out, options.units, replace=options.replace, command=command)
         answer(
             {"page": page},

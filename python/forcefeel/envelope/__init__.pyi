@@ -1,7 +1,12 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
+from forcefeel.envelope.cockpit import CockpitEnvelope as CockpitEnvelope
+from forcefeel.envelope.cockpit import find_cockpit as find_cockpit
 from forcefeel.envelope.draws import Draws as Draws
+from forcefeel.envelope.page.folder import write_cockpit as write_cockpit
 from forcefeel.envelope.page.folder import write_envelope as write_envelope
+from forcefeel.envelope.plan import Plan as Plan
+from forcefeel.envelope.plan import make_plan as make_plan
 from forcefeel.envelope.result import Envelope as Envelope
 from forcefeel.envelope.run import find_envelope as find_envelope
 from forcefeel.envelope.tuning import Tuned as Tuned

@@ -8,6 +8,7 @@ from importlib.metadata import version
 import numpy as np
 
 from forcefeel.envelope.cases import Case
+from forcefeel.envelope.cockpit import CockpitEnvelope, cockpit_conclusions
 from forcefeel.envelope.deviations import Deviation
 from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.plan import Plan
@@ -29,6 +30,7 @@ def envelope_json(found: Envelope, units: UnitSystem) -> dict[str, Json]:
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "method": "exact" if plan.linear else "stepped",
         "settings": plan.settings.count,
+        "beyond_the_motors_torque": int(found.beyond.settings.sum()),
         "grid": grid_json(plan.settings, units),
         "tolerances": deviations_json(plan.deviations),
         "cases": [_case(case, units) for case in plan.cases],
@@ -37,6 +39,18 @@ def envelope_json(found: Envelope, units: UnitSystem) -> dict[str, Json]:
         "left_out": list(plan.left_out),
         "conclusions": json_value(envelope_conclusions(found, units), units),
         "compensators": {name: _compensator(found, name, units) for name in found.compensators},
+    }
+
+
+def cockpit_json(found: CockpitEnvelope, units: UnitSystem) -> dict[str, Json]:
+    """The table over the axes, then what the envelope of each says."""
+    return {
+        "forcefeel": version("forcefeel"),
+        "units": str(units),
+        "project": found.name,
+        "conclusions": json_value(cockpit_conclusions(found), units),
+        "table": [json_value(row, units) for row in found.rows],
+        "axes": {axis: envelope_json(one, units) for axis, one in found.axes.items()},
     }
 
 

@@ -22,7 +22,9 @@ from forcefeel.loader.parameters import (
     OFF,
     PLANT_PARAMETERS,
     TABLE,
+    a_drive,
     did_you_mean,
+    has,
     is_switch,
 )
 from forcefeel.loader.tolerances import Distribution, Tolerance, beyond
@@ -161,6 +163,10 @@ def _check_key(loader: Loader, key: str) -> None:
     if TABLE[key].part in {"controller", "feel", "pilot"}:
         what = "the controller, the feel and the pilot are not the plant's"
         raise InputError(f"changes: expected parameters of the plant, got {show(key)}; {what}")
+    if not has(loader.drive, TABLE[key]):
+        raise InputError(
+            f"changes: {key}: is of a loader with {a_drive(str(TABLE[key].drive))}; {loader.name} has {a_drive(loader.drive)}"
+        )
     if not _has_shares(loader, key):
         raise InputError(f"changes: {key}: has no shares, because it is off or zero; give it a value, or leave it out")
 

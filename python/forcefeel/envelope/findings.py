@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from forcefeel.conclusions import Conclusions, capital, interval_text, of_result, share_text
 from forcefeel.envelope.cases import Kind
-from forcefeel.envelope.result import MOST, Envelope
+from forcefeel.envelope.result import MOST, Envelope, Shares
 from forcefeel.envelope.settings import AXES, Axis
 from forcefeel.envelope.tolerance_sentences import tolerance_sentences
 from forcefeel.loader.parameters import TABLE, unit
@@ -22,8 +22,7 @@ WHOLE_NOMINAL, WHOLE_WORST = 0.95, 0.90
 def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
     """The conclusions, with numbers in ``units``; ``good`` where a compensator renders the envelope."""
     shares = [found.shares(name) for name in found.compensators]
-    best = max(shares, key=lambda one: (one.passes_worst, one.passes))
-    whole = best.passes >= WHOLE_NOMINAL and best.passes_worst >= WHOLE_WORST
+    best = _best(found)
     verdict = (
         f"Of {found.plan.settings.count:,} programmed feels the loader renders within tolerance "
         + ", ".join(
@@ -32,11 +31,22 @@ def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
         )
         + "."
     )
-    lines = [_fails(found, name) for name in found.compensators]
+    lines = [beyond] if (beyond := found.beyond.sentence(units)) else []
+    lines += [_fails(found, name) for name in found.compensators]
     lines += [line for name in found.compensators if (line := _worst(found, name))]
     lines += [_drawn(found, best.compensator)] if found.plan.machines else []
     lines += [line for line in (_smallest(found, best.compensator, units), _passive(found)) if line]
-    return Conclusions(whole, verdict, (*lines, _counted(found, units), *caveats(found, units)))
+    return Conclusions(renders(found), verdict, (*lines, _counted(found, units), *caveats(found, units)))
+
+
+def renders(found: Envelope) -> bool:
+    """Whether the best of the compensators renders the envelope."""
+    best = _best(found)
+    return best.passes >= WHOLE_NOMINAL and best.passes_worst >= WHOLE_WORST
+
+
+def _best(found: Envelope) -> Shares:
+    return max(map(found.shares, found.compensators), key=lambda one: (one.passes_worst, one.passes))
 
 
 def name_text(name: str) -> str:

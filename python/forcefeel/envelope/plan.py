@@ -13,10 +13,11 @@ from forcefeel.envelope.machines import feel_json
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError, expect, expect_number
 from forcefeel.laws.law import DEFAULTS, NAMED_LAWS, LawLike, check_given, named
+from forcefeel.loader.axes import rule_axis, usual_axis
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.qualification import DEFAULT_EDITION, Rules, load_rules
-from forcefeel.qualification.rules import Test
+from forcefeel.qualification.rules import Axis, Test
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import ANGLE, show
 
@@ -37,6 +38,7 @@ class Plan:
         arms: The arms at the grip, beside none.
         angle_rad: Angle of the release; if not given, the rule's largest share of the throw, of its shorter side.
         draws: How many machines are drawn from all tolerances at once; none if not given.
+        axis: Which control of the rule; that of a built-in loader of its name, else pitch, if not given.
         loader: The loader with a feel of I, B and G alone.
         left_out: Rows of the feel and the arm that the loader has and the envelope leaves out.
         deviations: How far each parameter may be off, and who says so.
@@ -48,6 +50,12 @@ class Plan:
 
     Raises:
         InputError: If a part of it is bad.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> plan = ff.envelope.make_plan(ff.elevator(), ["original"], {"stiffness": "10..100 %:3:log"})
+        >>> plan.settings.stiffness[0], plan.test.number
+        (0.1, '2.b.1')
     """
 
     given: Loader
@@ -58,6 +66,7 @@ class Plan:
     arms: Sequence[PilotArm] = REFERENCE_ARMS
     angle_rad: Annotated[float, ANGLE] | None = None
     draws: Draws = NO_DRAWS
+    axis: Axis | None = None
     loader: Loader = field(init=False)
     left_out: tuple[str, ...] = field(init=False)
     deviations: Mapping[str, Deviation] = field(init=False)
@@ -86,7 +95,7 @@ class Plan:
             "cases": make_cases(deviations, self.arms),
             "machines": self.draws.machines(deviations),
             "rules": rules,
-            "test": rules.of("release", "pitch"),
+            "test": rules.of("release", self.axis or rule_axis(usual_axis(self.given.name))),
             "throw": Throw.of(self.given),
             "compensators": MappingProxyType(dict(self.compensators)),
         }
@@ -99,6 +108,11 @@ class Plan:
         if self.angle_rad is not None:
             return self.angle_rad
         return self.throw.release_rad(self.rules)
+
+    @property
+    def releases(self) -> int:
+        """How many releases it has in all."""
+        return len(self.compensators) * (len(self.cases) + len(self.machines)) * self.settings.count
 
     @property
     def linear(self) -> bool:
@@ -129,10 +143,15 @@ def make_plan(
         loader: The loader.
         compensators: Names of ``law.NAMED_LAWS``, or laws by name.
         grid: Axes as ``Settings.of`` takes them.
-        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws`` of ``Plan``.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws``, ``axis`` of ``Plan``.
 
     Raises:
         InputError: If one of them is bad.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.envelope.make_plan(ff.loader.electric("rudder-pedals"), ["robust"]).test.number
+        '2.b.3'
     """
     check_loader(loader)
     if isinstance(compensators, str) or not isinstance(compensators, Sequence | Mapping):

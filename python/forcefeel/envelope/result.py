@@ -15,6 +15,7 @@ from forcefeel.envelope.passivity import Passivity
 from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.sizing.too_small import Beyond
 from forcefeel.units import HERTZ, INERTIA, PERCENT, ROTARY_STIFFNESS, UnitSystem, show, to_text
 from forcefeel.wilson import wilson_interval
 
@@ -28,6 +29,7 @@ PASSES, UNSTABLE = "passes", "unstable"
 class Failure(StrEnum):
     """Why a setting does not pass, in the order of the rule; what a map is coloured by."""
 
+    TORQUE = "beyond the motor's torque"
     UNSTABLE = "unstable"
     FALL = "fall time"
     FIRST_CROSSING = "first crossing, P0"
@@ -48,6 +50,7 @@ COLORS = {
     Failure.COUNT: "#F6E65A",
     Failure.FALL: "#CC79A7",
     Failure.REST: "#9AA3AD",
+    Failure.TORQUE: "#8C510A",
     Failure.UNSTABLE: "#2B2B2B",
 }
 """What becomes of a setting, and its colour on every map: Okabe and Ito's hues, which the colour-blind can tell apart; light and
@@ -350,6 +353,8 @@ class Envelope:
             one = np.where((found == order.index(Failure.UNSTABLE)).any(axis=0), order.index(Failure.UNSTABLE), failing)
         else:
             one = found[0]
+        # What the motor cannot hold diverges or drifts under any law.
+        one = np.where((one >= 0) & self.beyond.settings, order.index(Failure.TORQUE), one)
         return np.asarray(one.astype(np.int8).reshape(self.plan.settings.shape))
 
     def kinds(self, compensator: str, *, worst: bool) -> NDArray[np.int8]:
@@ -360,6 +365,12 @@ class Envelope:
         every = self.passes(compensator).all(axis=0).reshape(failing.shape)
         passing = np.where(every, order.index(EVERY), order.index(NOMINAL)).astype(np.int8)
         return np.asarray(np.where(failing < 0, passing, table[failing]))
+
+    @cached_property
+    def beyond(self) -> Beyond:
+        """Settings that the motor cannot hold at the angle of the release, whatever the law."""
+        stiffness = self.plan.settings.feel(self.plan.loader)[:, 2]
+        return Beyond.of(self.plan.loader, stiffness, self.plan.release_rad)
 
     def failure_shares(self, compensator: str, *, worst: bool = False) -> dict[Failure, float]:
         """Share of all settings that fail for each reason."""

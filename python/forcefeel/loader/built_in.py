@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from forcefeel.errors import InputError
+from forcefeel.loader.axes import ELECTRIC_AXES
 from forcefeel.loader.loader import Loader, load
 from forcefeel.loader.parameters import HYDRAULIC, OFF, TABLE, absent, has
 from forcefeel.units import show
@@ -83,19 +84,6 @@ def digital_elevator() -> Loader:
     return replace(
         elevator().replace(changes), name="elevator-2khz", source=f"{_REPORT}; controller and sensors assumed"
     )
-
-
-ELECTRIC_AXES: Mapping[str, str] = MappingProxyType(
-    {
-        "elevator-electric": "pitch",
-        "aileron-wheel": "roll",
-        "rudder-pedals": "yaw",
-        "sidestick-pitch": "stick",
-        "sidestick-roll": "stick",
-        "desktop-yoke": "roll",
-    }
-)
-"""The built-in electric loaders, each the file of its name in ``data/loaders``, and the axis that each is of."""
 
 
 def electric(name: str) -> Loader:

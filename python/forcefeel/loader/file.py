@@ -9,7 +9,7 @@ part     given                                             instead of           
 valve    ``operating_current``, ``operating_pressure``     ``C_i``, ``C_p``            eqs. (1), (2)
 linkage  ``resonance_frequency``, ``..._damping_ratio``    ``k``, ``c``                eqs. (6), (9)
 feel     ``natural_frequency``, ``damping_ratio``          ``I``, ``B``                eq. (11)
-motor    ``torque_constant_rms``                           ``K_t``                     ``K_t = K_rms / sqrt(2)``
+motor    ``torque_constant_peak`` or ``torque_constant_rms``  ``K_t``                  ``K_t = K_peak = K_rms / sqrt(2)``
 winding  ``resistance_``, ``inductance_line_to_line``      ``R``, ``L``                a half: two phases in star
 =======  ================================================  ==========================  ===================
 
@@ -63,6 +63,9 @@ from forcefeel.loader.text import toml_value
 from forcefeel.loader.tolerances import Tolerance, beyond
 from forcefeel.units import UnitSystem, parse, show
 
+PROJECT_COMMANDS = "forcefeel qualify, envelope and size"
+"""The commands that take a cockpit's project in place of a loader, for messages."""
+
 _MOST_DOTS = 100
 """Most dots outside quotes on a line, up to the next "=". The keys of a loader file have three; the time that TOML takes for a key
 grows with the square of their number."""
@@ -75,7 +78,7 @@ _STRICT = ConfigDict(extra="forbid", frozen=True, strict=True)
 _DERIVE: Mapping[str, Callable[[NDArray[np.float64], Mapping[str, float]], tuple[float, ...]]] = {
     "valve": lambda v, a: _core.valve_gains(v, a["operating_current"], a["operating_pressure"]),
     "linkage": lambda v, a: _core.linkage_from_resonance(v, a["resonance_frequency"], a["resonance_damping_ratio"]),
-    "motor": lambda _, a: (a["torque_constant_rms"] / sqrt(2),),
+    "motor": lambda _, a: (a["torque_constant_peak"] if _PEAK in a else a["torque_constant_rms"] / sqrt(2),),
     "winding": lambda _, a: (a["resistance_line_to_line"] / 2, a["inductance_line_to_line"] / 2),
     "transmission": lambda _, a: (a["lead"] / tau,),
     "feel": lambda v, a: _core.feel_from_frequency(
@@ -90,11 +93,16 @@ def read(path: Path) -> Contents:
     Raises:
         InputError: With a line for each thing that is wrong.
     """
-    document = _document(path)
-    drive = _drive(path, document)
-    complaints = [found for part in parts(drive) if (found := _contradiction(part, document.get(part), drive))]
+    given = document(path)
+    if "axes" in given:
+        raise InputError(
+            f"{path}: is a project, which names the loader of each axis; expected one of those loaders; {PROJECT_COMMANDS} take "
+            "a project"
+        )
+    drive = _drive(path, given)
+    complaints = [found for part in parts(drive) if (found := _contradiction(part, given.get(part), drive))]
     try:
-        checked = _schema(drive).model_validate(document)
+        checked = _schema(drive).model_validate(given)
     except ValidationError as error:
         wrong = error.errors()
         unseen = (one["msg"] for one in wrong[MOST_LINES:])  # no message shows these
@@ -123,9 +131,13 @@ def _contents(checked: BaseModel) -> tuple[Contents, list[str]]:
     return contents, complaints or misfits(contents) or beyond(tolerances)
 
 
-def _document(path: Path) -> dict[str, Any]:
-    """The file as TOML reads it; a byte order mark, which some editors write, is no part of the text."""
-    data = read_input(path, MOST_TEXT_BYTES, "a loader file")
+def document(path: Path, what: str = "a loader file") -> dict[str, Any]:
+    """The file as TOML reads it; a byte order mark, which some editors write, is no part of the text.
+
+    Raises:
+        InputError: If it cannot be read, or is not TOML; ``what`` was expected.
+    """
+    data = read_input(path, MOST_TEXT_BYTES, what)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -136,7 +148,7 @@ def _document(path: Path) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: is not TOML: {error}") from error
     except (ValueError, RecursionError) as error:  # integers of thousands of digits, brackets a thousand deep
-        raise InputError(f"{path}: cannot be read ({error}); expected a loader file") from error
+        raise InputError(f"{path}: cannot be read ({error}); expected {what}") from error
 
 
 def _check_dots(path: Path, text: str) -> None:
@@ -200,18 +212,24 @@ def _switch(row: Parameter, given: object) -> float:
 
 
 def _contradiction(part: str, given: object, drive: str) -> str | None:
-    """What is wrong where a part can be stated in two ways; nothing if one of them is given, whole."""
-    one, other = replaced(part), list(alternatives(part))
-    if not other or not isinstance(given, dict):
+    """What is wrong where a part can be stated in several ways; nothing if one of them is given, whole."""
+    if not alternatives(part) or not isinstance(given, dict):
         return None
-    has_one, has_other = ([key for key in keys if key in given] for keys in (one, other))
-    choice = f"give either {' and '.join(one)}, or {' and '.join(other)}"
-    if has_one and has_other:
-        return f"{part}: given both ways at once ({', '.join(has_one + has_other)}); {choice}"
-    if has_one != one and has_other != other:
-        missing = [_example(part, key, drive) for key in (other if has_other else one) if key not in given]
-        return f"{part}: missing value; add {' and '.join(missing)}; {choice}"
-    return None
+    ways = _ways(part)
+    begun = [way for way in ways if any(key in given for key in way)]
+    choice = "give " + ", or ".join(("either " * (k == 0)) + " and ".join(way) for k, way in enumerate(ways))
+    if len(begun) > 1:
+        keys = [key for way in begun for key in way if key in given]
+        return f"{part}: given {'both' if len(begun) == 2 else 'several'} ways at once ({', '.join(keys)}); {choice}"
+    usual = ways[1] if part == "motor" and given.get("three_phase") is True else ways[0]
+    missing = [_example(part, key, drive) for key in (begun[0] if begun else usual) if key not in given]
+    return f"{part}: missing value; add {' and '.join(missing)}; {choice}" if missing else None
+
+
+def _ways(part: str) -> list[list[str]]:
+    """The keys of each way to state a part: of what stands for one row each by itself, of what stands for several all together."""
+    one, other = replaced(part), list(alternatives(part))
+    return [one, *([key] for key in other)] if len(one) == 1 else [one, other]
 
 
 def _derive(checked: Mapping[str, Mapping[str, Any]], drive: str) -> tuple[dict[str, float], list[str]]:
@@ -237,14 +255,22 @@ def _derive(checked: Mapping[str, Mapping[str, Any]], drive: str) -> tuple[dict[
 
 
 def _phases(checked: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """A line for each value of a motor that asks for three phases where there is one."""
+    """A line for each value of a motor that goes with another number of phases."""
     if checked["motor"]["three_phase"]:
-        return []
+        plain = checked["motor"]["torque_constant"] is not None
+        return [f"motor.torque_constant: {_KIND}"] if plain else []
     of_three = [f"{part}.{name}" for part in ("motor", "winding") for name in alternatives(part) if checked[part][name]]
     return [
         f"{key}: is of a motor with three phases; add [motor] three_phase = true, or state what a brushed motor's data sheet gives"
         for key in of_three
     ]
+
+
+_PEAK = "torque_constant_peak"
+_KIND = (
+    "of a motor with three phases a data sheet gives it per peak or per r.m.s. ampere, 1.41 times as much; expected "
+    "torque_constant_peak or torque_constant_rms"
+)
 
 
 def _explain(error: ErrorDetails, drive: str) -> str:

@@ -5,66 +5,127 @@ pitch = "elevator.toml"     # a loader file, from the project's folder
 roll = "aileron-wheel"      # or a built-in loader
 """
 
-import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import TypeVar
 
 from forcefeel.errors import InputError
-from forcefeel.loader.built_in import BUILT_IN, ELECTRIC_AXES, open_loader
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.axes import AXIS_OF, PROJECT_AXES
+from forcefeel.loader.built_in import BUILT_IN
+from forcefeel.loader.file import document
+from forcefeel.loader.loader import Loader, load
 from forcefeel.units import show
 
-STICKS = ("stick-pitch", "stick-roll")
-PROJECT_AXES = ("pitch", "roll", "yaw", *STICKS)
-"""Names of the axes: of wheel and pedals, and of a stick."""
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True, eq=False)
+class Project:
+    r"""The loaders of a cockpit.
+
+    Attributes:
+        path: The project file.
+        loaders: By axis, in the file's order.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> size = Path("cockpit.toml").write_text('[axes]\nroll = "aileron-wheel"\nyaw = "rudder-pedals"\n', encoding="utf-8")
+        >>> [*ff.loader.read_project("cockpit.toml").loaders]
+        ['roll', 'yaw']
+    """
+
+    path: Path
+    loaders: Mapping[str, Loader]
+
+    @property
+    def name(self) -> str:
+        """What it is called: by its file."""
+        return self.path.stem
+
+    def each(self, work: Callable[[str, Loader], Found]) -> Mapping[str, Found]:
+        """What ``work`` makes of each axis and its loader.
+
+        Raises:
+            InputError: As ``work``, with the axis.
+        """
+        found = {}
+        for axis, loader in self.loaders.items():
+            try:
+                found[axis] = work(axis, loader)
+            except InputError as error:
+                raise InputError(f"{self.path}: axes.{axis}: {error}") from error
+        return MappingProxyType(found)
 
 
 def is_project(path: Path | None) -> bool:
     """Whether it is a TOML file with a table of axes; what cannot be read is none, and is told by whoever reads loaders."""
+    if path is None or not path.is_file():
+        return False
     try:
-        return path is not None and "axes" in tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return "axes" in document(path)
+    except InputError:
         return False
 
 
-def read_project(path: Path) -> Mapping[str, Loader]:
-    """The loaders of a project file by axis, in its order.
+def read_project(path: str | Path) -> Project:
+    r"""The project of a file.
 
     Args:
-        path: The file; the paths in it are from its folder.
+        path: The file: a table ``[axes]`` with a loader file, by its path from the project's folder, or a built-in loader for
+            ``pitch``, ``roll``, ``yaw``, ``stick-pitch`` or ``stick-roll``.
 
     Raises:
-        InputError: If it cannot be read, has another key than ``axes``, no axes, an unknown one, one without a loader's
-            name; or a loader is bad.
+        InputError: If it cannot be read, has another key than ``axes``, no axes, an unknown one, one without a loader's name, one
+            file for two axes, or a built-in loader of another axis; or a loader is bad.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
+        >>> ff.loader.read_project("cockpit.toml").loaders["pitch"].drive
+        'electric'
     """
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: expected a project file, TOML with a table [axes] ({error})") from error
-    if strangers := [key for key in document if key != "axes"]:
+    path = Path(path)
+    given = document(path, "a project file")
+    if strangers := [key for key in given if key != "axes"]:
         raise InputError(f"{path}: {', '.join(strangers)}: a project file has a table [axes] and nothing else")
-    axes, example = document.get("axes"), 'pitch = "elevator.toml" or roll = "aileron-wheel"'
+    axes = given.get("axes")
     if not isinstance(axes, dict) or not axes:
-        raise InputError(f"{path}: axes: expected a table with a loader for at least one axis, such as {example}")
-    found = {}
-    for axis, given in axes.items():
-        if axis not in PROJECT_AXES:
-            raise InputError(f"{path}: axes: expected {', '.join(PROJECT_AXES)}; got {show(axis)}")
-        if not isinstance(given, str) or not given:
-            raise InputError(f"{path}: axes.{axis}: expected a loader, such as {example}, got {show(given)}")
-        found[axis] = _loader(path, axis, given)
-    return MappingProxyType(found)
+        raise InputError(f"{path}: axes: expected a table with a loader for at least one axis, such as {_EXAMPLE}")
+    loaders, taken = {}, dict[Path, str]()
+    for axis, name in axes.items():
+        try:
+            loaders[axis] = _loader(path.parent, axis, name, taken)
+        except InputError as error:
+            raise InputError(f"{path}: axes.{axis}: {error}") from error
+    return Project(path, MappingProxyType(loaders))
 
 
-def _loader(path: Path, axis: str, given: str) -> Loader:
-    file = path.parent / given
-    if not file.exists() and given in BUILT_IN:
-        if (ELECTRIC_AXES.get(given) == "stick") != (axis in STICKS):
-            meant = f"expected {' or '.join(STICKS)}" if axis not in STICKS else "expected pitch, roll or yaw"
-            raise InputError(f"{path}: axes.{axis}: {meant} for the built-in loader {given}")
-        return BUILT_IN[given]()
-    try:
-        return open_loader(file)
-    except InputError as error:
-        raise InputError(f"{path}: axes.{axis}: {error}") from error
+_EXAMPLE = 'pitch = "elevator.toml" or roll = "aileron-wheel"'
+
+
+def _loader(folder: Path, axis: str, given: object, taken: dict[Path, str]) -> Loader:
+    """The loader of an axis; ``taken`` has the files of the axes before it, and is given its own."""
+    if axis not in PROJECT_AXES:
+        raise InputError(f"is no axis; expected some of {', '.join(PROJECT_AXES)}")
+    if not isinstance(given, str) or not given:
+        raise InputError(f"expected a loader, such as {_EXAMPLE}, got {show(given)}")
+    file = folder / given
+    if file.exists() or given not in BUILT_IN:
+        loader = load(file)
+        if other := taken.get(file.resolve()):
+            raise InputError(f"{given} is the loader of {other} already; expected a file of its own for each axis")
+        taken[file.resolve()] = axis
+    else:
+        loader = BUILT_IN[given]()
+    own = AXIS_OF.get(loader.name, axis)
+    if own != axis:
+        others = ", ".join(name for name, of in AXIS_OF.items() if of == axis)
+        raise InputError(
+            f"{loader.name} is the name of a built-in loader of {own}; expected one of {axis}, such as {others}; or, where its "
+            f'numbers are meant for {axis}, a file of them (forcefeel new) with a name of its own (name = "..." in the file)'
+        )
+    return loader

@@ -8,6 +8,7 @@ from forcefeel.loader import curve_text, tolerance_text
 from forcefeel.loader.contents import Contents
 from forcefeel.loader.curves import CURVES
 from forcefeel.loader.parameters import (
+    ALTERNATIVES,
     DIGITS,
     DRIVES,
     TABLE,
@@ -43,8 +44,11 @@ def write(contents: Contents, units: UnitSystem) -> str:
         drives=DRIVES,
         parts=parts(contents.drive),
         rows=lambda part: main_rows(part, contents.drive),
-        alternatives=alternatives,
-        replaced=replaced,
+        stated=lambda row: _stated(row, values).name,
+        alternatives=lambda part: [
+            row for row in alternatives(part).values() if row.name not in _stated_names(part, values)
+        ],
+        replaced=lambda part: _stated_names(part, values),
         value=lambda row: toml_value(row, values[f"{row.part}.{row.name}"], units),
         example=lambda row: toml_value(row, row.default_si, units, _EXAMPLE_DIGITS),
         limits=lambda row: _limits(row, units),
@@ -55,6 +59,17 @@ def write(contents: Contents, units: UnitSystem) -> str:
         ],
         tolerances=[f"{key} = {tolerance_text.write(TABLE[key], it, units)}" for key, it in tolerances.items()],
     )
+
+
+def _stated(row: Parameter, values: Mapping[str, float]) -> Parameter:
+    """The row by which a value stands in the file: the torque constant of three phases says by which ampere."""
+    of_three = row.part == "motor" and row.name == "torque_constant" and values["motor.three_phase"]
+    return ALTERNATIVES["motor.torque_constant_peak"] if of_three else row
+
+
+def _stated_names(part: str, values: Mapping[str, float]) -> list[str]:
+    """Names of the rows of a part that could stand in another way, as they stand."""
+    return [_stated(TABLE[f"{part}.{name}"], values).name for name in replaced(part)]
 
 
 def _optional(rows: Mapping[str, Parameter], values: Mapping[str, float], units: UnitSystem) -> list[str]:

@@ -1,7 +1,10 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
 from forcefeel.qualification.batch_verdicts import judge_releases as judge_releases
+from forcefeel.qualification.page.folder import write_cockpit as write_cockpit
 from forcefeel.qualification.page.folder import write_qualification as write_qualification
+from forcefeel.qualification.programme.cockpit import CockpitQualification as CockpitQualification
+from forcefeel.qualification.programme.cockpit import qualify_cockpit as qualify_cockpit
 from forcefeel.qualification.programme.result import Qualification as Qualification
 from forcefeel.qualification.programme.run import QualificationSetup as QualificationSetup
 from forcefeel.qualification.programme.run import qualify_loader as qualify_loader

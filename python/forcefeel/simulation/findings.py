@@ -189,6 +189,8 @@ def _saturation(run: Run, found: Limits, units: UnitSystem) -> str:
         at = f"the amplifier's limit of {_quantity(limit, MOTOR_CURRENT if of_motor else CURRENT, units, 3)}"
         spent = f"was at {at} for {_percent(found.current)} of the time" if found.current else f"never reached {at}"
         sentences.append(f"The current {spent}.")
+        if of_motor and found.current > _LITTLE:
+            sentences.append("Whether the motor holds the programmed force, and what would, forcefeel size tells.")
     beyond = (
         (found.over_current, "the current was above its rating"),
         (found.over_flow, "the flow was above its rating"),

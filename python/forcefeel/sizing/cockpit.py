@@ -2,11 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from types import MappingProxyType
 
 from forcefeel.conclusions import Conclusions, capital, of_result
-from forcefeel.loader.project import STICKS, read_project
+from forcefeel.loader.axes import control_of
+from forcefeel.loader.project import Project
 from forcefeel.sizing.findings import sizing_conclusions
 from forcefeel.sizing.result import Sizing
 from forcefeel.sizing.run import size_drive
@@ -25,7 +24,7 @@ class CockpitSizing:
         >>> import forcefeel as ff
         >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\nroll = "aileron-wheel"\nyaw = "rudder-pedals"\n', encoding="utf-8")
-        >>> [*ff.sizing.size_cockpit("cockpit.toml").axes]
+        >>> [*ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml")).axes]
         ['roll', 'yaw']
     """
 
@@ -38,29 +37,25 @@ class CockpitSizing:
         return all(found.good for found in self.axes.values())
 
 
-def size_cockpit(path: str | Path, release_rad: float | None = None) -> CockpitSizing:
+def size_cockpit(project: Project, release_rad: float | None = None) -> CockpitSizing:
     r"""Sizes the drive of each axis of a project.
 
     Args:
-        path: The project file: a table ``[axes]`` with a loader file or a built-in loader for ``pitch``, ``roll``, ``yaw``,
-            ``stick-pitch`` or ``stick-roll``.
+        project: The project.
         release_rad: Angle in rad of the releases; as ``size_drive`` if not given.
 
     Raises:
-        InputError: If the file or one of its loaders is bad.
+        InputError: If the angle is bad.
 
     Example:
         >>> import forcefeel as ff
         >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
-        >>> ff.sizing.size_cockpit("cockpit.toml").good
+        >>> ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml")).good
         True
     """
-    loaders = read_project(Path(path))
-    found = {
-        axis: size_drive(loader, "stick" if axis in STICKS else axis, release_rad) for axis, loader in loaders.items()
-    }
-    return CockpitSizing(Path(path).stem, MappingProxyType(found))
+    found = project.each(lambda axis, loader: size_drive(loader, control_of(axis), release_rad))
+    return CockpitSizing(project.name, found)
 
 
 @of_result
@@ -68,7 +63,7 @@ def cockpit_conclusions(found: CockpitSizing, units: UnitSystem) -> Conclusions:
     """What follows for the whole: each axis's verdict, and what would do where a drive is too small."""
     lacking = [axis for axis, one in found.axes.items() if not one.good]
     verdict = (
-        f"Too small for the programmed feel: the drive of {' and '.join(lacking)}."
+        f"Too small for the programmed feel: the drive of {', '.join(lacking)}."
         if lacking
         else "Every drive of the cockpit gives what its programmed feel asks for."
     )

@@ -5,7 +5,7 @@ from math import degrees, isfinite, pi
 from typing import Annotated, Literal, get_args
 
 from forcefeel.errors import InputError, expect_number
-from forcefeel.loader.built_in import ELECTRIC_AXES
+from forcefeel.loader.axes import control_of, usual_axis
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification.rules import load_rules
 from forcefeel.qualification.throw import Throw
@@ -61,4 +61,4 @@ class SizingPlan:
         """
         check_loader(loader)
         angle = Throw.of(loader).release_rad(load_rules()) if release_rad is None else release_rad
-        return cls(loader, ELECTRIC_AXES.get(loader.name, "pitch") if axis is None else axis, angle)
+        return cls(loader, control_of(usual_axis(loader.name)) if axis is None else axis, angle)

@@ -12,7 +12,7 @@ import numpy as np
 
 from forcefeel._core import Compensator
 from forcefeel.laws.law_file import compensator_json
-from forcefeel.loader.parameters import TABLE
+from forcefeel.loader.parameters import table
 from forcefeel.simulation.outcome import measures_of
 from forcefeel.sweep.chunk import nominal
 from forcefeel.sweep.plan import Sweep
@@ -39,7 +39,7 @@ def identity(sweep: Sweep) -> dict[str, Any]:
         "forcefeel": version("forcefeel"),
         "loader": {
             "name": loader.name,
-            "values": dict(zip(TABLE, loader.values.tolist(), strict=True)),
+            "values": {key: loader[key] for key in table(loader.drive)},
             **loader.curves,
         },
         "scenario": sweep.scenario,

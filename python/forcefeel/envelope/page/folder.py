@@ -2,18 +2,23 @@
 
 from pathlib import Path
 
-from forcefeel.envelope import Envelope
-from forcefeel.envelope.as_json import envelope_json, settings_csv
-from forcefeel.envelope.page.page import envelope_page
+from forcefeel.envelope.as_json import cockpit_json, envelope_json, settings_csv
+from forcefeel.envelope.cockpit import CockpitEnvelope
+from forcefeel.envelope.page.page import Files, cockpit_page, envelope_page
+from forcefeel.envelope.result import Envelope
 from forcefeel.json_values import json_text
+from forcefeel.loader.axes import PROJECT_AXES
 from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
-PAGE, RESULTS, SETTINGS, MAPS = "envelope.html", "results.json", "settings.csv", "envelope.nc"
-"""Names in the folder."""
+PAGE, RESULTS = "envelope.html", "results.json"
+"""Names in the folder, beside those of ``Files``."""
 
-FOLDER = OutputFolder("the envelope", (PAGE, RESULTS, SETTINGS, MAPS))
-"""Checked before the work, written after it."""
+FOLDER = OutputFolder(
+    "the envelope",
+    (PAGE, RESULTS, *(name for axis in ("", *PROJECT_AXES) for name in Files.of(axis).names)),
+)
+"""Checked before the work, written after it; a loader's and a cockpit's take one another's place."""
 
 
 def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bool = False, command: str = "") -> Path:
@@ -43,11 +48,56 @@ def write_envelope(found: Envelope, out: Path, units: UnitSystem, *, replace: bo
         'envelope'
     """
     FOLDER.check(out, replace=replace)
-    contents: dict[str, str | bytes] = {
-        MAPS: bytes(found.data.to_netcdf(engine="scipy")),
-        SETTINGS: settings_csv(found, units),
+    files = Files.of()
+    contents = {
+        **_maps(found, units, files),
         RESULTS: json_text(envelope_json(found, units)),
-        PAGE: envelope_page(found, units, command=command),
+        PAGE: envelope_page(found, units, files, command=command),
     }
     FOLDER.write(out, contents)
     return out / PAGE
+
+
+def write_cockpit(
+    found: CockpitEnvelope, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+) -> Path:
+    r"""Writes the files of each axis, such as ``envelope-roll.html``, then ``results.json`` and ``envelope.html`` of the whole.
+
+    Args:
+        found: The envelope of each axis.
+        out: The folder; made if it is not there.
+        units: The units of every number but those of the netCDF files, which are SI.
+        replace: Whether the new files may take the place of others.
+        command: The command that asked for it, to stand on the pages.
+
+    Returns:
+        The path of the page over the axes.
+
+    Raises:
+        InputError: As ``write_envelope``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator"\n', encoding="utf-8")
+        >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
+        >>> def plan(loader):
+        ...     return ff.envelope.make_plan(loader, ["original"], grid)
+        >>> found = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
+        >>> ff.envelope.write_cockpit(found, Path("envelopes"), ff.UnitSystem.SI).name
+        'envelope.html'
+    """
+    FOLDER.check(out, replace=replace)
+    contents: dict[str, str | bytes] = {}
+    for axis, one in found.axes.items():
+        files = Files.of(axis)
+        contents |= _maps(one, units, files)
+        contents[files.page] = envelope_page(one, units, files, command=command)
+    contents[RESULTS] = json_text(cockpit_json(found, units))
+    contents[PAGE] = cockpit_page(found, units, command=command)
+    FOLDER.write(out, contents)
+    return out / PAGE
+
+
+def _maps(found: Envelope, units: UnitSystem, files: Files) -> dict[str, str | bytes]:
+    return {files.maps: bytes(found.data.to_netcdf(engine="scipy")), files.settings: settings_csv(found, units)}

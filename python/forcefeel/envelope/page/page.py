@@ -1,6 +1,9 @@
 """The page of an envelope: the template filled with maps, tables and words."""
 
+from dataclasses import dataclass
+
 from forcefeel.envelope.as_json import releases
+from forcefeel.envelope.cockpit import CockpitEnvelope, cockpit_conclusions
 from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.page import maps as envelope_maps
 from forcefeel.envelope.page import plots as envelope_plots
@@ -13,14 +16,43 @@ from forcefeel.page.typography import quantity_text
 from forcefeel.units import ANGLE, UnitSystem
 
 
-def envelope_page(found: Envelope, units: UnitSystem, *, command: str = "") -> str:
-    """The whole page, numbers in ``units``."""
+@dataclass(frozen=True)
+class Files:
+    """The names of an envelope's files, which its page links.
+
+    Attributes:
+        page: The page.
+        settings: The settings as a table.
+        maps: Outcome and margin of each setting in each case.
+        axis: The axis that they are of; empty where there is but one loader.
+    """
+
+    page: str
+    settings: str
+    maps: str
+    axis: str = ""
+
+    @classmethod
+    def of(cls, axis: str = "") -> "Files":
+        """The names of an axis's files; of the only loader's if none is given."""
+        end = f"-{axis}" if axis else ""
+        return cls(f"envelope{end}.html", f"settings{end}.csv", f"envelope{end}.nc", axis)
+
+    @property
+    def names(self) -> tuple[str, str, str]:
+        """All three."""
+        return self.page, self.settings, self.maps
+
+
+def envelope_page(found: Envelope, units: UnitSystem, files: Files, *, command: str = "") -> str:
+    """The whole page, numbers in ``units``; ``files`` are what it stands among."""
     plan = found.plan
     shares = [(name, found.shares(name)) for name in found.compensators]
     return render(
         "envelope/page/envelope.html.j2",
         command=command,
         loader=plan.given,
+        files=files,
         plan=plan,
         conclusions=envelope_conclusions(found, units),
         compensators=shares,
@@ -44,4 +76,17 @@ def envelope_page(found: Envelope, units: UnitSystem, *, command: str = "") -> s
         angle=quantity_text(plan.release_rad, ANGLE, units, 3),
         releases=f"{releases(found):,}",
         parameters=machine.parameters(plan.given, units),
+    )
+
+
+def cockpit_page(found: CockpitEnvelope, units: UnitSystem, *, command: str = "") -> str:
+    """The page over the axes of a cockpit, which links each axis's own."""
+    return render(
+        "envelope/page/cockpit.html.j2",
+        command=command,
+        name=found.name,
+        axes={axis: (one, envelope_conclusions(one, units), Files.of(axis)) for axis, one in found.axes.items()},
+        conclusions=cockpit_conclusions(found),
+        table_of_axes=envelope_tables.axes(found, {axis: Files.of(axis).page for axis in found.axes}),
+        rules=list(dict.fromkeys(f"{one.plan.rules.title}, {one.plan.rules.edition}" for one in found.axes.values())),
     )

@@ -1,9 +1,13 @@
 """The tables of an envelope: one number each, what fails, what each case costs, what can be rendered, passivity."""
 
+from collections.abc import Mapping
 from math import isfinite
+
+from markupsafe import Markup
 
 from forcefeel.conclusions import capital, interval_text, share_text
 from forcefeel.envelope.cases import Kind
+from forcefeel.envelope.cockpit import SHARES, CockpitEnvelope
 from forcefeel.envelope.passivity import ARM_HZ, HIGHEST_HZ
 from forcefeel.envelope.result import MOST, Envelope, Failure
 from forcefeel.envelope.settings import AXES
@@ -24,6 +28,24 @@ def shares(found: Envelope) -> Table:
         rows.append((words(capital(name)), *(number(share_text(share)) for share in numbers)))
     head = ("Law", "Stable", "Passes", "Stable in every case", "Passes in every case")
     return Table(heads(*head), tuple(rows))
+
+
+def axes(found: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
+    """A row for each axis and law of a cockpit; ``pages`` has the page of each axis."""
+    rows = tuple(
+        (
+            Cell(Markup('<a href="{}">{}</a>').format(pages[row.axis], row.axis), "words"),
+            words(row.compensator),
+            *(number(text) for text in row.shares),
+            words(prose_html(row.worst_text)),
+            words(row.loader),
+            words(row.drive),
+        )
+        for row in found.rows
+    )
+    shares = heads("", *map(capital, SHARES))[1:]
+    head = (Cell("Axis"), Cell("Law"), *shares, *map(Cell, ("Most is lost with", "Loader", "Drive")))
+    return Table(head, rows)
 
 
 def drawn(found: Envelope) -> Table:

@@ -9,6 +9,7 @@ from forcefeel import _core
 from forcefeel.flight_schedule.axes import ScheduleAxis, mesh
 from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
+from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.page.canvas import ZERO, frame, line
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
 from forcefeel.page.typography import number_text, unit_text
@@ -16,13 +17,13 @@ from forcefeel.units import Unit, UnitSystem
 
 _PANEL_PX = 300
 _SIGNALS = (
-    ("load cell force", Unit("V/N", "V/N", "V/lb"), Look(COMPLIANT)),
-    ("piston", Unit("V/m", "V/cm", "V/in"), Look("#B57A00", "dashdot")),
-    ("column angle", Unit("V/rad", "V/rad", "V/rad"), Look(RIGID, "dash")),
-    ("feel's angle", Unit("V/rad", "V/rad", "V/rad"), Look(COMPENSATED)),
-    ("feel's rate", Unit("V s/rad", "V s/rad", "V s/rad"), Look("#A8568A", "dot")),
+    ("load cell force", ("/N", "/N", "/lb"), Look(COMPLIANT)),
+    ("drive position", ("/m", "/cm", "/in"), Look("#B57A00", "dashdot")),
+    ("column angle", ("/rad", "/rad", "/rad"), Look(RIGID, "dash")),
+    ("feel's angle", ("/rad", "/rad", "/rad"), Look(COMPENSATED)),
+    ("feel's rate", (" s/rad", " s/rad", " s/rad"), Look("#A8568A", "dot")),
 )
-"""What the command is made of, in the law's order, beside the observer's state."""
+"""What the command is made of, in the law's order, beside the observer's state, and what its gain is in per volt or ampere."""
 
 
 def poles(found: ScheduleCheck) -> go.Figure:
@@ -51,13 +52,14 @@ def poles(found: ScheduleCheck) -> go.Figure:
 
 def gains(schedule: FlightSchedule, refine: int, units: UnitSystem) -> go.Figure:
     """The command's gain on each signal over each axis, the other axes at their middle knot; shares of the largest."""
-    picture = _panels(schedule)
+    picture, of = _panels(schedule), "A" if schedule.loader.drive == ELECTRIC else "V"
     middle = [[axis.values[len(axis.values) // 2]] for axis in schedule.axes]
     for row, axis in enumerate(schedule.axes):
         along = axis.refined(refine)
         points = mesh([*middle[:row], along, *middle[row + 1 :]])
         command = schedule.between(points)[1].command[:, schedule.laws.states :]
-        for (name, measured_in, look), values in zip(_SIGNALS, command.T, strict=True):
+        for (name, per, look), values in zip(_SIGNALS, command.T, strict=True):
+            measured_in = Unit(*(f"{of}{end}" for end in per))
             largest = float(np.abs(values).max())
             if largest == 0:
                 continue

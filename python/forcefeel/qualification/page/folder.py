@@ -2,12 +2,14 @@
 
 from pathlib import Path
 
-from forcefeel.json_values import json_text
+from forcefeel.json_values import Json, json_text
 from forcefeel.page.chromium import page_pdf
 from forcefeel.page.folder import OutputFolder
-from forcefeel.qualification.page.page import qualification_page
-from forcefeel.qualification.programme.as_json import qualification_json
+from forcefeel.qualification.page.page import cockpit_page, qualification_page
+from forcefeel.qualification.programme.as_json import cockpit_json, qualification_json
+from forcefeel.qualification.programme.cockpit import CockpitQualification
 from forcefeel.qualification.programme.result import Qualification
+from forcefeel.units import UnitSystem
 
 PAGE, NUMBERS, PDF = "qualification.html", "results.json", "qualification.pdf"
 """Names in the folder."""
@@ -42,9 +44,47 @@ def write_qualification(found: Qualification, out: Path, *, pdf: bool = False, c
         'tests-of-mine'
     """
     FOLDER.check(out)
-    page = qualification_page(found, (NUMBERS, PDF) if pdf else (NUMBERS,), command=command)
-    numbers = json_text(qualification_json(found))
-    contents: dict[str, str | bytes] = {NUMBERS: numbers, PAGE: page}
+    return _written(out, qualification_page(found, _beside(pdf), command=command), qualification_json(found), pdf=pdf)
+
+
+def write_cockpit(
+    found: CockpitQualification, out: Path, units: UnitSystem, *, pdf: bool = False, command: str = ""
+) -> Path:
+    r"""Writes the same files for a cockpit: one test guide over its axes.
+
+    Args:
+        found: The qualification of each axis.
+        out: The folder; made if it is not there.
+        units: The units that it was made in.
+        pdf: Print the page too; it takes a Chromium.
+        command: The command that asked for it, to stand on the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: As ``write_qualification``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> size = Path("cockpit.toml").write_text('[axes]\nyaw = "rudder-pedals"\n', encoding="utf-8")
+        >>> one_test = ff.qualification.QualificationSetup(tests=("release-25-positive",))
+        >>> found = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
+        >>> ff.qualification.write_cockpit(found, Path("guide"), ff.UnitSystem.US).name
+        'qualification.html'
+    """
+    FOLDER.check(out)
+    return _written(out, cockpit_page(found, _beside(pdf), command=command), cockpit_json(found, units), pdf=pdf)
+
+
+def _beside(pdf: bool) -> tuple[str, ...]:
+    """The files beside the page."""
+    return (NUMBERS, PDF) if pdf else (NUMBERS,)
+
+
+def _written(out: Path, page: str, numbers: dict[str, Json], *, pdf: bool) -> Path:
+    contents: dict[str, str | bytes] = {NUMBERS: json_text(numbers), PAGE: page}
     if pdf:
         contents = {PDF: page_pdf(page), **contents}
     FOLDER.write(out, contents)

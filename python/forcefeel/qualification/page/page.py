@@ -4,11 +4,13 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
+from forcefeel.conclusions import Conclusions
 from forcefeel.page import machine
 from forcefeel.page.render import drawing, render
 from forcefeel.page.table import Table
 from forcefeel.qualification.page import plots as qualification_plots
 from forcefeel.qualification.page import tables as qualification_tables
+from forcefeel.qualification.programme.cockpit import CockpitQualification, cockpit_conclusions
 from forcefeel.qualification.programme.result import Qualification, Result, Section
 from forcefeel.qualification.programme.sentences import conclusions, result_text, tally, unverified_tests
 
@@ -47,11 +49,24 @@ class ShownTest:
 
 @dataclass(frozen=True)
 class ShownSection:
-    """A law as the page shows it."""
+    """A law as the page shows it; ``key`` is its anchor."""
 
+    key: str
     section: Section
     tally: str
     tests: tuple[ShownTest, ...]
+
+
+@dataclass(frozen=True)
+class ShownAxis:
+    """An axis of a cockpit as the page shows it; ``key`` is its anchor."""
+
+    key: str
+    found: Qualification
+    conclusions: Conclusions
+    sections: tuple[ShownSection, ...]
+    conditions: Table
+    parameters: Table
 
 
 def qualification_page(found: Qualification, beside: tuple[str, ...], *, command: str = "") -> str:
@@ -77,12 +92,43 @@ def qualification_page(found: Qualification, beside: tuple[str, ...], *, command
     )
 
 
-def _section(section: Section, found: Qualification) -> ShownSection:
-    return ShownSection(section, tally(section), tuple(_test(result, section, found) for result in section.results))
+def cockpit_page(found: CockpitQualification, beside: tuple[str, ...], *, command: str = "") -> str:
+    """The test guide of a cockpit: an overview, then the sections of each axis; arguments as ``qualification_page``."""
+    axes = [
+        ShownAxis(
+            axis,
+            one,
+            conclusions(one),
+            tuple(_section(section, one, axis) for section in one.sections),
+            qualification_tables.conditions(one),
+            machine.parameters(one.loader, one.system),
+        )
+        for axis, one in found.axes.items()
+    ]
+    first = axes[0].found
+    return render(
+        "qualification/page/cockpit.html.j2",
+        command=command,
+        name=found.name,
+        found=first,
+        conclusions=cockpit_conclusions(found),
+        overview=qualification_tables.axes(found),
+        tests_of_all=qualification_tables.over_axes(found),
+        axes=axes,
+        provenance=qualification_tables.provenance(*found.axes.values()),
+        unverified=list(dict.fromkeys(test for one in found.axes.values() for test in unverified_tests(one))),
+        beside=beside,
+    )
 
 
-def _test(result: Result, section: Section, found: Qualification) -> ShownTest:
-    key = qualification_tables.anchor(section, result.trial)
+def _section(section: Section, found: Qualification, axis: str = "") -> ShownSection:
+    key = "-".join(filter(None, ("law", axis, section.name)))
+    tests = tuple(_test(result, section, found, axis) for result in section.results)
+    return ShownSection(key, section, tally(section), tests)
+
+
+def _test(result: Result, section: Section, found: Qualification, axis: str) -> ShownTest:
+    key = qualification_tables.anchor(section, result.trial, axis)
     picture = qualification_plots.drawn(result, found, section.name)
     return ShownTest(
         key=key,

@@ -6,9 +6,11 @@ from math import isfinite
 
 from markupsafe import Markup
 
+from forcefeel.conclusions import capital
 from forcefeel.page.table import Cell, Table, number, words
 from forcefeel.page.typography import NONE, number_text, prose_html, unit_text
 from forcefeel.qualification import Outcome, Verdict
+from forcefeel.qualification.programme.cockpit import CockpitQualification
 from forcefeel.qualification.programme.motions import SHORT
 from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT, Trial
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
@@ -29,9 +31,9 @@ _BACKGROUNDS: dict[Outcome | Standing, str] = {
 UNVERIFIED = Markup(" <small>unverified</small>")
 
 
-def anchor(section: Section, trial: Trial) -> str:
-    """Where the page has a test."""
-    return f"{section.name}-{trial.key}"
+def anchor(section: Section, trial: Trial, axis: str = "") -> str:
+    """Where the page has a test; ``axis`` of a cockpit's."""
+    return "-".join(filter(None, (axis, section.name, trial.key)))
 
 
 def summary(found: Qualification) -> Table:
@@ -49,10 +51,46 @@ def summary(found: Qualification) -> Table:
     return Table(head, (*rows, total), "outcomes")
 
 
-def _linked(section: Section, result: Result | None) -> Cell:
+def over_axes(found: CockpitQualification) -> Table:
+    """A row for each test of each axis and law, with what it came to; each leads to its test."""
+    rows = tuple(
+        (
+            words(axis),
+            words(result.trial.title),
+            _linked(section, result, axis),
+            words(section.title),
+            _number(result.trial),
+        )
+        for axis, one in found.axes.items()
+        for section in one.sections
+        for result in section.results
+    )
+    return Table(tuple(map(Cell, ("Axis", "Test", "Outcome", "Law", "Number"))), rows, "outcomes")
+
+
+def axes(found: CockpitQualification) -> Table:
+    """A row for each axis and law: the loader, and how many tests came to what; each leads to its section."""
+    rows = tuple(
+        (
+            Cell(Markup('<a href="#{}">{}</a>').format(axis, axis), "words"),
+            coloured(section.standing),
+            *(words(text) for text in (one.loader.name, one.loader.drive, section.title)),
+            *(number(str(section.count(outcome))) for outcome in Outcome),
+        )
+        for axis, one in found.axes.items()
+        for section in one.sections
+    )
+    head = (
+        *map(Cell, ("Axis", "Standing", "Loader", "Drive", "Law")),
+        *(Cell(capital(outcome), "number") for outcome in Outcome),
+    )
+    return Table(head, rows, "outcomes")
+
+
+def _linked(section: Section, result: Result | None, axis: str = "") -> Cell:
     if result is None:
         return Cell("not asked for", "", _NONE)
-    link = Markup('<a href="#{}">{}</a>').format(anchor(section, result.trial), str(result.outcome))
+    link = Markup('<a href="#{}">{}</a>').format(anchor(section, result.trial, axis), str(result.outcome))
     return Cell(link, "", _BACKGROUNDS[result.outcome])
 
 
@@ -128,15 +166,16 @@ def conditions(found: Qualification) -> Table:
     return Table((Cell("What"), Cell("Here")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
 
 
-def provenance(found: Qualification) -> Table:
-    """Date, versions, loader, files with their hashes."""
+def provenance(*found: Qualification) -> Table:
+    """Date, versions, loaders, files with their hashes."""
     rows = [
-        ("Date", found.day.isoformat()),
+        ("Date", found[0].day.isoformat()),
         ("forcefeel", version("forcefeel")),
         ("Python, NumPy", f"{platform.python_version()}, {version('numpy')}"),
-        ("Loader", f"{found.loader.name}: {found.loader.source}"),
+        *(("Loader", f"{one.loader.name}: {one.loader.source}") for one in found),
     ]
-    for name, given in found.files.items():
-        if given.path is not None:
-            rows.append((name, f"{given.path.name}, SHA-256 {given.sha256}"))
+    for one in found:
+        for name, given in one.files.items():
+            if given.path is not None:
+                rows.append((name, f"{given.path.name}, SHA-256 {given.sha256}"))
     return Table((Cell("What"), Cell("Which")), tuple((Cell(name), words(text)) for name, text in rows), "provenance")

@@ -8,6 +8,7 @@ from forcefeel.json_values import Json, json_value
 from forcefeel.json_values import quantity as json_quantity
 from forcefeel.qualification import Verdict
 from forcefeel.qualification.figures import Figure
+from forcefeel.qualification.programme.cockpit import CockpitQualification, cockpit_conclusions
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Side
 from forcefeel.qualification.programme.sentences import UNITS, conclusions, result_text, tally, unverified_tests
 from forcefeel.qualification.release import ReleaseFeatures
@@ -62,6 +63,18 @@ def qualification_json(found: Qualification) -> dict[str, Json]:
         "files": files,
         "sections": [_section(section, found) for section in found.sections],
         "loader": json_value(found.loader, system),
+    }
+
+
+def cockpit_json(found: CockpitQualification, system: UnitSystem) -> dict[str, Json]:
+    """The qualification of each axis."""
+    return {
+        "forcefeel": version("forcefeel"),
+        "units": str(system),
+        "project": found.name,
+        "standing": str(found.standing),
+        "conclusions": json_value(cockpit_conclusions(found), system),
+        "axes": {axis: qualification_json(one) for axis, one in found.axes.items()},
     }
 
 

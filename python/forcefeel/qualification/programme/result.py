@@ -1,6 +1,6 @@
 """What a qualification came to."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from datetime import date
 from enum import StrEnum
@@ -28,6 +28,11 @@ class Standing(StrEnum):
     """None failed, but some of the programme are missing: not evaluated, not asked for, or too close to call."""
     QUALIFIES = "qualifies"
     """The programme is whole, and all that was evaluated passed."""
+
+
+def worst_standing(of: Iterable[Standing]) -> Standing:
+    """What several come to together."""
+    return min(of, key=[*Standing].index)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,8 +168,7 @@ class Qualification:
     @property
     def standing(self) -> Standing:
         """The worst of the sections'."""
-        found = {section.standing for section in self.sections}
-        return next(standing for standing in Standing if standing in found)
+        return worst_standing(section.standing for section in self.sections)
 
     @property
     def qualifies(self) -> bool:

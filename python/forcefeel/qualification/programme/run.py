@@ -7,6 +7,7 @@ from typing import Annotated
 from forcefeel.errors import InputError, expect
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.arms import ARM_ROWS
+from forcefeel.loader.axes import rule_axis, usual_axis
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
 from forcefeel.qualification.programme.feel_alone import FeelAlone
@@ -34,7 +35,7 @@ class QualificationSetup:
         laws: Names of ``law.NAMED_LAWS``, or laws by name, ``None`` being the original loop; a section each. If not given, the
             original loop of a hydraulic loader and the robust law of an electric one.
         rule: Edition of the rule.
-        axis: Which control of the rule.
+        axis: Which control of the rule; that of a built-in loader of its name, else pitch, if not given.
         throw_rad: Throw to either side; the loader's or its feel's stops, or a usual one if not given.
         references: Recorded references; the programmed feel if there are none.
         records: Records of a simulator that take the place of the simulated loader; no law then counts.
@@ -48,13 +49,13 @@ class QualificationSetup:
 
     Example:
         >>> import forcefeel as ff
-        >>> ff.qualification.QualificationSetup(laws=("original", "published")).axis
-        'pitch'
+        >>> ff.qualification.QualificationSetup(laws=("original", "published")).rule
+        'part60-a-2014'
     """
 
     laws: Sequence[str] | Mapping[str, LawLike] | None = None
     rule: str = DEFAULT_EDITION
-    axis: Axis = "pitch"
+    axis: Axis | None = None
     throw_rad: Annotated[float, ANGLE] | None = None
     references: Records = ()
     records: Records = ()
@@ -93,8 +94,9 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
         expect("setup", setup, QualificationSetup, "a QualificationSetup")
     setup = setup or QualificationSetup()
     rules = load_rules(setup.rule)
-    planned = trials(rules, setup.axis)
-    programme = programme_of(rules, setup.axis, recorded=bool(setup.records), named=setup.tests)
+    axis = setup.axis or rule_axis(usual_axis(loader.name))
+    planned = trials(rules, axis)
+    programme = programme_of(rules, axis, recorded=bool(setup.records), named=setup.tests)
     left_out = tuple(row for row in ARM_ROWS if loader[row] != 0)
     loader = loader.replace(dict.fromkeys(left_out))
     throw = Throw.of(loader, setup.throw_rad)
@@ -122,7 +124,7 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
         loader,
         left_out,
         rules,
-        setup.axis,
+        axis,
         throw,
         setup.system,
         "recorded aircraft" if references else feel.method,

@@ -8,6 +8,7 @@ from forcefeel.qualification.figures import Figure
 from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
 from forcefeel.qualification.release import ReleaseFeatures
+from forcefeel.sizing.too_small import too_small_text
 from forcefeel.units import ANGLE, ANGULAR_VELOCITY, FORCE, LENGTH, RATIO, SECONDS, Unit, UnitSystem, to_text
 
 UNITS = {
@@ -38,7 +39,7 @@ def conclusions(found: Qualification) -> Conclusions:
     if len(found.sections) == 1:
         lines = reasons(found.sections[0], found)
     else:
-        lines = [" ".join([_sentence(_standing(one)), *reasons(one, found)]) for one in found.sections]
+        lines = [" ".join([standing_text(one), *reasons(one, found)]) for one in found.sections]
     return Conclusions(found.fulfilled, _verdict(found), (*lines, *caveats(found)))
 
 
@@ -64,6 +65,11 @@ def _verdict(found: Qualification) -> str:
 def _asked(found: Qualification | Section) -> str:
     """What alone was asked for."""
     return f" (asked for: {', '.join(found.programme.named)})" if found.programme.named else ""
+
+
+def standing_text(section: Section) -> str:
+    """What the tests of a section come to, in a sentence."""
+    return _sentence(_standing(section))
 
 
 def _standing(section: Section) -> str:
@@ -193,7 +199,8 @@ def _share(verdict: Verdict) -> float:
 
 def caveats(found: Qualification) -> tuple[str, ...]:
     """What else a reader must know."""
-    lines = []
+    small = "" if recorded(found, "record") else too_small_text(found.loader, found.system)
+    lines = [small] if small else []
     if outside := found.programme.outside:
         tests = ", ".join(f"{trial.key} ({trial.test.number}; {OF_THE_AIRCRAFT[trial.key]})" for trial in outside)
         lines.append(

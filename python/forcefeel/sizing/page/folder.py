@@ -68,7 +68,7 @@ def write_cockpit(
         >>> import forcefeel as ff
         >>> from pathlib import Path
         >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-electric"\n', encoding="utf-8")
-        >>> found = ff.sizing.size_cockpit("cockpit.toml")
+        >>> found = ff.sizing.size_cockpit(ff.loader.read_project("cockpit.toml"))
         >>> ff.sizing.write_cockpit(found, Path("size"), ff.UnitSystem.US).name
         'size.html'
     """

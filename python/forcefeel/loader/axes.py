@@ -1,0 +1,49 @@
+"""The axes of a cockpit, and the built-in loaders by the axis that each is of.
+
+It imports nothing heavy, so that help, which names the loaders, waits for no numerical library.
+"""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Literal
+
+RuleAxis = Literal["pitch", "roll", "yaw"]
+
+_STICK = "stick-"
+
+PROJECT_AXES = ("pitch", "roll", "yaw", f"{_STICK}pitch", f"{_STICK}roll")
+"""Names of the axes: of wheel and pedals, and of a stick."""
+
+HYDRAULIC_AXES: Mapping[str, str] = MappingProxyType({"elevator": "pitch", "elevator-2khz": "pitch"})
+"""The built-in loaders with a valve, and the axis of each."""
+
+ELECTRIC_AXES: Mapping[str, str] = MappingProxyType(
+    {
+        "elevator-electric": "pitch",
+        "aileron-wheel": "roll",
+        "rudder-pedals": "yaw",
+        "sidestick-pitch": "stick-pitch",
+        "sidestick-roll": "stick-roll",
+        "desktop-yoke": "roll",
+    }
+)
+"""The built-in loaders with a motor, each the file of its name in ``data/loaders``, and the axis of each."""
+
+AXIS_OF: Mapping[str, str] = MappingProxyType({**HYDRAULIC_AXES, **ELECTRIC_AXES})
+"""All built-in loaders, and the axis of each."""
+
+
+def control_of(axis: str) -> str:
+    """Which control an axis is of where sticks count as one: ``pitch``, ``roll``, ``yaw`` or ``stick``."""
+    return "stick" if axis.startswith(_STICK) else axis
+
+
+def rule_axis(axis: str) -> RuleAxis:
+    """The axis of a qualification rule, which has no rows of a stick's own."""
+    of: dict[str, RuleAxis] = {"pitch": "pitch", "roll": "roll", "yaw": "yaw"}
+    return of[axis.removeprefix(_STICK)]
+
+
+def usual_axis(name: str) -> str:
+    """The axis of a loader of that name where nobody says: a built-in one's own, else pitch."""
+    return AXIS_OF.get(name, "pitch")

@@ -1,0 +1,106 @@
+"""The test guide of a cockpit: the tests of a rule on each axis of a project."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+from forcefeel.conclusions import Conclusions, capital, of_result
+from forcefeel.errors import InputError
+from forcefeel.loader.axes import rule_axis
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.project import Project
+from forcefeel.qualification.programme.result import Qualification, Standing, worst_standing
+from forcefeel.qualification.programme.run import QualificationSetup, qualify_loader
+from forcefeel.qualification.programme.sentences import reasons, rule_text, standing_text
+
+
+@dataclass(frozen=True, eq=False)
+class CockpitQualification:
+    r"""The qualification of each axis of a cockpit.
+
+    Attributes:
+        name: The project, by its file.
+        axes: By axis, in the file's order.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> size = Path("cockpit.toml").write_text('[axes]\nyaw = "rudder-pedals"\n', encoding="utf-8")
+        >>> one_test = ff.qualification.QualificationSetup(tests=("release-25-positive",))
+        >>> found = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
+        >>> str(found.standing)
+        'incomplete'
+    """
+
+    name: str
+    axes: Mapping[str, Qualification]
+
+    @property
+    def standing(self) -> Standing:
+        """The worst of the axes'."""
+        return worst_standing(one.standing for one in self.axes.values())
+
+    @property
+    def qualifies(self) -> bool:
+        """Whether every axis does."""
+        return self.standing is Standing.QUALIFIES
+
+    @property
+    def fulfilled(self) -> bool:
+        """Whether every axis qualifies, or passed every test where only some were asked for."""
+        return all(one.fulfilled for one in self.axes.values())
+
+
+def qualify_cockpit(
+    project: Project, setup: Callable[[Loader], QualificationSetup] = lambda _: QualificationSetup()
+) -> CockpitQualification:
+    r"""Makes the tests of a rule on each axis of a project.
+
+    Args:
+        project: The project.
+        setup: How a loader of it is qualified. The rule's rows are those of its axis, whatever the setup says; of a stick those
+            of pitch and roll.
+
+    Raises:
+        InputError: As ``qualify_loader``, with the axis; or if a setup has records or references, which are of one control.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from pathlib import Path
+        >>> size = Path("cockpit.toml").write_text('[axes]\nyaw = "rudder-pedals"\n', encoding="utf-8")
+        >>> one_test = ff.qualification.QualificationSetup(tests=("release-25-positive",))
+        >>> found = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
+        >>> found.fulfilled, found.axes["yaw"].axis
+        (True, 'yaw')
+    """
+
+    def qualified(axis: str, loader: Loader) -> Qualification:
+        given = setup(loader)
+        if given.records or given.references:
+            raise InputError("setup: has records or references, which are of one control; qualify its loader by itself")
+        return qualify_loader(loader, replace(given, axis=rule_axis(axis)))
+
+    return CockpitQualification(project.name, project.each(qualified))
+
+
+@of_result
+def cockpit_conclusions(found: CockpitQualification) -> Conclusions:
+    """What to conclude of the whole: each axis's verdict, and the first tests that are off."""
+    rules = " and ".join(dict.fromkeys(map(rule_text, found.axes.values())))
+    lines = []
+    for axis, one in found.axes.items():
+        told = [text for section in one.sections for text in (standing_text(section), *reasons(section, one)[:1])]
+        lines.append(f"{capital(axis)}, {one.loader.name}: {' '.join(told)}")
+    return Conclusions(found.fulfilled, f"By {rules} the cockpit {_standing(found)}.", tuple(lines))
+
+
+def _standing(found: CockpitQualification) -> str:
+    if found.standing is Standing.QUALIFIES:
+        return f"qualifies: {_listed(found, Standing.QUALIFIES)}"
+    short = {Standing.DOES_NOT_QUALIFY: "does not qualify", Standing.INCOMPLETE: "is not complete"}
+    if found.fulfilled:
+        return f"passed what was asked for: {', '.join(found.axes)}"
+    return "; ".join(f"{text}: {axes}" for standing, text in short.items() if (axes := _listed(found, standing)))
+
+
+def _listed(found: CockpitQualification, standing: Standing) -> str:
+    return ", ".join(axis for axis, one in found.axes.items() if one.standing is standing)

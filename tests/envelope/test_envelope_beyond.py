@@ -1,0 +1,76 @@
+"""Settings that a motor cannot hold are counted apart: no law renders them."""
+
+import json
+from math import radians
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.envelope.as_json import envelope_json
+from forcefeel.envelope.findings import envelope_conclusions
+from forcefeel.envelope.result import Failure
+from tests.command_line import runner
+
+ANGLE = radians(10)
+GRID = {"stiffness": "10, 40, 70, 100 %", "frequency": "1, 2 Hz", "damping": "0.5, 1"}
+WEAK = ff.loader.electric("aileron-wheel").replace({"current_loop.current_limit": 2.0})
+
+
+@pytest.fixture(scope="module")
+def found():
+    return ff.find_envelope(WEAK, ["robust"], GRID, changes={}, arms=(), angle_rad=ANGLE)
+
+
+def test_what_the_largest_current_does_not_hold_is_beyond_the_motors_torque(found):
+    """G theta > K_t i_max alpha R_b / r: without friction and losses."""
+    row = WEAK.__getitem__
+    most = (
+        row("motor.torque_constant") * 2.0 * row("linkage.ratio") * row("column.base_arm") / row("transmission.travel")
+    )
+    shares = np.array([0.1, 0.4, 0.7, 1.0])
+    expected = shares * row("feel.maximum_stiffness") * ANGLE > most
+    assert 0 < expected.sum() < 4
+    assert found.beyond.settings.reshape(found.plan.settings.shape).tolist() == [[expected.tolist()] * 2] * 2
+    assert found.beyond.gives_n == pytest.approx(most / row("column.grip_arm"))
+    assert found.beyond.torque_n_m / (WEAK["motor.torque_constant"] * 2.0) == pytest.approx(
+        row("feel.maximum_stiffness") * ANGLE / most
+    )
+
+
+def test_they_are_a_kind_of_failure_of_their_own(found):
+    beyond = found.beyond.settings
+    count = int(beyond.sum())
+    assert not found.passes("robust")[0][beyond].any()
+    assert found.failure_shares("robust")[Failure.TORQUE] == count / 16
+    assert found.failure_shares("robust")[Failure.UNSTABLE] == 0
+    said = envelope_conclusions(found, ff.UnitSystem.SI).findings[0]
+    assert said.startswith(f"Of 16 settings {count} are beyond the motor's torque, whatever the law")
+    assert "What would do: a motor of" in said
+    assert envelope_json(found, ff.UnitSystem.SI)["beyond_the_motors_torque"] == count
+
+
+def test_a_valve_and_a_strong_motor_have_none():
+    for loader, law in ((ff.elevator(), "published"), (ff.loader.electric("aileron-wheel"), "robust")):
+        grid = {"stiffness": "50, 100 %", "frequency": "1, 2 Hz", "damping": "0.5, 1"}
+        other = ff.find_envelope(loader, [law], grid, changes={}, arms=())
+        assert not other.beyond.settings.any()
+        assert other.failure_shares(law)[Failure.TORQUE] == 0
+
+
+@pytest.mark.parametrize(
+    ("command", "more"), [("compensate", ("--method", "robust")), ("qualify", ("--test", "release-25-positive"))]
+)
+def test_other_commands_name_what_would_hold_the_programmed_force(monkeypatch, capsys, tmp_path, command, more):
+    call = runner(monkeypatch, capsys, tmp_path, command)
+    status, out, _ = call("aileron-wheel", "--set", "current_loop.current_limit=2 A", "--json", *more)
+    findings = json.loads(out)["conclusions"]["findings"]
+    (said,) = (line for line in findings if line.startswith("The motor is too small for the programmed feel"))
+    assert "What would do: a motor of that torque, or a transmission.travel of" in said
+    assert status in {0, 1}
+
+
+def test_a_run_at_the_limit_of_current_leads_to_what_would(monkeypatch, capsys, tmp_path):
+    call = runner(monkeypatch, capsys, tmp_path, "simulate")
+    _, out, _ = call("aileron-wheel", "--set", "current_loop.current_limit=2 A", "--json", "--duration", "0.5 s")
+    assert any("and what would, forcefeel size tells." in line for line in json.loads(out)["conclusions"]["findings"])

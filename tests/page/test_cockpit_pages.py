@@ -1,0 +1,108 @@
+"""The test guide and the envelopes of a cockpit: one valve, one motor; the pages in a browser, and what stands in the folder."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.envelope import find_cockpit, make_plan
+from forcefeel.qualification import QualificationSetup, qualify_cockpit
+from tests.pages import (  # noqa: F401  what is asked of every page
+    test_a_page_is_small_and_every_plot_has_its_text,
+    test_heads_name_rows_and_columns_and_keep_their_words_whole,
+    test_nothing_is_asked_for_but_the_page_and_its_script,
+    test_nothing_is_cut_off,
+    test_tables_and_drawing_stay_in_their_boxes,
+    test_the_console_is_silent,
+    test_the_navigation_stays_in_view,
+    test_the_tool_bar_leaves_the_legend_free,
+    test_tick_labels_do_not_overlap,
+    views_of,
+    words,
+)
+
+GUIDE, ENVELOPES = "guide", "envelopes"
+GRID = {"stiffness": "30, 100 %", "frequency": "1, 2 Hz", "damping": "0.5, 1"}
+TESTS = ("release-25-positive", "static")
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory: pytest.TempPathFactory) -> ff.loader.Project:
+    file = tmp_path_factory.mktemp("cockpit") / "cockpit.toml"
+    file.write_text('[axes]\npitch = "elevator-2khz"\nyaw = "rudder-pedals"\n', encoding="utf-8")
+    return ff.loader.read_project(file)
+
+
+@pytest.fixture(scope="module")
+def guide(project):
+    return qualify_cockpit(project, lambda _: QualificationSetup(tests=TESTS))
+
+
+@pytest.fixture(scope="module")
+def envelopes(project):
+    def plan(loader: ff.Loader) -> ff.envelope.Plan:
+        return make_plan(loader, ["robust"], GRID, changes={"linkage.stiffness": 0.2}, arms=())
+
+    return find_cockpit(project, plan)
+
+
+@pytest.fixture(scope="module")
+def pages(guide, envelopes, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("pages")
+    units = ff.UnitSystem.US
+    return {
+        GUIDE: ff.qualification.write_cockpit(guide, folder / GUIDE, units),
+        ENVELOPES: ff.envelope.write_cockpit(envelopes, folder / ENVELOPES, units),
+    }
+
+
+page = views_of((GUIDE, ENVELOPES))
+
+
+def test_each_axis_is_tested_by_its_own_rows_and_law_as_it_is_alone(project, guide):
+    assert {axis: one.sections[0].name for axis, one in guide.axes.items()} == {"pitch": "original", "yaw": "robust"}
+    assert [one.sections[0].results[0].trial.test.number for one in guide.axes.values()] == ["2.a.1.a", "2.a.3.a"]
+    alone = ff.qualify_loader(project.loaders["yaw"], QualificationSetup(tests=TESTS, axis="yaw"))
+    assert [one.outcome for one in guide.axes["yaw"].sections[0].results] == [
+        one.outcome for one in alone.sections[0].results
+    ]
+    assert guide.axes["yaw"].fulfilled
+    assert not guide.fulfilled
+
+
+def test_the_guide_has_a_row_for_each_test_of_each_axis_and_leads_to_it(pages, guide):
+    text = pages[GUIDE].read_text(encoding="utf-8")
+    articles = re.findall(r'<article class="test" id="([\w-]+)"', text)
+    assert len(articles) == len(set(articles)) == sum(len(one.sections[0].results) for one in guide.axes.values())
+    within = {one.removeprefix("#") for one in words(pages[GUIDE]).references if one.startswith("#")}
+    assert within <= set(re.findall(r' id="([\w-]+)"', text))
+    assert set(articles) <= within
+    stored = json.loads((pages[GUIDE].parent / "results.json").read_text(encoding="utf-8"))
+    assert stored["standing"] == "does not qualify"
+    assert [one["rule"]["axis"] for one in stored["axes"].values()] == ["pitch", "yaw"]
+
+
+def test_the_table_over_the_axes_leads_to_pages_that_are_there(pages, envelopes):
+    folder = pages[ENVELOPES].parent
+    for name in ("envelope.html", "envelope-pitch.html", "envelope-yaw.html"):
+        links = [one for one in words(folder / name).references if not one.startswith(("#", "data:"))]
+        assert [one for one in links if not (folder / one).is_file()] == []
+    stored = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    for row in envelopes.rows:
+        alone = stored["axes"][row.axis]["compensators"][row.compensator]["shares"]
+        assert alone["passes"]["value"] == pytest.approx(100 * row.passes)
+    assert [row["axis"] for row in stored["table"]] == ["pitch", "yaw"]
+
+
+def test_a_loaders_envelope_takes_the_place_of_a_cockpits(envelopes, tmp_path):
+    ff.envelope.write_cockpit(envelopes, tmp_path / "out", ff.UnitSystem.US)
+    one = ff.envelope.write_envelope(envelopes.axes["yaw"], tmp_path / "out", ff.UnitSystem.US, replace=True)
+    assert {file.name for file in one.parent.iterdir()} == {
+        "envelope.html",
+        "envelope.nc",
+        "plotly.min.js",
+        "results.json",
+        "settings.csv",
+    }
