@@ -128,10 +128,11 @@ class Plant:
         )
 
 
-def simulate(loader, law, pilot, duration, *, command=None, rtol=1e-9):
+def simulate(loader, law, pilot, duration, *, command=None, added=None, rtol=1e-9):
     """Columns `OUTPUTS` at the controller's samples, from rest at zero; ``pilot`` is a force over time in N.
 
-    ``law`` are a sampled law's numbers; ``command`` over time, in A, stands in place of one.
+    ``law`` are a sampled law's numbers; ``command`` over time, in A, stands in place of one; ``added`` to it, of the drive's
+    position as sampled and its last period's difference over the period.
     """
     plant, g = Plant(loader), loader.__getitem__
     period, delay = g("controller.period"), g("controller.delay")
@@ -143,8 +144,9 @@ def simulate(loader, law, pilot, duration, *, command=None, rtol=1e-9):
         ]
     )
     step = expm(feel * period)
-    y, feels, rows = np.zeros(10), np.zeros(2), []
-    xi, e, heard = None if law is None else np.zeros(law.transition.shape[-1]), 0.0, 0.0
+    y, feels, rows, last, heard = np.zeros(10), np.zeros(2), [], 0.0, 0.0
+    xi, e = None if law is None else np.zeros(law.transition.shape[-1]), 0.0 if added is None else added(0.0, 0.0)
+    y[2] = e
     for k in range(round(duration / period)):
         t = k * period
         rows.append(y[:7])
@@ -154,10 +156,13 @@ def simulate(loader, law, pilot, duration, *, command=None, rtol=1e-9):
             known = np.concatenate([xi, sample, feels])
             new, torque = float(law.command[0] @ known), float(law.torque[0] @ known)
             limit = g("current_loop.current_limit")
-            answered = min(max(new, -limit), limit)
+            more = 0.0 if added is None else added(sample[1], (sample[1] - last) / period)
+            last = sample[1]
+            answered = min(max(new + more, -limit), limit) - more
             heard, moved = hear(law.friction[0], known, torque, heard)
             xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered) + moved
             feels = (step @ np.append(feels, heard))[:2]
+            new += more
         for start, end, held in ((t, t + delay, e), (t + delay, t + period, new)):
             if end - start > 1e-12:  # s, far below any delay
                 y = _piece(plant, y, (start, end), held, pilot, rtol)

@@ -231,6 +231,7 @@ class Simulation:
         held: tuple[float, int] | None = None,
         timing: tuple[int, int] | None = None,
         curve: tuple[_Array, _Array] | None = None,
+        cancellation: Sequence[float] | None = None,
         changes: Sequence[tuple[int, int, _Array, _Array | None]] = ...,
     ) -> Self: ...
     def run(

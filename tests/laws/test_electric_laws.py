@@ -6,7 +6,7 @@ from scipy.linalg import expm
 
 import forcefeel as ff
 from forcefeel.laws.law import Law, names_for
-from forcefeel.laws.sampled import load_cell_loop
+from forcefeel.laws.sampled import load_cell_loop, torque_mode
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.loader.axes import ELECTRIC_AXES
 from forcefeel.loader.built_in import BUILT_IN
@@ -26,19 +26,28 @@ CONVERGED = 1e-4
 
 
 def test_a_motor_has_the_laws_that_need_no_valve():
-    assert names_for(ELECTRIC) == ("observer", "recovered", "h-infinity", "robust")
+    assert names_for(ELECTRIC) == ("load-cell", "observer", "recovered", "h-infinity", "robust", "torque-mode")
     assert Law.of(None, ELECTRIC).name == "robust"
 
 
-@pytest.mark.parametrize("name", ["original", "published", "converged", "load-cell"])
+@pytest.mark.parametrize("name", ["original", "published", "converged"])
 def test_a_law_for_a_valve_is_refused(name):
     with pytest.raises(ff.InputError, match=f"{name} is a law for a valve, and elevator-electric has a motor"):
         Law.of(name, ELECTRIC)
 
 
-def test_the_load_cell_design_itself_refuses_a_motor():
+def test_the_load_cells_loop_of_a_valve_refuses_a_motor():
     with pytest.raises(ff.InputError, match="load-cell takes a loader with a hydraulic drive"):
         load_cell_loop.design(ELECTRIC, own_feel(ELECTRIC))
+
+
+def test_a_law_for_a_motor_is_refused_by_a_valve():
+    valve = ff.digital_elevator()
+    assert "torque-mode" not in names_for(valve)
+    with pytest.raises(ff.InputError, match="torque-mode is a law for a motor, and elevator-2khz has a valve"):
+        Law.of("torque-mode", valve)
+    with pytest.raises(ff.InputError, match="torque-mode takes a loader with an electric drive"):
+        torque_mode.design(valve, own_feel(valve))
 
 
 @pytest.mark.parametrize("name", ELECTRIC_AXES)

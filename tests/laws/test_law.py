@@ -12,7 +12,7 @@ from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification.linear import LinearModel
 from forcefeel.cli.law_option import LAWS
 from forcefeel.errors import InputError
-from forcefeel.laws.law import NAMED_LAWS, Law
+from forcefeel.laws.law import NAMED_LAWS, Law, names_for
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.sampled_loop import sampled_loops
@@ -102,7 +102,7 @@ def test_a_law_of_another_time_is_refused_by_all_in_the_same_words(times):
 
 
 def test_a_law_designed_for_a_digital_loader_has_its_time():
-    for name in NAMED_LAWS:
+    for name in names_for(DIGITAL):
         law = Law.of(name, DIGITAL)
         assert (law.period_s, law.delay_s) == (0.5e-3, 0.5e-3)
     assert Law.of("published", ANALOG).period_s is None

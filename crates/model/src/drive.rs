@@ -88,6 +88,8 @@ pub trait Drive<S: Scalar>: Copy + Debug {
     const NAMES: &'static [(&'static str, &'static str)];
     /// Which of its quantities a run tells the peaks of.
     const PEAKS: [usize; 3];
+    /// Whether it is the command that holds its effort, so that a limit of the one is a limit of the other.
+    const COMMAND_HOLDS: bool;
     /// What is measured of it on a bench: name and SI unit.
     const CHANNELS: &'static [(&'static str, &'static str)];
 

@@ -28,6 +28,7 @@
 //! | feel with all that is nonlinear, its force curve | [`feel`], [`curve`] |
 //! | sensors | [`transducers`] |
 //! | digital controller, its law with an observer, the friction that it knows | [`controller`], [`observer`], [`known_friction`] |
+//! | what it adds against a known disturbance of the drive | [`cancellation`] |
 //! | which of these are in play | [`effects`] |
 //! | what a bench measures of it | [`channels`] |
 //!
@@ -37,6 +38,7 @@
 #![forbid(unsafe_code)]
 
 mod bisect;
+pub mod cancellation;
 pub mod channels;
 pub mod column;
 pub mod compensator;

@@ -27,6 +27,7 @@ pub use equilibrium::{EQUILIBRIUM_NUMBERS, Equilibrium, SEARCH_RAD};
 pub use inputs::{Inputs, Moment};
 
 use crate::Scalar;
+use crate::cancellation::Cancellation;
 use crate::column::ColumnMotion;
 use crate::compensator::Compensator;
 use crate::controller::{Converters, Timing};
@@ -52,6 +53,8 @@ pub struct Shared {
     pub timing: Option<Timing>,
     /// Force over angle of the feel, in place of its straight spring.
     pub curve: Option<Curve>,
+    /// What a digital controller adds to its command.
+    pub cancellation: Option<Cancellation>,
 }
 
 /// One loader, ready to run: its coefficients worked out.

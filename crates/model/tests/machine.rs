@@ -48,7 +48,7 @@ struct Run {
 impl Run {
     fn new(p: &Parameters<f64>, gains: Option<[f64; 7]>, timing: Option<Timing>) -> Self {
         let effects = Effects { sampled: timing.is_some(), ..Effects::of(&p.values()) };
-        let shared = Shared { effects, step_s: STEP, timing, curve: None };
+        let shared = Shared { effects, step_s: STEP, timing, curve: None, cancellation: None };
         let law = gains.map_or_else(|| Compensator::original(p), |gains| Compensator::state_feedback(p, gains));
         Self { machine: Machine::new(p, law, &shared), shared, law }
     }

@@ -95,7 +95,8 @@ struct Loop {
 impl Loop {
     fn new(parameters: &Parameters<f64>, observer: Option<&[f64; NUMBERS]>, timing: Timing) -> Self {
         let effects = Effects { sampled: true, observer: observer.is_some(), ..Effects::of(&parameters.values()) };
-        let shared = Shared { effects: effects.smooth(), step_s: STEP, timing: Some(timing), curve: None };
+        let shared =
+            Shared { effects: effects.smooth(), step_s: STEP, timing: Some(timing), curve: None, cancellation: None };
         Self { parameters: *parameters, observer: observer.copied(), shared, timing }
     }
 

@@ -6,6 +6,7 @@ use crate::laws::{Laws, NamedLaw, check_runs, effects_of};
 use crate::limits::{at_most, rising, step, timing as in_steps};
 use crate::model::drive_of;
 use crate::slopes::check_keys;
+use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
 use forcefeel_model::channels::CHANNELS;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::Curve;
@@ -78,6 +79,7 @@ pub struct Simulation {
     start: Start,
     timing: Option<Timing>,
     curve: Option<Curve>,
+    cancellation: Option<Cancellation>,
     changes: Vec<Change>,
     /// Trim, a factor on the spring, or the shaker is among the inputs.
     stirred: bool,
@@ -91,7 +93,7 @@ impl Simulation {
     ///
     /// `inputs`: by name (steps, 2), at the start and at the end of each step; of those that are not given there is nothing.
     #[new]
-    #[pyo3(signature = (inputs, step_s, *, every = 1, outputs = vec![], start_force = 0.0, held = None, timing = None, curve = None, changes = vec![]))]
+    #[pyo3(signature = (inputs, step_s, *, every = 1, outputs = vec![], start_force = 0.0, held = None, timing = None, curve = None, cancellation = None, changes = vec![]))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
         inputs: BTreeMap<String, PyReadonlyArray2<'_, f64>>,
@@ -102,6 +104,7 @@ impl Simulation {
         held: Option<(f64, usize)>,
         timing: Option<(usize, usize)>,
         curve: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>)>,
+        cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
         changes: Vec<ChangeOf<'_>>,
     ) -> PyResult<Self> {
         outputs.iter().try_for_each(|&output| at_most("outputs", ELECTRIC_OUTPUTS.len() - 1, output))?;
@@ -130,6 +133,7 @@ impl Simulation {
             start: held.map_or(Start::Under(start_force), |(angle, until)| Start::Held(angle, until)),
             timing: timing.map(in_steps).transpose()?,
             curve: curve.map(|(knots, coefficients)| spring_curve(&knots, &coefficients)).transpose()?,
+            cancellation: cancellation.as_ref().map(Cancellation::from_numbers),
             changes: changes.collect::<PyResult<_>>()?,
         })
     }
@@ -221,7 +225,7 @@ impl Simulation {
             )));
         }
         let effects = Effects { surroundings: self.stirred, ..Effects::of(&values) };
-        let shared = Shared { effects, step_s: self.step_s, timing: None, curve: self.curve };
+        let shared = Shared { effects, step_s: self.step_s, timing: None, curve: self.curve, cancellation: None };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number within bounds")]
         let angles = py.detach(|| {
             feel_alone(&Parameters::from_values(&values), &shared, self.start, &self.inputs, parts as usize)
@@ -239,7 +243,13 @@ impl Simulation {
         let mut effects = effects_of(all, &law);
         (effects.surroundings, effects.test_signal) = (self.stirred, self.tested);
         Job {
-            shared: Shared { effects, step_s: self.step_s, timing: self.timing, curve: self.curve },
+            shared: Shared {
+                effects,
+                step_s: self.step_s,
+                timing: self.timing,
+                curve: self.curve,
+                cancellation: self.cancellation,
+            },
             start: self.start,
             inputs: &self.inputs,
             values,
@@ -272,8 +282,13 @@ pub fn sampled_loops<'py>(
     let laws = Laws::of(law, gains.as_ref(), observers.as_ref(), values.len())?;
     let law = laws.law();
     let (step_s, timing) = (step(step_s)?, in_steps(timing)?);
-    let shared =
-        Shared { effects: effects_of(values.iter(), &law).smooth(), step_s, timing: Some(timing), curve: None };
+    let shared = Shared {
+        effects: effects_of(values.iter(), &law).smooth(),
+        step_s,
+        timing: Some(timing),
+        curve: None,
+        cancellation: None,
+    };
     let loops = SampledLoops { shared, timing, values: &values, law };
     let Periods { states, matrices } = answered(py.detach(|| loops.periods(threads)))?;
     let shape = [values.len(), states.len(), states.len() + INPUTS];

@@ -72,7 +72,7 @@ pub fn sampled_slopes<'py>(
     let law = laws.law();
     let (step_s, timing) = (step(step_s)?, in_steps(timing)?);
     let effects = effects_of(values.iter(), &law).smooth();
-    let shared = Shared { effects, step_s, timing: Some(timing), curve: None };
+    let shared = Shared { effects, step_s, timing: Some(timing), curve: None, cancellation: None };
     let loops = SampledLoops { shared, timing, values: &values, law };
     let found = py.detach(|| sampled(&loops, &keys));
     sloped(py, &found)

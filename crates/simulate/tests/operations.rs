@@ -118,7 +118,7 @@ fn counts(steps: usize) -> [u64; 3] {
     (loader.column.stop_low, loader.column.stop_high) = (-0.35, 0.35);
     let values = loader.values();
     let effects = Effects { feedback: false, surroundings: false, test_signal: false, ..Effects::of(&values) };
-    let shared = Shared { effects, step_s: 2e-3, timing: None, curve: None };
+    let shared = Shared { effects, step_s: 2e-3, timing: None, curve: None, cancellation: None };
     let parameters = Parameters::from_values(&values.map(Counted));
     let mut machine = Machine::new(&parameters, Compensator::original(&parameters), &shared);
     let push = Inputs { force: [427.0; 2], ..Inputs::NONE };

@@ -51,7 +51,7 @@ fn lagging() -> Parameters<f64> {
 fn shared(values: &[[f64; COUNT]], law: Law<'_>, timing: Timing) -> Shared {
     let effects = values.iter().map(Effects::of).reduce(Effects::or).expect("a loop").smooth();
     let effects = Effects { sampled: true, observer: matches!(law, Law::Observers(_)), ..effects };
-    Shared { effects, step_s: H, timing: Some(timing), curve: None }
+    Shared { effects, step_s: H, timing: Some(timing), curve: None, cancellation: None }
 }
 
 fn periods(values: &[[f64; COUNT]], law: Law<'_>, timing: Timing) -> Periods {

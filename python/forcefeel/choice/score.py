@@ -14,11 +14,10 @@ from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.result import CaseShares, Envelope, Shares
 from forcefeel.envelope.run import Progress, compute
 from forcefeel.errors import InputError
-from forcefeel.laws.law import NAMED_LAWS, Law, names_for, of_a_valve
+from forcefeel.laws.law import NAMED_LAWS, Law, drives_of, names_for, of_another_drive
 from forcefeel.laws.law_file import LAW_FILE
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.loops.command_loop import command_loops
 from forcefeel.loops.margins import LoopMargins, least_margins, loop_margins
 from forcefeel.threads import threads_or_cores
@@ -154,8 +153,8 @@ def check_names(loader: Loader, names: Sequence[str]) -> None:
     """
     able = names_for(loader)
     for name in names:
-        if name in NAMED_LAWS and name not in able and loader.drive == ELECTRIC:
-            raise of_a_valve(name, loader)
+        if name in NAMED_LAWS and loader.drive not in drives_of(name):
+            raise of_another_drive(name, loader)
         if name in NAMED_LAWS and name not in able:
             raise InputError(
                 f"method: {name} is made for a digital controller, and the loader is analog; give controller.period and "

@@ -3,7 +3,17 @@
 from forcefeel.errors import InputError
 from forcefeel.printable import visible
 
-LAWS = ("original", "published", "converged", "load-cell", "observer", "recovered", "h-infinity", "robust")
+LAWS = (
+    "original",
+    "published",
+    "converged",
+    "load-cell",
+    "observer",
+    "recovered",
+    "h-infinity",
+    "robust",
+    "torque-mode",
+)
 """As ``forcefeel.laws.law.NAMED_LAWS``."""
 
 ORIGINAL = LAWS[0]
@@ -13,7 +23,9 @@ DEFAULT_LAW = "original; robust of an electric loader"
 
 LAW_METAVAR = "NAME|FILE.json"
 
-LAW_NAMES = f"{', '.join(LAWS[:3])}; with a digital controller {', '.join(LAWS[3:-1])} or {LAWS[-1]}"
+LAW_NAMES = (
+    f"{', '.join(LAWS[:3])}; with a digital controller {', '.join(LAWS[3:-2])} or {LAWS[-2]}; with a motor {LAWS[-1]}"
+)
 """For help."""
 
 

@@ -19,6 +19,7 @@ from forcefeel._core import Compensator
 from forcefeel.errors import InputError
 from forcefeel.laws.analog.gain_schedule import schedule_gains
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, compensate
+from forcefeel.laws.cancellation import Cancellation
 from forcefeel.laws.law_file import LAW_FILE, Numbers, check_law_file, read_law, write_law
 from forcefeel.laws.sampled.methods import METHODS, Method
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
@@ -54,6 +55,8 @@ class Law:
         feel: Settings I, B, G in SI units that the numbers belong to, (settings, 3); ``None`` where they hold for any.
         loader: Name of the loader that it was made for; empty where that is not known.
         loader_hash: ``Loader.fingerprint`` of it.
+        cancellation: What a sampled law adds to its command against a known disturbance of the drive, its cogging; ``None`` for
+            nothing. A design takes it from the loader file; ``dataclasses.replace(law, cancellation=None)`` leaves it out.
 
     Example:
         >>> import forcefeel as ff
@@ -69,6 +72,7 @@ class Law:
     feel: NDArray[np.float64] | None = field(default=None, repr=False)
     loader: str = ""
     loader_hash: str = field(default="", repr=False)
+    cancellation: Cancellation | None = field(default=None, repr=False)
 
     @classmethod
     def of(
@@ -109,6 +113,8 @@ class Law:
         numbers = _designed(given, loader, feel, name or ORIGINAL)
         made_for = (own_feel(loader) if feel is None else feel) if designed else None
         law = cls._made(numbers, loader, made_for, name or _called(given))
+        if designed:
+            law = replace(law, cancellation=Cancellation.of(loader))
         law.check(loader)
         return law
 
@@ -127,7 +133,9 @@ class Law:
             InputError: If so.
         """
         if loader.drive == ELECTRIC and self.sampled is None:
-            raise of_a_valve(self.name, loader)
+            raise of_another_drive(self.name, loader)
+        if loader.drive != ELECTRIC and self.cancellation is not None:
+            raise of_another_drive(self.name, loader)
         if self.numbers is None:
             return
         period, delay = loader["controller.period"], loader["controller.delay"]
@@ -250,19 +258,26 @@ def check_given(given: object, name: str = "compensator") -> None:
         )
 
 
-def of_a_valve(name: str, loader: Loader) -> InputError:
-    """What is wrong with a law for a valve on an electric loader."""
+def of_another_drive(name: str, loader: Loader) -> InputError:
+    """What is wrong with a law for a valve on an electric loader, or for a motor on a hydraulic one."""
+    made_for, has = ("valve", "motor") if loader.drive == ELECTRIC else ("motor", "valve")
     return InputError(
-        f"compensator: {name} is a law for a valve, and {loader.name} has a motor; expected one of "
+        f"compensator: {name} is a law for a {made_for}, and {loader.name} has a {has}; expected one of "
         f"{', '.join(names_for(loader))}"
     )
+
+
+def drives_of(name: str) -> tuple[str, ...]:
+    """The drives that a law of this name is made for."""
+    return METHODS[name].drives if name in METHODS else (HYDRAULIC,)
 
 
 def names_for(loader: Loader) -> tuple[str, ...]:
     """The names of all laws that a loader can run: the sampled ones need a digital controller, the report's a valve."""
     if loader.drive == ELECTRIC:
         return tuple(name for name, one in METHODS.items() if ELECTRIC in one.drives)
-    return NAMED_LAWS if loader["controller.period"] else tuple(NAMED_DESIGNS)
+    sampled = [name for name, one in METHODS.items() if HYDRAULIC in one.drives] if loader["controller.period"] else []
+    return (*NAMED_DESIGNS, *sampled)
 
 
 def named(names: Sequence[str], loader: Loader) -> dict[str, LawLike]:
@@ -278,10 +293,9 @@ def named(names: Sequence[str], loader: Loader) -> dict[str, LawLike]:
             )
     if not names or len(set(names)) < len(names):
         raise InputError(f"compensator: expected different ones of {', '.join(NAMED_LAWS)}, got {show(list(names))}")
-    able = names_for(loader)
     for name in names:
-        if loader.drive == ELECTRIC and name in NAMED_LAWS and name not in able:
-            raise of_a_valve(name, loader)
+        if name in NAMED_LAWS and loader.drive not in drives_of(name):
+            raise of_another_drive(name, loader)
     return {name: _design(name, loader) for name in names}
 
 

@@ -6,6 +6,8 @@
 | state feedback | gains c_1 .. c_7 for each setting |
 | compensator | gains c_1 .. c_7 and the load cell's scale, for any setting |
 | sampled | transition, input, command and torque for each setting, as ``SampledCompensator`` has them |
+
+A sampled law may have a ``cancellation``, as ``Cancellation`` has it.
 """
 
 import json
@@ -23,6 +25,7 @@ from forcefeel.errors import InputError
 from forcefeel.files import read_input, write_whole
 from forcefeel.json_values import json_text
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
+from forcefeel.laws.cancellation import Cancellation
 from forcefeel.laws.sampled.sampled_compensator import FRICTION, NUMBERS, SampledCompensator
 from forcefeel.units import show
 
@@ -40,6 +43,11 @@ MOST_BYTES = 2**28
 
 _FEEL_UNITS = ("N m s^2/rad", "N m s/rad", "N m/rad")
 _ON = ["xi, in coordinates of its own", "load cell force in N", "piston displacement in m", "column angle in rad"]
+_CANCELLATION_UNITS = {
+    "per_travel_rad_per_m": "rad/m",
+    "lead_s": "s",
+    "cogging": ["A", "periods per turn of the motor", "rad"],
+}
 _SAMPLED_UNITS = {
     "transition": "xi on xi",
     "input": ["xi on", *_ON[1:], "command in V"],
@@ -90,8 +98,13 @@ def write_law(path: Path, **law: Any) -> None:
         if feel is None
         else {"units": list(_FEEL_UNITS), "inertia, damping, stiffness": feel.tolist()},
         **_numbers_json(law["numbers"]),
+        **_cancellation_json(law["cancellation"]),
     }
     write_whole(path, json_text(document))
+
+
+def _cancellation_json(cancellation: Cancellation | None) -> dict[str, Any]:
+    return {} if cancellation is None else {"cancellation": {"units": _CANCELLATION_UNITS, **vars(cancellation)}}
 
 
 def _numbers_json(numbers: Numbers) -> dict[str, Any]:
@@ -150,7 +163,15 @@ def _fields(keys: "_Keys") -> dict[str, Any]:
         "feel": None if settings is None else _feel(settings, numbers),
         "loader": "" if made_for is None else made_for.get("loader", str),
         "loader_hash": "" if made_for is None else made_for.get("sha256", str),
+        "cancellation": _cancellation(keys.part("cancellation")) if "cancellation" in keys else None,
     }
+
+
+def _cancellation(keys: "_Keys | None") -> Cancellation | None:
+    if keys is None:
+        return None
+    cogging = tuple(tuple(row) for row in keys.array("cogging", 2).tolist())
+    return Cancellation(keys.get("per_travel_rad_per_m", float), keys.get("lead_s", float), cogging)
 
 
 def _feel(settings: "_Keys", numbers: Numbers) -> NDArray[np.float64]:

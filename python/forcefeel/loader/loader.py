@@ -19,6 +19,7 @@ from forcefeel.loader.contents import Contents, misfits
 from forcefeel.loader.curves import CURVES, Curve
 from forcefeel.loader.curves import check as check_curve
 from forcefeel.loader.parameters import (
+    ELECTRIC,
     HYDRAULIC,
     INDEX,
     OFF,
@@ -466,8 +467,21 @@ def check_hydraulic(given: object, what: str, instead: str = INSTEAD) -> None:
     Raises:
         InputError: If so, with what an electric loader is to be asked instead.
     """
+    _check_drive(given, HYDRAULIC, what, instead)
+
+
+def check_electric(given: object, what: str, instead: str) -> None:
+    """Refuses what is no loader, and one with a hydraulic drive where something is made for a motor alone; as ``check_hydraulic``.
+
+    Raises:
+        InputError: If so.
+    """
+    _check_drive(given, ELECTRIC, what, instead)
+
+
+def _check_drive(given: object, drive: str, what: str, instead: str) -> None:
     expect("loader", given, Loader, "a Loader, as elevator() makes it or load(path) reads it")
-    if isinstance(given, Loader) and given.drive != HYDRAULIC:
+    if isinstance(given, Loader) and given.drive != drive:
         raise InputError(
-            f"{what} takes a loader with {a_drive(HYDRAULIC)}, and {given.name} has {a_drive(given.drive)}; {instead}"
+            f"{what} takes a loader with {a_drive(drive)}, and {given.name} has {a_drive(given.drive)}; {instead}"
         )

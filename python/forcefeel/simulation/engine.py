@@ -185,6 +185,7 @@ def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: 
         held=steps.held,
         timing=steps.timing,
         curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
+        cancellation=None if first.cancellation is None else first.cancellation.numbers,
         changes=[
             (*change, _next_law(loader, first, way.compensator))
             for change, way in zip(steps.changes, scenario.feel_changes, strict=True)

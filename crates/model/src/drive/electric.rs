@@ -126,6 +126,7 @@ impl<S: Scalar> Drive<S> for Electric<S> {
         ("winding_temperature", "degC"),
     ];
     const PEAKS: [usize; 3] = [CURRENT, VOLTAGE, SPEED];
+    const COMMAND_HOLDS: bool = true;
     const CHANNELS: &'static [(&'static str, &'static str)] = plant::CHANNELS;
 
     /// `alpha c` while the base moves, zero while it sticks.

@@ -61,6 +61,7 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
     const NAMES: &'static [(&'static str, &'static str)] =
         &[("piston_position", "m"), ("load_pressure", "Pa"), ("actuator_flow", "m^3/s"), ("valve_current", "A")];
     const PEAKS: [usize; 3] = [CURRENT, PRESSURE, FLOW];
+    const COMMAND_HOLDS: bool = false;
     const CHANNELS: &'static [(&'static str, &'static str)] = CHANNELS;
 
     type Side = Side<S>;

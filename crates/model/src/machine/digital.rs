@@ -17,6 +17,8 @@ pub struct Memory<S> {
     pub(super) under_way: UnderWay<S>,
     /// Displacement of the base as sampled last.
     pub(super) base: S,
+    /// Position of the drive's end as sampled last.
+    position: S,
     /// State of the observer.
     pub(super) estimate: Estimate<S>,
     /// Torque that the feel computer heard last.
@@ -34,7 +36,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let estimate = self.observer.at_rest(&y, equilibrium.delta);
         let heard = self.observer.says(&estimate, &y, [equilibrium.delta, base.zero()], None).torque;
         let under_way = UnderWay::holding(equilibrium.command);
-        Memory { under_way, base, estimate, heard, command_signal: base.zero() }
+        Memory { under_way, base, position: y[1], estimate, heard, command_signal: base.zero() }
     }
 
     /// The digital controller's share of a step.
@@ -79,13 +81,16 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let base_rate = (base - memory.base) / period;
         memory.base = base;
         let y = [force, piston, base * self.per_base];
+        let added = shared.cancellation.map(|known| known.command(piston, (piston - memory.position) / period));
+        memory.position = piston;
         let Says { command: e, torque, .. } = if shared.effects.observer {
-            self.observed(shared, memory, &y, state.slow.feel, inputs.fade[0])
+            self.observed(shared, memory, &y, state.slow.feel, (inputs.fade[0], added))
         } else {
             let [delta, delta_rate] = state.slow.feel;
             let x = [piston, self.drive.effort_shown(force), delta, delta_rate, base, base_rate, now.pilot_force];
             Says { command: self.law.command(&x), torque: self.law.feel_torque(force), friction: force.zero() }
         };
+        let e = added.map_or(e, |added| e + added);
         // The neutral moves through the period: half of it before the feel runs, half after.
         let trim = period.constant(inputs.trim[0]);
         state.neutral = self.feel.trimmed(state.neutral, trim, period.times(0.5));
@@ -112,18 +117,26 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// What the observer's law says at a sample; while the feel changes, between the two laws.
     #[inline(always)]
-    fn observed(&self, shared: &Shared, memory: &mut Memory<S>, y: &[S; SAMPLED], feel: [S; 2], fade: f64) -> Says<S> {
+    fn observed(
+        &self,
+        shared: &Shared,
+        memory: &mut Memory<S>,
+        y: &[S; SAMPLED],
+        feel: [S; 2],
+        (fade, added): (f64, Option<S>),
+    ) -> Says<S> {
         let xi = memory.estimate;
         let heard = if shared.effects.known_friction { Some(memory.heard) } else { None };
         let now = self.observer.says(&xi, y, feel, heard);
         if fade == 0.0 {
             memory.heard = now.torque;
-            memory.estimate = self.observer.next(&xi, y, self.answered(now.command), heard.map(|_| now.friction));
+            let e = self.answered(now.command, added);
+            memory.estimate = self.observer.next(&xi, y, e, heard.map(|_| now.friction));
             return now;
         }
         let says = now.towards(self.next_observer.says(&xi, y, feel, heard), fade);
         memory.heard = says.torque;
-        let (e, friction) = (self.answered(says.command), heard.map(|_| says.friction));
+        let (e, friction) = (self.answered(says.command, added), heard.map(|_| says.friction));
         let (from, to) = (self.observer.next(&xi, y, e, friction), self.next_observer.next(&xi, y, e, friction));
         for k in 0..MOST_STATES {
             memory.estimate[k] = from[k] + (to[k] - from[k]).times(fade);
@@ -131,10 +144,10 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         says
     }
 
-    /// The command as far as the amplifier answers it.
+    /// The command as far as the amplifier answers it together with what is added.
     #[inline(always)]
-    fn answered(&self, e: S) -> S {
-        e - self.converters.cut_off(e)
+    fn answered(&self, e: S, added: Option<S>) -> S {
+        e - self.converters.cut_off(added.map_or(e, |added| e + added))
     }
 
     /// The feel computer over one period.

@@ -14,8 +14,10 @@
 use super::{Machine, Shared, State};
 use crate::Scalar;
 use crate::bisect::bisect;
+use crate::cancellation::Cancellation;
 use crate::drive::Drive;
 use crate::dry_friction::Grip;
+use crate::effects::Effects;
 use crate::feel::Surroundings;
 use crate::machine::slow::Slow;
 use crate::observer::SAMPLED;
@@ -43,6 +45,12 @@ impl<S: Scalar> Equilibrium<S> {
     /// Everything at zero.
     pub(super) fn neutral(zero: S) -> Self {
         Self { base: zero, position: zero, delta: zero, neutral: zero, effort: zero, command: zero, pilot_force: zero }
+    }
+
+    /// This one where `mask` holds, the other elsewhere.
+    fn or(self, other: &Self, mask: S::Mask) -> Self {
+        let (mine, others) = (self.numbers(), other.numbers());
+        Self::from_numbers(&core::array::from_fn(|k| S::select(mask, mine[k], others[k])))
     }
 
     /// What makes it out.
@@ -74,15 +82,28 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         } else {
             (theta * self.feel.per_angle, self.feel.per_angle.times(SEARCH_RAD))
         };
-        bisect((centre - reach, centre + reach), Equilibrium::neutral(centre.zero()), |x| {
-            // A feel computer that is deaf stays at neutral, and it is the effort that is looked for.
-            let (delta, driven) = if deaf {
-                (neutral, (x, self.drive.stretch_at_rest(x)))
-            } else {
-                (x, self.heard(shared, x_b, x, &Surroundings::at_rest(neutral, stiffness_factor, x)))
-            };
-            self.standing(shared, [x_b, delta, neutral], driven)
-        })
+        let search = |effects: &Effects| {
+            bisect((centre - reach, centre + reach), Equilibrium::neutral(centre.zero()), |x| {
+                // A feel computer that is deaf stays at neutral, and it is the effort that is looked for.
+                let (delta, driven) = if deaf {
+                    (neutral, (x, self.drive.stretch_at_rest(x)))
+                } else {
+                    (x, self.heard(shared, x_b, x, &Surroundings::at_rest(neutral, stiffness_factor, x)))
+                };
+                self.standing((effects, shared.cancellation), [x_b, delta, neutral], driven)
+            })
+        };
+        let effects = &shared.effects;
+        if !(D::COMMAND_HOLDS && effects.saturation) {
+            return search(effects);
+        }
+        // What a limited command asks for beyond an effort that no command holds changes its sign far from any equilibrium.
+        let unlimited = Effects { saturation: false, ..*effects };
+        let found = search(&unlimited);
+        let left_over = |effects| self.drive.left_over(effects, found.command, (found.position, found.effort));
+        let cut = left_over(effects) - left_over(&unlimited);
+        let beyond = cut.zero().less(cut.abs());
+        if S::any(beyond) { search(effects).or(&found, beyond) } else { found }
     }
 
     /// The loader at rest under the pilot's force.
@@ -119,11 +140,10 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// the command then asks for beyond it.
     fn standing(
         &self,
-        shared: &Shared,
+        (effects, cancellation): (&Effects, Option<Cancellation>),
         [x_b, delta, neutral]: [S; 3],
         (effort, stretch): (S, S),
     ) -> (S, Equilibrium<S>) {
-        let effects = &shared.effects;
         let zero = delta.zero();
         let x_p = self.drive.link().ratio * x_b + stretch;
         // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
@@ -137,6 +157,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let [force, piston, angle] = y;
             self.law.command(&[piston, self.drive.effort(force), delta, zero, angle / self.per_base, zero, pilot_force])
         };
+        let e = cancellation.map_or(e, |known| e + known.command(y[1], zero));
         let left_over = self.drive.left_over(effects, e, (x_p, effort));
         (left_over, Equilibrium { base: x_b, position: x_p, delta, neutral, effort, command: e, pilot_force })
     }

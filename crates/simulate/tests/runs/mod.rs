@@ -83,7 +83,13 @@ pub fn steps(count: u32, h: f64) -> Vec<Inputs> {
 pub fn job<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]], timing: Option<Timing>) -> Job<'a> {
     let effects = values.iter().map(Effects::of).reduce(Effects::or).expect("a run");
     Job {
-        shared: Shared { effects: Effects { sampled: timing.is_some(), ..effects }, step_s: STEP, timing, curve: None },
+        shared: Shared {
+            effects: Effects { sampled: timing.is_some(), ..effects },
+            step_s: STEP,
+            timing,
+            curve: None,
+            cancellation: None,
+        },
         start: Start::Under(0.0),
         inputs,
         values,

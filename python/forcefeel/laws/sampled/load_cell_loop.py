@@ -12,8 +12,7 @@ so that the column, whose own ``J theta''`` the load cell does not feel, moves a
 over the sampled plant with its delay. As in eq. (19) the valve's own motion is neglected. There is no observer: the base's velocity
 is the last period's difference. Its state is the last angle and the command under way.
 
-Of a valve alone: its command moves the piston, so that an error of the angle dies away by itself. A motor's command is a force,
-which would leave an error wherever a force is to be held.
+Of a valve: its command moves the piston, so that an error of the angle dies away by itself. For a motor see ``load_cell_motor``.
 """
 
 import numpy as np
@@ -67,23 +66,32 @@ def design(loader: Loader, feel: ArrayLike) -> SampledCompensator:
     return _law(loop, gains, period, delay)
 
 
+def heard_torque(loader: Loader, feel: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What the feel computer hears of F_c, delta, delta', (settings, 3), where the column's inertia is taken off the feel's.
+
+    Raises:
+        InputError: If a programmed inertia is the column's own.
+    """
+    inertia, damping, stiffness = feel.T
+    left = inertia - loader["column.inertia"]
+    if (close := np.abs(left) < _LEAST_LEFT * loader["column.inertia"]).any():
+        raise InputError(
+            f"feel: row {int(np.argmax(close))} programs the column's own inertia, which leaves the computer nothing to run; "
+            "change it by a little"
+        )
+    share = inertia / left
+    arm = loader["linkage.ratio"] * loader["column.base_arm"]
+    # I delta'' + B delta' + G delta = T is then (I - J) delta'' + ... = -alpha R_b F_c.
+    return np.column_stack([-arm * share, (1 - share) * stiffness, (1 - share) * damping])
+
+
 class _Loop:
     """The sampled plant with the load cell's loop closed, in units of ``scale``; a transition matrix for each setting."""
 
     def __init__(self, loader: Loader, feel: NDArray[np.float64]) -> None:
-        inertia, damping, stiffness = feel.T
-        left = inertia - loader["column.inertia"]
-        if (close := np.abs(left) < _LEAST_LEFT * loader["column.inertia"]).any():
-            raise InputError(
-                f"feel: row {int(np.argmax(close))} programs the column's own inertia, which leaves the computer nothing to run; "
-                "change it by a little"
-            )
+        self.torque = heard_torque(loader, feel)
         self.scale, self.timing = Scale.of(loader), period_and_delay(loader)
         self.column_arm = loader["column.base_arm"]
-        share = inertia / left
-        arm = loader["linkage.ratio"] * loader["column.base_arm"]
-        # What the feel computer hears, so that I delta'' + B delta' + G delta = T is (I - J) delta'' + ... = -alpha R_b F_c.
-        self.torque = np.column_stack([-arm * share, (1 - share) * stiffness, (1 - share) * damping])
         plant = design_model(loader)
         unit = self.scale.states[_OF_DESIGN]
         a = np.asarray(plant.A)[np.ix_(DESIGN_PLANT, DESIGN_PLANT)] * unit / unit[:, None]

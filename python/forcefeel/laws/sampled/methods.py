@@ -8,7 +8,7 @@ from types import MappingProxyType
 from numpy.typing import ArrayLike
 
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled import h_infinity, load_cell_loop
+from forcefeel.laws.sampled import h_infinity, load_cell_loop, load_cell_motor, torque_mode
 from forcefeel.laws.sampled import observer_law as laws
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, ROBUST, ROBUST_ELECTRIC, Tuning
@@ -55,12 +55,16 @@ def _tuned(loader: Loader, feel: ArrayLike, tunings: Mapping[str, Tuning]) -> Sa
     return laws.design(loader, feel, tunings[loader.drive])
 
 
+def _load_cell(loader: Loader, feel: ArrayLike) -> SampledCompensator:
+    design = load_cell_motor.design if loader.drive == ELECTRIC else load_cell_loop.design
+    return design(loader, feel)
+
+
 _METHODS = (
     Method(
         load_cell_loop.LOAD_CELL,
         "state feedback with the load cell's loop in the plant, the column's inertia taken off the feel's",
-        load_cell_loop.design,
-        (HYDRAULIC,),
+        _load_cell,
     ),
     tuned(
         "observer",
@@ -82,6 +86,12 @@ _METHODS = (
         "the observer design without the potentiometer, weights and noises searched for over many perturbed plants at once",
         ROBUST,
         ROBUST_ELECTRIC,
+    ),
+    Method(
+        torque_mode.TORQUE_MODE,
+        "no force sensor: the feel's torque by the motor's current, at the angle of the motor's encoder",
+        torque_mode.design,
+        (ELECTRIC,),
     ),
 )
 

@@ -32,8 +32,38 @@ impl<S: Scalar> Motor<S> {
     #[inline(always)]
     pub fn cogging(&self, phi: S) -> S {
         // T_1 sin(N_1 phi + phi_1) + T_2 sin(N_2 phi + phi_2)
-        self.cogging_torque * (self.cogging_periods * phi + self.cogging_phase).sin()
-            + self.cogging_torque_2 * (self.cogging_periods_2 * phi + self.cogging_phase_2).sin()
+        let first =
+            Harmonic { amplitude: self.cogging_torque, periods: self.cogging_periods, phase: self.cogging_phase };
+        let second =
+            Harmonic { amplitude: self.cogging_torque_2, periods: self.cogging_periods_2, phase: self.cogging_phase_2 };
+        first.at(phi) + second.at(phi)
+    }
+}
+
+/// What repeats itself over a turn of the motor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Harmonic<S> {
+    /// `T_k`.
+    pub amplitude: S,
+    /// `N_k` per turn.
+    pub periods: S,
+    /// `phi_k` in rad at the motor's zero.
+    pub phase: S,
+}
+
+impl<S: Copy> Harmonic<S> {
+    /// The same in another number type.
+    #[inline(always)]
+    pub fn map<T>(&self, convert: impl Fn(S) -> T) -> Harmonic<T> {
+        Harmonic { amplitude: convert(self.amplitude), periods: convert(self.periods), phase: convert(self.phase) }
+    }
+}
+
+impl<S: Scalar> Harmonic<S> {
+    /// Its value at the motor's angle `phi`.
+    #[inline(always)]
+    pub fn at(&self, phi: S) -> S {
+        self.amplitude * (self.periods * phi + self.phase).sin()
     }
 }
 

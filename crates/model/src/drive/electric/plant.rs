@@ -44,7 +44,7 @@ impl<S: Scalar> ElectricPlant<S> {
         let (column, one) = (ColumnMotion::new(parameters), parameters.column.inertia.constant(1.0));
         let coupling =
             Coupling { base_per_force: column.per_link_force, feel_per_force: one.zero(), direct: one.less(one) };
-        let shared = Shared { effects: Effects::default(), step_s: 1.0, timing: None, curve: None };
+        let shared = Shared { effects: Effects::default(), step_s: 1.0, timing: None, curve: None, cancellation: None };
         Self { drive: Electric::new(parameters, &shared, &coupling), column, per_base: parameters.column.angle(one) }
     }
 
