@@ -128,11 +128,12 @@ class Plant:
         )
 
 
-def simulate(loader, law, pilot, duration, *, command=None, added=None, rtol=1e-9):
+def simulate(loader, law, pilot, duration, *, command=None, added=None, test=None, rtol=1e-9):  # noqa: PLR0913
     """Columns `OUTPUTS` at the controller's samples, from rest at zero; ``pilot`` is a force over time in N.
 
-    ``law`` are a sampled law's numbers; ``command`` over time, in A, stands in place of one; ``added`` to it, of the drive's
-    position as sampled and its last period's difference over the period.
+    ``law`` are a sampled law's numbers; ``command`` over time, in A, comes to its command, or stands in place of one; ``added`` to
+    it, of the drive's position as sampled and its last period's difference over the period, is known to the law; ``test`` over
+    time, in A, is asked of the current loop beside it.
     """
     plant, g = Plant(loader), loader.__getitem__
     period, delay = g("controller.period"), g("controller.delay")
@@ -150,22 +151,22 @@ def simulate(loader, law, pilot, duration, *, command=None, added=None, rtol=1e-
     for k in range(round(duration / period)):
         t = k * period
         rows.append(y[:7])
-        new = command(t) if law is None else 0.0
+        new = 0.0 if command is None else command(t)
         if law is not None:
             sample = plant.sampled(y)
             known = np.concatenate([xi, sample, feels])
-            new, torque = float(law.command[0] @ known), float(law.torque[0] @ known)
+            own, torque = float(law.command[0] @ known), float(law.torque[0] @ known)
             limit = g("current_loop.current_limit")
             more = 0.0 if added is None else added(sample[1], (sample[1] - last) / period)
             last = sample[1]
-            answered = min(max(new + more, -limit), limit) - more
+            answered = min(max(own + more, -limit), limit) - more
             heard, moved = hear(law.friction[0], known, torque, heard)
             xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered) + moved
             feels = (step @ np.append(feels, heard))[:2]
-            new += more
+            new += own + more
         for start, end, held in ((t, t + delay, e), (t + delay, t + period, new)):
             if end - start > 1e-12:  # s, far below any delay
-                y = _piece(plant, y, (start, end), held, pilot, rtol)
+                y = _piece(plant, y, (start, end), (held, test), pilot, rtol)
         e = new
     rows.append(y[:7])
     found = dict(zip(OUTPUTS, np.array(rows).T, strict=True))
@@ -189,10 +190,16 @@ def hear(numbers, known, torque, heard):
     return min(max(heard, rest + least * band), rest + most * band), enters * friction
 
 
-def _piece(plant, y, span, e, pilot, rtol):
+def _piece(plant, y, span, asked, pilot, rtol):
     """The states at the end of a span in which the command stays."""
+    e, test = asked
     solver = LSODA(
-        lambda t, states: plant.rates(states, e, pilot(t)), span[0], y, span[1], rtol=rtol, atol=rtol * SCALES
+        lambda t, states: plant.rates(states, e if test is None else e + test(t), pilot(t)),
+        span[0],
+        y,
+        span[1],
+        rtol=rtol,
+        atol=rtol * SCALES,
     )
     while solver.status == "running":
         solver.step()

@@ -23,7 +23,6 @@ OF_A_VALVE = set(parts(HYDRAULIC)) - set(parts("electric"))
         ("compensate", ()),
         ("compensate", ("--converge",)),
         ("frontier", ()),
-        ("excite", ("--experiment", "servo-closed", "--fit", "k")),
     ],
 )
 def test_what_is_made_for_a_valve_says_what_there_is(monkeypatch, capsys, tmp_path, command, more):

@@ -1,18 +1,55 @@
 """What a bench measures: the channels, their SI units and how headers call them."""
 
+from collections.abc import Mapping
+from functools import cache
 from types import MappingProxyType
 
 from forcefeel import _core
 from forcefeel.errors import InputError
+from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
 from forcefeel.tables.header import heading
-from forcefeel.units import ANGLE, ANGULAR_VELOCITY, CURRENT, FLOW, FORCE, LENGTH, PRESSURE, VOLTAGE, Unit, show
+from forcefeel.units import (
+    ANGLE,
+    ANGULAR_VELOCITY,
+    CURRENT,
+    FLOW,
+    FORCE,
+    LENGTH,
+    MOTOR_CURRENT,
+    PRESSURE,
+    TEMPERATURE,
+    VOLTAGE,
+    Unit,
+    show,
+)
 
-INPUTS = MappingProxyType({"test_signal": "V", "pilot_force": "N", "command_signal": "V"})
-"""What drives the bench, and its SI unit: the test signal e_T at the amplifier, the pilot's force F_p at the grip, and a signal e_C
-that a digital controller adds to its command, so that it is sampled and comes with the controller's delay."""
+_INPUTS: Mapping[str, Mapping[str, str]] = {
+    HYDRAULIC: {"test_signal": "V", "pilot_force": "N", "command_signal": "V"},
+    ELECTRIC: {"test_current": "A", "pilot_force": "N", "command_current": "A"},
+}
 
-OUTPUTS = MappingProxyType(dict(_core.channels()))
-"""What is measured of it, and its SI unit, in the order of the model's channels."""
+
+@cache
+def inputs(drive: str) -> Mapping[str, str]:
+    """What drives the bench of a loader with that drive, and its SI unit, in the order of the model's.
+
+    The signal at the amplifier, e_T, or the current asked of the current loop; the pilot's force F_p at the grip; and a signal e_C
+    that a digital controller adds to its command, so that it is sampled and comes with the controller's delay.
+    """
+    return MappingProxyType(dict(_INPUTS[drive]))
+
+
+@cache
+def outputs(drive: str) -> Mapping[str, str]:
+    """What is measured of it, and its SI unit, in the order of the model's channels."""
+    return MappingProxyType(dict(_core.channels(drive)))
+
+
+INPUTS = MappingProxyType({name: si for drive in DRIVES for name, si in inputs(drive).items()})
+"""What drives a bench, whatever the drive of its loader."""
+
+OUTPUTS = MappingProxyType({name: si for drive in DRIVES for name, si in outputs(drive).items()})
+"""What is measured of it."""
 
 CHANNELS = MappingProxyType({**INPUTS, **OUTPUTS})
 """All of them."""
@@ -40,9 +77,13 @@ def channel_and_unit(text: str) -> tuple[str, str]:
     return channel(found.name), found.unit
 
 
-_UNITS = {one.si: one for one in (ANGLE, LENGTH, FORCE, PRESSURE, FLOW, CURRENT, ANGULAR_VELOCITY, VOLTAGE)}
+_UNITS = {
+    one.si: one for one in (ANGLE, LENGTH, FORCE, PRESSURE, FLOW, CURRENT, ANGULAR_VELOCITY, VOLTAGE, TEMPERATURE)
+}
+_AMPERES = ("motor_current", "test_current", "command_current")
+"""Currents that are no valve's: people read them in A."""
 
 
 def channel_unit(channel: str) -> Unit:
     """The units of a channel."""
-    return _UNITS[CHANNELS[channel]]
+    return MOTOR_CURRENT if channel in _AMPERES else _UNITS[CHANNELS[channel]]

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from forcefeel.errors import InputError
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC, a_drive
 from forcefeel.units import show
 
 
@@ -13,13 +15,15 @@ class Loop(StrEnum):
     Example:
         >>> import forcefeel as ff
         >>> [loop.value for loop in ff.bench.Loop]
-        ['servo-open', 'servo-closed', 'loader']
+        ['servo-open', 'servo-closed', 'motor-open', 'loader']
     """
 
     SERVO_OPEN = "servo-open"
     """None: the test signal alone drives the amplifier, the column hangs on the servo, the feel computer is off."""
     SERVO_CLOSED = "servo-closed"
     """The position loop, eq. (13) with delta = 0; the feel computer is off."""
+    MOTOR_OPEN = "motor-open"
+    """None: the test current alone drives the motor, the column hangs on it, the feel computer is off."""
     LOADER = "loader"
     """The whole loader under its law, the original one if no other is given."""
 
@@ -30,17 +34,36 @@ class Drive(StrEnum):
     Example:
         >>> import forcefeel as ff
         >>> [drive.value for drive in ff.bench.Drive]
-        ['test_signal', 'command_signal', 'pilot_force', 'release']
+        ['test_signal', 'command_signal', 'test_current', 'command_current', 'pilot_force', 'release']
     """
 
     TEST_SIGNAL = "test_signal"
     """A voltage at the amplifier's input, beside the law's command."""
     COMMAND_SIGNAL = "command_signal"
     """A voltage that the law adds to its command: a digital controller samples it and sends it on after its delay."""
+    TEST_CURRENT = "test_current"
+    """A current asked of the motor's current loop, beside the law's command."""
+    COMMAND_CURRENT = "command_current"
+    """A current that the law adds to its command: sampled and sent on after the controller's delay."""
     PILOT_FORCE = "pilot_force"
     """A force at the grip."""
     RELEASE = "release"
     """The grip is held at an angle, then let go."""
+
+
+_MADE_FOR = {
+    Loop.SERVO_OPEN: HYDRAULIC,
+    Loop.SERVO_CLOSED: HYDRAULIC,
+    Loop.MOTOR_OPEN: ELECTRIC,
+    Drive.TEST_SIGNAL: HYDRAULIC,
+    Drive.COMMAND_SIGNAL: HYDRAULIC,
+    Drive.TEST_CURRENT: ELECTRIC,
+    Drive.COMMAND_CURRENT: ELECTRIC,
+}
+"""Whose loaders alone have it; all have the others."""
+
+_ALONE = {Loop.MOTOR_OPEN: Drive.TEST_CURRENT, Loop.LOADER: Drive.PILOT_FORCE}
+"""What drives a loop of which no more is said; the others, the test signal."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +75,8 @@ class Experiment:
         drive: What moves the loader.
 
     Raises:
-        InputError: When built, if the open servo is released: nothing holds its piston.
+        InputError: When built, if the open servo or the open motor is released, which nothing holds, or a valve's loop is driven
+            as a motor's is.
 
     Example:
         >>> import forcefeel as ff
@@ -68,15 +92,32 @@ class Experiment:
             raise InputError(
                 "experiment: a release of the open servo has no rest to begin from; close its position loop"
             )
+        if self.loop is Loop.MOTOR_OPEN and self.drive is Drive.RELEASE:
+            raise InputError(
+                "experiment: a release of the open motor has no rest to begin from; take 'release', under the law"
+            )
+        made_for = {_MADE_FOR[part] for part in (self.loop, self.drive) if part in _MADE_FOR}
+        if len(made_for) > 1:
+            raise InputError(
+                f"experiment: {self.loop} and {self.drive} do not go together: one is of a {HYDRAULIC} drive, the other of an "
+                f"{ELECTRIC} one; a motor is driven by {Drive.TEST_CURRENT} or {Drive.COMMAND_CURRENT}, a valve by "
+                f"{Drive.TEST_SIGNAL} or {Drive.COMMAND_SIGNAL}"
+            )
 
     def __str__(self) -> str:
         return f"{self.loop} {self.drive}"
+
+    @property
+    def made_for(self) -> str | None:
+        """The drive, hydraulic or electric, whose loaders alone have it; ``None`` if all have."""
+        return _MADE_FOR.get(self.loop) or _MADE_FOR.get(self.drive)
 
     @classmethod
     def read(cls, given: str) -> "Experiment":
         """An experiment from text: ``servo-closed``, ``loader test_signal``, ``servo-closed release``, ``release``, ``sweep``.
 
-        A servo alone is driven by the test signal unless something else is said, the loader by the pilot's force; ``release`` and
+        A servo alone is driven by the test signal unless something else is said, ``motor-open`` by the test current, the loader by
+        the pilot's force; ``release`` and
         ``sweep`` by themselves are the loader let go and the loader under a pilot's force.
 
         Raises:
@@ -89,10 +130,29 @@ class Experiment:
             case ["release"]:
                 return cls(Loop.LOADER, Drive.RELEASE)
             case [loop] if loop in set(Loop):
-                return cls(Loop(loop), Drive.PILOT_FORCE if loop == Loop.LOADER else Drive.TEST_SIGNAL)
+                return cls(Loop(loop), _ALONE.get(Loop(loop), Drive.TEST_SIGNAL))
             case [loop, drive] if loop in set(Loop) and drive in set(Drive):
                 return cls(Loop(loop), Drive(drive))
         raise InputError(
             f"experiment: expected {', '.join(Loop)}, release or sweep, or a loop and what drives it ({', '.join(Drive)}), such as "
             f"'servo-closed release'; got {show(given)}"
+        )
+
+
+_INSTEAD = {
+    HYDRAULIC: "servo-open, servo-closed or loader, driven by test_signal, command_signal or pilot_force, and release",
+    ELECTRIC: "motor-open or loader, driven by test_current, command_current or pilot_force, and release",
+}
+
+
+def check_experiment(experiment: Experiment, loader: Loader, where: str = "experiment") -> None:
+    """Refuses an experiment that the drive of a loader has not.
+
+    Raises:
+        InputError: If so, with those that it has.
+    """
+    if experiment.made_for not in (None, loader.drive):
+        raise InputError(
+            f"{where}: {experiment} is made for {a_drive(str(experiment.made_for))}, and {loader.name} has "
+            f"{a_drive(loader.drive)}; for that there are {_INSTEAD[loader.drive]}"
         )

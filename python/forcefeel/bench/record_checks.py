@@ -32,7 +32,7 @@ _QUIET = 1e-3
 """Share of its range by which a drive that has not begun may move."""
 _STILL = 0.1
 """Share of its range by which a channel may move before the drive has begun."""
-_NOISE = 12.0
+NOISE = 12.0
 """Standard deviations of noise from its lowest to its highest value, and more than that of a million samples."""
 _FEWEST_QUIET = 5
 """Samples before the drive begins from which one can tell whether the channels rest."""
@@ -48,7 +48,7 @@ _HELD = 0.02
 """Share of the way of a release by which the held grip may move."""
 _TAIL = 0.1
 """Share of a release at its end over which its steady state is the mean."""
-_SMOOTH = ("column_angle", "piston_position", "potentiometer")
+_SMOOTH = ("column_angle", "piston_position", "potentiometer", "drive_position", "motor_angle")
 """Channels that cannot set out at speed from rest."""
 
 
@@ -168,7 +168,7 @@ def _check_release(record: BenchRecord, where: str, shown: Shown) -> None:
     let_go = find_release(angle, _TAIL, load_rules().release)
     check_clipping(angle, let_go)
     held = angle.position[: let_go.held]
-    noise = max(_NOISE * angle.position_noise, 2 * angle.position_resolution)
+    noise = max(NOISE * angle.position_noise, 2 * angle.position_resolution)
     if float(np.ptp(held)) > max(noise, _HELD * abs(let_go.displacement)) or _under_way(
         angle.position, let_go.held, noise
     ):
@@ -190,14 +190,14 @@ def _check_rest(
     """Refuses a record that does not begin at rest: a simulation of it does."""
     reach = float(np.ptp(drive))
     # A noisy drive has begun where it leaves its noise.
-    off = np.abs(drive - drive[0]) > max(_QUIET * reach, _NOISE * found_noise(drive[: len(drive) // 100 + 20]))
+    off = np.abs(drive - drive[0]) > max(_QUIET * reach, NOISE * found_noise(drive[: len(drive) // 100 + 20]))
     quiet = int(np.argmax(off))
     # A drive that is not zero at its first sample may have jumped there from rest; from rest the channels set out slowly.
     jumped = abs(float(drive[0])) > _DRIVEN * reach
     # A servo that rests still hunts in its forces and flows; where motion was recorded, that says whether it rests.
     telling = {name: x for name, x in measured.items() if name in _SMOOTH} or measured
     for name, x in telling.items():
-        noise = max(_NOISE * found_noise(x), 2 * found_resolution(x))
+        noise = max(NOISE * found_noise(x), 2 * found_resolution(x))
         moved = quiet >= _FEWEST_QUIET and float(np.ptp(x[:quiet])) > max(_STILL * float(np.ptp(x)), noise)
         if (moved and not jumped) or (jumped and name in _SMOOTH and _sets_out(np.diff(x), noise)):
             seen = f"in the first {record.time_s[max(quiet, _FIRST)] - record.time_s[0]:.3g} s"

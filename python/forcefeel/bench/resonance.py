@@ -22,7 +22,7 @@ FEWEST_IN_BAND = 5
 """Lines in which a peak is looked for at all, and through which a circle goes."""
 
 _HALF_POWER_DB = 10 * math.log10(2)
-_VELOCITIES = ("column_velocity", "actuator_flow")
+_VELOCITIES = ("column_velocity", "actuator_flow", "motor_speed")
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,8 @@ def read_resonance(response: Response, band_hz: tuple[float, float] | None = Non
 def link_from_resonance(loader: Loader, frequency_hz: float, damping_ratio: float) -> tuple[float, float]:
     """Stiffness k and damping c of the link on which the column swings at this frequency with this damping ratio.
 
-    The piston stands still: ``J theta'' + (alpha R_b)^2 (c theta' + k theta) = 0``. On a machine it does not, unless it is blocked.
+    The drive's end stands still: ``J theta'' + (alpha R_b)^2 (c theta' + k theta) = 0``. On a machine it does not, unless it is
+    blocked; a rotor that turns makes the resonance higher.
     The elevator's link is one of 12 Hz and 0.1; with its servo the column swings at 11.8 Hz and 0.169 when the loop is open, at
     11.4 Hz and 0.164 when it is closed, from which c comes out too large by 60 %. A fit of the whole model knows the oil.
 

@@ -40,7 +40,8 @@ class BenchOptions:
         tuple[str, ...],
         option(
             "Under which experiment a file was measured, if it does not tell itself: servo-open, servo-closed or loader, and what "
-            "drives it (test_signal, command_signal, pilot_force, release), or release or sweep. With STEM=, the file's name "
+            "drives it (test_signal, command_signal, pilot_force, release), or release or sweep; of a motor motor-open or loader, "
+            "driven by test_current, command_current or pilot_force. With STEM=, the file's name "
             "without its ending, for that file alone, as in the options below. May be given again.",
             DATA,
             metavar="[STEM=]EXPERIMENT",

@@ -23,8 +23,19 @@ if TYPE_CHECKING:
     from forcefeel.laws.law import Law
     from forcefeel.loader.loader import Loader
 
-_EXAMPLES = {"current": "12 mA", "travel": "8 deg", "force": "1500 lb"}
-_DRIVE_EXAMPLES = {"test_signal": "5 V", "command_signal": "5 V", "pilot_force": "50 lb"}
+_EXAMPLES = {
+    "valve_current": "12 mA",
+    "motor_current": "12 A",
+    "motor_voltage": "40 V",
+    "motor_speed": "600 deg/s",
+    "column_angle": "8 deg",
+    "load_cell_force": "1500 lb",
+    "test_signal": "5 V",
+    "command_signal": "5 V",
+    "test_current": "5 A",
+    "command_current": "5 A",
+    "pilot_force": "50 lb",
+}
 
 
 ASKED = Group("What is asked", sort_key=10)
@@ -38,24 +49,30 @@ class ExciteOptions(LoaderOptions, OutputOptions):
 
     fit: Annotated[
         str,
-        option("Parameters to be determined, by symbol or part.name: k,c,J,C_i.", ASKED, metavar="PARAMETERS"),
+        option(
+            "Parameters to be determined, by symbol or part.name: k,c,J,C_i, or of a motor K_t,J_m,k,c,J.",
+            ASKED,
+            metavar="PARAMETERS",
+        ),
     ]
     experiment: Annotated[
-        str,
+        str | None,
         option(
             "Loop and drive: servo-open, servo-closed (test signal at the amplifier), loader (force at the grip); with another "
             "drive as in 'loader test_signal', or 'servo-closed command_signal' where the controller adds the signal to its "
-            "command.",
+            "command. Of a motor: motor-open (a current alone), 'loader test_current', or 'loader command_current'.",
             ASKED,
+            default="servo-closed; 'loader command_current' of an electric loader",
             metavar="EXPERIMENT",
         ),
-    ] = "servo-closed"
+    ] = None
     measure: Annotated[
         str | None,
         option(
             "Channels that are recorded.",
             ASKED,
-            default="column_angle,piston_position,load_pressure",
+            default="column_angle,piston_position,load_pressure; of an electric loader column_angle,drive_position,"
+            "load_cell_force,motor_current",
             metavar="CHANNELS",
         ),
     ] = None
@@ -75,7 +92,8 @@ class ExciteOptions(LoaderOptions, OutputOptions):
         1000.0
     )
     from_hz: Annotated[
-        float | None, option("Lowest frequency in Hz.", SIGNAL, "--from", default="one cycle a period")
+        float | None,
+        option("Lowest frequency in Hz.", SIGNAL, "--from", default="one cycle a period; 4 Hz of an open motor"),
     ] = None
     to_hz: Annotated[
         float | None,
@@ -83,17 +101,25 @@ class ExciteOptions(LoaderOptions, OutputOptions):
             "Highest frequency in Hz.",
             SIGNAL,
             "--to",
-            default="the valve's natural frequency, or a quarter of the rate",
+            default="the valve's natural frequency or the current loop's bandwidth, or a quarter of the rate",
         ),
     ] = None
     limit_current: Annotated[
         str | None,
         option(
-            "Largest valve current.",
+            "Largest current of valve or motor.",
             LIMITS,
             default="80 % of the amplifier's limit or the valve's rating",
             metavar="CURRENT",
         ),
+    ] = None
+    limit_voltage: Annotated[
+        str | None,
+        option("Largest voltage of a motor.", LIMITS, default="80 % of its limit", metavar="VOLTAGE"),
+    ] = None
+    limit_speed: Annotated[
+        str | None,
+        option("Largest speed of a motor.", LIMITS, default="80 % of its speed without load", metavar="SPEED"),
     ] = None
     limit_travel: Annotated[
         str | None,
@@ -104,16 +130,16 @@ class ExciteOptions(LoaderOptions, OutputOptions):
         option(
             "Largest force at the load cell.",
             LIMITS,
-            default="two thirds of supply pressure times piston area",
+            default="two thirds of supply pressure times piston area; 80 % of what the motor's largest current holds",
             metavar="FORCE",
         ),
     ] = None
     limit_drive: Annotated[
         str | None,
         option(
-            "Largest test signal or force at the grip.",
+            "Largest test signal, current or force at the grip.",
             LIMITS,
-            default="10 V or the controller's range; pilot.force",
+            default="10 V or the controller's range, 80 % of the motor's largest current; pilot.force",
             metavar="VALUE",
         ),
     ] = None
@@ -122,14 +148,15 @@ class ExciteOptions(LoaderOptions, OutputOptions):
     replace: Annotated[bool, option("Replace the file if it is there.", OUTPUT)] = False
 
     def fixed_law(self, loader: "Loader", experiment: "Experiment") -> "Law | None":
-        """The law of the whole loader; ``None`` is the original one.
+        """The law of the whole loader; ``None`` is the one of its drive: the original one, or ``robust`` of a motor.
 
         Raises:
             InputError: If it is of no use to this experiment or cannot be designed.
         """
         from forcefeel.bench.experiments import Loop
+        from forcefeel.loader.parameters import HYDRAULIC
 
-        if self.law in (None, ORIGINAL):
+        if self.law is None or (self.law == ORIGINAL and loader.drive == HYDRAULIC):
             return None
         if experiment.loop is not Loop.LOADER:  # first: what its design lacks is no matter then
             raise InputError(
@@ -137,8 +164,8 @@ class ExciteOptions(LoaderOptions, OutputOptions):
             )
         return given_law(self.law, loader)
 
-    def plan(self, drive: "Drive") -> "ExcitationPlan":
-        """What is wanted, SI units.
+    def plan(self, drive: "Drive", loader: "Loader") -> "ExcitationPlan":
+        """What is wanted of a loader under that drive of the bench, SI units.
 
         Raises:
             InputError: If an option is bad.
@@ -152,11 +179,13 @@ class ExciteOptions(LoaderOptions, OutputOptions):
             given["measured"] = tuple(map(channel, self.measure.split(",")))
         limits = {
             "current": self.limit_current,
+            "voltage": self.limit_voltage,
+            "speed": self.limit_speed,
             "travel": self.limit_travel,
             "force": self.limit_force,
             "drive": self.limit_drive,
         }
-        limits_si = {name: _limit(name, text, drive) for name, text in limits.items() if text is not None}
+        limits_si = {name: _limit(name, text, drive, loader) for name, text in limits.items() if text is not None}
         return filled(ExcitationPlan, self, noise=noise, limits=limits_si, **given)
 
 
@@ -171,14 +200,17 @@ def run(path: LoaderFile = None, /, *, options: ExciteOptions) -> None:
     from forcefeel.bench.excitation import NotSeparableError, excite, write_excitation
     from forcefeel.bench.excitation.as_json import excitation_json
     from forcefeel.bench.excitation.bench_file import check_excitation_file
-    from forcefeel.bench.experiments import Experiment
+    from forcefeel.bench.excitation.excite import USUAL
+    from forcefeel.bench.experiments import Experiment, check_experiment
 
     check_excitation_file(options.out, replace=options.replace)  # before the work, not after it
-    experiment = Experiment.read(options.experiment)
+    given = None if options.experiment is None else Experiment.read(options.experiment)
     loader = options.loader(path)
+    experiment = given or Experiment.read(USUAL[loader.drive])
+    check_experiment(experiment, loader, "--experiment")
     law = options.fixed_law(loader, experiment)
     try:
-        found = excite(loader, options.fit, experiment, options.plan(experiment.drive), law)
+        found = excite(loader, options.fit, experiment, options.plan(experiment.drive, loader), law)
     except NotSeparableError as error:
         print(f"forcefeel: {error}", file=sys.stderr)
         raise SystemExit(BAD_ANSWER) from None
@@ -209,14 +241,13 @@ def _noise(given: tuple[str, ...]) -> tuple[float | None, dict[str, float]]:
     return share, single
 
 
-def _limit(name: str, given: str, drive: "Drive") -> float:
+def _limit(name: str, given: str, drive: "Drive", loader: "Loader") -> float:
     from forcefeel.bench.channels import CHANNELS
     from forcefeel.bench.excitation.limits import KINDS
+    from forcefeel.loader.parameters import ELECTRIC
 
-    channel = KINDS.get(name, str(drive))
-    return value(
-        f"--limit-{name}", given.strip(), CHANNELS[channel], _EXAMPLES.get(name, _DRIVE_EXAMPLES.get(str(drive), ""))
-    )
+    channel = {**KINDS[ELECTRIC], **KINDS[loader.drive]}.get(name, str(drive))
+    return value(f"--limit-{name}", given.strip(), CHANNELS[channel], _EXAMPLES[channel])
 
 
 def _show(console: Terminal, found: "Excitation", units: UnitSystem) -> None:

@@ -63,7 +63,14 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
             metavar="FILE",
         ),
     ]
-    fit: Annotated[str, option("Symbols or names of the parameters, such as k,c,J,C_i.", FIT, metavar="PARAMETERS")]
+    fit: Annotated[
+        str,
+        option(
+            "Symbols or names of the parameters, such as k,c,J,C_i, or of a motor K_t,J_m,k,c,J.",
+            FIT,
+            metavar="PARAMETERS",
+        ),
+    ]
     starts: Annotated[
         int,
         option(
@@ -90,22 +97,23 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
         Path("forcefeel-identified")
     )
 
-    @property
-    def settings(self) -> "FitSettings":
+    def settings(self, loader: "Loader") -> "FitSettings":
         """How the fit is to be made."""
         from forcefeel.bench.identification.as_json import FitSettings
+        from forcefeel.laws.law import DEFAULTS
 
-        return filled(FitSettings, self, priors=not self.no_priors, law=str(self.law or ORIGINAL))
+        return filled(FitSettings, self, priors=not self.no_priors, law=str(self.law or DEFAULTS[loader.drive]))
 
     def fixed_law(self, loader: "Loader", data: "Sequence[Response | BenchRecord]") -> "Law | None":
-        """The law of the whole loader in the data; ``None`` is the original one.
+        """The law of the whole loader in the data; ``None`` is that of its drive: the original one, or ``robust`` of a motor.
 
         Raises:
             InputError: If it is of no use to these data or cannot be designed.
         """
         from forcefeel.bench.experiments import Loop
+        from forcefeel.loader.parameters import HYDRAULIC
 
-        if self.law in (None, ORIGINAL):
+        if self.law is None or (self.law == ORIGINAL and loader.drive == HYDRAULIC):
             return None
         if all(one.experiment.loop is not Loop.LOADER for one in data):
             raise InputError("--law: is the law of the whole loader, and all data are of the servo alone; leave it out")
@@ -128,7 +136,7 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
     FOLDER.check(options.out, replace=options.replace, inputs=inputs)  # before the work, not after it
     loader, data = options.loader(path), options.read(options.data)
     law = options.fixed_law(loader, data)
-    settings = options.settings
+    settings = options.settings(loader)
     with all_or_nothing("identify", "searches", silent=options.json, even=False) as bar:
         found = identify(
             loader,
@@ -220,7 +228,7 @@ def _row(one: "Estimate", units: UnitSystem) -> tuple[str, ...]:
         estimated(one, one.value, units),
         unit_of(one, units),
         error(one, units),
-        _percent(relative_error(one)),
+        _NONE if unknown.is_phase else _percent(relative_error(one)),
         interval(one, units),
         str(one.status),
     )

@@ -23,10 +23,14 @@ if TYPE_CHECKING:
     from forcefeel.bench.responses import Response
     from forcefeel.loader.loader import Loader
 
-HOLDS_FOR = (
-    "k and c are those of a column that swings on the link while the piston is held, as the 1974 report took it. On a bench the "
-    "piston gives way; forcefeel identify fits the whole servo instead, and says how sure each number is."
-)
+_HOLDS_FOR = {
+    "hydraulic": "k and c are those of a column that swings on the link while the piston is held, as the 1974 report took it. On a "
+    "bench the piston gives way; forcefeel identify fits the whole servo instead, and says how sure each number is.",
+    "electric": "k and c are those of a column that swings on the link while the rotor is held, by its brake say. A rotor that is "
+    "not held turns, and the resonance is higher; forcefeel identify fits motor, link and column together, and says how sure each "
+    "number is.",
+}
+"""What the reading of the link holds for, by the loader's drive."""
 
 _LINK = ("linkage.stiffness", "linkage.damping")
 _STATED = ("linkage.resonance_frequency", "linkage.resonance_damping_ratio")
@@ -166,7 +170,7 @@ def _show(console: Terminal, response: "Response", found: "Resonance", loader: "
     console.print(_verdict(response, found), style="bold" if good else "bold red", highlight=False)
     console.print(f"- {found.note}.", highlight=False)
     if lines := _lines(found, units):
-        console.print(f"- {HOLDS_FOR}", highlight=False)
+        console.print(f"- {_HOLDS_FOR[loader.drive]}", highlight=False)
         print("\nIn [linkage] of the loader file, in place of stiffness and damping:")
         for name, text in lines.items():
             print(f'{name} = "{text}"')
@@ -190,7 +194,7 @@ def _resonance_json(response: "Response", found: "Resonance", loader: "Loader", 
         "verdict": _verdict(response, found),
         "kind": found.kind,
         "note": found.note,
-        "holds_for": HOLDS_FOR,
+        "holds_for": _HOLDS_FOR[loader.drive],
         **{name: _reading_json(getattr(found, name), loader, units) for name in _METHODS},
         "loader_file": _lines(found, units) or None,
     }

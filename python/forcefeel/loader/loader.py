@@ -452,7 +452,10 @@ def check_loader(given: object) -> None:
     expect("loader", given, Loader, "a Loader, as elevator() makes it or load(path) reads it")
 
 
-INSTEAD = "for that there are compensate --method auto (or the name of a method), simulate, qualify, envelope, sweep and schedule"
+INSTEAD = (
+    "for that there are compensate --method auto (or the name of a method), simulate, qualify, envelope, sweep, schedule, excite "
+    "and identify"
+)
 """What is made for an electric loader too."""
 
 

@@ -172,9 +172,9 @@ def simulate_batch(
     return xr.Dataset(data, coordinates, {"loader": loader.name})
 
 
-def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: LawLike = None) -> _core.Simulation:
-    """The engine, ready to run loaders through a scenario; ``law`` is the one that the scenario's changes follow."""
-    steps, first = Steps.of(scenario, loader), Law.of(law, loader)
+def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: Law | None = None) -> _core.Simulation:
+    """The engine, ready to run loaders through a scenario; ``law`` is the one that runs, and that the scenario's changes follow."""
+    steps = Steps.of(scenario, loader)
     curve = loader.force_curve
     return _core.Simulation(
         steps.inputs,
@@ -185,9 +185,9 @@ def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: 
         held=steps.held,
         timing=steps.timing,
         curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
-        cancellation=None if first.cancellation is None else first.cancellation.numbers,
+        cancellation=None if law is None or law.cancellation is None else law.cancellation.numbers,
         changes=[
-            (*change, _next_law(loader, first, way.compensator))
+            (*change, None if law is None else _next_law(loader, law, way.compensator))
             for change, way in zip(steps.changes, scenario.feel_changes, strict=True)
         ],
     )

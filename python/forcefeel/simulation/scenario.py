@@ -69,7 +69,7 @@ class Scenario:
         trim_rad: Commanded neutral of the feel over time; it is followed at ``feel.trim_rate``.
         dynamic_pressure_pa: Dynamic pressure over time, for a feel whose stiffness depends on it.
         shaker: How far the stick shaker is on over time, 0 to 1.
-        test_signal_v: Voltage over time at the amplifier's input, beside the command.
+        test_signal_v: Voltage over time at the amplifier's input, beside the command; of a motor a current in A.
         command_signal_v: Voltage over time that the law adds to its command; a digital controller adds what it finds of it at a
             sample, and sends it on with the command.
         feel_changes: Changes of the feel, in order, none beginning before the last is done.

@@ -163,7 +163,7 @@ def test_it_tells_more_than_even_and_random_spectra_within_the_same_limits(exper
     limits = limits_of(loader, asked.drive, {})
     fit = ("linkage.stiffness", "linkage.damping", "column.inertia", "valve.current_gain")
     found = excite(loader, fit, asked, PLAN)
-    lines = lines_of(loader, fit, asked, PLAN, spectral_lines(PLAN, timing(PLAN), loader), None, limits)
+    lines = lines_of(loader, fit, asked, PLAN.of(loader), spectral_lines(PLAN, timing(PLAN), loader), None, limits)
     problem = lines.problem(0.0)
     own = problem.log_det(problem.filled(found.power))
     assert own > problem.log_det(problem.even())
@@ -225,7 +225,7 @@ def test_limits_beyond_the_loader_s_own_are_refused():
         ("k,zz", "servo-closed", "fit: unknown parameter 'zz'"),
         ("F_c", "servo-closed", "fit: column.coulomb_friction is 0 lb in the loader"),
         ("J", "servo-closed release", "a release is its own excitation"),
-        ("J", "bench", "experiment: expected servo-open, servo-closed, loader"),
+        ("J", "bench", "experiment: expected servo-open, servo-closed, motor-open, loader"),
     ],
 )
 def test_bad_questions_are_refused(fit, experiment, message):

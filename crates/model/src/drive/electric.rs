@@ -362,8 +362,8 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     fn channels(now: &Now<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
         let angle = |x: S| parameters.column.angle(x);
         let [i, voltage, speed, winding] = now.signals;
-        let torque = parameters.motor.torque(i);
-        [angle(now.base), angle(now.base_rate), now.position, now.force, i, voltage, speed, torque, winding]
+        let turned = now.position / parameters.transmission.travel;
+        [angle(now.base), angle(now.base_rate), now.position, now.force, i, voltage, speed, turned, winding]
     }
 
     /// None: heat and dry friction are left out of a linear loop.

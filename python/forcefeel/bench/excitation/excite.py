@@ -1,7 +1,8 @@
 """Designs an excitation: information of each line, the best spectrum within limits, phases, the scale that holds on the loader."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +14,18 @@ from forcefeel.bench.excitation.plan import ExcitationPlan, Timing, spectral_lin
 from forcefeel.bench.excitation.rehearsal import Bench, fit_to_limits
 from forcefeel.bench.excitation.result import EVEN_SHARE, Excitation, LimitUse
 from forcefeel.bench.excitation.waves import Wave, chirps, multisine
-from forcefeel.bench.experiments import Drive, Experiment, Loop
+from forcefeel.bench.experiments import Drive, Experiment, Loop, check_experiment
 from forcefeel.bench.identification.unknowns import parameter_keys, unknowns_of
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
-from forcefeel.loader.loader import Loader, check_hydraulic
+from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
+
+USUAL: Mapping[str, str] = MappingProxyType({HYDRAULIC: "servo-closed", ELECTRIC: "loader command_current"})
+"""The experiment where none is named: the piston, and the motor, are held at their place by a loop."""
+
+_OPEN_FROM_HZ = 4.0
+"""Lowest frequency where nothing holds the motor, if none is given: below, its drift as the signal comes up exceeds its swing."""
 
 _IN_BAND = 1e-3
 """Share of the largest power of a line from which on a chirp passes through it."""
@@ -26,7 +34,7 @@ _IN_BAND = 1e-3
 def excite(
     loader: Loader,
     fit: str | Sequence[str],
-    experiment: str | Experiment = "servo-closed",
+    experiment: str | Experiment | None = None,
     plan: ExcitationPlan | None = None,
     law: LawLike = None,
 ) -> Excitation:
@@ -40,9 +48,10 @@ def excite(
     Args:
         loader: The loader, as far as it is known.
         fit: Parameters by symbol or key: ``"k,c,J,C_i"``.
-        experiment: Loop and drive, such as ``"servo-closed"``; see ``Experiment.read``.
+        experiment: Loop and drive, such as ``"servo-closed"``; see ``Experiment.read``. If not given, ``"servo-closed"`` of a
+            valve, ``"loader command_current"`` of a motor.
         plan: Kind, length, band, noise and limits.
-        law: The law of the whole loader; the original one if not given.
+        law: The law of the whole loader; the original one, or ``robust`` of a motor, if not given.
 
     Returns:
         The signal, its promise and the peaks.
@@ -63,16 +72,20 @@ def excite(
         >>> sorted(found.standard_errors)
         ['linkage.stiffness']
     """
-    plan = plan or ExcitationPlan()
-    keys = parameter_keys(fit)
-    check_hydraulic(loader, "excitation")
+    check_loader(loader)
+    plan = (plan or ExcitationPlan()).of(loader)
+    keys = parameter_keys(fit, loader.drive)
     unknowns_of(loader, keys)
-    asked = experiment if isinstance(experiment, Experiment) else Experiment.read(experiment)
+    asked = experiment if isinstance(experiment, Experiment) else Experiment.read(experiment or USUAL[loader.drive])
+    check_experiment(asked, loader)
+    if asked.loop is Loop.MOTOR_OPEN and plan.from_hz is None:
+        plan = replace(plan, from_hz=_OPEN_FROM_HZ)
     if asked.drive is Drive.RELEASE:
-        raise InputError("experiment: a release is its own excitation; take one with a test_signal or a pilot_force")
+        raise InputError("experiment: a release is its own excitation; take one with a signal or a pilot_force")
     if law is not None and asked.loop is not Loop.LOADER:
         raise InputError(f"law: is the law of the whole loader, and {asked} is of the servo alone; leave it out")
-    law = None if law is None else Law.of(law, loader)  # designed or read once, not for each rehearsal
+    if law is not None or (loader.drive == ELECTRIC and asked.loop is Loop.LOADER):
+        law = Law.of(law, loader)  # designed or read once, not for each rehearsal
     limits = limits_of(loader, asked.drive, plan.limits)
     found = timing(plan)
     lines = lines_of(loader, keys, asked, plan, spectral_lines(plan, found, loader), law, limits)
@@ -93,7 +106,7 @@ def excite(
         period_s=found.period_s if plan.kind == "multisine" else None,
         frequency_hz=lines.frequency_hz,
         power=power,
-        noise=dict(zip(plan.measured, lines.sigma.tolist(), strict=True)),
+        noise=dict(zip(plan.channels, lines.sigma.tolist(), strict=True)),
         information=wave.counted * whole.matrix(power),
         uses=tuple(LimitUse(limit, peak) for limit, peak in zip(limits, peaks, strict=True)),
         efficiency=_efficiency(whole, whole.filled(wave.power), best),

@@ -28,6 +28,9 @@ SEPARABLE = 1e-7
 """Smallest singular value of the slopes, each of length 1: below it the slopes, right to some 1e-12, hang together."""
 
 _NAMED = 0.1  # share in a combination from which on a parameter is named
+_NOT_LINEAR = {
+    key for key in TABLE if key.startswith(("motor.cogging", "motor.coulomb", "motor.static", "transmission.back"))
+}
 _LINEAR_VALVE = {"valve.current_gain", "valve.pressure_gain"}
 
 
@@ -88,13 +91,15 @@ def check_separable(
     unseen = [key for key, it in zip(keys, size <= UNSEEN * float(np.linalg.norm(value / scale)), strict=True) if it]
     if unseen:
         follows = loader["valve.orifice"] and set(unseen) & _LINEAR_VALVE
-        valve = (
+        why = (
             f"; this valve follows its orifice, where {named('valve.rated_flow')} stands for its gains"
             if follows
+            else "; dry friction, cogging and free play show in a slow, large record in time, not in a spectrum"
+            if set(unseen) & _NOT_LINEAR
             else ""
         )
         raise InputError(
-            f"fit: {', '.join(map(named, unseen))} changes nothing that is measured in {experiment}{valve}; leave it out, measure "
+            f"fit: {', '.join(map(named, unseen))} changes nothing that is measured in {experiment}{why}; leave it out, measure "
             "another channel, or take another experiment"
         )
     _, singular, directions = np.linalg.svd(columns / size, full_matrices=False)

@@ -1,22 +1,24 @@
-"""What an excitation must not exceed: valve current, travel of the column, force at the load cell, the drive itself."""
+"""What an excitation must not exceed: current, travel of the column, force at the load cell, the drive; voltage and speed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf
+from math import inf, isfinite
 from types import MappingProxyType
 
 import numpy as np
 
+from forcefeel import _core
 from forcefeel.bench.channels import channel_unit
 from forcefeel.bench.experiments import Drive
 from forcefeel.bench.identification.digits import percent
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.simulation.inputs.sampled import check_number
 from forcefeel.units import Unit, UnitSystem, show, to_text
 
 OF_LIMIT = 0.8
-"""Share that a default leaves of the amplifier's limit, the valve's rating, an end stop: what saturates teaches nothing."""
+"""Share that a default leaves of a limit of current or voltage, the valve's rating, an end stop: what saturates teaches nothing."""
 
 TRAVEL_RAD = np.radians(10.0)
 """Where no end stop is near."""
@@ -33,7 +35,7 @@ class Limit:
     """A limit, SI units.
 
     Attributes:
-        name: ``current``, ``travel``, ``force`` or ``drive``.
+        name: ``current``, ``travel``, ``force``, ``drive``, or a motor's ``voltage`` or ``speed``.
         channel: The channel that it is on.
         value: The largest magnitude.
         reason: Where it comes from.
@@ -54,10 +56,21 @@ class Limit:
         return f"{to_text(self.unit.from_si(value, system), 3)} {self.unit.shown(system)}"
 
 
-KINDS: Mapping[str, str] = MappingProxyType(
-    {"current": "valve_current", "travel": "column_angle", "force": "load_cell_force"}
+KINDS: Mapping[str, Mapping[str, str]] = MappingProxyType(
+    {
+        HYDRAULIC: {"current": "valve_current", "travel": "column_angle", "force": "load_cell_force"},
+        ELECTRIC: {
+            "current": "motor_current",
+            "voltage": "motor_voltage",
+            "speed": "motor_speed",
+            "travel": "column_angle",
+            "force": "load_cell_force",
+        },
+    }
 )
-"""The channel that each limit on the loader is on; ``drive`` is on what moves it."""
+"""The channel that each limit on a loader with that drive is on; ``drive`` is on what moves it."""
+
+_Told = dict[str, tuple[float, str]]
 
 
 def limits_of(loader: Loader, drive: Drive, given: Mapping[str, float]) -> tuple[Limit, ...]:
@@ -69,15 +82,22 @@ def limits_of(loader: Loader, drive: Drive, given: Mapping[str, float]) -> tuple
         given: By the names of ``KINDS``, or ``drive``, SI units.
 
     Raises:
-        InputError: If a name is unknown, a value not above 0, or one beyond what the loader itself stops at.
+        InputError: If a name is unknown, a value not above 0, or one beyond what the loader itself stops at; if nobody says what a
+            motor may take.
     """
-    kinds = {**KINDS, "drive": str(drive)}
+    kinds = {**KINDS[loader.drive], "drive": str(drive)}
     if unknown := [name for name in given if name not in kinds]:
         raise InputError(f"limits: expected {', '.join(kinds)}, got {show(unknown[0])}")
-    bounds, defaults = _bounds(loader, drive), _defaults(loader, drive)
+    electric = loader.drive == ELECTRIC
+    bounds = (_motor_bounds if electric else _valve_bounds)(loader, drive) | _travel_bound(loader)
+    defaults = (_motor_defaults if electric else _valve_defaults)(loader, drive) | _travel_default(loader)
     found = []
     for name, channel in kinds.items():
         value, reason = (given[name], "as given") if name in given else defaults[name]
+        if name not in given and not isfinite(value):
+            raise InputError(
+                f"limits: the loader file gives no {reason}; give a {name}, or put its limit into the file"
+            )
         check_number("limits", name, value, "number above 0")
         limit = Limit(name, channel, float(value), reason)
         bound, where = bounds[name]
@@ -90,18 +110,14 @@ def limits_of(loader: Loader, drive: Drive, given: Mapping[str, float]) -> tuple
     return tuple(found)
 
 
-def _defaults(loader: Loader, drive: Drive) -> dict[str, tuple[float, str]]:
+def _valve_defaults(loader: Loader, drive: Drive) -> _Told:
     current, which = min(
         (loader["amplifier.current_limit"], "the amplifier's limit"),
         (loader["valve.rated_current"], "the valve's rating"),
     )
-    stop = min(-loader["column.stop_low"], loader["column.stop_high"])
     signal = min((TEST_SIGNAL_V, "a usual converter's"), _drive_bound(loader, drive))
     return {
         "current": (OF_LIMIT * current, f"{percent(OF_LIMIT)} of {which}"),
-        "travel": (OF_LIMIT * stop, f"{percent(OF_LIMIT)} of the nearer end stop")
-        if OF_LIMIT * stop < TRAVEL_RAD
-        else (TRAVEL_RAD, "as nothing else is said"),
         "force": (
             OF_SUPPLY * loader["valve.supply_pressure"] * loader["actuator.area"],
             "two thirds of supply pressure times piston area",
@@ -110,14 +126,51 @@ def _defaults(loader: Loader, drive: Drive) -> dict[str, tuple[float, str]]:
     }
 
 
-def _bounds(loader: Loader, drive: Drive) -> dict[str, tuple[float, str]]:
+def _valve_bounds(loader: Loader, drive: Drive) -> _Told:
     """What the loader itself stops at."""
     return {
         "current": (loader["amplifier.current_limit"], "the amplifier's limit"),
-        "travel": (min(-loader["column.stop_low"], loader["column.stop_high"]), "the nearer end stop"),
         "force": (loader["valve.supply_pressure"] * loader["actuator.area"], "supply pressure times piston area"),
         "drive": _drive_bound(loader, drive),
     }
+
+
+def _motor_defaults(loader: Loader, drive: Drive) -> _Told:
+    shares = {
+        name: (OF_LIMIT * value, f"{percent(OF_LIMIT)} of {where}" if isfinite(value) else where)
+        for name, (value, where) in _motor_bounds(loader, drive).items()
+    }
+    if drive is Drive.PILOT_FORCE:
+        shares["drive"] = loader["pilot.force"], "the pilot's force"
+    return shares
+
+
+def _motor_bounds(loader: Loader, drive: Drive) -> _Told:
+    """What the motor itself stops at: the speed at which its back-EMF is all the voltage that there is; the force that holds it."""
+    current, voltage = loader["current_loop.current_limit"], loader["current_loop.voltage_limit"]
+    # x_m, x_m', i, .. and x_m, F_c, i, u, omega of the model: u per omega, and F_c per i where x_m'' = 0.
+    a, _, c, _ = _core.electric_plant(loader.values)
+    speed, force = c[5, 1] / c[4, 1] * voltage, -a[1, 2] / a[1, 0] * c[2, 0] * current
+    bounds = {
+        "current": (current, "current_loop.current_limit"),
+        "voltage": (voltage, "current_loop.voltage_limit"),
+        "speed": (float(speed), "no-load speed at current_loop.voltage_limit"),
+        "force": (float(force), "force of the motor at current_loop.current_limit"),
+    }
+    return bounds | {"drive": (inf, "") if drive is Drive.PILOT_FORCE else bounds["current"]}
+
+
+def _travel_default(loader: Loader) -> _Told:
+    stop, _ = _travel_bound(loader)["travel"]
+    return {
+        "travel": (OF_LIMIT * stop, f"{percent(OF_LIMIT)} of the nearer end stop")
+        if OF_LIMIT * stop < TRAVEL_RAD
+        else (TRAVEL_RAD, "as nothing else is said")
+    }
+
+
+def _travel_bound(loader: Loader) -> _Told:
+    return {"travel": (min(-loader["column.stop_low"], loader["column.stop_high"]), "the nearer end stop")}
 
 
 def _drive_bound(loader: Loader, drive: Drive) -> tuple[float, str]:

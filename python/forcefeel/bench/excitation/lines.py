@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.bench.channels import INPUTS, OUTPUTS
+from forcefeel.bench.channels import inputs, outputs
 from forcefeel.bench.excitation.information import check_separable, line_information
 from forcefeel.bench.excitation.limits import Limit
 from forcefeel.bench.excitation.optimal_power import PowerProblem
@@ -19,8 +19,6 @@ from forcefeel.loader.loader import Loader
 
 CREST = 2.0
 """Peak over r.m.s. that a spectrum is designed for; phases come near it, and the peaks themselves set the scale."""
-
-_OUTPUTS = list(OUTPUTS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,13 +64,13 @@ def lines_of(
         NotSeparableError: If parameters cannot be told apart.
     """
     responses = channel_responses(loader, experiment.loop, keys, frequency_hz, law=law)
-    drive = list(INPUTS).index(experiment.drive)
-    measured = [_OUTPUTS.index(name) for name in plan.measured]
+    drive, seen = list(inputs(loader.drive)).index(experiment.drive), list(outputs(loader.drive))
+    measured = [seen.index(name) for name in plan.channels]
     value = responses.value[measured, drive]
     theta = np.array([loader[key] for key in keys])
     slopes = theta[:, np.newaxis, np.newaxis] * responses.slopes[:, measured, drive]
     channels = {
-        **dict(zip(OUTPUTS, responses.value[:, drive], strict=True)),
+        **dict(zip(seen, responses.value[:, drive], strict=True)),
         str(experiment.drive): np.ones(len(frequency_hz)),
     }
     limited = np.array([channels[it.channel] for it in limits])
@@ -85,12 +83,12 @@ def lines_of(
 
 def _noise(plan: ExcitationPlan, rms: NDArray[np.float64]) -> NDArray[np.float64]:
     """Standard deviation of each measured channel's noise: as known, or a share of its r.m.s. under even lines."""
-    for name, moved in zip(plan.measured, rms.tolist(), strict=True):
+    for name, moved in zip(plan.channels, rms.tolist(), strict=True):
         if not moved:
             raise InputError(f"measure: {name} does not move in this experiment; measure another channel")
     return np.array(
         [
             plan.noise.get(name, plan.noise_share * moved)
-            for name, moved in zip(plan.measured, rms.tolist(), strict=True)
+            for name, moved in zip(plan.channels, rms.tolist(), strict=True)
         ]
     )

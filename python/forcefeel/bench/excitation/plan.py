@@ -1,16 +1,18 @@
 """What an excitation is asked to be: kind, length, band, what is measured with which noise."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import floor, log10
+from types import MappingProxyType
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.bench.channels import OUTPUTS
+from forcefeel.bench.channels import OUTPUTS, outputs
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC, a_drive
 from forcefeel.loader.timing import WHOLE
 from forcefeel.simulation.inputs.sampled import check_number
 from forcefeel.units import show
@@ -29,6 +31,14 @@ RAMP = 0.25
 MOST_SAMPLES = 5_000_000
 """Longest excitation, as the longest run."""
 
+MEASURED: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        HYDRAULIC: ("column_angle", "piston_position", "load_pressure"),
+        ELECTRIC: ("column_angle", "drive_position", "load_cell_force", "motor_current"),
+    }
+)
+"""What is recorded of a loader with that drive where nothing is said."""
+
 _MOST_LINES = 160  # 4 % apart over three decades: finer than a resonance with a damping ratio of 0.02
 _FEWEST_LINES = 8
 _ROUND = (8.0, 5.0, 4.0, 2.5, 2.0, 1.0)
@@ -42,14 +52,15 @@ class ExcitationPlan:
         kind: A multisine, or a chirp.
         time_s: Length, above 0.
         rate_hz: Samples per second, above 0.
-        from_hz: Lowest frequency; one cycle a period if not given.
-        to_hz: Highest frequency; the valve's natural frequency if not given, or a quarter of the rate, or of the controller's,
-            where that is lower.
-        measured: Channels of ``bench.channels.OUTPUTS`` that are recorded.
+        from_hz: Lowest frequency; one cycle a period if not given, of an open motor 4 Hz.
+        to_hz: Highest frequency; the valve's natural frequency or the current loop's bandwidth if not given, or a quarter of the
+            rate, or of the controller's, where that is lower.
+        measured: Channels of ``bench.channels.OUTPUTS`` that are recorded; those of ``MEASURED`` if not given.
         noise_share: White noise of each measured channel, as a share of its r.m.s. under even lines that reach the limits.
         noise: The same in SI units for channels where it is known.
         limits: Limits in place of the loader's: ``current`` (A), ``travel`` (rad, of the column), ``force`` (N, at the load cell)
-            and ``drive`` (V of the test signal or N at the grip).
+            and ``drive`` (V of the test signal, A of a test current or N at the grip); of a motor also ``voltage`` (V) and
+            ``speed`` (rad/s).
 
     Raises:
         InputError: When built, if a number is not above 0, or a name is unknown or stands twice.
@@ -65,7 +76,7 @@ class ExcitationPlan:
     rate_hz: float = 1000.0
     from_hz: float | None = None
     to_hz: float | None = None
-    measured: tuple[str, ...] = ("column_angle", "piston_position", "load_pressure")
+    measured: tuple[str, ...] | None = None
     noise_share: float = 0.01
     noise: Mapping[str, float] = field(default_factory=dict)
     limits: Mapping[str, float] = field(default_factory=dict)
@@ -79,21 +90,44 @@ class ExcitationPlan:
         for name, value in numbers.items():
             if not (name in optional and value is None):
                 check_number("excitation", name, value, "number above 0")
-        if not self.measured or len(set(self.measured)) < len(self.measured):
-            raise InputError(
-                f"measure: expected each channel once, one at least, got {', '.join(self.measured) or 'none'}"
-            )
-        for name in (*self.measured, *self.noise):
+        measured = self.measured
+        if measured is not None and (not measured or len(set(measured)) < len(measured)):
+            raise InputError(f"measure: expected each channel once, one at least, got {', '.join(measured) or 'none'}")
+        for name in (*(measured or ()), *self.noise):
             if name not in OUTPUTS:
                 raise InputError(f"measure: expected channels out of {', '.join(OUTPUTS)}, got {show(name)}")
-        for name in self.noise:
-            if name not in self.measured:
-                raise InputError(f"noise: {name} is not measured; measure it too, or leave its noise out")
+        if measured is not None:
+            _check_noise(self.noise, measured)
         if self.time_s * self.rate_hz > MOST_SAMPLES:
             raise InputError(
                 f"time: expected at most {MOST_SAMPLES:,} samples, got {self.time_s:g} s at {self.rate_hz:g} Hz; "
                 "take a shorter time or a lower rate"
             )
+
+    def of(self, loader: Loader) -> "ExcitationPlan":
+        """The same with what is measured of this loader.
+
+        Raises:
+            InputError: If its drive has not a channel, or a channel whose noise is given is not measured.
+        """
+        measured, own = MEASURED[loader.drive] if self.measured is None else self.measured, outputs(loader.drive)
+        for name in measured:
+            if name not in own:
+                raise InputError(
+                    f"measure: {name} is no channel of {a_drive(loader.drive)}; expected some of {', '.join(own)}"
+                )
+        _check_noise(self.noise, measured)
+        return replace(self, measured=measured)
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """What is measured, where that is known."""
+        return self.measured or ()
+
+
+def _check_noise(noise: Mapping[str, float], measured: tuple[str, ...]) -> None:
+    if strange := [name for name in noise if name not in measured]:
+        raise InputError(f"noise: {strange[0]} is not measured; measure it too, or leave its noise out")
 
 
 @dataclass(frozen=True)
@@ -174,7 +208,8 @@ def spectral_lines(plan: ExcitationPlan, found: Timing, loader: Loader) -> NDArr
     if plan.to_hz is None:
         period = loader["controller.period"]
         samples = 1 / period / SAMPLES_PER_CYCLE if period else np.inf
-        to_hz = min(loader["valve.natural_frequency"] / (2 * np.pi), top, samples)
+        fastest = loader["current_loop.bandwidth" if loader.drive == ELECTRIC else "valve.natural_frequency"]
+        to_hz = min(fastest / (2 * np.pi), top, samples)
     elif plan.to_hz > top * (1 + WHOLE):
         raise InputError(
             f"rate: expected {SAMPLES_PER_CYCLE} samples in a cycle of the highest frequency at least, "

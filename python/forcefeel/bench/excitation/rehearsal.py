@@ -2,13 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil, inf
+from math import ceil, inf, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel import _core
 from forcefeel._core import Compensator
-from forcefeel.bench.excitation.limits import Limit
+from forcefeel.bench.channels import CHANNELS
+from forcefeel.bench.excitation.limits import KINDS, Limit
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification.record_run import driven, engine_step_s
 from forcefeel.errors import InputError
@@ -16,7 +18,9 @@ from forcefeel.laws.law import LawLike
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.timing import WHOLE
 from forcefeel.simulation import RunStatus, Scenario, simulate
+from forcefeel.simulation.engine import prepared
 from forcefeel.simulation.inputs import Recorded, Schedule
+from forcefeel.simulation.outcome import named
 from forcefeel.units import UnitSystem
 
 NEAR = 0.97
@@ -25,12 +29,6 @@ NEAR = 0.97
 _AIM = 0.985  # between NEAR and 1
 _TRIALS = 16
 _MOST_CHANGE = 4.0  # of the scale in a trial: a loader with friction or stops is not linear
-
-_HISTORY = {
-    "valve_current": "valve_current_a",
-    "column_angle": "column_angle_rad",
-    "load_cell_force": "load_cell_force_n",
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,17 +51,30 @@ class Bench:
         """The largest magnitude of what each limit is on, from a run at rest through the signal; infinite if it diverged.
 
         Args:
-            signal: Volts or newtons at every sample, straight between, (samples,).
+            signal: Volts, amperes or newtons at every sample, straight between, (samples,).
             limits: The limits.
         """
         step_s = engine_step_s(self.loader, 1 / self.rate_hz)
         steps = ceil((len(signal) - 1) / self.rate_hz / step_s - WHOLE)
-        run = simulate(self.loader, self._scenario(signal, steps, step_s), self._law())
-        if run.status is RunStatus.DIVERGED:
-            return (inf,) * len(limits)
-        seen = {channel: run.history[name].values for channel, name in _HISTORY.items()}
+        scenario = self._scenario(signal, steps, step_s)
+        if self.experiment.loop is Loop.MOTOR_OPEN:
+            seen = self._open(scenario)
+        else:
+            run = simulate(self.loader, scenario, self._law())
+            limited = KINDS[self.loader.drive].values()
+            seen = {channel: run.history[named(channel, CHANNELS[channel])].values for channel in limited}
+            if run.status is RunStatus.DIVERGED:
+                return (inf,) * len(limits)
         seen[str(self.experiment.drive)] = signal
-        return tuple(float(np.abs(seen[limit.channel]).max()) for limit in limits)
+        peaks = (float(np.abs(seen[limit.channel]).max()) for limit in limits)
+        return tuple(peak if isfinite(peak) else inf for peak in peaks)
+
+    def _open(self, scenario: Scenario) -> dict[str, NDArray[np.float64]]:
+        """What is seen of a motor that no law drives."""
+        names = [name for name, _ in _core.simulation_outputs(self.loader.drive)]
+        engine = prepared(self.loader, scenario, range(len(names)))
+        _, histories = engine.run(self.loader.values[np.newaxis], law="open", threads=1)
+        return dict(zip(names, histories[0], strict=True))
 
     def _scenario(self, signal: NDArray[np.float64], steps: int, step_s: float) -> Scenario:
         """The signal, then its last value for a step: the run may last so much longer."""
@@ -77,7 +88,7 @@ class Bench:
 
     def _law(self) -> LawLike:
         match self.experiment.loop:
-            case Loop.SERVO_OPEN:
+            case Loop.SERVO_OPEN | Loop.MOTOR_OPEN:
                 return Compensator.none(self.loader.values)
             case Loop.SERVO_CLOSED:
                 return Compensator.position_loop(self.loader.values)

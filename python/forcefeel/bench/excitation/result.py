@@ -14,10 +14,16 @@ from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.identification.digits import percent
 from forcefeel.bench.identification.inseparable import DETERMINED
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.units import UnitSystem, to_text
 
 EVEN_SHARE = 0.2
 """Share of a multisine's power that is spread evenly over all lines, so that the response can be seen and a wrong model shows."""
+
+_BESIDE = (
+    "Friction at rest, cogging and free play do not show in it: record a slow sweep of the grip's force both ways through the "
+    "travel (experiment: sweep) beside it, and give both to identify."
+)
 
 VAGUE = DETERMINED / 1.96
 """Relative standard error from which on an identification would refuse a parameter: half the 95 % interval is half its value."""
@@ -135,6 +141,7 @@ class Excitation:
         return (
             f"{binds}.",
             f"{cost}.",
+            *([_BESIDE] if self.loader.drive == ELECTRIC else []),
             f"The errors are those of white noise alone ({noise}) on the linear model; what a model leaves out adds to them.",
         )
 

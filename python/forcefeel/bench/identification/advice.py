@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.bench.channels import OUTPUTS
+from forcefeel.bench.channels import inputs, outputs
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.bench.identification.confidence import half_widths
 from forcefeel.bench.identification.inseparable import DETERMINED
@@ -42,7 +42,7 @@ def advice_of(
         information: Of the data alone, in shares as ``confidence`` has them.
         recorded: Whether there are records in time among the data.
     """
-    scale = np.array([max(abs(loader[it.key]), abs(it.nominal)) for it in unknowns])
+    scale = np.array([max(abs(loader[it.key]), it.scale) for it in unknowns])
     candidates = list(_candidates(loader, law, [it.key for it in unknowns], scale))
     open_still = _NORMAL * half_widths(information) >= DETERMINED
     if unseen := [
@@ -59,10 +59,11 @@ def advice_of(
 def _candidates(
     loader: Loader, law: LawLike, keys: Sequence[str], scale: NDArray[np.float64]
 ) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    for loop in Loop:
+    signal, force, _ = map(Drive, inputs(loader.drive))
+    for loop in (loop for loop in Loop if Experiment(loop, force).made_for in (None, loader.drive)):
         responses = LinearModel(loader, loop, law).responses(loader.values, keys, _lines(loader))
-        for drive in (Drive.TEST_SIGNAL, Drive.PILOT_FORCE):
-            for channel in OUTPUTS:
+        for drive in (signal, force):
+            for channel in outputs(loader.drive):
                 value, slopes = responses.between(str(drive), channel, drive)
                 if np.abs(value).max() == 0:
                     continue

@@ -95,6 +95,8 @@ def confidence_of(problem: Problem, place: Place) -> Confidence:
     # An estimate near zero is no share of itself: of a friction that is not there the file's guess is the measure.
     estimates = np.abs(place.x[:count])
     sizes = np.maximum(estimates, 1.0)
+    phases = np.array([it.is_phase for it in problem.unknowns], dtype=np.bool_)
+    estimates, sizes = np.where(phases, 1.0, estimates), np.where(phases, 1.0, sizes)
     every = np.concatenate([sizes, np.ones(len(place.x) - count)])
     quantile = float(student.ppf(0.5 + 0.5 * _CONFIDENCE, max(pieces - len(place.x), 1)))
     in_shares = _without_own(information * np.outer(every, every), count) / np.outer(inflation, inflation)

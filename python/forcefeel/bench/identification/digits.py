@@ -75,7 +75,9 @@ def percent(share: float) -> str:
 
 
 def relative_error(one: Estimate) -> float:
-    """The standard error as a share of the value; infinite for a value of zero."""
+    """The standard error as a share of the value, of a phase in rad; infinite for a value of zero."""
+    if one.unknown.is_phase:
+        return one.deviation
     return one.deviation / abs(one.value) if one.value else math.inf
 
 

@@ -74,7 +74,8 @@ def _verdict(found: Identification, units: UnitSystem) -> str:
         if bound:
             return f"{one.unknown.key} ended at its bound, {value}: that is not what the data say. No loader file is written."
         return f"{one.unknown.key} is determined: {value} with a standard error of {deviation}."
-    ordered = sorted([it for it in found.estimates if it.value] or found.estimates, key=relative_error)
+    shares = [it for it in found.estimates if it.value and not it.unknown.is_phase]
+    ordered = sorted(shares or found.estimates, key=relative_error)
     first, last = ordered[0], ordered[-1]
     return (
         f"{_all(count)} parameters are determined{but}: their standard errors are from {percent(relative_error(first))} "
@@ -134,16 +135,15 @@ def _one_moved(one: Estimate, units: UnitSystem) -> str:
     unknown = one.unknown
     way = "above" if one.value > unknown.nominal else "below"
     value = _with_unit(one, estimated(one, one.value, units), units)
-    text = (
-        f"{unknown.key} lies {_part(abs(change(one)))} {way} the file's value, {value} instead of {nominal(one, units)}"
-    )
+    far = f"{to_text(math.degrees(abs(change(one))), 3)} deg" if unknown.is_phase else _part(abs(change(one)))
+    text = f"{unknown.key} lies {far} {way} the file's value, {value} instead of {nominal(one, units)}"
     told = unknown.tolerance
     if told is None:
         return f"{text}; the file states no tolerance for it."
     if told.distribution is Distribution.NORMAL and told.peak is not None and told.deviation is not None:
         share = abs(one.value - told.peak) / told.deviation
         return f"{text}; that is {to_text(share, 2)} standard deviations of its tolerance."
-    low, high = ((bound - unknown.nominal) / abs(unknown.nominal) for bound in (told.low, told.high))
+    low, high = ((bound - unknown.nominal) / unknown.scale for bound in (told.low, told.high))
     return f"{text}; its tolerance allows {_signed(low)} to {_signed(high)}."
 
 
@@ -276,7 +276,7 @@ def _left_out(found: Identification) -> str:
 
 def change(one: Estimate) -> float:
     """How far the estimate lies from the file's value, as a share of it."""
-    return (one.value - one.unknown.nominal) / abs(one.unknown.nominal)
+    return (one.value - one.unknown.nominal) / one.unknown.scale
 
 
 def differs(one: Estimate) -> bool:

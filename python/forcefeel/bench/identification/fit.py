@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.bench.estimate import estimate_response
-from forcefeel.bench.experiments import Drive
+from forcefeel.bench.experiments import Drive, Loop
 from forcefeel.bench.identification.advice import advice_of
+from forcefeel.bench.identification.bench_of import check_bench
 from forcefeel.bench.identification.confidence import Confidence, half_widths
 from forcefeel.bench.identification.fitted_loader import fitted_loader
 from forcefeel.bench.identification.inseparable import DETERMINED, inseparable_sets
@@ -29,8 +30,9 @@ from forcefeel.bench.plausibility import CLEAR, FAR, distance, misreading
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError, expect, type_text
-from forcefeel.laws.law import LawLike
-from forcefeel.loader.loader import Loader, check_hydraulic
+from forcefeel.laws.law import Law, LawLike
+from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.loader.parameters import ELECTRIC
 
 _HALF_RATE = 0.499
 """Cycles of a line in a controller's period at most."""
@@ -59,8 +61,8 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     Args:
         loader: The loader as its file has it. Tolerances bound the search, normal ones count as knowledge.
         data: Responses and records, one at least.
-        fit: Symbols or rows of the parameters: ``"k,c,J,C_i"``.
-        law: The law of the whole loader in the data; the original one if not given.
+        fit: Symbols or rows of the parameters: ``"k,c,J,C_i"``, of a motor ``"K_t,J_m,k,c,J"``.
+        law: The law of the whole loader in the data; the original one, or ``robust`` of a motor, if not given.
         starts: How many places the search starts from: the file's values, then others within tolerance.
         loss: ``huber`` lets residuals beyond three standard deviations count less; ``linear`` is plain least squares.
         priors: Whether normal tolerances count as knowledge.
@@ -81,7 +83,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         >>> found["k"].status.value
         'determined'
     """
-    check_hydraulic(loader, "identification")
+    check_loader(loader)
     expect("fit", fit, (str, Sequence), 'symbols or rows of parameters such as "k,c,J"')
     if isinstance(data, str) or not isinstance(data, Sequence):
         raise InputError(
@@ -89,13 +91,16 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         )
     for one in data:
         expect("data", one, (Response, BenchRecord), "responses and records, as read_bench_data reads them")
-    keys = parameter_keys(fit)
+    keys = parameter_keys(fit, loader.drive)
     unknowns = unknowns_of(loader, keys)
     if not data:
         raise InputError("data: expected a frequency response or a record, got none")
     if not 1 <= starts <= MOST_STARTS:
         raise InputError(f"starts: expected 1 to {MOST_STARTS}, got {starts}")
+    check_bench(loader, data)
     _check_valve(loader, keys, data, as_responses=as_responses)
+    if loader.drive == ELECTRIC and any(one.experiment.loop is Loop.LOADER for one in data):
+        law = Law.of(law, loader)  # designed or read once, for the loader as its file has it
     used = [it for one in data for it in (_as_responses(one, loader) if as_responses else [one])]
     seen = [(it, [it] if isinstance(it, Response) else _seen_in(it, loader)) for it in data]
     for it, responses in seen:
@@ -267,7 +272,7 @@ def _rigid(
     responses = [
         response
         for it, found in seen
-        if isinstance(it, Response) or it.experiment.drive in (Drive.TEST_SIGNAL, Drive.COMMAND_SIGNAL)
+        if isinstance(it, Response) or it.experiment.drive not in (Drive.PILOT_FORCE, Drive.RELEASE)
         for response in found
     ]
     if not responses:

@@ -63,6 +63,11 @@ def _sentence(symbols: Sequence[str], weights: Sequence[float]) -> str:
         a, b = symbols
         kept = f"product {a} {b}" if weights[1] < 0 else f"ratio {a} / {b}"
         return f"The data cannot tell {a} from {b}: only their {kept} is determined."
+    if all(abs(weight - 1) < _EVEN for weight in weights):
+        return (
+            f"The data cannot tell {_list(symbols)} apart: only their ratios to one another are determined. A measured force fixes "
+            "their size: record load_cell_force, or drive the loader by a pilot_force that is measured."
+        )
     moves = ", ".join(f"{symbol} by {10 * weight:+.2g} %" for symbol, weight in zip(symbols, weights, strict=True))
     return f"The data cannot tell {_list(symbols)} apart: moving {moves} together changes nothing beyond the noise."
 

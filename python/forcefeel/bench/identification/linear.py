@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel.bench.channels import INPUTS, OUTPUTS
+from forcefeel.bench.channels import inputs, outputs
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
@@ -31,8 +31,9 @@ from forcefeel.loader.parameters import INDEX
 from forcefeel.loader.timing import controller_steps
 from forcefeel.simulation.scenario import LONGEST_STEP_S
 
-_LAWS = {Loop.SERVO_OPEN: "open", Loop.SERVO_CLOSED: "position", Loop.LOADER: "original"}
-_INPUTS, _OUTPUTS = list(INPUTS), list(OUTPUTS)
+_LAWS = {Loop.SERVO_OPEN: "open", Loop.MOTOR_OPEN: "open", Loop.SERVO_CLOSED: "position", Loop.LOADER: "original"}
+_TEST, _FORCE, _COMMAND = _INPUTS = range(3)
+"""Places of what drives a bench: the signal at the amplifier, the force at the grip, the signal on the command."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +41,13 @@ class ChannelResponses:
     """Responses from every input to every channel, SI units.
 
     Attributes:
+        kind: Drive of the loader, hydraulic or electric.
         frequency_hz: Lines, (lines,).
-        value: (channels, inputs, lines), in the order of ``channels.OUTPUTS`` and ``channels.INPUTS``.
+        value: (channels, inputs, lines), in the order of ``channels.outputs`` and ``channels.inputs`` of that drive.
         slopes: Derivatives by each parameter, (keys, channels, inputs, lines).
     """
 
+    kind: str
     frequency_hz: NDArray[np.float64]
     value: NDArray[np.complex128]
     slopes: NDArray[np.complex128]
@@ -55,12 +58,13 @@ class ChannelResponses:
         From the drive itself it is the model's; from another channel the quotient ``G = G_target / G_source``, whose slope is
         ``G (G_target' / G_target - G_source' / G_source)``.
         """
-        i = _INPUTS.index(Drive.PILOT_FORCE if drive is Drive.RELEASE else drive)
-        k = _OUTPUTS.index(target)
+        driven, seen = list(inputs(self.kind)), list(outputs(self.kind))
+        i = driven.index(Drive.PILOT_FORCE if drive is Drive.RELEASE else drive)
+        k = seen.index(target)
         value, slopes = self.value[k, i], self.slopes[:, k, i]
-        if source == _INPUTS[i]:
+        if source == driven[i]:
             return value, slopes
-        j = _OUTPUTS.index(source)
+        j = seen.index(source)
         ratio = value / self.value[j, i]
         return ratio, (slopes - ratio * self.slopes[:, j, i]) / self.value[j, i]
 
@@ -112,7 +116,7 @@ class LinearModel:
         else:
             matrices = _core.linear_slopes(values, columns, linkage=self.linkage.value, **given)
             found = _responses(_continuous(matrices), np.asarray(1j * omega))
-        return ChannelResponses(frequency_hz, *found)
+        return ChannelResponses(self.loader.drive, frequency_hz, *found)
 
 
 def channel_responses(
@@ -151,6 +155,8 @@ def loop_law(loader: Loader, loop: Loop, law: LawLike) -> dict[str, Any]:
     Raises:
         InputError: If it was made for another controller.
     """
+    if loop is Loop.MOTOR_OPEN:
+        return {"law": _LAWS[loop]}
     whole = Law.of(law, loader)
     return {"law": _LAWS[loop]} if loop is not Loop.LOADER or whole.numbers is None else whole.engine(loader)
 
@@ -165,13 +171,13 @@ def _below_half_rate(frequency_hz: NDArray[np.float64], period: float) -> None:
 
 
 Matrices = Sequence[NDArray[np.float64] | NDArray[np.complex128]]
-"""A, B, C, D and their slopes; the columns of B and D in the order of ``channels.INPUTS``, B (lines or 1, states, inputs)."""
+"""A, B, C, D and their slopes; the columns of B and D in the order of ``channels.inputs``, B (lines or 1, states, inputs)."""
 
 
 def _continuous(matrices: Sequence[NDArray[np.float64]]) -> Matrices:
     """Of an analog loader, whose law adds a signal to its command where the test signal comes in."""
     a, b, c, d, a_slopes, b_slopes, c_slopes, d_slopes = matrices
-    order = [{"test_signal": 0, "pilot_force": 1, "command_signal": 0}[name] for name in _INPUTS]
+    order = [{_TEST: 0, _FORCE: 1, _COMMAND: 0}[it] for it in _INPUTS]
     return (
         *(a, b[np.newaxis, :, order], c, d[:, order]),
         *(a_slopes, b_slopes[:, np.newaxis][..., order], c_slopes, d_slopes[..., order]),
@@ -188,13 +194,13 @@ def _over_a_period(matrices: Sequence[NDArray[np.float64]], turned: NDArray[np.f
     def inputs(b: NDArray[np.float64]) -> NDArray[np.complex128]:
         test = np.moveaxis(b[..., steps:] @ sine.T, -1, -2)
         rows = {
-            "test_signal": test,
-            "pilot_force": b[..., np.newaxis, :, force],
-            "command_signal": b[..., np.newaxis, :, command],
+            _TEST: test,
+            _FORCE: b[..., np.newaxis, :, force],
+            _COMMAND: b[..., np.newaxis, :, command],
         }
-        return np.stack(np.broadcast_arrays(*(rows[name] for name in _INPUTS)), axis=-1)
+        return np.stack(np.broadcast_arrays(*(rows[it] for it in _INPUTS)), axis=-1)
 
-    order = [{"test_signal": steps, "pilot_force": force, "command_signal": command}[name] for name in _INPUTS]
+    order = [{_TEST: steps, _FORCE: force, _COMMAND: command}[it] for it in _INPUTS]
     return a, inputs(b), c, d[:, order], a_slopes, inputs(b_slopes), c_slopes, d_slopes[..., order]
 
 

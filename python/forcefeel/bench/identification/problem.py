@@ -81,7 +81,7 @@ class Problem:
     @property
     def scale(self) -> NDArray[np.float64]:
         """SI value of one unit of each of the loader's unknowns."""
-        return np.array([abs(it.nominal) for it in self.unknowns])
+        return np.array([it.scale for it in self.unknowns])
 
     @property
     def groups(self) -> list[slice]:

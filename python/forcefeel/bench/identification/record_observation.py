@@ -1,8 +1,8 @@
 """Records in time against the nonlinear model.
 
 The residual of a sample is measured less simulated over the channel's expected deviation. A constant for each channel, the sensor's
-offset, is fitted by leaving means out; so is a straight drift where no loop holds the piston. A release has one unknown of its own:
-how much later than it seems the grip was let go.
+offset, is fitted by leaving means out; so is a straight drift where no loop holds the piston, and one that grows with the square of
+time where none holds the motor. A release has one unknown of its own: how much later than it seems the grip was let go.
 """
 
 from collections.abc import Sequence
@@ -25,6 +25,9 @@ _COARSE_S = 8.0
 
 _LATER_S = 1e-3
 """Scale of the time by which a grip is let go later than it seems."""
+
+_DRIFTS = {Loop.SERVO_OPEN: 1, Loop.MOTOR_OPEN: 2}
+"""Power of time with which an open loop's rest drifts: a valve's null lets oil through, a current's offset pushes a mass."""
 
 _MOST_CLUSTERS, _FEWEST_CLUSTERS, _CLUSTER_S = 40, 8, 0.5
 """Pieces of a record whose errors are taken as independent of each other, and how long they should last at least."""
@@ -111,7 +114,7 @@ class RecordObservation:
         """What is fitted of each channel by leaving it out, as orthonormal columns, (samples, columns)."""
         if self.run.released:
             return np.empty((len(self.run.time_s), 0))
-        degree = 1 if self.data.experiment.loop is Loop.SERVO_OPEN else 0
+        degree = _DRIFTS.get(self.data.experiment.loop, 0)
         return np.linalg.qr(np.vander(self.run.time_s - self.run.time_s.mean(), degree + 1))[0]
 
     def _without_offset(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -208,7 +208,7 @@ class Identification:
         from forcefeel.plots.draw import intervals  # noqa: PLC0415  Matplotlib, for whoever plots
 
         def off(one: Estimate, value: float) -> float:
-            return 100 * (value - one.unknown.nominal) / abs(one.unknown.nominal)
+            return 100 * (value - one.unknown.nominal) / one.unknown.scale
 
         lost = [it for it in self.estimates if it.status is Status.UNDETERMINED]
         known = [it for it in self.estimates if it not in lost]

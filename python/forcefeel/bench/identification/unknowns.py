@@ -11,7 +11,18 @@ from scipy.stats import qmc
 from forcefeel.errors import InputError
 from forcefeel.loader.consistency import AT_LEAST
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import OFF, TABLE, did_you_mean, is_switch, limits_si, value_text
+from forcefeel.loader.parameters import (
+    HYDRAULIC,
+    OFF,
+    TABLE,
+    a_drive,
+    did_you_mean,
+    has,
+    is_switch,
+    limits_si,
+    table,
+    value_text,
+)
 from forcefeel.loader.tolerances import Distribution, Tolerance
 from forcefeel.simulation.engine import SHARED
 from forcefeel.units import show
@@ -20,6 +31,11 @@ _FARTHEST = 2.0
 """Starts lie within this factor of the file's value where no tolerance says how far it may be off."""
 
 _SEED = 1974
+
+_PHASES = ("motor.cogging_phase", "motor.cogging_phase_2")
+"""Angles whose zero is as good as any other value: they are counted in radians, not in shares of themselves."""
+
+_RADIAN = 1.0
 
 
 @dataclass(frozen=True)
@@ -45,6 +61,16 @@ class Unknown:
         return TABLE[self.key].symbol
 
     @property
+    def scale(self) -> float:
+        """What shares of it are shares of: the file's value, or of a phase a radian."""
+        return _RADIAN if self.is_phase else abs(self.nominal)
+
+    @property
+    def is_phase(self) -> bool:
+        """Whether it is an angle that is counted in radians."""
+        return self.key in _PHASES
+
+    @property
     def prior(self) -> tuple[float, float] | None:
         """Mean and standard deviation of its prior."""
         told = self.tolerance
@@ -56,14 +82,17 @@ class Unknown:
         """Values spread as its tolerance says, or within a factor of the nominal; ``share`` from 0 to 1."""
         if self.tolerance is not None:
             return self.tolerance.quantile(share)
+        if self.is_phase:
+            return np.asarray(self.low + share * (self.high - self.low))
         return np.clip(self.nominal * _FARTHEST ** (2 * share - 1), self.low, self.high)
 
 
-def parameter_keys(given: str | Sequence[str]) -> tuple[str, ...]:
+def parameter_keys(given: str | Sequence[str], drive: str = HYDRAULIC) -> tuple[str, ...]:
     """Rows of the parameter table from their symbols or names: ``k,c,J,C_i`` or ``linkage.stiffness``.
 
     Args:
         given: Names, or text in which commas part them.
+        drive: Of the loader, whose rows the symbols are.
 
     Raises:
         InputError: If there is none, one is unknown or stands twice.
@@ -72,7 +101,7 @@ def parameter_keys(given: str | Sequence[str]) -> tuple[str, ...]:
     names = [name for name in names if name]
     if not names:
         raise InputError("fit: expected symbols or names of parameters, such as k,c,J,C_i, got none")
-    by_symbol = {row.symbol: key for key, row in TABLE.items()}
+    by_symbol = {row.symbol: key for key, row in (*TABLE.items(), *table(drive).items())}
     keys = []
     for name in names:
         key = name if name in TABLE else by_symbol.get(name)
@@ -116,11 +145,15 @@ def starts(unknowns: Sequence[Unknown], count: int) -> NDArray[np.float64]:
 
 def _unknown(loader: Loader, key: str) -> Unknown:
     row, value = TABLE[key], loader[key]
+    if not has(loader.drive, row):
+        raise InputError(
+            f"fit: {key} is of {a_drive(row.drive or '')}, and {loader.name} has {a_drive(loader.drive)}; leave it out"
+        )
     if is_switch(row):
         raise InputError(f"fit: {key} is a switch; it is on or off, not fitted")
     if key in SHARED:
         raise InputError(f"fit: {key} is what the controller is told, not what the machine is; leave it out")
-    if not math.isfinite(value) or value == 0:
+    if not math.isfinite(value) or (value == 0 and key not in _PHASES):
         example = value_text(row, row.default_si)
         raise InputError(
             f"fit: {key} is {value_text(row, value)} in the loader; expected a value to begin from; give it one in the loader file "
@@ -128,6 +161,8 @@ def _unknown(loader: Loader, key: str) -> Unknown:
         )
     tolerance = loader.tolerances.get(key)
     low, high = limits_si(row)
+    if key in _PHASES:
+        low, high = max(low, value - math.pi), min(high, value + math.pi)
     if tolerance is not None:
         low, high = max(low, tolerance.low), min(high, tolerance.high)
     return Unknown(key, value, low, high, tolerance)

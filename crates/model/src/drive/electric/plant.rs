@@ -21,7 +21,7 @@ pub const CHANNELS: &[(&str, &str)] = &[
     ("motor_current", "A"),
     ("motor_voltage", "V"),
     ("motor_speed", "rad/s"),
-    ("motor_torque", "N m"),
+    ("motor_angle", "rad"),
     ("winding_temperature", "degC"),
 ];
 

@@ -272,7 +272,7 @@ def _error(data: Response, scale: float) -> NDArray[np.float64] | None:
 
 
 def _off(one: Estimate, value: float) -> float:
-    return 100 * (value - one.unknown.nominal) / abs(one.unknown.nominal)
+    return 100 * (value - one.unknown.nominal) / one.unknown.scale
 
 
 def _symbol(one: Estimate) -> str:

@@ -53,9 +53,9 @@ def _estimate(one: Estimate, units: UnitSystem) -> tuple[Cell, ...]:
         unit,
         file,
         number_cell(_sign(estimated(one, one.value, units))),
-        number_cell(percent_text(change(one), signed=True)),
+        number_cell(NONE if one.unknown.is_phase else percent_text(change(one), signed=True)),
         number_cell(error(one, units)),
-        number_cell(_share(relative_error(one))),
+        number_cell(NONE if one.unknown.is_phase else _share(relative_error(one))),
         number_cell(_sign(interval(one, units))),
         status,
     )
@@ -181,7 +181,7 @@ def glance(found: Identification) -> Sequence[tuple[str, str]]:
     """The few numbers to see first: what they are, and they."""
     known = [one for one in found.estimates if one.status is not Status.UNDETERMINED]
     same = sum(end.same for end in found.ends)
-    errors = [relative_error(one) for one in known if one.value]
+    errors = [relative_error(one) for one in known if one.value and not one.unknown.is_phase]
     return (
         ("parameters determined", f"{len(known)} of {len(found.estimates)}"),
         ("largest standard error", _share(max(errors)) if errors else NONE),
