@@ -18,11 +18,8 @@ OF_A_VALVE = set(parts(HYDRAULIC)) - set(parts("electric"))
 @pytest.mark.parametrize(
     ("command", "more"),
     [
-        ("analyze", ()),
-        ("design", ()),
         ("compensate", ()),
         ("compensate", ("--converge",)),
-        ("frontier", ()),
     ],
 )
 def test_what_is_made_for_a_valve_says_what_there_is(monkeypatch, capsys, tmp_path, command, more):
@@ -30,6 +27,28 @@ def test_what_is_made_for_a_valve_says_what_there_is(monkeypatch, capsys, tmp_pa
     assert (status, out) == (BAD_INPUT, "")
     assert "has an electric drive" in error
     assert "compensate --method auto" in error
+
+
+def test_analyze_tells_what_moves(monkeypatch, capsys, tmp_path):
+    call = runner(monkeypatch, capsys, tmp_path, "analyze")
+    status, out, _ = call(LOADER)
+    assert status == 0
+    for text in (
+        "rotor against column on the link",
+        "largest stable G",
+        "By current alone",
+        "made for a valve and is no part",
+    ):
+        assert text in " ".join(out.split())
+    status, out, _ = call(LOADER, "--json", "--units", "si")
+    assert [mode["name"] for mode in json.loads(out)["configurations"][0]["programmed"]["modes"]][-1] == "current loop"
+
+
+def test_design_refuses_the_options_of_recursion_22(monkeypatch, capsys, tmp_path):
+    status, out, error = runner(monkeypatch, capsys, tmp_path, "design")(LOADER, "--converge")
+    assert (status, out) == (BAD_INPUT, "")
+    assert "leave its options out" in error
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_method_tells_what_is_asked_of_the_motor(monkeypatch, capsys, tmp_path):

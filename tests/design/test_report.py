@@ -208,7 +208,13 @@ def test_shares_are_set(share, shown):
 
 @pytest.mark.parametrize(
     ("given", "parts"),
-    [("w_n", ("ω", "n", "")), ("x_b'", ("x", "b", "′")), ("delta'", ("δ", "", "′")), ("G_max", ("G", "max", ""))],
+    [
+        ("w_n", ("ω", "n", "")),
+        ("x_b'", ("x", "b", "′")),
+        ("delta'", ("δ", "", "′")),
+        ("G_max", ("G", "max", "")),
+        ("w_c / 2 pi", ("ω", "c", " / 2π")),
+    ],
 )
 def test_symbols_are_split(given, parts):
     assert split_symbol(given) == parts

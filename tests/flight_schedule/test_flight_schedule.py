@@ -15,6 +15,7 @@ from forcefeel.flight_schedule import (
     read_knots,
     second_order_feel,
 )
+from forcefeel.flight_schedule.page.plots import gains
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.units import factor
@@ -45,6 +46,16 @@ def line(loader: ff.Loader) -> FlightSchedule:
 def plane(loader: ff.Loader) -> FlightSchedule:
     stiffness = np.outer([0.1, 0.2, 0.4, 0.8], [1.0, 1.2, 1.5]) * loader["feel.maximum_stiffness"]
     return design_schedule(loader, [PRESSURE, FLAPS], second_order_feel(stiffness, 1.5, [0.4, 0.6, 0.8]))
+
+
+def test_the_gains_of_a_motor_are_amperes() -> None:
+    motor = ff.loader.electric("rudder-pedals")
+    feel = second_order_feel(np.array([0.1, 0.4]) * motor["feel.maximum_stiffness"], 1.5, 0.6)
+    pressure = ScheduleAxis(PRESSURE.name, PRESSURE.unit, PRESSURE.values[:2])
+    drawn = gains(design_schedule(motor, [pressure], feel), 2, ff.UnitSystem.SI)
+    names = [curve.name for curve in drawn.data if curve.showlegend is not False]
+    assert names
+    assert all(" A" in name and "piston" not in name for name in names)
 
 
 def test_second_order_feel_has_its_frequency_and_damping() -> None:

@@ -12,6 +12,7 @@ from forcefeel.errors import InputError
 from forcefeel.frontier.hardware import CHANGES, hardware
 from forcefeel.frontier.rungs import Rungs, climb, rung_releases
 from forcefeel.frontier.tightening import KNOWN_BETTER, needed, tightening
+from forcefeel.loader.parameters import table
 
 GRID = {"stiffness": "10..100 %:6:log", "frequency": "1..4 Hz:4:log", "damping": "0.2, 0.4, 1.2"}
 SMALL = {"column.inertia": 0.2, "linkage.ratio": 0.2, "linkage.stiffness": 0.2, "valve.current_gain": 0.3}
@@ -130,11 +131,15 @@ def test_gains_are_those_of_the_changed_loader(rungs):
     assert order == sorted(order, reverse=True)
 
 
-def test_every_change_applies_to_the_digital_loader():
-    loader = ff.digital_elevator()
-    assert all(change.applies(loader) for change in CHANGES)
-    heavy = loader.replace({"column.inertia": loader["column.inertia"]})
-    for change in CHANGES:
-        changed = change.on(heavy)
+@pytest.mark.parametrize(
+    "loader", [ff.digital_elevator(), ff.loader.electric("sidestick-roll")], ids=lambda one: one.drive
+)
+def test_every_change_of_its_drive_applies(loader):
+    known = table(loader.drive)
+    own = [change for change in CHANGES if set(change.factors) <= set(known) - {"transmission.stiffness"}]
+    assert [change for change in CHANGES if change.applies(loader)] == own
+    assert len(own) > 7
+    for change in own:
+        changed = change.on(loader)
         for key, factor in change.factors.items():
             assert changed[key] == pytest.approx(factor * loader[key])

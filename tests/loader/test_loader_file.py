@@ -27,6 +27,7 @@ from forcefeel.loader.parameters import (
     has,
     is_switch,
     limits_si,
+    meaning,
     parts,
     range_text,
     required,
@@ -115,12 +116,12 @@ def test_the_file_shows_every_row_with_meaning_unit_range_and_source(drive: str,
     assert list(document) == ["name", "source", "drive", *parts(drive), "tolerances"]
     for row in required(drive).values():
         assert document[row.part][row.name].endswith(unit(row).shown(units))
-        assert f"# {row.symbol}: {row.meaning}\n# range " in text
+        assert f"# {row.symbol}: {meaning(row, drive)}\n# range " in text
         assert f" · source {row.source}\n{row.name} = " in text
     for key in set(table(drive)) - {*required(drive), *loader.given}:
         row = TABLE[key]
         assert row.name not in document[row.part]
-        assert re.search(rf"\n# {row.name} = .+  # {re.escape(f'{row.symbol}: {row.meaning}')} \(.+\)\n", text)
+        assert re.search(rf"\n# {row.name} = .+  # {re.escape(f'{row.symbol}: {meaning(row, drive)}')} \(.+\)\n", text)
     for row in (one for part in parts(drive) for one in alternatives(part).values()):
         assert f"\n# {row.name} = " in text
     statements = text.replace("# ", "").split("\n[")[1:]

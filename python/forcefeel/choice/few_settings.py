@@ -32,7 +32,12 @@ REPORT = "published"
 """The report's law: its state feedback over the published horizon."""
 
 STEPS = ("the report's law tested", "laws at the own setting", "laws over the envelope", "the best law tested")
-"""What ``best_law`` reports as it goes."""
+"""What ``best_law`` reports as it goes; a motor has no law of the report."""
+
+
+def steps(loader: Loader) -> tuple[str, ...]:
+    """What ``best_law`` reports of a loader."""
+    return STEPS if REPORT in names_for(loader) else STEPS[1:]
 
 
 def best_law(
@@ -44,7 +49,7 @@ def best_law(
     threads: int | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> LawsTried:
-    """Tries every law that a loader can run, takes the best by the rule of ``choose``, and tests it and the report's.
+    """Tries every law that a loader can run, takes the best by the rule of ``choose``, and tests it and, of a valve, the report's.
 
     Args:
         loader: The loader, with a digital controller.
@@ -52,10 +57,10 @@ def best_law(
         units: The units of what is said of the tests; of the rule's two roundings of a force, theirs holds.
         called: What a command line calls the loader; its name if not given.
         threads: How many; all cores if not given. The numbers do not depend on it.
-        progress: Called with each of ``STEPS`` as it begins.
+        progress: Called with each of ``steps(loader)`` as it begins.
 
     Returns:
-        Both laws. The choice is made on few settings, 18 if not given; ``score_methods`` looks closer.
+        Both laws, of a motor the best alone. The choice is made on few settings, 18 if not given; ``score_methods`` looks closer.
 
     Raises:
         InputError: If the loader is analog or the grid is bad.
@@ -76,10 +81,12 @@ def best_law(
     threads = threads_or_cores(threads)
     called = tuple(called) or (loader.name,)
     Settings.of(grid)  # what is wrong with it is no fault of the loader
-    report = LawTried(REPORT, summary_of(REPORT), None, None)
+    report = LawTried(REPORT, summary_of(REPORT), None, None) if REPORT in names_for(loader) else None
     try:
-        progress(STEPS[0])
-        rule, tested = _qualified(loader, REPORT, units)
+        rule, tested = "", None
+        if report is not None:
+            progress(STEPS[0])
+            rule, tested = _qualified(loader, REPORT, units)
         plan = make_plan(loader, names_for(loader), grid)
         progress(STEPS[1])
         scores, refused = _at_own_setting(plan, threads)
@@ -87,12 +94,13 @@ def best_law(
         scored, shares = _over_envelope(plan, scores, threads)
     except InputError as error:
         return LawsTried(report, None, (), "", 0, str(error), called)
-    report = replace(report, qualified=tested, rendered=shares.get(REPORT))
+    if report is not None:
+        report = replace(report, qualified=tested, rendered=shares.get(REPORT))
     choice = choose(scored)
     best = report if choice.chosen == REPORT else None
     if choice.chosen and not best:
         progress(STEPS[3])
-        _, tested = _qualified(loader, choice.chosen, units)
+        rule, tested = _qualified(loader, choice.chosen, units)
         best = LawTried(choice.chosen, summary_of(choice.chosen), tested, shares[choice.chosen])
     remarks = (*(remark.sentence for remark in choice.remarks), *refused)
     return LawsTried(report, best, remarks, rule, plan.settings.count, "", called)

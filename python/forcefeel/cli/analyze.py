@@ -14,18 +14,23 @@ class AnalyzeOptions(LoaderOptions, OutputOptions):
 
 
 def run(path: LoaderFile = None, /, *, options: AnalyzeOptions = AnalyzeOptions()) -> None:
-    """Analyse the original system: modes, margins, stability, response.
+    """Analyse the loader without a law: modes, margins, stability, response.
+
+    Of a valve that is the original position loop; of a motor the feel by its current alone.
 
     Exit status 1 if it is unstable at the programmed setting (compliant link).
 
     Example: forcefeel analyze my.toml --json > analysis.json
     """
-    from forcefeel.cli import show
+    from forcefeel.cli import show, show_motor
     from forcefeel.design import workflow
+    from forcefeel.design.motor import MotorAnalysis
 
     found = workflow.analyze(options.loader(path))
     if options.json:
         print_json(json_value(found, options.units))
+    elif isinstance(found, MotorAnalysis):
+        show_motor.motor_analysis(Terminal(), found, options.units)
     else:
         show.analysis(Terminal(), found, options.units)
     if not found.configuration("compliant").programmed.assessment.stable:

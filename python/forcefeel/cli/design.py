@@ -24,27 +24,35 @@ class DesignOptions(LoaderOptions, RecursionOptions, FolderOptions, OutputOption
 def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions()) -> None:
     """Analyse a loader, compensate it, and write the report.
 
-    On a loader with a digital controller the laws made since the report are tried too, and the best stands beside the report's.
+    On a loader with a digital controller the laws made since the report are tried too, and the best stands beside the report's. An
+    electric loader has the best alone: the report's laws, and the options of recursion (22), are for a valve.
 
     Exit status 1 if no law is eligible; on an analog loader if it is unstable at the programmed setting with the report's.
 
     Example: forcefeel design elevator-2khz --out report
     """
-    from forcefeel.choice import best_law
-    from forcefeel.choice.few_settings import STEPS as LAW_STEPS
+    from forcefeel.choice import best_law, few_settings
     from forcefeel.design import workflow
     from forcefeel.design.findings import conclusions
+    from forcefeel.design.motor_design import design_motor
     from forcefeel.design.page import FOLDER, write_report
+    from forcefeel.laws.law import DEFAULTS
+    from forcefeel.loader.parameters import ELECTRIC
 
     loader, units = options.loader(path), options.units
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
-    settings = options.settings(loader)
-    digital = bool(loader["controller.period"])
+    electric, digital = loader.drive == ELECTRIC, bool(loader["controller.period"])
+    settings = None if electric else options.settings(loader)
+    if electric:
+        options.check_none(loader)
+    called = (str(path or loader.name), *(word for change in options.set_ for word in ("--set", change)))
     with all_or_nothing("design", "steps", silent=options.json, even=False) as bar:
-        begin = bar.steps(len(workflow.STEPS) + len(LAW_STEPS) * digital + 1)
-        found = workflow.design_loader(loader, settings, begin)
-        called = (str(path or loader.name), *(word for change in options.set_ for word in ("--set", change)))
+        own, of_laws = (() if electric else workflow.STEPS), (few_settings.steps(loader) if digital else ())
+        begin = bar.steps(len(own) + len(of_laws) + 1)
+        servo = None if electric else workflow.design_servo(loader, settings, begin)
         tried = best_law(loader, units=units, called=called, progress=begin) if digital else None
+        best = tried.best if tried else None
+        found = servo or design_motor(loader, best.name if best else DEFAULTS[ELECTRIC])
         bar.describe("report")
         page = write_report(found, options.out, units, tried, command=options.command_line(path))
     told = conclusions(found, units, tried)

@@ -80,6 +80,21 @@ class RecursionOptions:
             given["horizon_s"] = None
         return replace(base, **{**given, "q": _read_q(self.q)})
 
+    def check_none(self, loader: "Loader") -> None:
+        """That no option of recursion (22) is given for a loader with a motor, which has none.
+
+        Raises:
+            InputError: If an option of it is given.
+        """
+        from forcefeel.loader.loader import check_hydraulic
+
+        if any(getattr(self, field.name) not in {None, False} for field in fields(RecursionOptions)):
+            check_hydraulic(
+                loader,
+                "recursion (22)",
+                "leave its options out: design takes the best of the laws that a motor can run",
+            )
+
     def _check(self) -> None:
         if self.converge and self.horizon_s is not None:
             raise InputError("--converge and --horizon: given both; an endless horizon has no length, leave one out")

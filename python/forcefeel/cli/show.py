@@ -6,8 +6,8 @@ from rich.table import Table
 from rich.text import Text
 
 from forcefeel.cli.terminal import Terminal
-from forcefeel.design.assessment import Assessment, Peaks
-from forcefeel.design.workflow import Analysis
+from forcefeel.design.assessment import AnyPeaks, Assessment, Peaks
+from forcefeel.design.workflow import ServoAnalysis
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation
 from forcefeel.linear.frequency import Margins
 from forcefeel.linear.models import DESIGN_STATES
@@ -20,7 +20,7 @@ from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, ROTARY_STIFFNESS, UnitS
 _COLOURS = {Verdict.AGREES: "green", Verdict.EXPLAINED: "yellow", Verdict.REFUTED: "yellow", Verdict.OPEN: "red"}
 
 
-def analysis(console: Terminal, found: Analysis, units: UnitSystem) -> None:
+def analysis(console: Terminal, found: ServoAnalysis, units: UnitSystem) -> None:
     """The original system."""
     programmed = f"{_hertz(found.feel_frequency_rad_per_s)} Hz, damping ratio {to_text(found.feel_damping_ratio, 3)}"
     console.print(f"{found.loader.name}: programmed feel {programmed}")
@@ -64,7 +64,7 @@ def compensation(
     loader: Loader,
     found: Compensation,
     judged: Assessment,
-    demand: Peaks | None,
+    demand: AnyPeaks | None,
     units: UnitSystem,
 ) -> None:
     """Gains and the loop that they close."""
@@ -76,7 +76,7 @@ def compensation(
     console.print(f"recursion (22): {found.note}", style="" if found.reached else "bold red", highlight=False)
     console.print(f"residual of eqs. (22) at these gains, kept for ever: {found.riccati_residual:.1e}")
     _say_left_out(console, loader)
-    if demand is None:
+    if not isinstance(demand, Peaks):
         console.print("the loop with these gains is unstable", style="bold red")
         return
     loop = _table("Loop closed on the compliant model with valve dynamics, step of pilot force", "quantity", "value")

@@ -11,10 +11,11 @@ from forcefeel._core import Compensator
 from forcefeel.laws.analog.recursion import DesignSettings
 from forcefeel.linear.frequency import response
 from forcefeel.linear.models import DESIGN_STATES, OUTPUTS, LinearModel, Linkage, feel_model, loader_model
-from forcefeel.linear.modes import feel_mode, is_stable, modes, spectral_abscissa
+from forcefeel.linear.modes import Mode, feel_mode, is_stable, modes, spectral_abscissa
 from forcefeel.linear.step import DURATION_S, equilibrium, gramian, step_outputs
 from forcefeel.loader.loader import Loader
-from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, PERCENT, RATE, RATIO
+from forcefeel.loader.parameters import ELECTRIC
+from forcefeel.units import ANGLE, CURRENT, FLOW, HERTZ, MOTOR_CURRENT, PERCENT, RATE, RATIO, VOLTAGE
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class Assessment:
         tracking_error: Root mean square of the deviation from the ideal response over 2 s, as a share of the programmed
             deflection at rest.
         cost: Index V of eq. (20) over 2 s; not a number for the original system, whose computer works in volts,
-            and for a rigid link, which has not the states that [Q] weighs.
+            and for a rigid link and a motor, which have not the states that [Q] weighs.
 
     Example:
         >>> import forcefeel as ff
@@ -75,6 +76,33 @@ class Peaks:
     flow_share: Annotated[float, PERCENT]
 
 
+@dataclass(frozen=True)
+class MotorPeaks:
+    """Largest demand of a step of pilot force on a motor, against its limits; no share of a limit that there is not.
+
+    Attributes:
+        current_a: Largest current.
+        current_share: The same as a share of the largest that the amplifier gives.
+        voltage_v: Largest voltage of a phase.
+        voltage_share: The same as a share of the supply's.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.design.peaks(ff.loader.electric("sidestick-roll"), None)
+        >>> f"{found.current_share:.0%} of the largest current"
+        '23% of the largest current'
+    """
+
+    current_a: Annotated[float, MOTOR_CURRENT]
+    current_share: Annotated[float, PERCENT]
+    voltage_v: Annotated[float, VOLTAGE]
+    voltage_share: Annotated[float, PERCENT]
+
+
+AnyPeaks = Peaks | MotorPeaks
+"""Of either drive."""
+
+
 def assess(
     loader: Loader,
     compensator: Compensator | None,
@@ -105,7 +133,7 @@ def assess(
     if not is_stable(abscissa):
         return Assessment(False, abscissa, *[np.nan] * 7)
     found = modes(model)
-    feel = feel_mode(found, *_core.feel_frequency(programmed.values))
+    feel = _rendering(found, programmed)
     force = programmed["pilot.force"]
     wanted = programmed_angle_rad(programmed)
     reached = _static_angle(model) * force
@@ -132,6 +160,12 @@ def assess(
     )
 
 
+def _rendering(found: tuple[Mode, ...], programmed: Loader) -> Mode:
+    """The mode that renders a feel: under a motor the slowest, however it is damped, as rotor and column move as one."""
+    frequency, damping_ratio = _core.feel_frequency(programmed.values)
+    return feel_mode(found, frequency, max(damping_ratio, 1.0) if programmed.drive == ELECTRIC else damping_ratio)
+
+
 def _static_angle(model: LinearModel) -> float:
     """The column's angle in rad at rest under a pilot force of one newton; not a number where rounding leaves none."""
     try:
@@ -145,16 +179,21 @@ def programmed_angle_rad(loader: Loader) -> float:
     return float(response(feel_model(loader), np.zeros(1, complex))[0].real) * loader["pilot.force"]
 
 
-def peaks(loader: Loader, compensator: Compensator | None, linkage: Linkage = Linkage.COMPLIANT) -> Peaks:
-    """Largest valve current and flow in the two seconds after the step of pilot force.
+def peaks(loader: Loader, compensator: Compensator | None, linkage: Linkage = Linkage.COMPLIANT) -> AnyPeaks:
+    """Largest demand on the valve, or on the motor, in the two seconds after the step of pilot force.
 
     Example:
         >>> import forcefeel as ff
         >>> f"{ff.design.peaks(ff.elevator(), None).flow_share:.0%} of the rated flow"
         '19% of the rated flow'
     """
-    _, outputs = step_outputs(loader_model(loader, compensator, linkage), loader["pilot.force"])
-    largest = dict(zip(OUTPUTS, np.nanmax(np.abs(outputs), axis=1).tolist(), strict=True))
+    model = loader_model(loader, compensator, linkage)
+    _, outputs = step_outputs(model, loader["pilot.force"])
+    largest = dict(zip(model.output_labels, np.nanmax(np.abs(outputs), axis=1).tolist(), strict=True))
+    if loader.drive == ELECTRIC:
+        current, voltage = largest["motor_current_a"], largest["motor_voltage_v"]
+        most, supply = loader["current_loop.current_limit"], loader["current_loop.voltage_limit"]
+        return MotorPeaks(current, current / most, voltage, voltage / supply)
     current, flow = largest["valve_current_a"], largest["actuator_flow_m3_per_s"]
     return Peaks(current, current / loader["valve.rated_current"], flow, flow / loader["valve.rated_flow"])
 

@@ -1,62 +1,33 @@
-"""The data behind the report's figures 2, 8 to 11 and 14: labelled curves, without a picture."""
+"""The data behind the figures of a design: for a valve the report's 2, 8 to 11 and 14, for a motor those of ``motor_figures``."""
 
-from dataclasses import dataclass, replace
-from enum import StrEnum
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
 from forcefeel import _core
-from forcefeel.design.workflow import Configuration, Design
+from forcefeel.design.analysis import Configuration
+from forcefeel.design.figure import FREQUENCIES_HZ, Figure, Kind
+from forcefeel.design.motor_design import MotorDesign
+from forcefeel.design.motor_figures import motor_figures
+from forcefeel.design.workflow import Design
 from forcefeel.linear.frequency import frequency_response
 from forcefeel.linear.models import LinearModel, Linkage, feel_model, loader_model, open_loop_model, servo_model
 from forcefeel.linear.step import step_response
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ALTERNATIVES
 
-FREQUENCIES_HZ = np.geomspace(0.1, 100.0, 1201)
-"""Frequencies of the responses; 400 a decade show a mode of damping ratio 0.1 without corners."""
 
-
-class Kind(StrEnum):
-    """What a figure shows."""
-
-    VALVE = "valve"
-    FREQUENCY = "frequency"
-    TIME = "time"
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One figure as data.
-
-    Attributes:
-        key: ``figure-02`` and so on, the report's number.
-        title: What it shows.
-        kind: How to draw it.
-        curves: A data set per curve, by its label; units stand in the variables' ``units`` attribute.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> found = ff.design.figures(ff.design_loader(ff.elevator()))[0]
-        >>> found.key, next(iter(found.curves))
-        ('figure-02', '20% of rated current')
-    """
-
-    key: str
-    title: str
-    kind: Kind
-    curves: dict[str, xr.Dataset]
-
-
-def figures(design: Design) -> tuple[Figure, ...]:
-    """Every figure of the report that has a curve, computed for ``design``.
+def figures(design: Design | MotorDesign) -> tuple[Figure, ...]:
+    """Every figure of the report that has a curve, computed for ``design``; those of a motor for a motor.
 
     Example:
         >>> import forcefeel as ff
         >>> len(ff.design.figures(ff.design_loader(ff.elevator()))) > 5
         True
     """
+    if isinstance(design, MotorDesign):
+        return motor_figures(design)
     return (
         _valve(design.loader),
         _servo("figure-08", "Servo, position loop open", design.loader, closed=False),

@@ -1,36 +1,28 @@
 """What an engineer should conclude from a design, in words."""
 
-from math import isfinite, isnan
-
 import numpy as np
 
 from forcefeel._core import feel_frequency
 from forcefeel.conclusions import Conclusions, of_result
-from forcefeel.design.assessment import Assessment
+from forcefeel.design import tried_findings
+from forcefeel.design.analysis import Configuration
+from forcefeel.design.assessment import Assessment, Peaks
 from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.motor_design import MotorDesign
+from forcefeel.design.motor_findings import motor_conclusions
+from forcefeel.design.sentences import FREQUENCY_TOLERANCE, hertz, percent, rendering, settling
 from forcefeel.design.studies import CHANGES, VISIBLE_LOSS, droppable, worst
-from forcefeel.design.workflow import Configuration, Design
+from forcefeel.design.workflow import Design
 from forcefeel.linear.models import Linkage
 from forcefeel.linear.modes import least_damped
 from forcefeel.loader.beyond_linear import left_out
-from forcefeel.units import HERTZ, ROTARY_STIFFNESS, UnitSystem, to_text
-
-_LOST = "where it settles is lost in rounding: its numbers are too many powers of ten apart"
-
-SMALL_ERROR = 0.02
-"""Static error below which a deflection is called right: a fifth of the 10 % of force that the static check allows (14 CFR
-Part 60, Appendix A, Table A2A, test 2.a.1.a)."""
-
-FREQUENCY_TOLERANCE = 0.10
-"""Deviation of the period that qualification allows: T(P0) = 10 % of P0 (14 CFR Part 60, Appendix A, Attachment 2)."""
-
+from forcefeel.units import ROTARY_STIFFNESS, UnitSystem, to_text
 
 SAME_MODE = 0.02
 """Relative difference in frequency below which two models' modes are called the same: what one can read off a plot."""
 
 
-@of_result
-def conclusions(design: Design, units: UnitSystem, tried: LawsTried | None = None) -> Conclusions:
+def conclusions(design: Design | MotorDesign, units: UnitSystem, tried: LawsTried | None = None) -> Conclusions:
     """The conclusions of ``design``, with numbers in ``units``; those of the laws that were tried lead, where some were.
 
     Example:
@@ -39,12 +31,21 @@ def conclusions(design: Design, units: UnitSystem, tried: LawsTried | None = Non
         >>> found.good, len(found.findings) > 3
         (True, True)
     """
+    if isinstance(design, MotorDesign):
+        return motor_conclusions(design, units, tried)
+    return _servo_conclusions(design, units, tried)
+
+
+@of_result
+def _servo_conclusions(design: Design, units: UnitSystem, tried: LawsTried | None) -> Conclusions:
     lead = (
-        () if tried is None else (*_tried(tried), f"The report's law on the linear, analog model: {_verdict(design)}")
+        ()
+        if tried is None
+        else (*tried_findings.lines(tried), f"The report's law on the linear, analog model: {_verdict(design)}")
     )
     return Conclusions(
         design.acceptable if tried is None else tried.best is not None,
-        _verdict(design) if tried is None else _tried_verdict(tried),
+        _verdict(design) if tried is None else tried_findings.verdict(tried),
         (
             *lead,
             _compliance(design),
@@ -59,30 +60,6 @@ def conclusions(design: Design, units: UnitSystem, tried: LawsTried | None = Non
     )
 
 
-def _tried_verdict(tried: LawsTried) -> str:
-    if tried.impossible:
-        return f"The laws cannot be tried on this loader: {tried.impossible}."
-    report = tried.report.qualified_text
-    if tried.best is None:
-        return f"No law is eligible for this loader. By {tried.rule} the report's law {report}."
-    if tried.best == tried.report:
-        return f"The report's law is the best for this loader. By {tried.rule} it {report}."
-    return f"By {tried.rule} law {tried.best.name} {tried.best.qualified_text}. The report's law {report}."
-
-
-def _tried(tried: LawsTried) -> list[str]:
-    """What the laws render, why the best is chosen, why the report's does not qualify, and what looks closer."""
-    if tried.impossible:
-        return []
-    settings = f"{tried.settings} settings of stiffness, frequency and damping ratio"
-    lines = [f"Tried at {settings}. {tried.remarks[0]}"] if tried.best else [*tried.remarks]
-    if tried.best != tried.report:
-        lines.append(f"The report's law, {tried.report.name}, {tried.report.rendered_text}.")
-    if tried.report.qualified and tried.report.qualified.reasons:
-        lines.append(f"With the report's law: {tried.report.qualified.reasons[0]}")
-    return [*lines, "The settings are few: the page names the commands that look closer."]
-
-
 def _analog(design: Design) -> str:
     """What an analog loader misses."""
     if design.loader["controller.period"]:
@@ -95,20 +72,10 @@ def _analog(design: Design) -> str:
 
 
 def _verdict(design: Design) -> str:
-    found = design.configuration("compensated").programmed.assessment
     if not design.compensation.reached:
         return f"There is no compensation to judge: recursion (22) {design.compensation.note}."
-    if not found.stable:
-        return "The compensated loader is unstable at the programmed setting: do not close this loop."
-    if isnan(found.static_error):
-        return f"The compensated loader is stable, but {_LOST}."
-    static = abs(found.static_error) <= SMALL_ERROR
-    moving = abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s - 1) <= FREQUENCY_TOLERANCE
-    if static and moving:
-        return "The compensated loader is stable and renders the programmed feel, at rest and in motion."
-    if static:
-        return "The compensated loader is stable and settles where it should, but it moves at the wrong frequency."
-    return "The compensated loader is stable but does not settle where the programmed feel would."
+    found = design.configuration("compensated").programmed.assessment
+    return rendering("The compensated loader", found, design.feel_frequency_rad_per_s)
 
 
 def _compliance(design: Design) -> str:
@@ -120,21 +87,21 @@ def _compliance(design: Design) -> str:
     rigid = design.servo(Linkage.RIGID)
     if any(abs(one.frequency_rad_per_s / mode.frequency_rad_per_s - 1) <= SAME_MODE for one in rigid.closed_modes):
         return (
-            f"The linkage is as good as rigid: the servo's least damped mode, at {_hertz(mode.frequency_rad_per_s)} with a"
+            f"The linkage is as good as rigid: the servo's least damped mode, at {hertz(mode.frequency_rad_per_s)} with a"
             f" damping ratio of {to_text(mode.damping_ratio, 2)}, is there with a rigid link too."
         )
     peak = compliant.column_resonance
     return (
         f"The linkage is not rigid: with the position loop closed the column swings on it at"
-        f" {_hertz(mode.frequency_rad_per_s)} with a damping ratio of {to_text(mode.damping_ratio, 2)}"
-        + (f", and its response to the command peaks at {_hertz(peak.frequency_rad_per_s)}." if peak else ".")
+        f" {hertz(mode.frequency_rad_per_s)} with a damping ratio of {to_text(mode.damping_ratio, 2)}"
+        + (f", and its response to the command peaks at {hertz(peak.frequency_rad_per_s)}." if peak else ".")
     )
 
 
 def _original(design: Design, units: UnitSystem) -> str:
     rigid, compliant = design.configuration("rigid"), design.configuration("compliant")
     return (
-        f"The original loop is {_settling(compliant.programmed.assessment)}. With a rigid link {_reach(rigid, units)};"
+        f"The original loop is {settling(compliant.programmed.assessment)}. With a rigid link {_reach(rigid, units)};"
         f" with the real one {_reach(compliant, units)}."
     )
 
@@ -144,10 +111,10 @@ def _compensated(design: Design) -> str:
     if not found.stable:
         return "With the designed gains the loop is unstable, so there is no response to judge."
     return (
-        f"With the designed gains it is {_settling(found)}, and moves at {_hertz(found.frequency_rad_per_s)} with a damping"
-        f" ratio of {to_text(found.damping_ratio, 2)} where {_hertz(design.feel_frequency_rad_per_s)} and"
+        f"With the designed gains it is {settling(found)}, and moves at {hertz(found.frequency_rad_per_s)} with a damping"
+        f" ratio of {to_text(found.damping_ratio, 2)} where {hertz(design.feel_frequency_rad_per_s)} and"
         f" {to_text(design.feel_damping_ratio, 2)} are programmed. Over two seconds after the step it deviates from the ideal"
-        f" by {_percent(found.tracking_error)} of the final deflection (root mean square)."
+        f" by {percent(found.tracking_error)} of the final deflection (root mean square)."
         + _inertia_remark(design, found)
     )
 
@@ -161,7 +128,7 @@ def _inertia_remark(design: Design, found: Assessment) -> str:
         return ""  # something else is at work as well
     return (
         f" The column's own inertia J adds to the programmed I: that alone lowers the frequency to"
-        f" {_hertz(design.feel_frequency_rad_per_s * predicted)}."
+        f" {hertz(design.feel_frequency_rad_per_s * predicted)}."
     )
 
 
@@ -184,12 +151,12 @@ def _low_stiffness(design: Design, units: UnitSystem) -> str:
 
 def _valve(design: Design) -> str:
     found = design.configuration("compensated").programmed.peaks
-    if found is None:
+    if not isinstance(found, Peaks):
         return "Current and flow are not evaluated, because the loop is unstable."
     within = found.current_share <= 1 and found.flow_share <= 1
     return (
-        f"The step of pilot force asks for {_percent(found.current_share)} of the rated current and"
-        f" {_percent(found.flow_share)} of the rated flow: the valve {'has margin' if within else 'saturates'}."
+        f"The step of pilot force asks for {percent(found.current_share)} of the rated current and"
+        f" {percent(found.flow_share)} of the rated flow: the valve {'has margin' if within else 'saturates'}."
     )
 
 
@@ -200,10 +167,12 @@ def _paths(design: Design) -> str:
         return "Dropping feedback paths is not judged, because the full set is unstable."
     most = droppable(design.dropped, full, compensated.boundary)
     if most is None:
-        return f"No feedback path can be dropped without a visible loss (more than {_percent(VISIBLE_LOSS)} of deflection)."
+        return (
+            f"No feedback path can be dropped without a visible loss (more than {percent(VISIBLE_LOSS)} of deflection)."
+        )
     return (
         f"{' and '.join(most.paths)} can be dropped: the deviation from the ideal goes from"
-        f" {_percent(full.tracking_error)} to {_percent(most.assessment.tracking_error)}, and stability stays."
+        f" {percent(full.tracking_error)} to {percent(most.assessment.tracking_error)}, and stability stays."
     )
 
 
@@ -213,7 +182,7 @@ def _sensitivity(design: Design) -> str:
     if found is None:
         return "Sensitivity is not evaluated: every deviation leaves the range of its parameter."
     harm = (
-        f"deviates by {_percent(found.tracking_error)}, {_percent(found.static_error, signed=True)} at rest"
+        f"deviates by {percent(found.tracking_error)}, {percent(found.static_error, signed=True)} at rest"
         if found.stable
         else "is unstable"
     )
@@ -223,15 +192,7 @@ def _sensitivity(design: Design) -> str:
         if unstable == 0
         else f"{unstable} deviations make it unstable"
     )
-    return f"{count}; the worst is {row.quantity} at {_percent(row.change, signed=True)}, where the column {harm}."
-
-
-def _settling(found: Assessment) -> str:
-    if not found.stable:
-        return "unstable at the programmed setting"
-    if isnan(found.static_error):
-        return f"stable, but {_LOST}"
-    return f"stable and settles at {_percent(1 + found.static_error)} of the programmed deflection"
+    return f"{count}; the worst is {row.quantity} at {percent(row.change, signed=True)}, where the column {harm}."
 
 
 def _reach(configuration: Configuration, units: UnitSystem) -> str:
@@ -247,11 +208,3 @@ def _edge(configuration: Configuration, units: UnitSystem) -> str:
     boundary = configuration.boundary
     shown = ROTARY_STIFFNESS.from_si(boundary.stiffness_n_m_per_rad, units)
     return f"{to_text(shown)} {ROTARY_STIFFNESS.shown(units)} ({boundary.note})"
-
-
-def _hertz(value: float) -> str:
-    return f"{to_text(HERTZ.from_si(value, UnitSystem.SI), 3)} Hz"
-
-
-def _percent(value: float, *, signed: bool = False) -> str:
-    return f"{100 * value:{'+' if signed else ''}.1f} %" if isfinite(value) else "undefined"

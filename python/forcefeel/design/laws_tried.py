@@ -88,7 +88,7 @@ class LawsTried:
     """The report's law and the best one.
 
     Attributes:
-        report: The report's law.
+        report: The report's law; ``None`` for a motor, which cannot take it.
         best: The best of those that are eligible, the report's among them; ``None`` where none is.
         remarks: Why it is chosen, and why none of the others, a sentence for each; the chosen one's first.
         rule: By which they were tested.
@@ -104,7 +104,7 @@ class LawsTried:
         'forcefeel compensate my.toml --method auto --out methods'
     """
 
-    report: LawTried
+    report: LawTried | None
     best: LawTried | None
     remarks: tuple[str, ...]
     rule: str
@@ -129,4 +129,5 @@ class LawsTried:
     @property
     def laws(self) -> tuple[LawTried, ...]:
         """The laws beside each other: the best first."""
-        return (self.report,) if self.best in (None, self.report) else (self.best, self.report)
+        found = (self.best, *(() if self.report == self.best else (self.report,)))
+        return tuple(law for law in found if law is not None)

@@ -1,32 +1,28 @@
 """Everything that the 1974 report computed, for any loader: the design as one frozen result."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Annotated
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from forcefeel._core import Compensator, feel_frequency
-from forcefeel.design.assessment import Assessment, Peaks, assess, peaks
+from forcefeel._core import feel_frequency
+from forcefeel.design.analysis import LOW_SHARE, Analysis, configuration, originals
+from forcefeel.design.motor import MotorAnalysis, analyze_motor
 from forcefeel.design.studies import Deviation, DroppedPaths, drop_paths, sensitivity
 from forcefeel.laws.analog.recursion import Compensation, DesignSettings, compensate
-from forcefeel.linear.boundary import StabilityBoundary, smallest_stable_stiffness
 from forcefeel.linear.frequency import Margins, Peak, margins, resonance
-from forcefeel.linear.models import Linkage, loader_model, open_loop_model, servo_model
+from forcefeel.linear.models import Linkage, servo_model
 from forcefeel.linear.modes import Mode, least_damped, modes
-from forcefeel.loader.loader import Loader, check_hydraulic
+from forcefeel.loader.loader import Loader, check_hydraulic, check_loader
+from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.printable import table_html
-from forcefeel.units import HERTZ, RATIO
 
-LOW_SHARE = 0.1
-"""Share of I, B and G at the low setting, where figures 10 and 11 show what compliance does.
-
-The pilot's force is lowered along, so that the programmed deflection stays the same.
-"""
-
+if TYPE_CHECKING:
+    from forcefeel.design.motor_design import MotorDesign
 
 STEPS = ("compensation", "original system", "compensated system", "dropped paths", "sensitivity")
-"""What ``design_loader`` reports as it goes."""
+"""What ``design_servo`` reports as it goes."""
 
 
 @dataclass(frozen=True)
@@ -50,80 +46,28 @@ class ServoResult:
 
 
 @dataclass(frozen=True)
-class LoopResult:
-    """One configuration at one setting.
+class ServoAnalysis(Analysis):
+    """What the original system of a hydraulic loader does.
 
     Attributes:
-        modes: Its modes.
-        margins: Margins of the overall loop, opened at the feel computer's torque (fig. 10).
-        assessment: How it renders the programmed feel.
-        peaks: Its demand on the valve; not evaluated where unstable.
-    """
-
-    modes: tuple[Mode, ...]
-    margins: Margins
-    assessment: Assessment
-    peaks: Peaks | None
-
-
-@dataclass(frozen=True)
-class Configuration:
-    """One way to model and drive the loader.
-
-    Attributes:
-        name: ``rigid``, ``compliant`` or ``compensated``.
-        linkage: Rigid or compliant link.
-        compensator: The law; ``None`` is the original position loop, eq. (13).
-        programmed: Result at the programmed setting.
-        low: Result with I, B, G and the pilot's force at ``LOW_SHARE`` of it.
-        boundary: Smallest stable G.
-    """
-
-    name: str
-    linkage: Linkage
-    compensator: Compensator | None = field(repr=False)
-    programmed: LoopResult
-    low: LoopResult
-    boundary: StabilityBoundary
-
-
-@dataclass(frozen=True)
-class Analysis:
-    """What the original system does.
-
-    Attributes:
-        loader: The loader.
-        low_loader: The same at the low setting.
-        feel_frequency_rad_per_s: Programmed natural frequency.
-        feel_damping_ratio: Programmed damping ratio.
         servos: The servo with rigid and with compliant link.
-        configurations: Rigid and compliant; a design adds the compensated one.
 
     Example:
         >>> import forcefeel as ff
         >>> found = ff.analyze(ff.elevator())
-        >>> found.configuration("rigid").programmed.assessment.stable
-        True
+        >>> f"{found.servo(ff.linear.Linkage.COMPLIANT).margins.gain_margin:.1f}"
+        '26.5'
     """
 
-    loader: Loader
-    low_loader: Loader
-    feel_frequency_rad_per_s: Annotated[float, HERTZ]
-    feel_damping_ratio: Annotated[float, RATIO]
     servos: tuple[ServoResult, ...]
-    configurations: tuple[Configuration, ...]
 
     def servo(self, linkage: Linkage) -> ServoResult:
         """The servo with that link."""
         return next(one for one in self.servos if one.linkage is linkage)
 
-    def configuration(self, name: str) -> Configuration:
-        """The configuration of that name."""
-        return next(one for one in self.configurations if one.name == name)
-
 
 @dataclass(frozen=True)
-class Design(Analysis):
+class Design(ServoAnalysis):
     """The original system and its compensation.
 
     Attributes:
@@ -172,37 +116,53 @@ class Design(Analysis):
         return self.compensation.reached and self.configuration("compensated").programmed.assessment.stable
 
 
-def analyze(loader: Loader) -> Analysis:
-    """Analyses the original system: servo, loops, stability and response, with rigid and with compliant link.
+def analyze(loader: Loader) -> ServoAnalysis | MotorAnalysis:
+    """Analyses a loader without a law: drive, loops, stability and response, with rigid and with compliant link.
+
+    Of a valve that is the original system, eq. (13); of a motor the feel by current alone.
+
+    Raises:
+        InputError: If ``loader`` is no loader.
 
     Example:
         >>> import forcefeel as ff
         >>> found = ff.analyze(ff.elevator())
         >>> found.configuration("compliant").boundary.note
         'lost by oscillation at 12.0 Hz'
+        >>> ff.analyze(ff.loader.electric("sidestick-roll")).configuration("compliant").boundary.note[:19]
+        'lost by oscillation'
     """
-    check_hydraulic(loader, "the analysis of the report")
+    check_loader(loader)
+    return analyze_motor(loader) if loader.drive == ELECTRIC else _analyze_servo(loader)
+
+
+def _analyze_servo(loader: Loader) -> ServoAnalysis:
     low = loader.scale_feel(LOW_SHARE)
     frequency, damping_ratio = feel_frequency(loader.values)
-    return Analysis(
+    return ServoAnalysis(
         loader=loader,
         low_loader=low,
         feel_frequency_rad_per_s=frequency,
         feel_damping_ratio=damping_ratio,
         servos=tuple(_servo(loader, linkage) for linkage in Linkage),
-        configurations=tuple(_configuration(str(one), (loader, low), one) for one in Linkage),
+        configurations=originals(loader, low),
     )
 
 
 def design_loader(
     loader: Loader, settings: DesignSettings | None = None, progress: Callable[[str], None] = lambda _: None
-) -> Design:
-    """Analyses ``loader``, designs its compensation and judges the result.
+) -> "Design | MotorDesign":
+    """Analyses ``loader``, designs its law and judges the result.
+
+    Of a valve as the report does, ``design_servo``; of a motor ``design_motor``, with the law that drives it where none is named.
 
     Args:
         loader: The loader.
-        settings: How the gains that close the loop are computed; the published horizon if not given.
-        progress: Called with each of ``STEPS`` as it begins.
+        settings: How the gains of recursion (22) are computed; the published horizon if not given.
+        progress: Called with each of ``STEPS`` as it begins; a motor has none of them.
+
+    Raises:
+        InputError: If ``loader`` is no loader; if settings of recursion (22) are given for a motor.
 
     Example:
         >>> import forcefeel as ff
@@ -210,15 +170,46 @@ def design_loader(
         >>> ff.design.conclusions(found, ff.UnitSystem.US).good
         True
     """
-    check_hydraulic(loader, "the design of the report")
+    from forcefeel.design.motor_design import design_motor  # noqa: PLC0415  python-control, for which analyze need not wait
+
+    check_loader(loader)
+    if loader.drive == ELECTRIC:
+        if settings is not None:
+            check_hydraulic(
+                loader, "recursion (22)", "a motor's law is by method, such as design.design_motor(loader, 'robust')"
+            )
+        return design_motor(loader)
+    return design_servo(loader, settings, progress)
+
+
+def design_servo(
+    loader: Loader, settings: DesignSettings | None = None, progress: Callable[[str], None] = lambda _: None
+) -> Design:
+    """Analyses ``loader``, designs its compensation as the report does and judges the result.
+
+    Args:
+        loader: The loader.
+        settings: How the gains that close the loop are computed; the published horizon if not given.
+        progress: Called with each of ``STEPS`` as it begins.
+
+    Raises:
+        InputError: If ``loader`` is no loader, or has a motor.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> found = ff.design.design_servo(ff.elevator())
+        >>> ff.design.conclusions(found, ff.UnitSystem.US).good
+        True
+    """
+    check_hydraulic(loader, "the design of the report", "design_loader takes either")
     progress(STEPS[0])
     published, converged = compensate(loader), compensate(loader, DesignSettings())
     chosen = published if settings is None else compensate(loader, settings)
     law = chosen.compensator(loader)
     progress(STEPS[1])
-    original = analyze(loader)
+    original = _analyze_servo(loader)
     progress(STEPS[2])
-    compensated = _configuration("compensated", (loader, original.low_loader), Linkage.COMPLIANT, law, chosen.settings)
+    compensated = configuration("compensated", (loader, original.low_loader), Linkage.COMPLIANT, law, chosen.settings)
     progress(STEPS[3])
     dropped = drop_paths(loader, chosen.gains, chosen.settings)
     progress(STEPS[4])
@@ -245,31 +236,3 @@ def _servo(loader: Loader, linkage: Linkage) -> ServoResult:
     # Wide enough for the peak of a mode that others pull aside; a mode that rounding leaves no frequency has none.
     peak = resonance(closed.to_output(1), w / 2, 3 * w) if w > 0 else None
     return ServoResult(linkage, modes(opened), closed_modes, margins(opened.to_output(0)), peak)
-
-
-def _configuration(
-    name: str,
-    settings_of_feel: tuple[Loader, Loader],
-    linkage: Linkage,
-    law: Compensator | None = None,
-    weights: DesignSettings | None = None,
-) -> Configuration:
-    loader, low = settings_of_feel
-    return Configuration(
-        name,
-        linkage,
-        law,
-        programmed=_loop(loader, linkage, law, weights),
-        low=_loop(low, linkage, law, weights),
-        boundary=smallest_stable_stiffness(loader, linkage, law),
-    )
-
-
-def _loop(loader: Loader, linkage: Linkage, law: Compensator | None, weights: DesignSettings | None) -> LoopResult:
-    found = assess(loader, law, weights, linkage=linkage)
-    return LoopResult(
-        modes(loader_model(loader, law, linkage)),
-        margins(open_loop_model(loader, linkage, law)),
-        found,
-        peaks(loader, law, linkage) if found.stable else None,
-    )

@@ -4,10 +4,12 @@ from importlib.metadata import version
 
 from forcefeel.envelope.as_json import deviations_json, grid_json, rule_json
 from forcefeel.frontier.findings import frontier_conclusions
+from forcefeel.frontier.motor_limits import MotorLimits
 from forcefeel.frontier.result import Frontier
 from forcefeel.frontier.tightening import Path
+from forcefeel.frontier.valve_limits import ValveLimits
 from forcefeel.json_values import Json, json_value, quantity
-from forcefeel.units import ANGLE, FLOW, PERCENT, SECONDS, UnitSystem
+from forcefeel.units import ANGLE, FLOW, FORCE, PERCENT, SECONDS, UnitSystem
 
 
 def frontier_json(found: Frontier, units: UnitSystem) -> dict[str, Json]:
@@ -25,11 +27,11 @@ def frontier_json(found: Frontier, units: UnitSystem) -> dict[str, Json]:
         "tolerances": deviations_json(plan.deviations),
         "conclusions": json_value(frontier_conclusions(found, units), units),
         "shares": json_value(found.envelope.shares(found.compensator), units),
-        "limits": {str(limit): quantity(share, PERCENT, units) for limit, share in found.limit_shares.items()},
+        "limits": {found.text(limit): quantity(share, PERCENT, units) for limit, share in found.limit_shares.items()},
         "limit_of_each_setting": found.limits.tolist(),
         "bound": _bound(found, units),
         "tightening": _tightening(found, units),
-        "valve": _valve(found, units),
+        found.drive_name: _drive(found, units),
         "smallest_in_every_case": json_value(found.smallest, units),
         "largest_stiffness_in_every_case": quantity(found.largest_stiffness, PERCENT, units),
         "friction": json_value(found.friction, units),
@@ -68,13 +70,22 @@ def _bound(found: Frontier, units: UnitSystem) -> dict[str, Json]:
     }
 
 
-def _valve(found: Frontier, units: UnitSystem) -> dict[str, Json]:
-    valve = found.valve
+def _drive(found: Frontier, units: UnitSystem) -> dict[str, Json]:
+    drive = found.drive
     return {
-        "flow": quantity(valve.flow_m3_per_s, FLOW, units),
-        "largest_demand_of_an_ideal": quantity(float(valve.demand.max()), PERCENT, units),
-        "ideals_beyond_it": quantity(valve.beyond_ideal_share, PERCENT, units),
-        "forbidden": quantity(valve.forbidden_share, PERCENT, units),
-        "longest_unload": quantity(valve.longest_unload_s, SECONDS, units),
-        "longest_unload_of_period": quantity(valve.longest_unload_of_period, PERCENT, units),
+        **_gives(drive, units),
+        "largest_demand_of_an_ideal": quantity(float(drive.demand.max()), PERCENT, units),
+        "ideals_beyond_it": quantity(drive.beyond_ideal_share, PERCENT, units),
+        "forbidden": quantity(drive.forbidden_share, PERCENT, units),
+        "longest_unload": quantity(drive.longest_unload_s, SECONDS, units),
+        "longest_unload_of_period": quantity(drive.longest_unload_of_period, PERCENT, units),
+    }
+
+
+def _gives(drive: ValveLimits | MotorLimits, units: UnitSystem) -> dict[str, Json]:
+    if isinstance(drive, ValveLimits):
+        return {"flow": quantity(drive.flow_m3_per_s, FLOW, units)}
+    return {
+        "peak_force": quantity(drive.peak_force_n, FORCE, units),
+        "largest_share_standing_still": quantity(drive.largest_hold, PERCENT, units),
     }

@@ -5,8 +5,10 @@ from math import isclose, isfinite
 from forcefeel.conclusions import Conclusions, of_result, share_text
 from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST, caveats, name_text
 from forcefeel.frontier.hardware import Gain
+from forcefeel.frontier.motor_limits import MotorLimits
 from forcefeel.frontier.result import Frontier, Limit
 from forcefeel.frontier.tightening import KNOWN_BETTER
+from forcefeel.frontier.valve_limits import ValveLimits
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import INERTIA as INERTIA_UNIT
 from forcefeel.units import PERCENT, Unit, UnitSystem, to_text
@@ -36,7 +38,7 @@ def frontier_conclusions(found: Frontier, units: UnitSystem) -> Conclusions:
         geometry_text(found),
         _dearest(found),
         _hardware(found),
-        _valve(found, units),
+        _drive(found, units),
     ]
     lines += [_smallest(found, units), _friction(found, units), _sensor(), *caveats(found.envelope, units)]
     return Conclusions(good, verdict, tuple(line for line in lines if line))
@@ -82,7 +84,9 @@ def _limits(found: Frontier) -> str:
     shares = {limit: share for limit, share in found.limit_shares.items() if share > 0 and limit is not Limit.NONE}
     if not shares:
         return "Nothing limits it: every setting of the grid is rendered in every case."
-    parts = [f"{limit} ({share_text(share)})" for limit, share in sorted(shares.items(), key=lambda row: -row[1])]
+    parts = [
+        f"{found.text(limit)} ({share_text(share)})" for limit, share in sorted(shares.items(), key=lambda row: -row[1])
+    ]
     beyond = found.beyond_bound
     more = (
         f" {share_text(beyond)} of the settings pass although no response of second order would: there the bound does not hold."
@@ -175,8 +179,39 @@ def _listed(gains: list[Gain]) -> str:
     return ", then ".join(f"{gain.name} ({points_text(gain.worst_gain)} points)" for gain in gains)
 
 
-def _valve(found: Frontier, units: UnitSystem) -> str:
-    valve = found.valve
+def _drive(found: Frontier, units: UnitSystem) -> str:
+    drive = found.drive
+    return _motor(drive, units) if isinstance(drive, MotorLimits) else _valve(drive, units)
+
+
+def _motor(motor: MotorLimits, units: UnitSystem) -> str:
+    milliseconds = to_text(MILLISECONDS.from_si(motor.longest_unload_s, units), 2)
+    unload = (
+        f" As the hand lets go, the rotor needs at least {milliseconds} ms in the worst setting to take its torque off the link, "
+        f"{share_text(motor.longest_unload_of_period)} of a period at most: so long the column springs by itself."
+        if motor.longest_unload_s
+        else ""
+    )
+    hold = share_text(motor.largest_hold)
+    if motor.forbidden.any():
+        return (
+            f"The motor forbids {share_text(motor.forbidden_share)} of the settings whatever the law: standing still they take up "
+            f"to {hold} of its largest current or voltage, the ideal releases up to "
+            f"{share_text(float(motor.demand.max()))}.{unload}"
+        )
+    beyond = (
+        f", though {share_text(motor.beyond_ideal_share)} of the ideals are beyond it: within the tolerances there is a response "
+        "that is not"
+        if motor.beyond_ideal_share
+        else ""
+    )
+    return (
+        f"The motor forbids none: the ideal releases ask for at most {share_text(float(motor.demand.max()))} of its largest "
+        f"current or voltage, standing still for at most {hold}{beyond}.{unload}"
+    )
+
+
+def _valve(valve: ValveLimits, units: UnitSystem) -> str:
     milliseconds = to_text(MILLISECONDS.from_si(valve.longest_unload_s, units), 2)
     unload = (
         f" As the hand lets go, the valve needs up to {milliseconds} ms to take its torque off the link, "

@@ -47,13 +47,18 @@ _FINER = tuple(
     f"{part}.{name}" for part in ("load_cell", "potentiometer", "column_sensor") for name in ("noise", "resolution")
 )
 
+_LIMITS_OF_MOTOR = ("current_loop.current_limit", "current_loop.voltage_limit")
+
 CHANGES = (
     HardwareChange(
         "link twice as stiff",
         {"linkage.stiffness": 2.0, "linkage.damping": 2**0.5},
         "its damping ratio stays",
     ),
+    HardwareChange("transmission twice as stiff", {"transmission.stiffness": 2.0}),
     HardwareChange("valve twice as fast", {"valve.natural_frequency": 2.0}),
+    HardwareChange("current loop twice as fast", {"current_loop.bandwidth": 2.0}),
+    HardwareChange("rotor half as heavy", {"motor.inertia": 0.5}, "its tolerance stays the same share"),
     HardwareChange(
         "twice the sampling rate",
         {"controller.period": 0.5, "controller.delay": 0.5},
@@ -71,6 +76,7 @@ CHANGES = (
         {"amplifier.current_limit": 1.5, "valve.flow_limit": 1.5},
         "a larger spool stroke",
     ),
+    HardwareChange("largest current and voltage +50 %", dict.fromkeys(_LIMITS_OF_MOTOR, 1.5), "torque and speed"),
     HardwareChange("column half as heavy", {INERTIA: 0.5}, "its tolerance stays the same share"),
 )
 """The changes that are tried where a loader has what they change."""

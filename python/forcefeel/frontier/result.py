@@ -13,6 +13,7 @@ from forcefeel.envelope.result import Envelope, Smallest
 from forcefeel.frontier.bound import Bound
 from forcefeel.frontier.friction import SmallestFriction
 from forcefeel.frontier.hardware import Gain
+from forcefeel.frontier.motor_limits import MotorLimits
 from forcefeel.frontier.rungs import Rungs
 from forcefeel.frontier.tightening import INERTIA, Tightening
 from forcefeel.frontier.valve_limits import ValveLimits
@@ -24,7 +25,7 @@ class Limit(StrEnum):
     """What keeps a setting from being rendered in every case, the most fundamental first."""
 
     NONE = "rendered in every case"
-    VALVE = "forbidden by the valve"
+    DRIVE = "forbidden by the drive"
     INERTIA = "inertia not known well enough for any linear law"
     NOMINAL = "this law, even with the nominal plant"
     LAW = "this law, with something off or an arm"
@@ -38,7 +39,7 @@ class Frontier:
         rungs: The law on every rung of the ladder of tolerances.
         bound: What no linear law beats, over the error of the inertia.
         tightening: How the shares move with the tolerances.
-        valve: What the valve forbids.
+        drive: What the valve, or the motor, forbids.
         friction: The smallest friction.
         hardware: What changes of the hardware give, the largest gain first.
 
@@ -53,16 +54,16 @@ class Frontier:
     rungs: Rungs
     bound: Bound
     tightening: Tightening
-    valve: ValveLimits
+    drive: ValveLimits | MotorLimits
     friction: SmallestFriction
     hardware: tuple[Gain, ...]
 
     def __repr__(self) -> str:
-        each = "; ".join(f"{share:.1%} {limit}" for limit, share in self.limit_shares.items() if share)
+        each = "; ".join(f"{share:.1%} {self.text(limit)}" for limit, share in self.limit_shares.items() if share)
         return f"<Frontier of {self.plan.given.name!r} with {self.compensator}, {self.plan.settings.count:,} settings: {each}>"
 
     def _repr_html_(self) -> str:
-        rows = ((limit, f"{share:.1%}") for limit, share in self.limit_shares.items())
+        rows = ((self.text(limit), f"{share:.1%}") for limit, share in self.limit_shares.items())
         return table_html(f"{self.plan.given.name} with {self.compensator}", ("settings", "share"), rows)
 
     @property
@@ -96,11 +97,20 @@ class Frontier:
         passes = self.envelope.passes(self.compensator)
         order = list(Limit)
         found = np.select(
-            [passes.all(axis=0), self.valve.forbidden, ~self.possible, ~passes[0]],
-            [order.index(one) for one in (Limit.NONE, Limit.VALVE, Limit.INERTIA, Limit.NOMINAL)],
+            [passes.all(axis=0), self.drive.forbidden, ~self.possible, ~passes[0]],
+            [order.index(one) for one in (Limit.NONE, Limit.DRIVE, Limit.INERTIA, Limit.NOMINAL)],
             order.index(Limit.LAW),
         )
         return np.asarray(found.astype(np.int8).reshape(self.plan.settings.shape))
+
+    def text(self, limit: Limit) -> str:
+        """A limit in words, with the drive by its name."""
+        return str(limit).replace("the drive", f"the {self.drive_name}")
+
+    @property
+    def drive_name(self) -> str:
+        """``valve`` or ``motor``."""
+        return "motor" if isinstance(self.drive, MotorLimits) else "valve"
 
     @property
     def limit_shares(self) -> dict[Limit, float]:

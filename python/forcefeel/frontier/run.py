@@ -1,4 +1,4 @@
-"""Computes a frontier: the bound, the valve's limits, the law on the ladder of tolerances, the changes of the hardware."""
+"""Computes a frontier: the bound, the drive's limits, the law on the ladder of tolerances, the changes of the hardware."""
 
 from collections.abc import Callable, Mapping, Sequence
 from math import isclose
@@ -8,12 +8,14 @@ from forcefeel.errors import InputError, expect
 from forcefeel.frontier.bound import ERRORS, inertia_bound
 from forcefeel.frontier.friction import smallest_friction
 from forcefeel.frontier.hardware import hardware, hardware_releases
+from forcefeel.frontier.motor_limits import motor_limits
 from forcefeel.frontier.result import Frontier
 from forcefeel.frontier.rungs import FACTORS, Rungs, climb, rung_releases
 from forcefeel.frontier.tightening import INERTIA, tightening
 from forcefeel.frontier.valve_limits import valve_limits
 from forcefeel.laws.law_file import LAW_FILE
-from forcefeel.loader.loader import Loader, check_hydraulic
+from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.loader.parameters import ELECTRIC
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, the releases that are done and all there are."""
@@ -70,7 +72,7 @@ def frontier_plan(
     **options: object,
 ) -> Plan:
     """The envelope that a frontier is about; arguments as ``find_frontier``."""
-    check_hydraulic(loader, "a frontier")
+    check_loader(loader)
     expect("compensator", compensator or "", str, "the name of a law, such as robust")
     expect("grid", grid or {}, Mapping, 'values by axis such as {"stiffness": "1..100 %:40:log"}')
     name = compensator or ("robust" if loader["controller.period"] else "published")
@@ -99,7 +101,7 @@ def compute_frontier(
         rungs=rungs,
         bound=inertia_bound(plan, _errors(rungs), lean=plan.deviations[INERTIA].lean, threads=threads),
         tightening=tightening(rungs),
-        valve=valve_limits(plan, threads=threads),
+        drive=(motor_limits if plan.loader.drive == ELECTRIC else valve_limits)(plan, threads=threads),
         friction=smallest_friction(plan),
         hardware=gains,
     )

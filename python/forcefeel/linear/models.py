@@ -1,8 +1,9 @@
-"""The models of the report as matrices; ``state_space`` has them as python-control's objects.
+"""The models of the report, and a motor's beside them, as matrices; ``state_space`` has them as python-control's objects.
 
 Their matrices are exact Jacobians of the Rust model; nothing here repeats an equation. Signals are named in words with
 their SI unit at the end. The feel computer's displacement is a voltage in the original system (``feel_position_v``) and
-an angle under state feedback (``feel_position_rad``).
+an angle under state feedback (``feel_position_rad``). What a valve does without a law is the original position loop, eq. (13);
+what a motor does is the feel by current alone, ``electric``.
 """
 
 from collections.abc import Sequence
@@ -16,10 +17,16 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError, expect
-from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.linear import electric
+from forcefeel.linear.electric import ElectricPlant
+from forcefeel.loader.loader import Loader, check_hydraulic, check_loader
+from forcefeel.loader.parameters import ELECTRIC
 
 INPUTS = ("pilot_force_n", "test_signal_v")
 """Inputs of the loader models: pilot force F_p, test signal e_T at the amplifier."""
+
+MOTOR_INPUTS = ("pilot_force_n", "test_signal_a")
+"""Of a motor: the test signal is added to the command of its current."""
 
 OUTPUTS = (
     "column_angle_rad",
@@ -148,12 +155,19 @@ def check_model(name: str, model: StateSpaceLike, *, single: bool = False) -> No
 
 
 def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linkage) -> LinearModel:
-    """Eq. (15) or (17), as ``linkage`` says, under the original law, eq. (13), if none is given."""
+    """Eq. (15) or (17), as ``linkage`` says, under the original law, eq. (13), if none is given; a motor's feel by current alone.
+
+    Raises:
+        InputError: If there is an analog law for a motor.
+    """
     check_loader(loader)
     if compensator is not None:
         expect(
             "compensator", compensator, Compensator, "an analog law, as compensate(loader).compensator(loader) gives it"
         )
+        check_hydraulic(loader, "an analog law", _NO_ANALOG_LAW)
+    if loader.drive == ELECTRIC:
+        return _motor_model(loader, linkage)
     law = compensator or Compensator.original(loader.values)
     unit = law.displacement_unit.lower()
     feel = [f"feel_position_{unit}", f"feel_velocity_{unit}_per_s"]
@@ -167,8 +181,40 @@ def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linka
     return _model(f"{loader.name} {linkage}", matrices, states, INPUTS, outputs)
 
 
+_NO_ANALOG_LAW = "its laws are sampled, such as Law.of('robust', loader), and sampled_loops has their loops"
+_PLANT_INSTEAD = "linear.plant has what moves its column"
+
+
+def _motor_model(loader: Loader, linkage: Linkage) -> LinearModel:
+    """The feel by current alone."""
+    plant = ElectricPlant.of(loader, rigid=linkage is Linkage.RIGID)
+    row = plant.feel_by_current(loader)
+    entry, direct = plant.b[:, 1], plant.d[:, 1]
+    matrices = plant.a - np.outer(entry, row), plant.b, plant.c - np.outer(direct, row), plant.d
+    return _model(f"{loader.name} {linkage}", matrices, plant.states, MOTOR_INPUTS, electric.OUTPUTS)
+
+
+def plant_model(loader: Loader, linkage: Linkage) -> LinearModel:
+    """Servo or motor, link and column, without a feel and without a law."""
+    check_loader(loader)
+    name = f"{loader.name} plant {linkage}"
+    if loader.drive == ELECTRIC:
+        plant = ElectricPlant.of(loader, rigid=linkage is Linkage.RIGID)
+        matrices = plant.a, plant.b, plant.c, plant.d
+        return _model(name, matrices, plant.states, ("pilot_force_n", "current_command_a"), electric.OUTPUTS)
+    model = loader_model(loader, Compensator.none(loader.values), linkage)
+    # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
+    states, outputs = (
+        [k for k, label in enumerate(labels) if not label.startswith("feel_")]
+        for labels in (model.state_labels, model.output_labels)
+    )
+    matrices = model.A[np.ix_(states, states)], model.B[states], model.C[np.ix_(outputs, states)], model.D[outputs]
+    return _model(name, matrices, [model.state_labels[k] for k in states], INPUTS, [OUTPUTS[k] for k in outputs])
+
+
 def servo_model(loader: Loader, linkage: Linkage, *, closed: bool) -> LinearModel:
     """The servo alone, from the amplifier's input e_T, its position loop closed or open."""
+    check_hydraulic(loader, "the servo", _PLANT_INSTEAD)
     law = Compensator.position_loop(loader.values) if closed else Compensator.none(loader.values)
     model = loader_model(loader, law, linkage)
     kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
@@ -184,11 +230,14 @@ def servo_model(loader: Loader, linkage: Linkage, *, closed: bool) -> LinearMode
 
 
 def open_loop_model(loader: Loader, linkage: Linkage, compensator: Compensator | None = None) -> LinearModel:
-    """The overall loop, opened at the torque that the feel computer sees.
+    """The overall loop, opened at the torque that the feel computer sees; of a motor, at the command of its current.
 
     The torque enters the model in one place, so the closed loop's state matrix is ``A - b c``, where ``A`` is the open
-    loop's and ``c`` the row that the load cell adds.
+    loop's and ``c`` the row that the load cell adds, or that makes the command.
     """
+    check_loader(loader)
+    if loader.drive == ELECTRIC:
+        return _motor_loop(loader, linkage)
     law = compensator or Compensator.original(loader.values)
     closed = loader_model(loader, law, linkage)
     opened = loader_model(loader, Compensator(law.gains, 0.0, law.displacement_unit), linkage)
@@ -201,9 +250,16 @@ def open_loop_model(loader: Loader, linkage: Linkage, compensator: Compensator |
     return _model(name, (opened.A, b, c, np.zeros((1, 1))), opened.state_labels, *signals)
 
 
+def _motor_loop(loader: Loader, linkage: Linkage) -> LinearModel:
+    plant = ElectricPlant.of(loader, rigid=linkage is Linkage.RIGID)
+    matrices = plant.a, plant.b[:, 1:], plant.feel_by_current(loader)[np.newaxis], np.zeros((1, 1))
+    signals = ("current_command_in",), ("current_command_out",)
+    return _model(f"{loader.name} overall {linkage}", matrices, plant.states, *signals)
+
+
 def design_model(loader: Loader, pilot_arm_m: float | None = None, *, pilot_state: bool = True) -> LinearModel:
     """The plant of eq. (19), with the pilot's force as a state or without; the arm is R_p if not given."""
-    check_loader(loader)
+    check_hydraulic(loader, "the design plant of eq. (19)", _PLANT_INSTEAD)
     arm = loader["column.grip_arm"] if pilot_arm_m is None else pilot_arm_m
     a, b, c, d = _core.design_plant(loader.values, arm)
     states = DESIGN_STATES if pilot_state else DESIGN_STATES[:-1]
@@ -227,7 +283,7 @@ def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> Compensator:
         gains: Six or seven SI gains on ``DESIGN_STATES``; the seventh, on the pilot force, only where it is measured.
 
     Raises:
-        InputError: If there are not six or seven finite gains.
+        InputError: If there are not six or seven finite gains, or the loader has a motor.
 
     Example:
         >>> import forcefeel as ff
@@ -236,6 +292,7 @@ def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> Compensator:
         >>> law.displacement_unit
         'rad'
     """
+    check_hydraulic(loader, "state feedback by gains", _NO_ANALOG_LAW)
     if len(gains) not in {6, 7} or not np.all(np.isfinite(gains)):
         raise InputError(f"gains: expected six or seven finite numbers, got {np.asarray(gains).tolist()}")
     return Compensator.state_feedback(loader.values, (*(float(c) for c in gains), 0.0)[:7])

@@ -14,6 +14,7 @@ from forcefeel.linear.models import (
     feel_model,
     loader_model,
     open_loop_model,
+    plant_model,
     servo_model,
 )
 from forcefeel.loader.loader import Loader
@@ -24,10 +25,13 @@ def rigid_model(loader: Loader, compensator: Compensator | None = None) -> contr
 
     Args:
         loader: The loader.
-        compensator: The law that drives the amplifier; the original position loop, eq. (13), if not given.
+        compensator: The law that drives the amplifier; the original position loop, eq. (13), if not given. A motor has none here.
 
     Returns:
-        Continuous-time model with inputs ``INPUTS`` and outputs ``OUTPUTS``, SI units.
+        Continuous-time model with inputs ``INPUTS`` and outputs ``OUTPUTS``, SI units; of a motor as ``compliant_model`` says.
+
+    Raises:
+        InputError: If a law is given for a motor.
 
     Example:
         >>> import forcefeel as ff
@@ -40,7 +44,9 @@ def rigid_model(loader: Loader, compensator: Compensator | None = None) -> contr
 def compliant_model(loader: Loader, compensator: Compensator | None = None) -> control.StateSpace:
     """Loader with a compliant link, eq. (17): states x_p, p, q_i, q_i', delta, delta', x_b, x_b'.
 
-    Arguments and result are those of ``rigid_model``.
+    Arguments and result are those of ``rigid_model``. Of a motor the feel by current alone: spring and damper of the programmed
+    feel by the motor's torque, ``e = -(r / K_t) (G x_m + B x_m') / (alpha R_b)^2``; states x_m, x_m', i, x_b, x_b', with a rigid
+    link the first three; inputs pilot force and a test signal in A added to the command of the current.
 
     Example:
         >>> import forcefeel as ff
@@ -49,6 +55,29 @@ def compliant_model(loader: Loader, compensator: Compensator | None = None) -> c
         (8, ['pilot_force_n', 'test_signal_v'])
     """
     return _state_space(loader_model(loader, compensator, Linkage.COMPLIANT))
+
+
+def plant(loader: Loader, linkage: Linkage = Linkage.COMPLIANT) -> control.StateSpace:
+    """What moves the column, and the column: servo or motor, transmission and link, without a feel and without a law.
+
+    Args:
+        loader: The loader, of either drive.
+        linkage: Rigid or compliant link.
+
+    Returns:
+        Continuous-time model, SI units. Of a valve: states x_p, p, q_i, q_i', x_b, x_b', inputs pilot force and amplifier input in
+        V. Of a
+        motor: states x_m, x_m', i, x_b, x_b' (with a rigid link the first three), inputs pilot force and command of the current in
+        A, outputs column angle, drive position, load cell force, current, voltage and speed of the motor. Limits, friction,
+        cogging, back-EMF against a voltage limit: left out, as nothing of them is linear.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> stick = ff.linear.plant(ff.loader.electric("sidestick-roll"))
+        >>> stick.nstates, stick.input_labels
+        (5, ['pilot_force_n', 'current_command_a'])
+    """
+    return _state_space(plant_model(loader, linkage))
 
 
 def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpace:

@@ -2,9 +2,16 @@
 
 from forcefeel.loader.curves import CURVES
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC
 
 _NAMED = 3
 """Rows that a sentence names."""
+
+
+_OF_MOTOR = frozenset(
+    {"motor.three_phase", "motor.viscous_friction", "transmission.stiffness", "controller.period", "controller.delay"}
+)
+"""Optional rows that the linear models of a motor, and its sampled loops, have."""
 
 
 def left_out(loader: Loader) -> str:
@@ -15,7 +22,10 @@ def left_out(loader: Loader) -> str:
 
 def beyond_linear(loader: Loader) -> str:
     """The optional rows and curves that ``loader`` gives, by name as far as a sentence can hold them."""
-    keys = [*loader.given, *(CURVES[name].key for name in loader.curves)]
+    linear = _OF_MOTOR if loader.drive == ELECTRIC else frozenset()
+    keys = [*(key for key in loader.given if key not in linear), *(CURVES[name].key for name in loader.curves)]
+    if linear:  # what changes the feel itself before what bounds the drive
+        keys.sort(key=lambda key: not key.startswith("feel."))
     named, more = keys[:_NAMED], len(keys) - _NAMED
     if more > 0:
         return f"{', '.join(named)} and {more} more of the loader's optional rows"

@@ -5,7 +5,7 @@ from html import escape
 from forcefeel.loader import tolerance_text
 from forcefeel.loader.contents import Contents
 from forcefeel.loader.curves import CURVES
-from forcefeel.loader.parameters import OFF, PARTS, TABLE, is_switch, with_unit
+from forcefeel.loader.parameters import OFF, TABLE, is_switch, meaning, parts, with_unit
 from forcefeel.units import UnitSystem
 
 _DIGITS = 5
@@ -17,7 +17,7 @@ def table(contents: Contents) -> str:
     """The numbers that the loader gives, part by part, in both systems of units; a curve by the number of its points."""
     head = "".join(f'<th scope="col">{name}</th>' for name in _HEAD)
     rows = [f"<tr>{head}</tr>"]
-    for part, what in PARTS.items():
+    for part, what in parts(contents.drive).items():
         own = contents.values.items()
         given = [key for key, value in own if TABLE[key].part == part and value != OFF.get(key)]
         if given:
@@ -37,7 +37,7 @@ def _row(key: str, contents: Contents) -> str:
         ["yes"] * 2 if is_switch(row) else [with_unit(row, value, it, _DIGITS) for it in (UnitSystem.US, UnitSystem.SI)]
     )
     within = tolerance_text.write(row, tolerance, UnitSystem.US).strip(_QUOTE) if tolerance else ""
-    return f"<tr>{_cells(row.symbol, key, row.meaning, *shown, within)}</tr>"
+    return f"<tr>{_cells(row.symbol, key, meaning(row, contents.drive), *shown, within)}</tr>"
 
 
 def _cells(*texts: str) -> str:

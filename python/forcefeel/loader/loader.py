@@ -57,6 +57,11 @@ FEEL_SETTING = ("feel.inertia", "feel.damping", "feel.stiffness")
 """The computer setting I, B, G."""
 
 
+_Matrix = NDArray[np.float64]
+_Matrices = tuple[_Matrix, _Matrix, _Matrix, _Matrix]
+"""A, B, C, D of a linear model."""
+
+
 @dataclass(frozen=True)
 class Loader:
     """The numbers of one loader.
@@ -144,10 +149,11 @@ class Loader:
     ) -> NDArray[np.object_]:
         """Draws gain and phase from the pilot's force to the column's angle, beside those of the programmed feel.
 
-        Of the linear model with a compliant link, eq. (17), and of eq. (11).
+        Of the linear model with a compliant link, eq. (17), and of eq. (11). Of a motor: what its rotor and link do to the hand
+        with no current.
 
         Args:
-            compensator: The analog law; the original position loop, eq. (13), if not given.
+            compensator: The analog law; the original position loop, eq. (13), if not given. A motor has none.
             frequency_hz: Frequencies in Hz, above 0; a tenth of the feel's to 100 Hz if not given.
             units: Units of the labels.
             ax: Two Matplotlib axes to draw on, for gain and phase; of a figure of their own if not given.
@@ -156,7 +162,7 @@ class Loader:
             The two axes.
 
         Raises:
-            InputError: If the law or the frequencies are none.
+            InputError: If the law or the frequencies are none, or there is a law for a motor.
 
         Example:
             >>> import forcefeel as ff
@@ -166,9 +172,8 @@ class Loader:
         """
         from forcefeel.plots.draw import bode  # noqa: PLC0415  Matplotlib, for whoever plots
 
-        law = Compensator.original(self.values) if compensator is None else compensator
-        if not isinstance(law, Compensator):
-            raise InputError(f"compensator: expected an analog law, a Compensator, got {show(law)}")
+        if compensator is not None and not isinstance(compensator, Compensator):
+            raise InputError(f"compensator: expected an analog law, a Compensator, got {show(compensator)}")
         feel_hz = HERTZ.from_si(_core.feel_frequency(self.values)[0], UnitSystem.SI)
         given = np.geomspace(feel_hz / 10, 100.0, 1000) if frequency_hz is None else frequency_hz
         try:
@@ -177,7 +182,10 @@ class Loader:
             at = np.empty(0)
         if at.ndim != 1 or not len(at) or not np.all((at > 0) & np.isfinite(at)):
             raise InputError(f"frequency_hz: expected frequencies above 0 Hz, got {show(given)}")
-        models = {"loader": _core.compliant(self.values, law), "programmed feel": _core.ideal_feel(self.values)}
+        models: dict[str, _Matrices] = {
+            **self._without_sampling(compensator),
+            "programmed feel": _core.ideal_feel(self.values),
+        }
         scale = ANGLE.from_si(1.0, units) / FORCE.from_si(1.0, units)
         return bode(
             {name: (at, scale * _angle_per_force(*matrices, 2 * np.pi * at)) for name, matrices in models.items()},
@@ -185,6 +193,14 @@ class Loader:
             f"{self.name}: from the pilot's force to the column",
             ax,
         )
+
+    def _without_sampling(self, law: Compensator | None) -> dict[str, _Matrices]:
+        """Matrices from the pilot's force to the angle under an analog law, or of a motor without current, by what they show."""
+        if self.drive == HYDRAULIC:
+            return {"loader": _core.compliant(self.values, law or Compensator.original(self.values))}
+        if law is not None:
+            check_hydraulic(self, "an analog law", "without a law its motor has no current in this plot")
+        return {"loader without current": _core.electric_plant(self.values)}
 
     def __reduce__(self) -> tuple[Callable[..., "Loader"], tuple[Any, ...]]:
         return _unchecked, self._parts()  # so that a copy is read-only too
@@ -453,8 +469,8 @@ def check_loader(given: object) -> None:
 
 
 INSTEAD = (
-    "for that there are compensate --method auto (or the name of a method), simulate, qualify, envelope, sweep, schedule, excite "
-    "and identify"
+    "for that there are analyze, design, compensate --method auto (or the name of a method), simulate, qualify, envelope, "
+    "frontier, sweep, schedule, excite and identify"
 )
 """What is made for an electric loader too."""
 
@@ -474,16 +490,16 @@ def check_hydraulic(given: object, what: str, instead: str = INSTEAD) -> None:
 
 
 def check_electric(given: object, what: str, instead: str) -> None:
-    """Refuses what is no loader, and one with a hydraulic drive where something is made for a motor alone; as ``check_hydraulic``.
+    """Refuses what is no loader, and one with a valve where something is made for a motor alone; arguments as ``check_hydraulic``.
 
     Raises:
-        InputError: If so.
+        InputError: If so, with what a hydraulic loader is to be asked instead.
     """
     _check_drive(given, ELECTRIC, what, instead)
 
 
 def _check_drive(given: object, drive: str, what: str, instead: str) -> None:
-    expect("loader", given, Loader, "a Loader, as elevator() makes it or load(path) reads it")
+    check_loader(given)
     if isinstance(given, Loader) and given.drive != drive:
         raise InputError(
             f"{what} takes a loader with {a_drive(drive)}, and {given.name} has {a_drive(given.drive)}; {instead}"

@@ -62,6 +62,16 @@ def a_drive(drive: str) -> str:
     return f"a{'n' if drive == ELECTRIC else ''} {drive} drive"
 
 
+def meaning(row: Parameter, drive: str) -> str:
+    """What a row means, for a loader of that drive."""
+    return _without_piston(row.meaning, drive)
+
+
+def _without_piston(text: str, drive: str) -> str:
+    """Rows that both drives have are told by the report's piston; a motor has none."""
+    return text.replace("piston", "drive") if drive == ELECTRIC else text
+
+
 @cache
 def table(drive: str) -> Mapping[str, Parameter]:
     """The rows of ``TABLE`` that a loader of that drive has."""
@@ -78,7 +88,7 @@ def required(drive: str) -> Mapping[str, Parameter]:
 def parts(drive: str) -> Mapping[str, str]:
     """The parts of a loader of that drive and what each is."""
     own = {row.part for row in table(drive).values()}
-    return MappingProxyType({part: meaning for part, meaning in PARTS.items() if part in own})
+    return MappingProxyType({part: _without_piston(what, drive) for part, what in PARTS.items() if part in own})
 
 
 def unit(row: Parameter) -> Unit:

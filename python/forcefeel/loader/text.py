@@ -16,6 +16,7 @@ from forcefeel.loader.parameters import (
     is_switch,
     limits_si,
     main_rows,
+    meaning,
     parts,
     range_text,
     replaced,
@@ -44,6 +45,7 @@ def write(contents: Contents, units: UnitSystem) -> str:
         drives=DRIVES,
         parts=parts(contents.drive),
         rows=lambda part: main_rows(part, contents.drive),
+        meaning_of=lambda row: meaning(row, contents.drive),
         stated=lambda row: _stated(row, values).name,
         alternatives=lambda part: [
             row for row in alternatives(part).values() if row.name not in _stated_names(part, values)
@@ -53,7 +55,7 @@ def write(contents: Contents, units: UnitSystem) -> str:
         example=lambda row: toml_value(row, row.default_si, units, _EXAMPLE_DIGITS),
         limits=lambda row: _limits(row, units),
         source_of=lambda row: _source(row, contents.values[f"{row.part}.{row.name}"]),
-        optional=lambda part: _optional(main_rows(part, contents.drive), values, units),
+        optional=lambda part: _optional(contents, part, units),
         curves=lambda part: [
             curve_text.write(row, curves.get(row.name), units) for row in CURVES.values() if part == "feel"
         ],
@@ -72,10 +74,10 @@ def _stated_names(part: str, values: Mapping[str, float]) -> list[str]:
     return [_stated(TABLE[f"{part}.{name}"], values).name for name in replaced(part)]
 
 
-def _optional(rows: Mapping[str, Parameter], values: Mapping[str, float], units: UnitSystem) -> list[str]:
-    """A line for each optional row: as a comment with an example where it is not given."""
-    lines = []
-    for row in rows.values():
+def _optional(contents: Contents, part: str, units: UnitSystem) -> list[str]:
+    """A line for each optional row of a part: as a comment with an example where it is not given."""
+    lines, values = [], contents.values
+    for row in main_rows(part, contents.drive).values():
         if row.off_si is None:
             continue
         value = values[f"{row.part}.{row.name}"]
@@ -83,7 +85,7 @@ def _optional(rows: Mapping[str, Parameter], values: Mapping[str, float], units:
         shown = toml_value(row, value, units) if given else toml_value(row, row.default_si, units, _EXAMPLE_DIGITS)
         statement = f"{row.name} = {shown}" if given else f"# {row.name} = {shown}"
         stands = "" if nothing(row, row.off_si) else f"; {with_unit(row, row.off_si, units)} unless given"
-        lines.append((statement, f"{row.symbol}: {row.meaning} ({_limits(row, units)}{stands})"))
+        lines.append((statement, f"{row.symbol}: {meaning(row, contents.drive)} ({_limits(row, units)}{stands})"))
     width = max((len(statement) for statement, _ in lines), default=0)
     return [f"{statement:{width}}  # {comment}" for statement, comment in lines]
 

@@ -5,7 +5,7 @@ import math
 from forcefeel._core import Parameter
 from forcefeel.loader.curves import CURVES, Curve, CurveRow
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import TABLE, is_switch, required, unit
+from forcefeel.loader.parameters import HYDRAULIC, TABLE, is_switch, meaning, required, unit
 from forcefeel.loader.tolerances import Distribution, Tolerance
 from forcefeel.page.table import Cell, Table, number, words
 from forcefeel.page.typography import NONE, change_text, number_text, prose_html, quantity_text, symbol_html, unit_text
@@ -20,7 +20,8 @@ def parameters(loader: Loader, system: UnitSystem) -> Table:
     shown = {*required(loader.drive), *loader.given, *loader.tolerances}
     rows = [_row(key, loader, system) for key in TABLE if key in shown]
     curves = [_curve(CURVES[name], curve, system) for name, curve in loader.curves.items()]
-    head = ("Symbol", "Meaning", "Value", "Unit", "Tolerance", "Elevator of the 1974 report")
+    other = "Elevator of the 1974 report" if loader.drive == HYDRAULIC else "Default, and its source"
+    head = ("Symbol", "Meaning", "Value", "Unit", "Tolerance", other)
     return Table(tuple(Cell(name, "number" if name == "Value" else "") for name in head), (*rows, *curves))
 
 
@@ -28,7 +29,7 @@ def _row(key: str, loader: Loader, system: UnitSystem) -> tuple[Cell, ...]:
     row, value = TABLE[key], loader[key]
     return (
         Cell(symbol_html(row.symbol)),
-        words(prose_html(f"{row.part.replace('_', ' ')}: {row.meaning}")),
+        words(prose_html(f"{row.part.replace('_', ' ')}: {meaning(row, loader.drive)}")),
         number(_value(row, value, system)),
         Cell(unit_text(unit(row).shown(system)) if math.isfinite(value) else ""),
         Cell(_tolerance(row, loader.tolerances.get(key), system)),

@@ -30,6 +30,10 @@ _LOOKS = {
     "compliant": Look(COMPLIANT),
     "compliant link, column": Look(COMPLIANT),
     "compliant link, piston": Look(_OCHRE, "dashdot"),
+    "compliant link, motor": Look(_OCHRE, "dashdot"),
+    "compliant link": Look(COMPLIANT),
+    "column held": Look(_PURPLE, "dashdot"),
+    "no current": Look(_OCHRE, "dashdot"),
     "compensated": Look(COMPENSATED, "solid", 2.8),
     "ideal feel": Look(IDEAL, "dot"),
 }
@@ -50,6 +54,8 @@ def look(figure: str, label: str, position: int) -> Look:
     """
     if figure == "figure-02":
         return Look(COMPLIANT, "dash") if label.startswith("tangent") else Look(_VALVE[position % len(_VALVE)])
+    if label.startswith("under "):  # a law
+        label = "compensated"
     return _SETTINGS.get(figure, {}).get(label) or _LOOKS.get(label) or Look(IDEAL)
 
 

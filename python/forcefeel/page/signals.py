@@ -38,7 +38,7 @@ def signal(data: xr.DataArray, system: UnitSystem) -> Signal | None:
     unit = data.attrs.get("units", "")
     name = str(data.name)
     bare = next((name.removesuffix(end) for end in _SUFFIXES if name.endswith(end)), name)
-    if unit in _PLAIN:
+    if unit in _PLAIN or bare == "motor_current":  # a valve's current is a thousandth of a motor's
         return Signal(bare, unit, 1.0)
     if unit not in _UNITS:
         return None

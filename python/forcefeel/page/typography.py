@@ -91,10 +91,12 @@ def parameter_text(loader: Loader, key: str, system: UnitSystem) -> str:
 
 
 def split_symbol(symbol: str) -> tuple[str, str, str]:
-    """``w_n`` as (``ω``, ``n``, no dashes); ``x_b'`` and ``x'_b`` as (``x``, ``b``, one dash)."""
+    """``w_n`` as (``ω``, ``n``, no dashes); ``x_b'`` and ``x'_b`` as (``x``, ``b``, one dash); what it is over after the dashes."""
     bare = symbol.replace("'", "")
     base, _, index = bare.partition("_")
-    return _GREEK.get(base, base), index, "′" * (len(symbol) - len(bare))
+    index, over, rest = index.partition(" / ")
+    after = (over + rest).replace(" pi", "π")
+    return _GREEK.get(base, base), index, "′" * (len(symbol) - len(bare)) + after
 
 
 def symbol_html(symbol: str) -> Markup:

@@ -3,8 +3,8 @@
 import numpy as np
 
 from forcefeel import _core
-from forcefeel.design.assessment import assess
-from forcefeel.design.findings import SMALL_ERROR
+from forcefeel.design.assessment import Peaks, assess
+from forcefeel.design.sentences import SMALL_ERROR
 from forcefeel.design.studies import CHANGES, droppable, worst
 from forcefeel.design.workflow import Design
 from forcefeel.laws.analog.recursion import GAIN_UNITS, DesignSettings, compensate
@@ -200,7 +200,7 @@ def _valve_dynamics(design: Design) -> Row:
 
 def _feasible(design: Design) -> Row:
     found = design.configuration("compensated").programmed.peaks
-    share = 100 * max(found.current_share, found.flow_share) if found else np.inf
+    share = 100 * max(found.current_share, found.flow_share) if isinstance(found, Peaks) else np.inf
     reason = "largest share of rated current or flow that the step of pilot force asks for"
     return claim(
         "current and flow stay within the valve's limits",

@@ -3,7 +3,7 @@
 import numpy as np
 
 from forcefeel.design.assessment import programmed_angle_rad
-from forcefeel.design.findings import FREQUENCY_TOLERANCE, SMALL_ERROR
+from forcefeel.design.sentences import FREQUENCY_TOLERANCE, SMALL_ERROR
 from forcefeel.design.workflow import Design
 from forcefeel.linear.frequency import zeros
 from forcefeel.linear.models import Linkage, servo_model

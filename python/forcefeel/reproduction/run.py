@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from forcefeel.design.workflow import design_loader
+from forcefeel.design.workflow import design_servo
 from forcefeel.loader.built_in import elevator
 from forcefeel.reproduction import appendix, claims, curves, equations, gains
 from forcefeel.reproduction.table import Section
@@ -21,7 +21,7 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> tuple[Section
         True
     """
     loader = elevator()
-    found = design_loader(loader, progress=progress)
+    found = design_servo(loader, progress=progress)
     return (
         appendix.columns(),
         appendix.origins(loader),

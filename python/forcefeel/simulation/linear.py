@@ -12,7 +12,7 @@ from forcefeel._core import Compensator
 from forcefeel.errors import InputError
 from forcefeel.linear.models import LinearModel, Linkage, loader_model
 from forcefeel.linear.step import equilibrium, transition
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_hydraulic
 from forcefeel.loader.parameters import INDEX, OFF, TABLE
 from forcefeel.simulation.outcome import MOST_HISTORY_BYTES, outputs
 from forcefeel.simulation.scenario import Scenario, Steps, on_samples
@@ -116,6 +116,9 @@ def simulate_linear_batch(
         >>> found.column_angle_rad.shape
         (3, 501)
     """
+    check_hydraulic(
+        loader, "the linear batch of eq. (17)", "simulate_batch runs motors, and step_response their linear model"
+    )
     values = np.ascontiguousarray(values, dtype=np.float64)
     gains = np.ascontiguousarray(compensator, dtype=np.float64) if isinstance(compensator, np.ndarray) else None
     law = compensator if isinstance(compensator, Compensator) else None

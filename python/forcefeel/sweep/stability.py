@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
-from forcefeel.loader.loader import Loader
+from forcefeel.loader.loader import Loader, check_hydraulic
 from forcefeel.loader.parameters import HYDRAULIC, INDEX, TABLE, did_you_mean, required
 from forcefeel.loops.sampled_loop import sampled_loops
 from forcefeel.simulation.linear import STABLE, STABLE_BY_POLES
@@ -61,6 +61,9 @@ def stability_batch(
         >>> sorted(found.data_vars)
         ['proved', 'stable']
     """
+    check_hydraulic(
+        loader, "stability of the loops of eq. (17)", "loops.sampled_loops has those of a motor under its law"
+    )
     columns = {key: np.asarray(values, dtype=np.float64) for key, values in varied.items()}
     _check(columns, compensator)
     table = np.column_stack(list(columns.values()))

@@ -15,5 +15,15 @@ MEANINGS = {
     "figure-11b": "The original system with its real, compliant link, after the same step.",
     "figure-14": "Rigid, compliant and compensated loader beside the ideal feel, after a step of pilot force, and what the"
     " valve must give for it.",
+    "step": "The motor by current alone, with a rigid link and with the real one, beside the ideal feel and the law's; below, what "
+    "current and voltage are asked for, of the law its command.",
+    "hand": "Over the programmed deflection at rest, so that 0 dB is right there. With no current the hand moves rotor and column; "
+    "where the curves leave the ideal one the hand feels the machine.",
+    "command-to-force": "Over the motor's own force, so that at 0 dB all of it arrives at the load cell. Column held: a firm hand, "
+    "against which the rotor swings on the link.",
+    "command-to-position": "Over what the motor's torque deflects the programmed spring by: at 0 dB the two are equal. Where motor "
+    "and column part, they swing against one another on the link.",
+    "loop": "Spring and damper by the motor's current at its own position. The closed loop is at the edge of stability where the "
+    "gain is 0 dB while the phase is −180°.",
 }
 """By the figure's key."""

@@ -2,8 +2,11 @@
 
 from pathlib import Path
 
+from forcefeel.design.figure import Figure
 from forcefeel.design.figure_data import figures
 from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.motor_design import MotorDesign
+from forcefeel.design.page.motor_page import motor_page
 from forcefeel.design.page.numbers import results_json
 from forcefeel.design.page.page import page
 from forcefeel.design.page.responses import csv, table
@@ -19,9 +22,9 @@ FOLDER = OutputFolder("the report", (PAGE, RESULTS), (RESPONSES,))
 
 
 def write_report(
-    design: Design, out: Path, units: UnitSystem, tried: LawsTried | None = None, *, command: str = ""
+    design: Design | MotorDesign, out: Path, units: UnitSystem, tried: LawsTried | None = None, *, command: str = ""
 ) -> Path:
-    """Writes ``report.html``, ``results.json`` and ``responses/figure-*.csv``.
+    """Writes ``report.html``, ``results.json`` and a table of values for each figure in ``responses/``.
 
     An existing report stays as it is until the new one is complete; other files in the folder are left alone.
 
@@ -49,12 +52,26 @@ def write_report(
     return out / PAGE
 
 
-def _contents(design: Design, units: UnitSystem, tried: LawsTried | None, command: str) -> dict[str, str]:
+def _contents(design: Design | MotorDesign, units: UnitSystem, tried: LawsTried | None, command: str) -> dict[str, str]:
     """Each file's text by its name within the folder, the page last."""
     drawn = figures(design)
     tables = {f"{RESPONSES}/{figure.key}.csv": table(figure, units) for figure in drawn}
     return {
         **{name: csv(data) for name, data in tables.items()},
         RESULTS: results_json(design, drawn, tables, units, tried),
-        PAGE: page(design, drawn, tuple(tables), units, tried=tried, command=command),
+        PAGE: _page(design, drawn, tuple(tables), units, tried=tried, command=command),
     }
+
+
+def _page(
+    design: Design | MotorDesign,
+    drawn: tuple[Figure, ...],
+    files: tuple[str, ...],
+    units: UnitSystem,
+    *,
+    tried: LawsTried | None,
+    command: str,
+) -> str:
+    if isinstance(design, MotorDesign):
+        return motor_page(design, drawn, files, units, tried=tried, command=command)
+    return page(design, drawn, files, units, tried=tried, command=command)

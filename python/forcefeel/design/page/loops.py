@@ -70,9 +70,9 @@ def _modes(groups: list[tuple[Text, tuple[Mode, ...]]], system: UnitSystem) -> T
     rows = tuple(
         (
             Cell(name if mode is found[0] else ""),
-            number(_pole(mode), bad=mode.real_per_s > MARGINAL_PER_S),
-            number(value_text(mode.frequency_rad_per_s if _moves(mode) else 0.0, HERTZ, system)),
-            number(value_text(mode.damping_ratio if _moves(mode) else math.nan, RATIO, system)),
+            number(pole(mode), bad=mode.real_per_s > MARGINAL_PER_S),
+            number(value_text(mode.frequency_rad_per_s if moves(mode) else 0.0, HERTZ, system)),
+            number(value_text(mode.damping_ratio if moves(mode) else math.nan, RATIO, system)),
         )
         for name, found in groups
         for mode in found
@@ -80,12 +80,14 @@ def _modes(groups: list[tuple[Text, tuple[Mode, ...]]], system: UnitSystem) -> T
     return Table(heads("Configuration", "Pole, 1/s", heading_text("Frequency", HERTZ, system), "Damping ratio"), rows)
 
 
-def _pole(mode: Mode) -> str:
+def pole(mode: Mode) -> str:
+    """A pole or a pair of them in 1/s."""
     real = number_text(mode.real_per_s) if abs(mode.real_per_s) > MARGINAL_PER_S else "0"
     return f"{real} ± {number_text(mode.imaginary_per_s)} j" if mode.imaginary_per_s > 0 else real
 
 
-def _moves(mode: Mode) -> bool:
+def moves(mode: Mode) -> bool:
+    """Whether it is more than an integrator, or rounding of one."""
     return mode.frequency_rad_per_s > MARGINAL_PER_S
 
 

@@ -5,9 +5,10 @@ from importlib.metadata import version
 
 import xarray as xr
 
-from forcefeel.design.figure_data import Figure
+from forcefeel.design.figure import Figure
 from forcefeel.design.findings import conclusions
 from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.page.captions import MEANINGS
 from forcefeel.design.workflow import Design
 from forcefeel.json_values import json_text, json_value
@@ -15,7 +16,7 @@ from forcefeel.units import UnitSystem
 
 
 def results_json(
-    design: Design,
+    design: Design | MotorDesign,
     drawn: tuple[Figure, ...],
     tables: Mapping[str, xr.Dataset],
     units: UnitSystem,

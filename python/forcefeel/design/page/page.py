@@ -1,46 +1,26 @@
 """The page: the template filled with plots, tables and words."""
 
-from dataclasses import dataclass
 from typing import Any
 
 from markupsafe import Markup
 
-from forcefeel.design.figure_data import Figure
+from forcefeel.design.analysis import LOW_SHARE
+from forcefeel.design.figure import Figure
 from forcefeel.design.findings import conclusions
 from forcefeel.design.laws_tried import LawsTried
 from forcefeel.design.page import best_law, glance, laws, loops, splane
 from forcefeel.design.page.captions import MEANINGS
+from forcefeel.design.page.plot import Plot
 from forcefeel.design.page.plots import draw
 from forcefeel.design.page.stability import departures
 from forcefeel.design.studies import worst
-from forcefeel.design.workflow import LOW_SHARE, Design
+from forcefeel.design.workflow import Design
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, gains_in
 from forcefeel.loader.parameters import TABLE
 from forcefeel.page import machine
 from forcefeel.page.render import drawing, render
 from forcefeel.page.typography import number_text, parameter_text, quantity_text, unit_text
 from forcefeel.units import HERTZ, UnitSystem
-
-
-@dataclass(frozen=True)
-class Plot:
-    """A plot in the page.
-
-    Attributes:
-        key: Its anchor.
-        label: ``Figure 8``.
-        title: What it shows.
-        meaning: How to read it.
-        remarks: What the reader should know of these very curves.
-        drawing: The plot as HTML.
-    """
-
-    key: str
-    label: str
-    title: str
-    meaning: str
-    remarks: tuple[str, ...]
-    drawing: Markup
 
 
 def page(

@@ -7,9 +7,10 @@ import plotly.graph_objects as go
 import xarray as xr
 from plotly.subplots import make_subplots
 
-from forcefeel.design.figure_data import Figure, Kind
-from forcefeel.design.page.stability import departs, is_unstable
-from forcefeel.design.workflow import Design
+from forcefeel.design.figure import Figure, Kind
+from forcefeel.design.motor_design import MotorDesign
+from forcefeel.design.motor_figures import FORCE, LOOP, POSITION, STEP
+from forcefeel.design.page.stability import AnyDesign, departs, is_unstable
 from forcefeel.page.canvas import frame, line, mark_level
 from forcefeel.page.palette import Look, look
 from forcefeel.page.signals import signal
@@ -19,25 +20,34 @@ from forcefeel.units import UnitSystem
 CUT = 2.5
 """An unstable curve is drawn until it leaves this many times the ideal's peak, or the valve's rating."""
 
-_FREQUENCY_TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)
+_FREQUENCY_TICKS = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+_MOST_TICKS = 10
+"""That stand beside one another in half a page."""
+
+_SAME = 1e-9
+"""Relative; the end of a range that is the same but for rounding."""
+
 _PAIRED = 76
 """Room for two lines of legend, so that plots side by side have their axes at the same height."""
+
+_BESIDE = {"figure-08", "figure-09", FORCE, POSITION}
+"""Frequency responses that stand side by side."""
 
 _VIEW_BELOW, _VIEW_ABOVE = -0.6, 1.6
 """What is in view where a curve is unstable, in peaks of the ideal."""
 
 
-def draw(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
+def draw(figure: Figure, design: AnyDesign, system: UnitSystem) -> go.Figure:
     """``figure`` as a Plotly figure with the units of ``system``."""
-    drawings: dict[Kind, Callable[[Figure, Design, UnitSystem], go.Figure]] = {
+    drawings: dict[Kind, Callable[[Figure, AnyDesign, UnitSystem], go.Figure]] = {
         Kind.VALVE: _valve,
         Kind.FREQUENCY: _frequency,
-        Kind.TIME: _demand if figure.key == "figure-14" else _time,
+        Kind.TIME: _demand if figure.key in {"figure-14", STEP} else _time,
     }
     return drawings[figure.kind](figure, design, system)
 
 
-def _valve(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
+def _valve(figure: Figure, design: AnyDesign, system: UnitSystem) -> go.Figure:
     picture = go.Figure()
     units = ["", ""]
     for position, (label, data) in enumerate(figure.curves.items()):
@@ -52,7 +62,7 @@ def _valve(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
     return picture
 
 
-def _frequency(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
+def _frequency(figure: Figure, design: AnyDesign, system: UnitSystem) -> go.Figure:
     picture = make_subplots(rows=2, cols=1, shared_xaxes=True, vertical_spacing=0.05)
     for position, (label, data) in enumerate(figure.curves.items()):
         style = line(look(figure.key, label, position))
@@ -70,19 +80,23 @@ def _frequency(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
                 row=row,
                 col=1,
             )
-    frame(picture, 560, top=32 if figure.key == "figure-10" else _PAIRED)
+    frame(picture, 560, top=_PAIRED if figure.key in _BESIDE else 32)
     mark_level(picture, 0.0, row=1)
-    if figure.key in {"figure-08", "figure-10"}:
+    if figure.key in {"figure-08", "figure-10", LOOP}:
         mark_level(picture, -180.0, row=2)
-    picture.update_xaxes(type="log", tickvals=_FREQUENCY_TICKS, ticktext=[f"{f:g}" for f in _FREQUENCY_TICKS])
-    picture.update_xaxes(tickangle=0, range=[-1, 2], unifiedhovertitle={"text": "%{x:.3~g} Hz"})
+    low, high = (float(frequency[end]) for end in (0, -1))
+    shown = [tick for tick in _FREQUENCY_TICKS if low * (1 - _SAME) <= tick <= high * (1 + _SAME)]
+    if len(shown) > _MOST_TICKS:
+        shown = [tick for tick in shown if np.log10(tick) % 1 == 0]
+    picture.update_xaxes(type="log", tickvals=shown, ticktext=[f"{f:g}" for f in shown])
+    picture.update_xaxes(tickangle=0, range=[np.log10(low), np.log10(high)], unifiedhovertitle={"text": "%{x:.3~g} Hz"})
     picture.update_xaxes(title_text="Frequency, Hz", row=2, col=1)
     picture.update_yaxes(title_text="Gain, dB", row=1, col=1)
     picture.update_yaxes(title_text="Phase, deg", dtick=90, row=2, col=1)
     return picture
 
 
-def _time(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
+def _time(figure: Figure, design: AnyDesign, system: UnitSystem) -> go.Figure:
     picture = make_subplots(rows=1, cols=1)
     _angle_panel(picture, figure, design, row=1)
     frame(picture, 420, top=_PAIRED)
@@ -90,25 +104,35 @@ def _time(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
     return picture
 
 
-def _demand(figure: Figure, design: Design, system: UnitSystem) -> go.Figure:
-    """Column angle, and below it what the valve gives, as percent of its ratings."""
-    picture = make_subplots(rows=3, cols=1, shared_xaxes=True, vertical_spacing=0.05, row_heights=[0.5, 0.25, 0.25])
+def _demand(figure: Figure, design: AnyDesign, system: UnitSystem) -> go.Figure:
+    """Column angle, and below it what the valve gives, as percent of its ratings, or the motor of its limits."""
+    whole = _OF_MOTOR if isinstance(design, MotorDesign) else _OF_VALVE
+    panels = tuple(panel for panel in whole if np.isfinite(design.loader[panel[-1]]))
+    heights = [0.5, 0.25, 0.25][: 1 + len(panels)]
+    picture = make_subplots(rows=len(heights), cols=1, shared_xaxes=True, vertical_spacing=0.05, row_heights=heights)
     _angle_panel(picture, figure, design, row=1)
-    panels = (
-        (2, "valve_current_a", "Current", "valve.rated_current"),
-        (3, "actuator_flow_m3_per_s", "Flow", "valve.rated_flow"),
-    )
-    for row, name, title, rating in panels:
+    for row, (name, title, rating) in enumerate(panels, start=2):
         _share_panel(picture, figure, design, name, design.loader[rating], row)
         text = f"{title}, % of<br>{parameter_text(design.loader, rating, system)}"
         picture.update_yaxes(title_text=text, row=row, col=1)
-    frame(picture, 720)
+    frame(picture, 720 if len(heights) == 3 else 280 + 160 * len(heights))
     picture.update_xaxes(range=[0, _end(figure)], unifiedhovertitle={"text": "%{x:.3f} s"})
-    picture.update_xaxes(title_text="Time, s", row=3, col=1)
+    picture.update_xaxes(title_text="Time, s", row=len(heights), col=1)
     return picture
 
 
-def _angle_panel(picture: go.Figure, figure: Figure, design: Design, *, row: int) -> None:
+_OF_VALVE = (
+    ("valve_current_a", "Current", "valve.rated_current"),
+    ("actuator_flow_m3_per_s", "Flow", "valve.rated_flow"),
+)
+_OF_MOTOR = (
+    ("motor_current_a", "Current", "current_loop.current_limit"),
+    ("motor_voltage_v", "Voltage", "current_loop.voltage_limit"),
+)
+"""Curve, title, and the row that it is a share of."""
+
+
+def _angle_panel(picture: go.Figure, figure: Figure, design: AnyDesign, *, row: int) -> None:
     """Column angle in degrees; unstable curves are cut where they leave the picture."""
     peak = float(np.degrees(np.max(np.abs(figure.curves["ideal feel"]["column_angle_rad"].values))))
     for position, (label, data) in enumerate(figure.curves.items()):
@@ -131,8 +155,8 @@ def _angle_panel(picture: go.Figure, figure: Figure, design: Design, *, row: int
         picture.update_yaxes(range=[_VIEW_BELOW * peak, _VIEW_ABOVE * peak], row=row, col=1)
 
 
-def _share_panel(picture: go.Figure, figure: Figure, design: Design, name: str, rated: float, row: int) -> None:
-    """A demand on the valve as percent of its rating; the ideal feel makes none."""
+def _share_panel(picture: go.Figure, figure: Figure, design: AnyDesign, name: str, rated: float, row: int) -> None:
+    """A demand on the drive as percent of its rating; the ideal feel makes none."""
     largest = 0.0
     for position, (label, data) in enumerate(figure.curves.items()):
         if name not in data:

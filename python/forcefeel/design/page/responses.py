@@ -2,7 +2,7 @@
 
 import xarray as xr
 
-from forcefeel.design.figure_data import Figure
+from forcefeel.design.figure import Figure
 from forcefeel.page.signals import signal
 from forcefeel.units import UnitSystem
 

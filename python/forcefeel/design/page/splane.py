@@ -1,13 +1,18 @@
 """Poles on the s-plane: the whole picture, and the slow poles close to the imaginary axis."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import plotly.graph_objects as go
 
-from forcefeel.design.workflow import Configuration, Design
+from forcefeel.design.motor_design import MotorDesign
+from forcefeel.design.motor_figures import under
+from forcefeel.design.page.stability import AnyDesign
+from forcefeel.linear.electric_modes import ON_THE_LINK
 from forcefeel.linear.models import Linkage, feel_model
 from forcefeel.linear.modes import Mode
 from forcefeel.page.canvas import ZERO, frame
-from forcefeel.page.palette import CONFIGURATIONS, IDEAL
+from forcefeel.page.palette import COMPENSATED, CONFIGURATIONS, IDEAL
 
 OUT_OF_VIEW_HZ = 1000.0
 """A pole faster than this is listed in the table of modes only."""
@@ -16,30 +21,54 @@ _DAMPING_RATIOS = (0.1, 0.2, 0.4, 0.6, 0.8)
 _SYMBOLS = {"rigid": "cross-thin", "compliant": "x-thin", "compensated": "diamond-open"}
 
 
-def whole(design: Design) -> go.Figure:
+@dataclass(frozen=True)
+class _Loop:
+    """The poles of one loop at both settings, and how they are drawn."""
+
+    name: str
+    color: str
+    symbol: str
+    programmed: tuple[Mode, ...]
+    low: tuple[Mode, ...]
+
+
+def _loops(design: AnyDesign) -> tuple[_Loop, ...]:
+    found = tuple(
+        _Loop(one.name, CONFIGURATIONS[one.name], _SYMBOLS[one.name], one.programmed.modes, one.low.modes)
+        for one in design.configurations
+    )
+    if not isinstance(design, MotorDesign):
+        return found
+    law = _Loop(under(design.law), COMPENSATED, _SYMBOLS["compensated"], design.programmed.modes, design.low.modes)
+    return (*found, law)
+
+
+def whole(design: AnyDesign) -> go.Figure:
     """Every pole up to ``OUT_OF_VIEW_HZ``."""
     return _plane(design, _up_to(design, 2 * np.pi * OUT_OF_VIEW_HZ), legend=32)
 
 
-def link(design: Design) -> go.Figure:
+def link(design: AnyDesign) -> go.Figure:
     """The poles up to the fastest of the column swinging on its linkage."""
+    if isinstance(design, MotorDesign):
+        return _plane(design, _up_to(design, 1.5 * design.mode(ON_THE_LINK).frequency_rad_per_s))
     fastest = 1.5 * max(
         one.boundary.frequency_rad_per_s for one in design.configurations if one.linkage is Linkage.COMPLIANT
     )
     return _plane(design, _up_to(design, max(fastest, 10 * design.feel_frequency_rad_per_s)))
 
 
-def feel(design: Design) -> go.Figure:
+def feel(design: AnyDesign) -> go.Figure:
     """The poles near the programmed feel's."""
     return _plane(design, _up_to(design, 1.3 * design.feel_frequency_rad_per_s))
 
 
-def _up_to(design: Design, frequency_rad_per_s: float) -> list[Mode]:
-    found = (mode for one in design.configurations for mode in (*one.programmed.modes, *one.low.modes))
+def _up_to(design: AnyDesign, frequency_rad_per_s: float) -> list[Mode]:
+    found = (mode for one in _loops(design) for mode in (*one.programmed, *one.low))
     return [mode for mode in found if mode.frequency_rad_per_s <= frequency_rad_per_s]
 
 
-def _plane(design: Design, seen: list[Mode], legend: int = 98) -> go.Figure:
+def _plane(design: AnyDesign, seen: list[Mode], legend: int = 98) -> go.Figure:
     """The part of the plane that holds ``seen``, with ``legend`` pixels above it."""
     ideal = _ideal_pole(design)
     left = 1.15 * min([-0.1 * abs(ideal), *(mode.real_per_s for mode in seen)])
@@ -47,10 +76,9 @@ def _plane(design: Design, seen: list[Mode], legend: int = 98) -> go.Figure:
     top = 1.2 * max([abs(ideal.imag), 1e-3 * abs(left), *(mode.imaginary_per_s for mode in seen)])
     picture = go.Figure()
     _damping_rays(picture, left, top)
-    for one in design.configurations:
-        _poles(picture, one, low=False)
-    for one in design.configurations:
-        _poles(picture, one, low=True)
+    for low in (False, True):
+        for one in _loops(design):
+            _poles(picture, one, low=low)
     _ideal(picture, design)
     frame(picture, 460, top=legend, hover="closest")
     picture.update_xaxes(title_text="Real part, 1/s", range=[left, right], **ZERO)
@@ -58,19 +86,18 @@ def _plane(design: Design, seen: list[Mode], legend: int = 98) -> go.Figure:
     return picture
 
 
-def _poles(picture: go.Figure, one: Configuration, *, low: bool) -> None:
-    loop = one.low if low else one.programmed
-    color = CONFIGURATIONS[one.name]
+def _poles(picture: go.Figure, one: _Loop, *, low: bool) -> None:
+    modes = one.low if low else one.programmed
     marker = {
-        "symbol": "circle-open" if low else _SYMBOLS[one.name],
+        "symbol": "circle-open" if low else one.symbol,
         "size": 8 if low else 11,
-        "color": color,
-        "line": {"width": 1.6 if low else 2.4, "color": color},
+        "color": one.color,
+        "line": {"width": 1.6 if low else 2.4, "color": one.color},
     }
     picture.add_scatter(
-        x=[mode.real_per_s for mode in loop.modes],
-        y=[mode.imaginary_per_s for mode in loop.modes],
-        customdata=[[mode.frequency_rad_per_s / (2 * np.pi), mode.damping_ratio] for mode in loop.modes],
+        x=[mode.real_per_s for mode in modes],
+        y=[mode.imaginary_per_s for mode in modes],
+        customdata=[[mode.frequency_rad_per_s / (2 * np.pi), mode.damping_ratio] for mode in modes],
         name=f"{one.name}, low" if low else one.name,
         mode="markers",
         marker=marker,
@@ -78,7 +105,7 @@ def _poles(picture: go.Figure, one: Configuration, *, low: bool) -> None:
     )
 
 
-def _ideal(picture: go.Figure, design: Design) -> None:
+def _ideal(picture: go.Figure, design: AnyDesign) -> None:
     frequency, damping_ratio = design.feel_frequency_rad_per_s, design.feel_damping_ratio
     pole = _ideal_pole(design)
     picture.add_scatter(
@@ -91,7 +118,7 @@ def _ideal(picture: go.Figure, design: Design) -> None:
     )
 
 
-def _ideal_pole(design: Design) -> complex:
+def _ideal_pole(design: AnyDesign) -> complex:
     """The programmed feel's pole in the upper half plane; the slower one, if both are real."""
     return max(
         (complex(pole) for pole in np.linalg.eigvals(feel_model(design.loader).A)),

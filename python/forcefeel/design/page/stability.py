@@ -2,32 +2,40 @@
 
 import math
 
-from forcefeel.design.figure_data import Figure, Kind
-from forcefeel.design.workflow import Design, LoopResult
+from forcefeel.design.analysis import LoopResult
+from forcefeel.design.figure import Figure, Kind
+from forcefeel.design.law_loop import LawLoop
+from forcefeel.design.motor_design import MotorDesign
+from forcefeel.design.motor_figures import under
+from forcefeel.design.workflow import Design
 from forcefeel.page.typography import number_text
 
+AnyDesign = Design | MotorDesign
 
-def loop_of(design: Design, figure: str, label: str) -> LoopResult | None:
+
+def loop_of(design: AnyDesign, figure: str, label: str) -> LoopResult | LawLoop | None:
     """The loop that a curve of a time figure shows; ``None`` for the ideal feel."""
+    if isinstance(design, MotorDesign) and label == under(design.law):
+        return design.programmed
     if figure in {"figure-11a", "figure-11b"}:
         original = design.configuration("rigid" if figure == "figure-11a" else "compliant")
         return {"programmed setting": original.programmed, "low setting": original.low}.get(label)
     return next((one.programmed for one in design.configurations if one.name == label), None)
 
 
-def is_unstable(design: Design, figure: str, label: str) -> bool:
+def is_unstable(design: AnyDesign, figure: str, label: str) -> bool:
     """Whether the loop behind a curve is unstable."""
     loop = loop_of(design, figure, label)
     return loop is not None and not loop.assessment.stable
 
 
-def departs(design: Design, figure: Figure) -> bool:
+def departs(design: AnyDesign, figure: Figure) -> bool:
     """Whether a curve of a time figure runs away, or one of the figure that it is laid beside."""
     beside = ("figure-11a", "figure-11b") if figure.key in {"figure-11a", "figure-11b"} else (figure.key,)
     return any(is_unstable(design, key, label) for key in beside for label in figure.curves)
 
 
-def departures(figure: Figure, design: Design) -> tuple[str, ...]:
+def departures(figure: Figure, design: AnyDesign) -> tuple[str, ...]:
     """A sentence for each unstable curve: how it grows, and where the whole of it is."""
     if figure.kind is not Kind.TIME:
         return ()

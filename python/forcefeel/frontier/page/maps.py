@@ -21,7 +21,7 @@ CELL = 24, 16
 
 COLORS = {
     Limit.NONE: "#009E73",
-    Limit.VALVE: "#D55E00",
+    Limit.DRIVE: "#D55E00",
     Limit.INERTIA: "#0072B2",
     Limit.NOMINAL: "#2B2B2B",
     Limit.LAW: "#E6B800",
@@ -56,9 +56,7 @@ def panels(found: Frontier, units: UnitSystem) -> tuple[Panel, ...]:
     hertz = [number_text(HERTZ.from_si(value, units), 3) for value in settings.frequency]
     numbers = (marks("x", _middles(percent), percent, "%"), marks("y", _middles(hertz), hertz, "Hz"))
     shown = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_PANELS, len(damping))).round().astype(int))
-    return tuple(
-        Panel(f"ζ = {number_text(damping[k], 3)}", _drawing(found.limits[k]), *numbers) for k in map(int, shown)
-    )
+    return tuple(Panel(f"ζ = {number_text(damping[k], 3)}", _drawing(found, k), *numbers) for k in map(int, shown))
 
 
 def _middles(values: Sequence[str]) -> list[float]:
@@ -69,7 +67,9 @@ def _middles(values: Sequence[str]) -> list[float]:
 def legend(found: Frontier) -> tuple[tuple[str, str, str], ...]:
     """Name, colour and share of what is in the maps."""
     return tuple(
-        (str(limit), COLORS[limit], share_text(share)) for limit, share in found.limit_shares.items() if share > 0
+        (found.text(limit), COLORS[limit], share_text(share))
+        for limit, share in found.limit_shares.items()
+        if share > 0
     )
 
 
@@ -81,8 +81,9 @@ def spans(found: Frontier, units: UnitSystem) -> dict[str, str]:
     return {"stiffness": f"{share[0]} to {share[1]} %", "frequency": f"{hertz[0]} to {hertz[1]} Hz"}
 
 
-def _drawing(limits: NDArray[np.int8]) -> Markup:
+def _drawing(found: Frontier, damping: int) -> Markup:
     """One map from what limits its settings (frequency, stiffness)."""
+    limits: NDArray[np.int8] = found.limits[damping]
     order, (wide, high) = list(Limit), CELL
     rows, columns = limits.shape
     boxes = [
@@ -93,7 +94,9 @@ def _drawing(limits: NDArray[np.int8]) -> Markup:
     ]
     counts = np.bincount(limits.ravel(), minlength=len(order))
     says = ", ".join(
-        f"{limit} {100 * count / limits.size:.0f} %" for limit, count in zip(order, counts, strict=True) if count
+        f"{found.text(limit)} {100 * count / limits.size:.0f} %"
+        for limit, count in zip(order, counts, strict=True)
+        if count
     )
     return Markup(
         '<svg viewBox="0 0 {} {}" preserveAspectRatio="none" role="img" aria-label="{}"><title>{}</title>{}</svg>'

@@ -7,6 +7,7 @@ from forcefeel.frontier.page import maps as frontier_maps
 from forcefeel.frontier.page import plots as frontier_plots
 from forcefeel.frontier.page import tables as frontier_tables
 from forcefeel.frontier.result import Frontier
+from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.page import machine
 from forcefeel.page.render import drawing, render
 from forcefeel.page.typography import quantity_text
@@ -21,6 +22,7 @@ def frontier_page(found: Frontier, units: UnitSystem, *, command: str = "") -> s
         command=command,
         loader=plan.given,
         plan=plan,
+        motor=plan.loader.drive == ELECTRIC,
         law=name_text(found.compensator),
         goal=GOAL,
         goal_worst=f"{100 * WHOLE_WORST:.0f} %",

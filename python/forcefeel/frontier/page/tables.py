@@ -7,7 +7,9 @@ from forcefeel.envelope.settings import AXES
 from forcefeel.envelope.tolerance_sentences import ends_text
 from forcefeel.frontier.findings import MILLISECONDS, points_text, tolerance_text
 from forcefeel.frontier.friction import FORCE
+from forcefeel.frontier.motor_limits import MotorLimits
 from forcefeel.frontier.result import Frontier
+from forcefeel.frontier.valve_limits import ValveLimits
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.table import Cell, Table, heads, number, words
 from forcefeel.page.typography import NONE, number_text, parameter_name, prose_html, quantity_text
@@ -90,8 +92,8 @@ def hardware(found: Frontier) -> Table:
 
 
 def edges(found: Frontier, system: UnitSystem) -> Table:
-    """The edges of what is rendered, and what the valve asks."""
-    edge, valve, friction = found.smallest, found.valve, found.friction
+    """The edges of what is rendered, and what the drive gives."""
+    edge, friction = found.smallest, found.friction
     stiffness = unit(TABLE["feel.stiffness"])
     known = isfinite(edge.inertia_n_m_s2_per_rad)
     largest = found.largest_stiffness * found.plan.loader["feel.maximum_stiffness"]
@@ -126,22 +128,53 @@ def edges(found: Frontier, system: UnitSystem) -> Table:
             quantity_text(friction.column_n, FORCE, system, 2),
             "at the grip, beyond every sensor: a law that does not know of it leaves all of it",
         ),
-        (
-            "Flow that the valve lets through at no load",
-            quantity_text(valve.flow_m3_per_s, FLOW, system, 3),
-            f"the ideal releases ask for at most {share_text(float(valve.demand.max()))} of it"
-            if isfinite(float(valve.demand.max()))
-            else "some ideal releases ask for more than the supply's pressure",
-        ),
-        (
-            "Time to take the hand's torque off the link, at most",
-            quantity_text(valve.longest_unload_s, MILLISECONDS, system, 2),
-            f"{share_text(valve.longest_unload_of_period)} of a period at most",
-        ),
+        *_drive(found, system),
     )
     return Table(
         (Cell("Edge"), Cell("Value", "number"), Cell("")),
         tuple((words(what), number(value), words(remark)) for what, value, remark in rows),
+    )
+
+
+_Row = tuple[str, str, str]
+
+
+def _drive(found: Frontier, system: UnitSystem) -> tuple[_Row, ...]:
+    drive = found.drive
+    gives = _motor(drive, system) if isinstance(drive, MotorLimits) else (_valve(drive, system),)
+    takes = (
+        "Time to take the hand's torque off the link, at most"
+        if isinstance(drive, ValveLimits)
+        else "Time to take the hand's torque off the link, at least, in the worst setting",
+        quantity_text(drive.longest_unload_s, MILLISECONDS, system, 2),
+        f"{share_text(drive.longest_unload_of_period)} of a period at most",
+    )
+    return (*gives, takes)
+
+
+def _motor(motor: MotorLimits, system: UnitSystem) -> tuple[_Row, ...]:
+    known = isfinite(motor.peak_force_n)
+    return (
+        (
+            "Force of the motor at its largest current, standing still",
+            quantity_text(motor.peak_force_n, FORCE, system, 3) if known else NONE,
+            f"the settings ask for at most {share_text(motor.largest_hold)} of current or voltage at the angle of the release",
+        ),
+        (
+            "Largest current or voltage of an ideal release",
+            share_text(float(motor.demand.max())),
+            "of what there is, for column and rotor",
+        ),
+    )
+
+
+def _valve(valve: ValveLimits, system: UnitSystem) -> _Row:
+    return (
+        "Flow that the valve lets through at no load",
+        quantity_text(valve.flow_m3_per_s, FLOW, system, 3),
+        f"the ideal releases ask for at most {share_text(float(valve.demand.max()))} of it"
+        if isfinite(float(valve.demand.max()))
+        else "some ideal releases ask for more than the supply's pressure",
     )
 
 

@@ -21,10 +21,11 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feel_moves
 from forcefeel.laws.sampled.observer_law import feel_rows
-from forcefeel.laws.sampled.plant import Scale, delayed, period_and_delay
+from forcefeel.laws.sampled.plant import Scale, period_and_delay
 from forcefeel.laws.sampled.riccati import stationary
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.linear.models import DESIGN_PLANT, design_model
+from forcefeel.linear.sampled_feel import delayed
 from forcefeel.loader.loader import Loader, check_hydraulic
 
 LOAD_CELL = "load-cell"

@@ -25,6 +25,7 @@ from forcefeel import _core
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
 from forcefeel.linear.models import INPUTS, Linkage, loader_model
+from forcefeel.linear.sampled_feel import delayed
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.units import SECONDS, to_text
@@ -238,16 +239,6 @@ def period_and_delay(loader: Loader) -> tuple[float, float]:
             "shorten the delay or lengthen controller.period"
         )
     return period, delay
-
-
-def delayed(
-    a: NDArray[np.float64], b: NDArray[np.float64], period_s: float, delay_s: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """``Phi``, and how the command of the sample before and the new one enter over a period: Gamma_0 and Gamma_1."""
-    phi, _ = _core.discretize(a, b, period_s)
-    after, new = _core.discretize(a, b, period_s - delay_s)
-    _, old = _core.discretize(a, b, delay_s)
-    return phi, after @ old, new
 
 
 def _continuous(loader: Loader, scale: Scale) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from forcefeel.conclusions import capital
 from forcefeel.loader.curves import CURVES
-from forcefeel.loader.parameters import TABLE, is_switch
+from forcefeel.loader.parameters import TABLE, is_switch, meaning
 from forcefeel.page.table import Cell, Table, number, words
 from forcefeel.page.typography import NONE, parameter_text, prose_html, unit_text
 from forcefeel.simulation import Run
@@ -40,15 +40,15 @@ def effects(run: Run, system: UnitSystem) -> Table | None:
     loader = run.loader
     rows = [
         (
-            words(_effect(f"{TABLE[key].part.replace('_', ' ')}: {TABLE[key].meaning}", key)),
+            words(_effect(f"{TABLE[key].part.replace('_', ' ')}: {meaning(TABLE[key], loader.drive)}", key)),
             number(_value(run, key, system)),
         )
         for key in loader.given
     ]
     for name, curve in loader.curves.items():
         x, y = (unit_text(shown) or "1" for shown in CURVES[name].units(system))
-        meaning = words(_effect(f"feel: {CURVES[name].meaning}", CURVES[name].key))
-        rows.append((meaning, number(f"{len(curve.x)} points, {y} over {x}")))
+        effect = words(_effect(f"feel: {CURVES[name].meaning}", CURVES[name].key))
+        rows.append((effect, number(f"{len(curve.x)} points, {y} over {x}")))
     return Table((Cell("Effect"), Cell("Value", "number")), tuple(rows)) if rows else None
 
 

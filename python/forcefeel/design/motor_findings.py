@@ -1,0 +1,162 @@
+"""What an engineer should conclude from the design of an electric loader, in words."""
+
+from math import inf, isfinite, nan
+from typing import TYPE_CHECKING
+
+from forcefeel.conclusions import Conclusions, of_result
+from forcefeel.design import tried_findings
+from forcefeel.design.assessment import Assessment, MotorPeaks
+from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.motor import MotorAnalysis
+from forcefeel.design.sentences import hertz, percent, rendering, settling
+from forcefeel.linear.electric_modes import COLUMN_ON_LINK, CURRENT_LOOP, ON_THE_LINK
+from forcefeel.linear.frequency import Margins
+from forcefeel.loader.beyond_linear import left_out
+from forcefeel.units import ANGLE, INERTIA, ROTARY_STIFFNESS, Unit, UnitSystem, to_text
+
+if TYPE_CHECKING:
+    from forcefeel.design.motor_design import MotorDesign
+
+MILLISECONDS = Unit("s", "ms", "ms", "s")
+
+NO_REPORT = (
+    "The report's own law, recursion (22) with its gains, dropped paths and sensitivities, is made for a valve and is no part of "
+    "this."
+)
+
+
+@of_result
+def motor_conclusions(design: "MotorDesign", units: UnitSystem, tried: LawsTried | None) -> Conclusions:
+    """The conclusions, with numbers in ``units``; those of the laws that were tried lead, where some were."""
+    lead = () if tried is None else tuple(tried_findings.lines(tried))
+    own = rendering(f"Under law {design.law} the loader", design.programmed.assessment, design.feel_frequency_rad_per_s)
+    return Conclusions(
+        design.acceptable if tried is None else tried.best is not None,
+        own if tried is None else tried_findings.verdict(tried),
+        (
+            *lead,
+            *(() if tried is None else (own,)),
+            *filter(None, [law_text(design), *plant_lines(design, units), NO_REPORT, left_out(design.loader)]),
+        ),
+    )
+
+
+def plant_lines(found: MotorAnalysis, units: UnitSystem) -> list[str]:
+    """What motor, link and column do without a law."""
+    return [inertia_text(found, units), _link(found), delay_text(found), boundary_text(found, units), _demand(found)]
+
+
+def law_text(design: "MotorDesign") -> str:
+    """What the law makes of the loader, linear."""
+    found, margins = design.programmed.assessment, design.programmed.margins
+    if not found.stable:
+        return ""
+    return (
+        f"Linear, under {design.law}, it is {settling(found)}, moves at {hertz(found.frequency_rad_per_s)} with a damping ratio of "
+        f"{to_text(found.damping_ratio, 2)}, and deviates from the ideal by {percent(found.tracking_error)} of the deflection over "
+        f"two seconds (root mean square). At its command it bears {to_text(margins.gain_up, 3)} times the gain and "
+        f"{_milliseconds(margins.delay_s)} more delay."
+    )
+
+
+def inertia_text(found: MotorAnalysis, units: UnitSystem) -> str:
+    """What the hand moves without a law, and how that feels."""
+    loop = found.configuration("compliant").programmed.assessment
+    rotor, column, felt, programmed = (
+        _inertia(value, units)
+        for value in (
+            found.rotor_inertia_n_m_s2_per_rad,
+            found.column_inertia_n_m_s2_per_rad,
+            found.felt_inertia_n_m_s2_per_rad,
+            found.loader["feel.inertia"],
+        )
+    )
+    shown = INERTIA.shown(units)
+    moves = (
+        f" It moves at {hertz(loop.frequency_rad_per_s)} with a damping ratio of {to_text(loop.damping_ratio, 2)}, where "
+        f"{hertz(found.feel_frequency_rad_per_s)} and {to_text(found.feel_damping_ratio, 2)} are programmed, and {_static(loop)}."
+        if loop.stable
+        else " It is unstable at the programmed setting."
+    )
+    return (
+        f"By current alone, the motor making the feel's spring and damper, the hand moves rotor ({rotor}) and column ({column}): "
+        f"{felt} {shown}, where I = {programmed} {shown} is programmed.{moves}"
+    )
+
+
+def _static(found: Assessment) -> str:
+    return f"settles {percent(found.static_error, signed=True)} off, as the link is in series with G"
+
+
+def _link(found: MotorAnalysis) -> str:
+    swing, column, loop = (found.mode(name) for name in (ON_THE_LINK, COLUMN_ON_LINK, CURRENT_LOOP))
+    how = "swing" if swing.imaginary_per_s > 0 else "creep"
+    return (
+        f"On the link rotor and column {how} against one another at {hertz(swing.frequency_rad_per_s)} with a damping ratio of "
+        f"{to_text(swing.damping_ratio, 2)}, the column by itself at {hertz(column.frequency_rad_per_s)} while the motor is held. "
+        f"The current loop, {hertz(loop.frequency_rad_per_s)}, is "
+        f"{to_text(loop.frequency_rad_per_s / swing.frequency_rad_per_s, 2)} times as fast."
+    )
+
+
+def delay_s(margins: Margins) -> float:
+    """Delay that a loop bears at the crossover of its phase margin; infinite where it bears any, none where it is past it."""
+    if margins.phase_margin_rad == inf:
+        return inf
+    w = margins.gain_crossover_rad_per_s
+    return max(margins.phase_margin_rad, 0.0) / w if isfinite(w) and w > 0 else nan
+
+
+def delay_text(found: MotorAnalysis) -> str:
+    """What delay the feel by current alone bears, beside the controller's."""
+    margins = found.configuration("compliant").programmed.margins
+    borne, loader = delay_s(margins), found.loader
+    if not isfinite(borne):
+        return ""
+    phase = to_text(ANGLE.from_si(margins.phase_margin_rad, UnitSystem.SI), 3)
+    text = f"The loop by current alone has a phase margin of {phase} deg and bears {_milliseconds(borne)} of delay"
+    if not loader["controller.period"]:
+        return f"{text}."
+    period, delay = (_milliseconds(loader[f"controller.{name}"]) for name in ("period", "delay"))
+    return f"{text}; the controller has {period} of period and {delay} of delay."
+
+
+def boundary_text(found: MotorAnalysis, units: UnitSystem) -> str:
+    """How stiff a feel the current alone can make."""
+    rigid, compliant = (found.configuration(name).boundary for name in ("rigid", "compliant"))
+    stiffness = compliant.stiffness_n_m_per_rad
+    if stiffness == 0:
+        return f"By current alone the loader is {compliant.note} the feel."
+    if stiffness == inf:
+        return f"By current alone no stiffness is too much: {compliant.note}."
+    shown, highest = ROTARY_STIFFNESS.from_si(stiffness, units), found.loader["feel.maximum_stiffness"]
+    with_rigid = rigid.stiffness_n_m_per_rad / highest
+    other = (
+        f"; with a rigid link to {to_text(with_rigid, 2)} times"
+        if isfinite(with_rigid) and with_rigid > 0
+        else f"; with a rigid link it is {rigid.note}"
+    )
+    return (
+        f"By current alone under this controller G may grow to {to_text(shown, 3)} {ROTARY_STIFFNESS.shown(units)}, "
+        f"{to_text(stiffness / highest, 2)} times G_max ({compliant.note}){other}."
+    )
+
+
+def _demand(found: MotorAnalysis) -> str:
+    peaks = found.configuration("compliant").programmed.peaks
+    if not isinstance(peaks, MotorPeaks):
+        return ""
+    shares = {"current": peaks.current_share, "voltage": peaks.voltage_share}
+    parts = [f"{percent(share)} of the largest {name}" for name, share in shares.items() if share > 0]
+    if not parts:
+        return ""
+    beyond = " That is more than there is: the linear picture ends before." if max(shares.values()) > 1 else ""
+    return f"The step of pilot force asks for {' and '.join(parts)} by current alone.{beyond}"
+
+
+def _inertia(value: float, units: UnitSystem) -> str:
+    return to_text(INERTIA.from_si(value, units), 3)
+
+
+def _milliseconds(value: float) -> str:
+    return f"{to_text(MILLISECONDS.from_si(value, UnitSystem.SI), 3)} ms"

@@ -1,0 +1,35 @@
+"""What the laws that were tried came to, in sentences: the best by the rule, and the report's where the loader can take it."""
+
+from forcefeel.design.laws_tried import LawsTried
+
+
+def verdict(tried: LawsTried) -> str:
+    """Which law is the best and whether it qualifies."""
+    if tried.impossible:
+        return f"The laws cannot be tried on this loader: {tried.impossible}."
+    best, report = tried.best, tried.report
+    if report is None:
+        if best is None:
+            return "No law is eligible for this loader."
+        return f"By {tried.rule} law {best.name} {best.qualified_text}."
+    if best is None:
+        return f"No law is eligible for this loader. By {tried.rule} the report's law {report.qualified_text}."
+    if best == report:
+        return f"The report's law is the best for this loader. By {tried.rule} it {report.qualified_text}."
+    return f"By {tried.rule} law {best.name} {best.qualified_text}. The report's law {report.qualified_text}."
+
+
+def lines(tried: LawsTried) -> list[str]:
+    """What the laws render, why the best is chosen, why the report's does not qualify, and what looks closer."""
+    if tried.impossible:
+        return []
+    settings = f"{tried.settings} settings of stiffness, frequency and damping ratio"
+    found = [f"Tried at {settings}. {tried.remarks[0]}"] if tried.best else [*tried.remarks]
+    report, best = tried.report, tried.best
+    if report is not None and best != report:
+        found.append(f"The report's law, {report.name}, {report.rendered_text}.")
+    if report is None and best is not None and best.qualified and best.qualified.reasons:
+        found.append(f"With {best.name}: {best.qualified.reasons[0]}")
+    if report is not None and report.qualified and report.qualified.reasons:
+        found.append(f"With the report's law: {report.qualified.reasons[0]}")
+    return [*found, "The settings are few: the page names the commands that look closer."]

@@ -1,0 +1,102 @@
+"""What the motor forbids, whatever the law: settings whose free response asks for more current or voltage than there is.
+
+Of the hands-off release of I', B', G from ``theta_0``, as force and speed at the grip (``sizing.motor``):
+
+    F = (J / R_p + m R_p) theta'',   v = R_p theta'       column, eqs. (6), (7), and rotor, m = J_m g^2
+    share = max(|i| / i_max, |u| / u_max)
+
+The link's stretch is left out: it adds ``(w / w_link)^2`` of the feel's frequency over that of the column on it. Forbidden is also
+what
+the motor cannot hold: ``F = G theta_0 / R_p`` standing still.
+
+**The first instant.** As the hand lets go the link's force jumps from ``-G theta_0`` to ``-J (G / I) theta_0`` over ``alpha R_b``.
+The rotor, ``m_r = J_m / r^2`` at the drive's end, has to move by what the link stretches less, with the motor's largest force F_m
+and at most the held force F_h of the link behind it:
+
+    t_0 = sqrt(2 m_r s / (F_m + F_h)),      s = |1 - J / I| F_h / k,     F_h = G theta_0 / (alpha R_b);
+
+until then the column springs by itself, whatever the law. Delay and current loop come on top.
+"""
+
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.envelope.plan import Plan
+from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
+from forcefeel.frontier.referee import Referee
+from forcefeel.linear.electric import ElectricPlant
+from forcefeel.loader.loader import Loader
+from forcefeel.sizing.motor import Motor
+from forcefeel.units import FORCE, PERCENT
+
+
+@dataclass(frozen=True, eq=False)
+class MotorLimits(DriveLimits):
+    """What the motor forbids; no demand on a limit that the loader file does not give.
+
+    Attributes:
+        peak_force_n: Force at the grip at the largest current, standing still; infinite where there is no limit.
+        hold: Share of the largest current or voltage that each setting takes standing still at the angle, (settings,).
+    """
+
+    peak_force_n: Annotated[float, FORCE]
+    hold: NDArray[np.float64] = field(repr=False)
+
+    @property
+    def forbidden(self) -> NDArray[np.bool_]:
+        """Which settings the motor forbids whatever the law, in motion or standing still, (settings,)."""
+        return np.asarray(super().forbidden | (self.hold > 1))
+
+    @property
+    def largest_hold(self) -> Annotated[float, PERCENT]:
+        """The largest share that a setting takes standing still."""
+        return float(self.hold.max())
+
+
+def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
+    """What the motor of a plan's loader forbids at its settings.
+
+    Args:
+        plan: The envelope: its settings, rule and angle; its compensators are not used.
+        threads: How many; all cores if not given.
+    """
+    motor, feel = Motor(plan.loader), plan.settings.feel(plan.loader)
+    demand, least = demands(plan, _peak, threads)
+    held = feel[:, 2] * plan.release_rad / plan.loader["column.grip_arm"]
+    return MotorLimits(
+        demand,
+        least,
+        _unload_s(plan.loader, feel, plan.release_rad),
+        plan.settings.rows[:, 1],
+        motor.gives.peak_force_n,
+        _share(motor, held, np.zeros(len(held))),
+    )
+
+
+def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Largest share of current or voltage that each release asks for."""
+    motor, found = Motor(referee.plan.loader), np.zeros(len(feel))
+    arm = motor.loader["column.grip_arm"]
+    moved = motor.loader["column.inertia"] / arm + motor.added_mass_kg * arm
+    for velocity, acceleration, _ in motion(referee, feel):
+        found = np.maximum(found, _share(motor, moved * acceleration, arm * velocity))
+    return found
+
+
+def _share(motor: Motor, force: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
+    share = motor.share(force, speed)
+    return np.where(np.isnan(share), 0.0, share)  # of no limit there is no share
+
+
+def _unload_s(loader: Loader, feel: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    """t_0 of the settings; zero where nothing limits the current."""
+    plant, current = ElectricPlant.of(loader), loader["current_loop.current_limit"]
+    if not isfinite(current):
+        return np.zeros(len(feel))
+    held = feel[:, 2] * abs(angle) / plant.lever
+    shorter = np.abs(1 - loader["column.inertia"] / feel[:, 0]) * held / plant.stiffness
+    return np.asarray(np.sqrt(2 * plant.rotor_mass * shorter / (plant.force_per_ampere * current + held)))
