@@ -23,11 +23,11 @@ from schedule import random_settings
 
 from forcefeel.laws.analog.gain_schedule import schedule_gains
 from forcefeel.laws.law import Law
+from forcefeel.laws.sampled import robust_tuning
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.laws.sampled.observer import observe
-from forcefeel.laws.sampled.plant import BASE, BASE_RATE, SampledPlant
+from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
-from forcefeel.laws.sampled.tuning import ROBUST
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.built_in import digital_elevator
 from forcefeel.loader.loader import FEEL_SETTING
@@ -40,6 +40,8 @@ PROMISED_SECONDS = 10.0
 
 # Multiplications and additions of a sample: state 9 x 13, command and torque 14 each.
 OBSERVER_FLOPS = 2 * (9 * 13 + 2 * 14)
+
+ROBUST = robust_tuning(digital_elevator())
 
 
 def median_seconds(run):
@@ -55,8 +57,8 @@ def peer_gains(plant, ratio):
     """Regulator and filter of one setting by python-control, on the matrices of the design."""
     a, b = plant.transition, plant.input[:, None]
     q = np.zeros_like(a)
-    q[BASE, BASE] = 1.0
-    q[BASE_RATE, BASE_RATE] = ROBUST.rate_weight.at(ratio)
+    q[plant.places.base, plant.places.base] = 1.0
+    q[plant.places.base_rate, plant.places.base_rate] = ROBUST.rate_weight.at(ratio)
     k, _, _ = control.dlqr(a, b, q, [[ROBUST.command_weight.at(ratio)]])
     return k[0]
 

@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.run import compute_few
 from forcefeel.errors import InputError
+from forcefeel.laws.sampled import Power, robust_tuning
 from forcefeel.laws.sampled.methods import tuned
-from forcefeel.laws.sampled.tuning import ROBUST, Power
 
 GRID = {"stiffness": "3, 30 %", "frequency": "2, 3.5 Hz", "damping": "0.2, 1"}
 OPTIONS = {"grid": GRID, "changes": {"valve.rated_flow": 0.3}, "arms": ()}
-SLOW = replace(ROBUST, torque_walk=Power(0.0, 0.5), command_weight=Power(-2.5, -0.7))
+SLOW = replace(robust_tuning(ff.digital_elevator()), torque_walk=Power(0.0, 0.5), command_weight=Power(-2.5, -0.7))
 """A tuning that hears the pilot late: there is room for better."""
 
 
@@ -33,7 +35,7 @@ def test_it_finds_a_better_one(found: ff.envelope.Tuned) -> None:
 
 
 def test_score_is_the_envelopes(loader: ff.Loader, found: ff.envelope.Tuned) -> None:
-    own = ff.find_envelope(loader, {"it": tuned("it", "", found.tuning)}, GRID, changes=OPTIONS["changes"], arms=())
+    own = compute_few(make_plan(loader, {"it": tuned("it", "", found.tuning)}, **OPTIONS))
     passes, stable = own.passes("it"), own.stable("it")
     margins = np.array(own.data["margin"].values[0].reshape(passes.shape), dtype=float)
     margins = np.where(stable & np.isfinite(margins), margins, -1.0).clip(-1.0, 0.2)
@@ -58,6 +60,10 @@ def test_progress_and_one_evaluation(loader: ff.Loader) -> None:
     assert found.tuning is SLOW
     assert found.score == found.first
     assert seen == [(1, 1, found.score)]
+
+
+def test_it_begins_with_the_rules(loader: ff.Loader) -> None:
+    assert ff.envelope.tune(loader, evaluations=1, **OPTIONS).tuning == robust_tuning(loader)
 
 
 def test_bad_arguments(loader: ff.Loader) -> None:

@@ -24,9 +24,9 @@ def test_the_columns_own_friction_is_felt_whole():
     assert found.felt_n - without.felt_n == pytest.approx(found.column_n, rel=STILL_MOVING)
 
 
-@pytest.mark.parametrize(("loader", "left"), [("elevator-2khz", 0.4), ("elevator-electric", 0.15)])
+@pytest.mark.parametrize(("loader", "left"), [("elevator-2khz", 0.05), ("elevator-electric", 0.15)])
 def test_of_friction_that_the_law_knows_little_is_felt(loader, left):
-    """Measured: 0.36, where the law's estimates are as noisy as the friction is large, and 0.09."""
+    """Measured: 0.026 and 0.114."""
     loader = ff.digital_elevator() if loader == "elevator-2khz" else ff.loader.electric(loader)
     found = smallest_friction(make_plan(loader.replace(DRY), ("robust",), GRID))
     assert found.felt_n < left * found.column_n

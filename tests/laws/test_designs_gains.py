@@ -5,14 +5,14 @@ import numpy as np
 import pytest
 
 from forcefeel import _core
+from forcefeel.laws.sampled import OBSERVER, RECOVERED, robust_tuning
 from forcefeel.laws.sampled.feedforward import feed_forward, feel_moves
 from forcefeel.laws.sampled.observer import REMEMBERED, observe
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
-from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, ROBUST
 from tests.laws.test_designs_plant import PERIOD, sampled
 
-TUNINGS = {"observer": OBSERVER, "recovered": RECOVERED, "robust": ROBUST}
+TUNINGS = {"observer": OBSERVER, "recovered": RECOVERED, "robust": robust_tuning(sampled())}
 RATIOS = (0.01, 1.0, 80.0)
 """Programmed inertias over the column's, those of 0.5-4 Hz at 1-100 % of G_max."""
 RICCATI = 1e-11

@@ -24,7 +24,8 @@ def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
     shares = [found.shares(name) for name in found.compensators]
     best = _best(found)
     verdict = (
-        f"Of {found.plan.settings.count:,} programmed feels the loader renders within tolerance "
+        f"Of {found.plan.settings.count:,} programmed feels, released from {_angle(found, units)}, the loader renders within "
+        "tolerance "
         + ", ".join(
             f"{share_text(one.passes)} with {name_text(one.compensator)} ({share_text(one.passes_worst)} in every case)"
             for one in shares
@@ -70,13 +71,17 @@ def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
         rows = ", ".join(plan.left_out)
         lines.append(f"Left out, because an envelope programs I, B and G alone: {rows}.")
     if not plan.linear:
-        angle = f"{to_text(ANGLE.from_si(plan.release_rad, units), 3)} {ANGLE.shown(units)}"
         loop = "sampled loop, its delay included" if plan.loader["controller.period"] else "linear model"
         lines.append(
-            f"The loader has optional rows: its releases, from {angle}, are stepped. Stability is that of the {loop}; a setting "
+            f"The loader has optional rows: its releases are stepped. Stability is that of the {loop}; a setting "
             "that is unstable there counts as unstable."
         )
     return tuple(lines)
+
+
+def _angle(found: Envelope, units: UnitSystem) -> str:
+    """Where the column is let go: the smaller, the more the sensors' noise counts."""
+    return f"{to_text(ANGLE.from_si(found.plan.release_rad, units), 3)} {ANGLE.shown(units)}"
 
 
 def _fails(found: Envelope, name: str) -> str:

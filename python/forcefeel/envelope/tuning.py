@@ -1,7 +1,8 @@
-"""Robust tuning: the weights and noises of a design, searched for over many plants at once.
+"""Robust tuning: the weights and noises of a design for one loader, searched for over many plants at once, in seconds.
 
-No equation says which noises make an observer that is both exact and robust. So the whole envelope is the judge: every setting of
-a coarse grid, on every perturbed plant and under every arm, run by the batch engine. What is looked for is the largest
+The rules of ``laws.sampled.rules`` are where it begins. No equation says which noises make an observer that is both exact and
+robust. So an envelope is the judge: few settings, on every perturbed plant and under every arm, run side by side by the batch
+engine. What is looked for is the largest
 
     score = worst + 0.3 nominal + 0.15 margin + 0.1 stable
 
@@ -21,17 +22,18 @@ import numpy as np
 
 from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.result import Envelope, Shares
-from forcefeel.envelope.run import compute
+from forcefeel.envelope.run import compute_few
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.methods import tuned
-from forcefeel.laws.sampled.tuning import ROBUST, Power, Tuning
+from forcefeel.laws.sampled.rules import robust_tuning
+from forcefeel.laws.sampled.tuning import Power, Tuning
 from forcefeel.loader.loader import Loader
 from forcefeel.units import PERCENT
 
 COARSE: Mapping[str, str] = {
-    "damping": "0.1, 0.4, 1.5",
-    "frequency": "0.5..4 Hz:6:log",
-    "stiffness": "1..100 %:9:log",
+    "damping": "0.1, 1",
+    "frequency": "1, 2, 4 Hz",
+    "stiffness": "1..100 %:4:log",
 }
 """Grid of the search."""
 
@@ -77,8 +79,8 @@ Progress = Callable[[int, int, float], None]
 
 def tune(
     loader: Loader,
-    start: Tuning = ROBUST,
-    evaluations: int = 100,
+    start: Tuning | None = None,
+    evaluations: int = 40,
     *,
     seed: int = 0,
     progress: Progress = lambda done, total, best: None,
@@ -88,8 +90,8 @@ def tune(
 
     Args:
         loader: The loader, with ``controller.period``.
-        start: Where to begin.
-        evaluations: Envelopes to compute, some seconds each.
+        start: Where to begin; the rules' tuning for the loader if not given.
+        evaluations: Envelopes to compute, less than a second each on the standard grid.
         seed: Of the steps; the same seed finds the same tuning.
         progress: Called with the envelopes that are computed, all there are, and the best score.
         options: As ``envelope`` takes them; ``grid`` is ``COARSE`` if not given.
@@ -109,7 +111,8 @@ def tune(
     grid = options.pop("grid", COARSE)
     plan = make_plan(loader, {_NAME: None}, grid, **options)  # type: ignore[arg-type]
     draw = np.random.default_rng(seed)
-    best, found, step = start, _envelope(plan, start), _FIRST
+    best = robust_tuning(loader) if start is None else start
+    found, step = _envelope(plan, best), _FIRST
     first = score = _score(found)
     for done in range(1, evaluations):
         progress(done, evaluations, score)
@@ -128,7 +131,7 @@ def tune(
 
 
 def _envelope(plan: Plan, tuning: Tuning) -> Envelope:
-    return compute(replace(plan, compensators={_NAME: tuned(_NAME, "", tuning)}))
+    return compute_few(replace(plan, compensators={_NAME: tuned(_NAME, "", tuning)}))
 
 
 def _score(found: Envelope) -> float:

@@ -7,18 +7,18 @@ has one small linear equation of its own.
 from forcefeel.laws.sampled.methods import METHODS, Method, method
 from forcefeel.laws.sampled.observer_law import design
 from forcefeel.laws.sampled.plant import SampledPlant
-from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, ROBUST, ROBUST_ELECTRIC, Power, Tuning
+from forcefeel.laws.sampled.rules import robust_tuning
+from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, Power, Tuning
 
 __all__ = [
     "METHODS",
     "OBSERVER",
     "RECOVERED",
-    "ROBUST",
-    "ROBUST_ELECTRIC",
     "Method",
     "Power",
     "SampledPlant",
     "Tuning",
     "design",
     "method",
+    "robust_tuning",
 ]

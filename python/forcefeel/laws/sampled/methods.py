@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled import h_infinity, load_cell_loop, load_cell_motor, torque_mode
 from forcefeel.laws.sampled import observer_law as laws
+from forcefeel.laws.sampled.rules import robust_tuning
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
-from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, ROBUST, ROBUST_ELECTRIC, Tuning
+from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, Tuning
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
+from forcefeel.loader.parameters import DRIVES, ELECTRIC
 from forcefeel.units import show
 
 
@@ -39,20 +40,20 @@ class Method:
     drives: tuple[str, ...] = DRIVES
 
 
-def tuned(name: str, summary: str, tuning: Tuning, electric: Tuning | None = None) -> Method:
-    """Regulator, feed-forward and observer with these weights and noises; ``electric`` where a motor is to have others.
+def tuned(name: str, summary: str, tuning: Tuning | Callable[[Loader], Tuning]) -> Method:
+    """Regulator, feed-forward and observer with these weights and noises, or with those that follow from the loader.
 
     Example:
         >>> import forcefeel as ff
-        >>> from forcefeel.laws.sampled.tuning import ROBUST
-        >>> ff.laws.tuned("mine", "the robust law by another name", ROBUST).name
+        >>> from forcefeel.laws.sampled import robust_tuning
+        >>> ff.laws.tuned("mine", "the robust law by another name", robust_tuning).name
         'mine'
     """
-    return Method(name, summary, partial(_tuned, tunings={HYDRAULIC: tuning, ELECTRIC: electric or tuning}))
+    return Method(name, summary, partial(_tuned, tuning=tuning))
 
 
-def _tuned(loader: Loader, feel: ArrayLike, tunings: Mapping[str, Tuning]) -> SampledCompensator:
-    return laws.design(loader, feel, tunings[loader.drive])
+def _tuned(loader: Loader, feel: ArrayLike, tuning: Tuning | Callable[[Loader], Tuning]) -> SampledCompensator:
+    return laws.design(loader, feel, tuning if isinstance(tuning, Tuning) else tuning(loader))
 
 
 def _load_cell(loader: Loader, feel: ArrayLike) -> SampledCompensator:
@@ -83,9 +84,8 @@ _METHODS = (
     ),
     tuned(
         "robust",
-        "the observer design without the potentiometer, weights and noises searched for over many perturbed plants at once",
-        ROBUST,
-        ROBUST_ELECTRIC,
+        "the observer design without the potentiometer, weights and noises by the loader's lag, inertia and declared noises",
+        robust_tuning,
     ),
     Method(
         torque_mode.TORQUE_MODE,

@@ -65,8 +65,8 @@ class Tuning:
     Example:
         >>> import forcefeel as ff
         >>> from dataclasses import replace
-        >>> from forcefeel.laws.sampled.tuning import ROBUST
-        >>> replace(ROBUST, command_weight=ff.laws.Power(-3.0)).command_weight.decades
+        >>> from forcefeel.laws.sampled.tuning import OBSERVER
+        >>> replace(OBSERVER, command_weight=ff.laws.Power(-3.0)).command_weight.decades
         -3.0
     """
 
@@ -101,31 +101,3 @@ OBSERVER = Tuning(
 
 RECOVERED = replace(OBSERVER, input_noise=Power(0.03))
 """The same with a hundred times the noise at the plant's input."""
-
-ROBUST = Tuning(
-    command_weight=Power(-3.457, -0.6832),
-    rate_weight=Power(-3.772, -0.4627),
-    input_noise=Power(1.906, -0.3634),
-    torque_walk=Power(1.092, 0.4708),
-    disturbance_walk=Power(-1.422, 1.195),
-    flow_walk=Power(-4.321, -0.9887),
-    pressure_noise=Power(-3.695, -1.803),
-    angle_noise=Power(-5.988),
-)
-"""Without the potentiometer. From searches like ``envelopes.tune`` on ``elevator-2khz``, whose orifice, limits and noise it
-knows: for the share of settings whose release is within tolerance on every perturbed plant and under every arm at once, the
-column's inertia off by 1 %, and beside it for the nominal share and for what is stable."""
-
-ROBUST_ELECTRIC = Tuning(
-    command_weight=Power(-3.224, -0.313),
-    rate_weight=Power(-3.021, 1.128),
-    input_noise=Power(-1.638, 0.262),
-    torque_walk=Power(-1.6, 0.183),
-    disturbance_walk=Power(-2.811, -0.018),
-    flow_walk=Power(-5.302, -1.58),
-    pressure_noise=Power(-5.923, -1.501),
-    angle_noise=Power(-6.866, -0.212),
-)
-"""``ROBUST`` for a motor, whose command is a force and not a speed, and so with far less noise at the plant's input. From a search
-like ``envelopes.tune`` over the six built-in electric loaders at once, 36 settings each, for the share that passes with the nominal
-plant, beside it for margin and stability; not over perturbed plants."""
