@@ -92,7 +92,7 @@ def record(truth, law, experiment, signal, duration_s, *, random, settle_s=0.0):
         drives = {"test": lambda t: float(np.interp(t - settle_s, np.arange(len(sampled)) * period, sampled))}
     pilot = late if asked.drive == "pilot_force" else (lambda t: 0.0)
     numbers = None if law is None else law.sampled
-    run = witness.simulate(truth, numbers, pilot, duration_s + settle_s, rtol=1e-8, **drives)
+    run = witness.simulate(truth, numbers, pilot, duration_s + settle_s, rtol=1e-8, **drives)  # far below the noise
     seen = {name: values[round(settle_s / period) :] for name, values in run.items()}
     channels = sensed(truth, seen)
     channels = {name: it + NOISE * it.std() * random.standard_normal(len(it)) for name, it in channels.items()}
