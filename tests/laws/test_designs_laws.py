@@ -260,7 +260,8 @@ def test_methods():
         assert (laws.settings, laws.states, laws.period_s, laws.delay_s) == (3, 9, PERIOD, PERIOD)
         np.testing.assert_array_equal(laws.rows(), design(loader, FEELS, TUNINGS[name]).rows())
     with pytest.raises(
-        InputError, match="method: expected load-cell, observer, recovered, h-infinity, robust, torque-mode, got 'h2'"
+        InputError,
+        match="method: expected load-cell, observer, recovered, h-infinity, robust, agile, torque-mode, got 'h2'",
     ):
         method("h2")
 

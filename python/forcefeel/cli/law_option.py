@@ -12,6 +12,7 @@ LAWS = (
     "recovered",
     "h-infinity",
     "robust",
+    "agile",
     "torque-mode",
 )
 """As ``forcefeel.laws.law.NAMED_LAWS``."""

@@ -1,7 +1,7 @@
 """The methods by name: what each is, and its law for any settings of a loader."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
 
@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled import h_infinity, load_cell_loop, load_cell_motor, torque_mode
 from forcefeel.laws.sampled import observer_law as laws
-from forcefeel.laws.sampled.rules import robust_tuning
+from forcefeel.laws.sampled.rules import agile_tuning, robust_tuning
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, Tuning
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import DRIVES, ELECTRIC
+from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
 from forcefeel.units import show
 
 
@@ -86,6 +86,14 @@ _METHODS = (
         "robust",
         "the observer design without the potentiometer, weights and noises by the loader's lag, inertia and declared noises",
         robust_tuning,
+    ),
+    replace(
+        tuned(
+            "agile",
+            "the robust design with a faster filter: bears a hand's arm better, noise worse; for parts known to a per cent",
+            agile_tuning,
+        ),
+        drives=(HYDRAULIC,),
     ),
     Method(
         torque_mode.TORQUE_MODE,
