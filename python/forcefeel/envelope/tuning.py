@@ -1,4 +1,4 @@
-"""Robust tuning: the weights and noises of a design for one loader, searched for over many plants at once, in seconds.
+"""Robust tuning: the weights and noises of a design for one loader, searched for over many plants at once.
 
 The rules of ``laws.sampled.rules`` are where it begins. No equation says which noises make an observer that is both exact and
 robust. So an envelope is the judge: few settings, on every perturbed plant and under every arm, run side by side by the batch
@@ -91,7 +91,7 @@ def tune(
     Args:
         loader: The loader, with ``controller.period``.
         start: Where to begin; the rules' tuning for the loader if not given.
-        evaluations: Envelopes to compute, less than a second each on the standard grid.
+        evaluations: Envelopes to compute, about a second each on the standard grid.
         seed: Of the steps; the same seed finds the same tuning.
         progress: Called with the envelopes that are computed, all there are, and the best score.
         options: As ``envelope`` takes them; ``grid`` is ``COARSE`` if not given.
