@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.choice.noise import HOLDING, NoisyLoop, hand_force_rms, noise_at_grip, sample_variance
+from forcefeel.choice.noise import HOLDING, NoisyLoop, hand_force_rms, noise_at_grip
 from forcefeel.laws.law import Law, named
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.sensors import sample_variance
 from forcefeel.simulation import Scenario, simulate
 
 ROUNDING = 1e-12

@@ -25,6 +25,7 @@ from forcefeel.envelope.cases import REFERENCE_ARMS, PilotArm
 from forcefeel.laws.law import Law
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.sensors import SENSORS, sample_variance
 from forcefeel.loader.timing import controller_steps
 from forcefeel.loops.sampled_loop import sampled_loops
 from forcefeel.units import ANGLE, FORCE
@@ -32,7 +33,6 @@ from forcefeel.units import ANGLE, FORCE
 HOLDING: PilotArm = REFERENCE_ARMS[-1]
 """The arm that holds the grip: the firmest of the reference."""
 
-_SENSORS = ("load_cell", "potentiometer", "column_sensor")
 _SHOWN = _core.PERIOD_SHOWN
 """Place among the states of a period of what the first sensor showed; after the commands under way, the base as sampled last, the
 load pressure and what the three sensors measured (``crates/model/src/machine/period.rs``)."""
@@ -139,17 +139,10 @@ def hand_force_rms(loop: NoisyLoop, loader: Loader) -> float:
     return loop.filtered_rms(lever * (swing - drag), lever * (stiffness - 2 * swing), lever * (swing + drag))
 
 
-def sample_variance(loader: Loader) -> NDArray[np.float64]:
-    """Variance of a sample of each sensor: noise and rounding, in N^2, m^2 and rad^2."""
-    noise = np.array([loader[f"{sensor}.noise"] for sensor in _SENSORS])
-    step = np.array([loader[f"{sensor}.resolution"] for sensor in _SENSORS])
-    return np.asarray(noise**2 + step**2 / 12)
-
-
 def _by_sample(loader: Loader, law: Law) -> tuple[list[int], NDArray[np.float64]]:
     """The states that matter, and N on them, per N, m and m at the base."""
     step_s, timing = controller_steps(loader, _STEP_S)
-    keys = [f"{sensor}.bandwidth" for sensor in _SENSORS]
+    keys = [f"{sensor}.bandwidth" for sensor in SENSORS]
     lagging = loader.replace({key: 1 / step_s for key in keys if np.isinf(loader[key])})
     keywords = law.engine(loader)
     states, _ = _core.sampled_loops(loader.values[np.newaxis], step_s, timing, **keywords)

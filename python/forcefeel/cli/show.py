@@ -1,11 +1,13 @@
 """Results as tables for a terminal."""
 
+from collections.abc import Callable
 from math import isfinite
 
 from rich.table import Table
 from rich.text import Text
 
 from forcefeel.cli.terminal import Terminal
+from forcefeel.design.analysis import Analysis
 from forcefeel.design.assessment import AnyPeaks, Assessment, Peaks
 from forcefeel.design.workflow import ServoAnalysis
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation
@@ -22,41 +24,53 @@ _COLOURS = {Verdict.AGREES: "green", Verdict.EXPLAINED: "yellow", Verdict.REFUTE
 
 def analysis(console: Terminal, found: ServoAnalysis, units: UnitSystem) -> None:
     """The original system."""
-    programmed = f"{_hertz(found.feel_frequency_rad_per_s)} Hz, damping ratio {to_text(found.feel_damping_ratio, 3)}"
+    programmed = f"{hertz(found.feel_frequency_rad_per_s)} Hz, damping ratio {to_text(found.feel_damping_ratio, 3)}"
     console.print(f"{found.loader.name}: programmed feel {programmed}")
     for one in found.configurations:
         console.show(_modes(f"Modes, {one.name} link", one.programmed.modes))
-    servo = _table(
+    servo = titled(
         "Servo, position loop closed", "link", "least damped mode", "damping ratio", "gain margin", "phase margin"
     )
     for result in found.servos:
         mode = least_damped(result.closed_modes)
         servo.add_row(
             str(result.linkage),
-            f"{_hertz(mode.frequency_rad_per_s)} Hz",
+            f"{hertz(mode.frequency_rad_per_s)} Hz",
             to_text(mode.damping_ratio, 3),
             *_margins(result.margins),
         )
     console.show(servo)
-    loops = _table(
+    loops = titled(
         "Overall loop, step of pilot force", "link, setting", "stable", "gain margin", "phase", "at rest", "r.m.s."
     )
+    show_loops(console, loops, found, _loop)
+    show_boundary(console, "Stability as G falls, I and B scaled along", "smallest stable G", found, units)
+    _say_left_out(console, found.loader)
+
+
+def show_loops(
+    console: Terminal,
+    loops: Table,
+    found: Analysis,
+    columns: Callable[[Assessment, Margins], tuple[str | Text, ...]],
+) -> None:
+    """The steps of an analysis, a row for each link and setting."""
     for one in found.configurations:
         for setting, loop in (("programmed", one.programmed), ("low", one.low)):
-            loops.add_row(f"{one.name}, {setting}", *_loop(loop.assessment, loop.margins))
+            loops.add_row(f"{one.name}, {setting}", *columns(loop.assessment, loop.margins))
     console.show(loops)
     console.print(
         "at rest: share of the programmed deflection; r.m.s.: deviation from the ideal over 2 s", highlight=False
     )
-    edge = _table(
-        "Stability as G falls, I and B scaled along", "link", f"smallest stable G, {ROTARY_STIFFNESS.shown(units)}", ""
-    )
+
+
+def show_boundary(console: Terminal, title: str, stiffness: str, found: Analysis, units: UnitSystem) -> None:
+    """Where an analysis finds the edge of stability, a row for each link."""
+    edge = titled(title, "link", f"{stiffness}, {ROTARY_STIFFNESS.shown(units)}", "")
     for one in found.configurations:
-        edge.add_row(
-            one.name, to_text(ROTARY_STIFFNESS.from_si(one.boundary.stiffness_n_m_per_rad, units)), one.boundary.note
-        )
+        found_at = ROTARY_STIFFNESS.from_si(one.boundary.stiffness_n_m_per_rad, units)
+        edge.add_row(one.name, to_text(found_at), one.boundary.note)
     console.show(edge)
-    _say_left_out(console, found.loader)
 
 
 def compensation(
@@ -68,7 +82,7 @@ def compensation(
     units: UnitSystem,
 ) -> None:
     """Gains and the loop that they close."""
-    gains = _table("Feedback gains", "gain", "on", "value", "unit")
+    gains = titled("Feedback gains", "gain", "on", "value", "unit")
     for symbol, state, value, unit in zip(GAIN_SYMBOLS, DESIGN_STATES, found.gains, GAIN_UNITS, strict=True):
         gains.add_row(symbol, state_text(state), to_text(unit.from_si(float(value), units)), unit.shown(units))
     console.show(gains)
@@ -79,7 +93,7 @@ def compensation(
     if not isinstance(demand, Peaks):
         console.print("the loop with these gains is unstable", style="bold red")
         return
-    loop = _table("Loop closed on the compliant model with valve dynamics, step of pilot force", "quantity", "value")
+    loop = titled("Loop closed on the compliant model with valve dynamics, step of pilot force", "quantity", "value")
     for name, value in _closed_loop(judged, demand, units):
         loop.add_row(name, value)
     console.show(loop)
@@ -95,7 +109,7 @@ def reproduction(console: Terminal, sections: tuple[Section, ...]) -> None:
     """The comparison with the 1974 report."""
     console.print(summary(sections), style="bold", highlight=False)
     for section in sections:
-        table = _table(section.title, "item", "printed", "computed", "unit", "verdict")
+        table = titled(section.title, "item", "printed", "computed", "unit", "verdict")
         for row in section.rows:
             item = f"{row.item} ({row.where})"
             table.add_row(item, row.printed, row.computed, row.unit, Text(row.verdict, _COLOURS[row.verdict]))
@@ -112,12 +126,10 @@ def state_text(state: str) -> str:
 
 
 def _modes(title: str, found: tuple[Mode, ...]) -> Table:
-    table = _table(title, "frequency, Hz", "damping ratio", "pole, 1/s")
+    table = titled(title, "frequency, Hz", "damping ratio", "pole, 1/s")
     for mode in found:
         swing = f" ± {to_text(mode.imaginary_per_s)}j" if mode.imaginary_per_s > 0 else ""
-        table.add_row(
-            _hertz(mode.frequency_rad_per_s), to_text(mode.damping_ratio, 3), to_text(mode.real_per_s) + swing
-        )
+        table.add_row(hertz(mode.frequency_rad_per_s), to_text(mode.damping_ratio, 3), to_text(mode.real_per_s) + swing)
     return table
 
 
@@ -136,7 +148,7 @@ def _closed_loop(judged: Assessment, demand: Peaks, units: UnitSystem) -> list[t
     angle = to_text(ANGLE.from_si(judged.static_angle_rad, units))
     current, flow = (CURRENT.from_si(demand.current_a, units), FLOW.from_si(demand.flow_m3_per_s, units))
     return [
-        ("frequency", f"{_hertz(judged.frequency_rad_per_s)} Hz"),
+        ("frequency", f"{hertz(judged.frequency_rad_per_s)} Hz"),
         ("damping ratio", to_text(judged.damping_ratio, 3)),
         ("least damping ratio of any mode", to_text(judged.least_damping_ratio, 3)),
         (
@@ -159,7 +171,8 @@ def _margins(found: Margins) -> tuple[str, str]:
     return gain, phase if phase == "infinite" else f"{phase} deg"
 
 
-def _table(title: str, *columns: str) -> Table:
+def titled(title: str, *columns: str) -> Table:
+    """An empty table under a title."""
     table = Table(title=title, title_justify="left", title_style="bold")
     for column in columns:
         table.add_column(column)
@@ -170,5 +183,6 @@ def _percent(share: float, digits: str) -> str:
     return f"{100 * share:{digits}} %" if isfinite(share) else to_text(share)
 
 
-def _hertz(frequency_rad_per_s: float) -> str:
+def hertz(frequency_rad_per_s: float) -> str:
+    """A frequency as a number of Hz."""
     return to_text(HERTZ.from_si(frequency_rad_per_s, UnitSystem.SI))

@@ -3,6 +3,7 @@
 from rich.table import Table
 from rich.text import Text
 
+from forcefeel.cli.show import hertz, show_boundary, show_loops, titled
 from forcefeel.cli.terminal import Terminal
 from forcefeel.design.assessment import Assessment
 from forcefeel.design.motor import MotorAnalysis
@@ -11,17 +12,17 @@ from forcefeel.linear.electric_modes import NamedMode
 from forcefeel.linear.frequency import Margins
 from forcefeel.linear.modes import Mode
 from forcefeel.loader.beyond_linear import left_out
-from forcefeel.units import ANGLE, HERTZ, PERCENT, ROTARY_STIFFNESS, UnitSystem, to_text
+from forcefeel.units import ANGLE, PERCENT, UnitSystem, to_text
 
 
 def motor_analysis(console: Terminal, found: MotorAnalysis, units: UnitSystem) -> None:
     """A motor without a law."""
-    programmed = f"{_hertz(found.feel_frequency_rad_per_s)} Hz, damping ratio {to_text(found.feel_damping_ratio, 3)}"
+    programmed = f"{hertz(found.feel_frequency_rad_per_s)} Hz, damping ratio {to_text(found.feel_damping_ratio, 3)}"
     console.print(f"{found.loader.name}: programmed feel {programmed}")
     console.show(_modes("Motor, link and column without a feel", found.modes))
     for one in found.configurations:
         console.show(_modes(f"Modes by current alone, {one.name} link", one.programmed.modes))
-    loops = _table(
+    loops = titled(
         "By current alone, step of pilot force",
         "link, setting",
         "stable",
@@ -30,32 +31,18 @@ def motor_analysis(console: Terminal, found: MotorAnalysis, units: UnitSystem) -
         "at rest",
         "r.m.s.",
     )
-    for one in found.configurations:
-        for setting, loop in (("programmed", one.programmed), ("low", one.low)):
-            loops.add_row(f"{one.name}, {setting}", *_loop(loop.assessment, loop.margins))
-    console.show(loops)
-    console.print(
-        "at rest: share of the programmed deflection; r.m.s.: deviation from the ideal over 2 s", highlight=False
-    )
-    edge = _table(
-        "Stability as G grows, I and B scaled along, under the controller",
-        "link",
-        f"largest stable G, {ROTARY_STIFFNESS.shown(units)}",
-        "",
-    )
-    for one in found.configurations:
-        largest = ROTARY_STIFFNESS.from_si(one.boundary.stiffness_n_m_per_rad, units)
-        edge.add_row(one.name, to_text(largest), one.boundary.note)
-    console.show(edge)
+    show_loops(console, loops, found, _loop)
+    title = "Stability as G grows, I and B scaled along, under the controller"
+    show_boundary(console, title, "largest stable G", found, units)
     for line in filter(None, (*plant_lines(found, units), NO_REPORT, left_out(found.loader))):
         console.print(f"- {line}", highlight=False)
 
 
 def _modes(title: str, found: tuple[Mode, ...]) -> Table:
-    table = _table(title, "what moves", "frequency, Hz", "damping ratio")
+    table = titled(title, "what moves", "frequency, Hz", "damping ratio")
     for mode in found:
         name = mode.name if isinstance(mode, NamedMode) else ""
-        table.add_row(name, _hertz(mode.frequency_rad_per_s), to_text(mode.damping_ratio, 3))
+        table.add_row(name, hertz(mode.frequency_rad_per_s), to_text(mode.damping_ratio, 3))
     return table
 
 
@@ -66,14 +53,3 @@ def _loop(found: Assessment, margins: Margins) -> tuple[str | Text, ...]:
         return Text("no", "red"), phase, f"{borne} ms", "-", "-"
     shares = (PERCENT.from_si(share, UnitSystem.SI) for share in (1 + found.static_error, found.tracking_error))
     return "yes", phase, f"{borne} ms", *(f"{to_text(share, 3)} %" for share in shares)
-
-
-def _table(title: str, *columns: str) -> Table:
-    table = Table(title=title, title_justify="left", title_style="bold")
-    for column in columns:
-        table.add_column(column)
-    return table
-
-
-def _hertz(frequency_rad_per_s: float) -> str:
-    return to_text(HERTZ.from_si(frequency_rad_per_s, UnitSystem.SI))

@@ -16,6 +16,7 @@ from math import isfinite
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
+from forcefeel.loader.sensors import current_lag_s
 from forcefeel.units import show
 
 Harmonic = tuple[float, float, float]
@@ -70,10 +71,7 @@ class Cancellation:
         rows = [[loader[f"motor.cogging_{row}{n}"] for row in ("torque", "periods", "phase")] for n in ("", "_2")]
         return cls(
             per_travel_rad_per_m=1 / loader["transmission.travel"],
-            lead_s=loader["controller.delay"]
-            + loader["controller.period"] / 2
-            + 1 / loader["current_loop.bandwidth"]
-            + 1 / loader["potentiometer.bandwidth"],
+            lead_s=current_lag_s(loader),
             cogging=tuple((-torque / per_ampere, periods, phase) for torque, periods, phase in rows),
         )
 

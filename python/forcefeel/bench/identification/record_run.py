@@ -18,7 +18,7 @@ from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import ELECTRIC, INDEX
+from forcefeel.loader.parameters import INDEX
 from forcefeel.loader.timing import controller_steps, longest_step_s
 from forcefeel.qualification import load_rules
 from forcefeel.qualification.let_go import find_release
@@ -124,8 +124,13 @@ class RecordRun:
         return Histories(course(at), bent(at), course(at, 1))
 
     @cached_property
+    def _whole(self) -> Law | None:
+        """The law of the whole loader, where the record is of it."""
+        return Law.of(self.law, self.loader) if self.record.experiment.loop is Loop.LOADER else None
+
+    @cached_property
     def _law(self) -> dict[str, Any]:
-        return loop_law(self.loader, self.record.experiment.loop, self.law)
+        return loop_law(self.loader, self.record.experiment.loop, self._whole or self.law)
 
     @cached_property
     def _step_s(self) -> float:
@@ -151,8 +156,7 @@ class RecordRun:
         scenario = replace(
             self._scenario, duration_s=samples * self._sample_s, step_s=self._step_s, sample_s=self._sample_s
         )
-        whole = self.record.experiment.loop is Loop.LOADER and self.loader.drive == ELECTRIC
-        return prepared(self.loader, scenario, law=Law.of(self.law, self.loader) if whole else None)
+        return prepared(self.loader, scenario, law=self._whole)
 
     @property
     def _scenario(self) -> Scenario:

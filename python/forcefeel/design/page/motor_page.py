@@ -2,22 +2,17 @@
 
 from math import isfinite
 
-from markupsafe import Markup
-
 from forcefeel.design.analysis import LOW_SHARE
 from forcefeel.design.figure import Figure
 from forcefeel.design.findings import conclusions
 from forcefeel.design.laws_tried import LawsTried
 from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.motor_findings import NO_REPORT
-from forcefeel.design.page import best_law, motor_tables, splane
-from forcefeel.design.page.captions import MEANINGS
-from forcefeel.design.page.plot import Plot
-from forcefeel.design.page.plots import draw
-from forcefeel.design.page.stability import departures
+from forcefeel.design.page import best_law, motor_tables
+from forcefeel.design.page.plot import planes, plot
 from forcefeel.loader.parameters import OFF, TABLE
 from forcefeel.page import machine
-from forcefeel.page.render import drawing, render
+from forcefeel.page.render import render
 from forcefeel.page.table import Table
 from forcefeel.page.typography import parameter_text, quantity_text
 from forcefeel.units import HERTZ, UnitSystem
@@ -43,8 +38,8 @@ def motor_page(
         conclusions=conclusions(design, units, tried),
         tried=tried,
         beside=best_law.beside(tried) if tried else None,
-        plots={figure.key: _plot(place, figure, design, units) for place, figure in enumerate(drawn, start=1)},
-        planes=_planes(design),
+        plots={figure.key: plot(figure, str(place), design, units) for place, figure in enumerate(drawn, start=1)},
+        planes=planes(design, "rotor and column on the link"),
         tables=_tables(design, units),
         files=files,
         no_report=NO_REPORT,
@@ -54,20 +49,6 @@ def motor_page(
         frequency=lambda value: quantity_text(value, HERTZ, units, 3),
         symbols={key: row.symbol for key, row in TABLE.items()},
     )
-
-
-def _plot(place: int, figure: Figure, design: MotorDesign, units: UnitSystem) -> Plot:
-    drawn, remarks = drawing(draw(figure, design, units), figure.key), departures(figure, design)
-    return Plot(figure.key, f"Figure {place}", figure.title, MEANINGS[figure.key], remarks, drawn)
-
-
-def _planes(design: MotorDesign) -> tuple[tuple[str, str, Markup], ...]:
-    drawings = (
-        ("The poles of the feel", "poles-feel", splane.feel(design)),
-        ("The poles of rotor and column on the link", "poles-link", splane.link(design)),
-        (f"All poles up to {splane.OUT_OF_VIEW_HZ:g} Hz", "poles-all", splane.whole(design)),
-    )
-    return tuple((title, name, drawing(picture, name)) for title, name, picture in drawings)
 
 
 def _tables(design: MotorDesign, units: UnitSystem) -> dict[str, Table]:

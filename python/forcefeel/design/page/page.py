@@ -2,23 +2,18 @@
 
 from typing import Any
 
-from markupsafe import Markup
-
 from forcefeel.design.analysis import LOW_SHARE
 from forcefeel.design.figure import Figure
 from forcefeel.design.findings import conclusions
 from forcefeel.design.laws_tried import LawsTried
-from forcefeel.design.page import best_law, glance, laws, loops, splane
-from forcefeel.design.page.captions import MEANINGS
-from forcefeel.design.page.plot import Plot
-from forcefeel.design.page.plots import draw
-from forcefeel.design.page.stability import departures
+from forcefeel.design.page import best_law, glance, laws, loops
+from forcefeel.design.page.plot import planes, plot
 from forcefeel.design.studies import worst
 from forcefeel.design.workflow import Design
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, gains_in
 from forcefeel.loader.parameters import TABLE
 from forcefeel.page import machine
-from forcefeel.page.render import drawing, render
+from forcefeel.page.render import render
 from forcefeel.page.typography import number_text, parameter_text, quantity_text, unit_text
 from forcefeel.units import HERTZ, UnitSystem
 
@@ -50,8 +45,8 @@ def page(
         conclusions=conclusions(design, units, tried),
         tried=tried,
         beside=best_law.beside(tried) if tried else None,
-        plots={figure.key: _plot(figure, design, units) for figure in drawn},
-        planes=_planes(design),
+        plots={figure.key: plot(figure, _number(figure), design, units) for figure in drawn},
+        planes=planes(design, "the column on its linkage"),
         tables=_tables(design, units),
         files=files,
         low_share=LOW_SHARE,
@@ -65,20 +60,9 @@ def page(
     )
 
 
-def _plot(figure: Figure, design: Design, units: UnitSystem) -> Plot:
-    number = figure.key.removeprefix("figure-").removeprefix("0")
-    drawn, remarks = drawing(draw(figure, design, units), figure.key), departures(figure, design)
-    return Plot(figure.key, f"Figure {number}", figure.title, MEANINGS[figure.key], remarks, drawn)
-
-
-def _planes(design: Design) -> tuple[tuple[str, str, Markup], ...]:
-    """Title, anchor and drawing of each."""
-    drawings = (
-        ("The poles of the feel", "poles-feel", splane.feel(design)),
-        ("The poles of the column on its linkage", "poles-link", splane.link(design)),
-        (f"All poles up to {splane.OUT_OF_VIEW_HZ:g} Hz", "poles-all", splane.whole(design)),
-    )
-    return tuple((title, name, drawing(picture, name)) for title, name, picture in drawings)
+def _number(figure: Figure) -> str:
+    """That of the report."""
+    return figure.key.removeprefix("figure-").removeprefix("0")
 
 
 def _tables(design: Design, units: UnitSystem) -> dict[str, Any]:

@@ -27,10 +27,13 @@ from dataclasses import dataclass
 from math import log10, sqrt
 from types import MappingProxyType
 
+import numpy as np
+
 from forcefeel.laws.sampled.plant import Scale, period_and_delay
 from forcefeel.laws.sampled.tuning import Power, Tuning
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
+from forcefeel.loader.sensors import SENSORS, sample_variance
 
 _NUMBERS: Mapping[str, Tuning] = MappingProxyType(
     {
@@ -176,10 +179,7 @@ def _declared(loader: Loader) -> tuple[float, float]:
     """Densities of the noise that the loader declares for its load cell and its column's sensor, in units of ``Scale``."""
     scale = Scale.of(loader)
     units = dict(zip(_UNDECLARED, scale.sampled[[0, 2]].tolist(), strict=True))
-    samples = {
-        sensor: sqrt(loader[f"{sensor}.noise"] ** 2 + loader[f"{sensor}.resolution"] ** 2 / 12) / unit
-        or _UNDECLARED[sensor]
-        for sensor, unit in units.items()
-    }
+    seen = dict(zip(SENSORS, np.sqrt(sample_variance(loader)).tolist(), strict=True))
+    samples = {sensor: seen[sensor] / unit or _UNDECLARED[sensor] for sensor, unit in units.items()}
     root = sqrt(loader["controller.period"] / scale.time_s)
     return samples["load_cell"] * root, samples["column_sensor"] * root

@@ -38,6 +38,7 @@ from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import Scale, period_and_delay
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING, Loader, check_electric
+from forcefeel.loader.sensors import SENSORS, current_lag_s, sample_variance
 from forcefeel.loader.timing import controller_steps
 from forcefeel.threads import cores
 from forcefeel.units import to_text
@@ -61,6 +62,8 @@ BEARS = 2.0
 
 NOISE = 0.02
 """Of the largest current, r.m.s.: what the encoder may stir by the damper."""
+
+_ENCODER = SENSORS.index("potentiometer")
 
 _MEMORIES = np.linspace(0.1, 0.95, 18)
 """Of the filter, by which it is looked for."""
@@ -101,9 +104,8 @@ class Coupling:
         arm, travel = loader["linkage.ratio"] * loader["column.base_arm"], loader["transmission.travel"]
         rotor = loader["motor.inertia"] * (arm / travel) ** 2
         moved, per_torque = rotor + loader["column.inertia"], travel / (arm * loader["motor.torque_constant"])
-        period, delay = period_and_delay(loader)
-        lag = delay + period / 2 + 1 / loader["current_loop.bandwidth"] + 1 / loader["potentiometer.bandwidth"]
-        seen = np.hypot(loader["potentiometer.noise"], loader["potentiometer.resolution"] / np.sqrt(12)) / arm
+        (period, _), lag = period_and_delay(loader), current_lag_s(loader)
+        seen = float(np.sqrt(sample_variance(loader)[_ENCODER])) / arm
         allowed = NOISE * Scale.of(loader).command_v
         for memory in _MEMORIES.tolist():
             # A velocity is known (alpha / beta - 1/2) T late.

@@ -1,0 +1,25 @@
+"""What a controller's samples of the sensors are worth, and when it answers them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.loader.loader import Loader
+
+SENSORS = ("load_cell", "potentiometer", "column_sensor")
+"""In the order in which a law samples them: F_c, x_p, theta."""
+
+
+def sample_variance(loader: Loader) -> NDArray[np.float64]:
+    """Variance of a sample of each sensor: noise and rounding, ``sigma^2 + q^2 / 12``, in N^2, m^2 and rad^2."""
+    noise = np.array([loader[f"{sensor}.noise"] for sensor in SENSORS])
+    step = np.array([loader[f"{sensor}.resolution"] for sensor in SENSORS])
+    return np.asarray(noise**2 + step**2 / 12)
+
+
+def current_lag_s(loader: Loader) -> float:
+    """From a motion of the drive's end to the middle of the motor's current that answers it.
+
+    Lags of the encoder and the current loop, delay, and half a period of holding: ``tau + T / 2 + 1 / w_c + 1 / f_x``.
+    """
+    held = loader["controller.delay"] + loader["controller.period"] / 2
+    return float(held + 1 / loader["current_loop.bandwidth"] + 1 / loader["potentiometer.bandwidth"])
