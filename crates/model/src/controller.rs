@@ -21,6 +21,20 @@ pub struct Timing {
     pub delay: usize,
 }
 
+impl Timing {
+    /// The number of the sample that is taken at a step, if one is.
+    #[inline(always)]
+    pub fn sample_at(self, step: usize) -> Option<usize> {
+        step.is_multiple_of(self.period).then_some(step / self.period)
+    }
+
+    /// The number of the sample whose command arrives at a step, if one does.
+    #[inline(always)]
+    pub fn arriving_at(self, step: usize) -> Option<usize> {
+        step.checked_sub(self.delay).and_then(|since| self.sample_at(since))
+    }
+}
+
 /// Converters and limits of the controller.
 #[derive(Debug, Clone, Copy)]
 pub struct Converters<S> {

@@ -146,8 +146,6 @@ pub trait Drive<S: Scalar>: Copy + Debug {
     ) -> [S; 3];
     /// By how much the rate of the third changes with the command.
     fn command_jump(&self, effects: &Effects, now: &Now<S, Self>, e_change: S) -> S;
-    /// What feedback of the drive's own effort is told where the load cell shows `force`.
-    fn effort_shown(&self, force: S) -> S;
     /// Force that a feel which hears the load cell directly is moved by.
     fn heard(&self, force: S, now: &Now<S, Self>) -> S;
 

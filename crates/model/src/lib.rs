@@ -27,7 +27,8 @@
 //! | dry friction, stops | [`dry_friction`], [`contact`] |
 //! | feel with all that is nonlinear, its force curve | [`feel`], [`curve`] |
 //! | sensors | [`transducers`] |
-//! | digital controller, its law with an observer, the friction that it knows | [`controller`], [`observer`], [`known_friction`] |
+//! | digital controller: its period from sample to command; when it acts, its converters | [`control`], [`controller`] |
+//! | its law with an observer, the friction that it knows | [`observer`], [`known_friction`] |
 //! | what it adds against a known disturbance of the drive | [`cancellation`] |
 //! | which of these are in play | [`effects`] |
 //! | what a bench measures of it | [`channels`] |
@@ -43,6 +44,7 @@ pub mod channels;
 pub mod column;
 pub mod compensator;
 pub mod contact;
+pub mod control;
 pub mod controller;
 pub mod curve;
 pub mod drive;

@@ -30,7 +30,8 @@ use crate::Scalar;
 use crate::cancellation::Cancellation;
 use crate::column::ColumnMotion;
 use crate::compensator::Compensator;
-use crate::controller::{Converters, Timing};
+use crate::control::Control;
+use crate::controller::Timing;
 use crate::curve::Curve;
 use crate::drive::hydraulic::Hydraulic;
 use crate::drive::{Coupling, Drive, SIGNALS};
@@ -60,17 +61,11 @@ pub struct Shared {
 /// One loader, ready to run: its coefficients worked out.
 #[derive(Debug, Clone, Copy)]
 pub struct Machine<S: Scalar, D: Drive<S> = Hydraulic<S>> {
-    pub(crate) law: Compensator<S>,
-    observer: Observer<S>,
-    next_observer: Observer<S>,
+    pub(crate) control: Control<S>,
     pub(crate) drive: D,
     pub(crate) column: ColumnMotion<S>,
-    pub(crate) feel: FeelLaw<S>,
-    next_feel: FeelLaw<S>,
     pub(crate) transducers: Transducers<S>,
-    converters: Converters<S>,
     force_scale: S,
-    per_base: S,
     pub(crate) step: S,
     pub(crate) per_step: S,
 }
@@ -123,6 +118,14 @@ pub struct Now<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     pub(crate) balance: D::Balance,
 }
 
+/// What there is where a controller may sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Arrived<S: Scalar, D: Drive<S> = Hydraulic<S>> {
+    /// What there is now.
+    pub now: Now<S, D>,
+    side: D::Side,
+}
+
 /// What the start of a step leaves for the rest of it.
 #[derive(Debug, Clone, Copy)]
 pub struct Begun<S: Scalar, D: Drive<S> = Hydraulic<S>> {
@@ -146,19 +149,24 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let heard = S::select(direct, law.load_cell_arm, one.zero());
         let coupling =
             Coupling { base_per_force: column.per_link_force, feel_per_force: heard * feel.per_torque, direct };
+        let drive = D::new(parameters, shared, &coupling);
         let observer = Observer::none(one);
-        Self {
+        let control = Control {
             law,
             observer,
             next_observer: observer,
-            drive: D::new(parameters, shared, &coupling),
-            column,
             feel,
             next_feel: feel,
-            transducers: Transducers::new(parameters, shared.step_s),
             converters: D::converters(parameters),
-            force_scale: one,
             per_base: parameters.column.angle(one),
+            force_per_effort: drive.force_per_effort(),
+        };
+        Self {
+            control,
+            drive,
+            column,
+            transducers: Transducers::new(parameters, shared.step_s),
+            force_scale: one,
             step: one.constant(shared.step_s),
             per_step: one.constant(1.0 / shared.step_s),
         }
@@ -173,18 +181,25 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// The same loader under a sampled law with an observer; the gains of its law are not used.
     #[inline(always)]
     pub fn with_observer(self, observer: Observer<S>) -> Self {
-        Self { observer, next_observer: observer, ..self }
+        let control = Control { observer, next_observer: observer, ..self.control };
+        Self { control, ..self }
+    }
+
+    /// What a digital controller works out at a sample, on its own.
+    #[inline(always)]
+    pub fn control(&self) -> &Control<S> {
+        &self.control
     }
 
     /// Programmed angle in rad per programmed displacement.
     #[inline(always)]
     pub fn per_delta(&self) -> S {
-        self.step.constant(1.0) / self.feel.per_angle
+        self.step.constant(1.0) / self.control.feel.per_angle
     }
 
     /// Column angle in rad per displacement of the base in m.
     #[inline(always)]
     pub fn per_base(&self) -> S {
-        self.per_base
+        self.control.per_base
     }
 }

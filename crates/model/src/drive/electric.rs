@@ -249,11 +249,6 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn effort_shown(&self, force: S) -> S {
-        force
-    }
-
-    #[inline(always)]
     fn heard(&self, force: S, _: &Now<S, Self>) -> S {
         force
     }

@@ -181,11 +181,6 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         self.valve.flow_jump(effects, now.signals[CURRENT], e_change)
     }
 
-    #[inline(always)]
-    fn effort_shown(&self, force: S) -> S {
-        force / self.balance.area
-    }
-
     /// Where the feel hears the load cell directly, it is a motion like the column's, whose `u` knows of the lag.
     #[inline(always)]
     fn heard(&self, force: S, now: &Now<S, Self>) -> S {

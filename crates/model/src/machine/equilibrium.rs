@@ -70,17 +70,17 @@ impl<S: Scalar> Equilibrium<S> {
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// The loader at rest with the column held at the angle `theta` and the neutral trimmed to `trim`, both in rad.
     pub fn held_at(&self, shared: &Shared, theta: S, trim: S, stiffness_factor: S) -> Equilibrium<S> {
-        let x_b = theta / self.per_base;
-        let neutral = trim * self.feel.per_angle;
+        let x_b = theta / self.control.per_base;
+        let neutral = trim * self.control.feel.per_angle;
         let deaf = self.is_deaf();
         let (centre, reach) = if self.drifts() {
             (x_b.zero(), x_b.zero())
         } else if deaf {
             // The link stretches by no more than the travel that is looked at.
-            let travel = self.drive.link().ratio / self.per_base * (theta.abs() + theta.constant(SEARCH_RAD));
+            let travel = self.drive.link().ratio / self.control.per_base * (theta.abs() + theta.constant(SEARCH_RAD));
             (x_b.zero(), self.drive.effort_of_stretch(travel))
         } else {
-            (theta * self.feel.per_angle, self.feel.per_angle.times(SEARCH_RAD))
+            (theta * self.control.feel.per_angle, self.control.feel.per_angle.times(SEARCH_RAD))
         };
         let search = |effects: &Effects| {
             bisect((centre - reach, centre + reach), Equilibrium::neutral(centre.zero()), |x| {
@@ -117,13 +117,13 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// Whether the feel computer hears nothing of the load cell, as in a servo on its own.
     fn is_deaf(&self) -> bool {
-        let arm = self.law.load_cell_arm;
+        let arm = self.control.law.load_cell_arm;
         !S::any(arm.zero().less(arm.abs()))
     }
 
     /// Whether nothing brings the piston back: the amplifier is open.
     pub fn drifts(&self) -> bool {
-        let follows = self.law.gains[0];
+        let follows = self.control.law.gains[0];
         self.is_deaf() && !S::any(follows.zero().less(follows.abs()))
     }
 
@@ -131,8 +131,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     fn heard(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, S) {
         let effects = &shared.effects;
         // S(delta) = T                                                                            eq. (11) at rest
-        let spring = self.feel.spring(effects, shared.curve.as_ref(), delta, around)
-            + self.feel.resistance(effects, around.start, delta, delta.zero());
+        let spring = self.control.feel.spring(effects, shared.curve.as_ref(), delta, around)
+            + self.control.feel.resistance(effects, around.start, delta, delta.zero());
         if effects.observer { self.observed_equilibrium(x_b, delta, spring) } else { self.heard_equilibrium(spring) }
     }
 
@@ -152,10 +152,18 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let pilot_force = -pull / self.column.per_pilot_force;
         let y = self.sampled_at_rest(x_b, x_p, effort);
         let e = if effects.observer {
-            self.observer.says(&self.observer.at_rest(&y, delta), &y, [delta, zero], None).command
+            self.control.observer.says(&self.control.observer.at_rest(&y, delta), &y, [delta, zero], None).command
         } else {
             let [force, piston, angle] = y;
-            self.law.command(&[piston, self.drive.effort(force), delta, zero, angle / self.per_base, zero, pilot_force])
+            self.control.law.command(&[
+                piston,
+                self.drive.effort(force),
+                delta,
+                zero,
+                angle / self.control.per_base,
+                zero,
+                pilot_force,
+            ])
         };
         let e = cancellation.map_or(e, |known| e + known.command(y[1], zero));
         let left_over = self.drive.left_over(effects, e, (x_p, effort));
@@ -164,7 +172,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// Effort at which the load cell is heard as the torque `T`, `T = -r (F_c + F_0)`, and the link's stretch.
     fn heard_equilibrium(&self, torque: S) -> (S, S) {
-        let effort = self.drive.effort(-torque / self.law.load_cell_arm - self.transducers.offset[0]);
+        let effort = self.drive.effort(-torque / self.control.law.load_cell_arm - self.transducers.offset[0]);
         (effort, self.drive.stretch_at_rest(effort))
     }
 
@@ -173,7 +181,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Where the drive hangs free within the link's play, there is no effort, and the law says where it hangs.
     fn observed_equilibrium(&self, x_b: S, delta: S, torque: S) -> (S, S) {
         let link = self.drive.link();
-        let [per_force, per_piston, per_angle, per_delta] = self.observer.torque_at_rest();
+        let [per_force, per_piston, per_angle, per_delta] = self.control.observer.torque_at_rest();
         let [force, piston, angle] = self.sampled_at_rest(x_b, link.ratio * x_b, x_b.zero());
         let per_stretch = self.drive.force_per_effort() * link.per_stiffness;
         let per_effort = per_force * self.drive.force_per_effort() + per_piston * per_stretch;
@@ -192,7 +200,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     #[inline(always)]
     pub(super) fn sampled_at_rest(&self, x_b: S, x_p: S, effort: S) -> [S; SAMPLED] {
         let [force, piston, base] = self.transducers.offset;
-        [self.drive.force_per_effort() * effort + force, x_p + piston, (x_b + base) * self.per_base]
+        [self.drive.force_per_effort() * effort + force, x_p + piston, (x_b + base) * self.control.per_base]
     }
 
     /// A run's first state.
@@ -206,7 +214,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         State {
             slow: Slow { plant: [first, second, third, base, w], feel: [delta, u] },
             column: Grip::resting(&self.column.friction),
-            feel: Grip::resting(&self.feel.friction),
+            feel: Grip::resting(&self.control.feel.friction),
             drive,
             seen: Seen { measured, shown: measured },
             neutral: equilibrium.neutral,

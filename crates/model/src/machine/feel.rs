@@ -5,7 +5,7 @@ use super::{Machine, Shared, State};
 use crate::Scalar;
 use crate::drive::Drive;
 use crate::effects::Effects;
-use crate::feel::{FeelLaw, Surroundings};
+use crate::feel::Surroundings;
 use crate::feel_computer::FeelComputer;
 use crate::observer::Observer;
 use crate::parameters::Parameters;
@@ -15,8 +15,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// `fade` says.
     #[inline(always)]
     pub fn fade_to(&mut self, parameters: &Parameters<S>, observer: Option<&Observer<S>>) {
-        self.next_feel = FeelLaw::new(parameters, &self.law);
-        self.next_observer = *observer.unwrap_or(&self.observer);
+        self.control.fade_to(parameters, observer);
     }
 
     /// The next feel is the feel from now on.
@@ -25,9 +24,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let side = self.drive.side(&shared.effects, state.column.stuck);
         let touches = self.drive.touches(&state.slow.plant);
         let balance = self.drive.balance(&shared.effects, &side, touches, &state.slow.plant);
-        let given_back = self.drive.feel_changed(self.feel.per_torque, self.next_feel.per_torque, &balance);
-        self.feel = self.next_feel;
-        self.observer = self.next_observer;
+        let given_back =
+            self.drive.feel_changed(self.control.feel.per_torque, self.control.next_feel.per_torque, &balance);
+        self.control.faded();
         if shared.timing.is_none() {
             // The velocity stays; what is given back to it with the drive's impulse does not.
             state.slow.feel[1] = state.slow.feel[1] + given_back;
@@ -37,13 +36,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// The feel computer where the feel has been changed so far.
     #[inline(always)]
     pub(super) fn feel_computer<'a>(&'a self, shared: &'a Shared, fade: f64) -> FeelComputer<'a, S> {
-        FeelComputer {
-            feel: &self.feel,
-            next: &self.next_feel,
-            fade,
-            effects: &shared.effects,
-            curve: shared.curve.as_ref(),
-        }
+        self.control.feel_computer(shared, fade)
     }
 
     #[inline(always)]
@@ -54,27 +47,12 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         inputs: &Inputs,
         moment: Moment,
     ) -> Surroundings<S> {
-        let one = state.neutral.constant(1.0);
-        let share = match moment {
-            Moment::Start => 0.0,
-            Moment::Half => 0.5,
-            Moment::End => 1.0,
-        };
-        Surroundings {
-            neutral: if effects.surroundings {
-                self.feel.trimmed(state.neutral, one.constant(moment.of(inputs.trim)), self.step.times(share))
-            } else {
-                state.neutral
-            },
-            stiffness_factor: one.constant(moment.of(inputs.stiffness_factor)),
-            shaker: one.constant(moment.of(inputs.shaker)),
-            slider: state.slider,
-            start: state.slow.feel[0],
-        }
+        let at = (state.neutral, state.slider, state.slow.feel[0]);
+        self.control.around(effects, at, inputs, (moment, self.step))
     }
 
     #[inline(always)]
     pub(super) fn dragged(&self, effects: &Effects, state: &State<S, D>) -> S {
-        if effects.feel_spring { self.feel.dragged(state.slider, state.slow.feel[0]) } else { state.slider }
+        if effects.feel_spring { self.control.feel.dragged(state.slider, state.slow.feel[0]) } else { state.slider }
     }
 }

@@ -66,7 +66,7 @@ pub enum Moment {
 
 impl Moment {
     #[inline(always)]
-    pub(super) fn of(self, [start, end]: [f64; 2]) -> f64 {
+    pub(crate) fn of(self, [start, end]: [f64; 2]) -> f64 {
         match self {
             Self::Start => start,
             Self::Half => 0.5 * (start + end),

@@ -63,7 +63,7 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
         }
         if !self.shared.effects.observer {
             // Nothing moves it and nothing asks for it.
-            memory.estimate = [zero; MOST_STATES];
+            memory.control.estimate = [zero; MOST_STATES];
         }
         Self::read(&state, &memory)
     }
@@ -97,10 +97,10 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
         for age in 1..=UNDER_WAY {
             memory.under_way.send(MOST_UNDER_WAY - age, take());
         }
-        memory.base = take();
+        memory.control.base = take();
         D::remember(&mut state.drive, [take(), take()]);
         state.seen = Seen { measured: [take(), take(), take()], shown: [take(), take(), take()] };
-        for entry in &mut memory.estimate {
+        for entry in &mut memory.control.estimate {
             *entry = take();
         }
         state.steps = MOST_UNDER_WAY * self.timing.period;
@@ -121,10 +121,10 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
         for age in 1..=UNDER_WAY {
             write(memory.under_way.arriving(MOST_UNDER_WAY + 1 - age));
         }
-        write(memory.base);
+        write(memory.control.base);
         D::remembered(&state.drive).into_iter().for_each(&mut write);
         state.seen.measured.into_iter().chain(state.seen.shown).for_each(&mut write);
-        memory.estimate.into_iter().for_each(&mut write);
+        memory.control.estimate.into_iter().for_each(&mut write);
         numbers
     }
 }

@@ -3,7 +3,7 @@
 use super::digital::Memory;
 use super::inputs::{Inputs, Moment};
 use super::slow::Slow;
-use super::{Begun, Machine, Now, Shared, State};
+use super::{Arrived, Begun, Machine, Now, Shared, State};
 use crate::Scalar;
 use crate::drive::Drive;
 use crate::effects::Effects;
@@ -30,6 +30,16 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         inputs: &Inputs,
         normal: impl FnOnce() -> [S; SENSORS],
     ) -> Begun<S, D> {
+        let arrived = self.arrive(shared, state, inputs);
+        if let Some(timing) = shared.timing {
+            self.act(shared, timing, (state, memory), inputs, &arrived.now, normal);
+        }
+        self.set_out(shared, state, inputs, arrived)
+    }
+
+    /// The start of a step up to where a controller samples: what friction did in the last one, what there is, what sensors show.
+    #[inline(always)]
+    pub fn arrive(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs) -> Arrived<S, D> {
         let effects = &shared.effects;
         let side =
             if effects.column_friction { self.drive.side(effects, state.column.stuck) } else { self.drive.moving() };
@@ -43,12 +53,22 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let shown = self.transducers.after_whole(&state.seen, measured, state.late);
             state.seen = Seen { measured, shown };
         }
-        if let Some(timing) = shared.timing {
-            self.control(shared, timing, (state, memory), inputs, &now, normal);
-        }
+        Arrived { now, side }
+    }
+
+    /// The start of a step from there on, under the command that is held by now.
+    #[inline(always)]
+    pub fn set_out(
+        &self,
+        shared: &Shared,
+        state: &mut State<S, D>,
+        inputs: &Inputs,
+        Arrived { mut now, side }: Arrived<S, D>,
+    ) -> Begun<S, D> {
+        let effects = &shared.effects;
         let stage = Stage { shared, inputs, state, moment: Moment::Start };
         if effects.feel_limits && shared.timing.is_none() {
-            let limited = self.feel.held_within((now.delta, now.delta_rate), (now.delta, now.delta_rate));
+            let limited = self.control.feel.held_within((now.delta, now.delta_rate), (now.delta, now.delta_rate));
             (now.delta, now.delta_rate) = limited;
         }
         let mut rates = self.rates(&stage, &state.slow, &mut now);
@@ -74,7 +94,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         if analog {
             state.slider = self.dragged(&shared.effects, state);
             if shared.effects.surroundings {
-                state.neutral = self.feel.trimmed(state.neutral, h.constant(inputs.trim[1]), h);
+                state.neutral = self.control.feel.trimmed(state.neutral, h.constant(inputs.trim[1]), h);
             }
         }
         state.pilot_force = self.pilot_force(state, inputs, Moment::End);
@@ -96,7 +116,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let mut now = self.look(&shared.effects, &begun.side, slow, state, (force, D::left(&state.drive)));
         if shared.effects.feel_limits && shared.timing.is_none() {
             let before = (begun.now.delta, begun.now.delta_rate);
-            (now.delta, now.delta_rate) = self.feel.held_within(before, (now.delta, now.delta_rate));
+            (now.delta, now.delta_rate) = self.control.feel.held_within(before, (now.delta, now.delta_rate));
         }
         let stage = Stage { shared, inputs, state, moment };
         let mut rates = self.rates(&stage, slow, &mut now);
@@ -118,9 +138,16 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let fade = stage.moment.of(stage.inputs.fade);
             let computer = self.feel_computer(stage.shared, fade);
             feel = [now.delta_rate, computer.acceleration((now.delta, now.delta_rate), torque, &around)];
-            let x =
-                [piston, self.drive.effort_shown(force), now.delta, now.delta_rate, base, base_rate, now.pilot_force];
-            let e = self.law.command(&x);
+            let x = [
+                piston,
+                force / self.drive.force_per_effort(),
+                now.delta,
+                now.delta_rate,
+                base,
+                base_rate,
+                now.pilot_force,
+            ];
+            let e = self.control.law.command(&x);
             if effects.test_signal { e + e.constant(stage.moment.of(stage.inputs.command_signal)) } else { e }
         };
         if effects.test_signal {

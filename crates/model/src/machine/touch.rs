@@ -69,14 +69,14 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let before = (begun.now.delta, begun.now.delta_rate);
         let [delta, u] = state.slow.feel;
         let free = (delta, self.drive.feel_velocity(u, &begun.now.balance));
-        let (mut held, mut rate) = self.feel.limited(before, free, self.step);
+        let (mut held, mut rate) = self.control.feel.limited(before, free, self.step);
         let depth = delta - held;
         let zero = depth.zero();
         let met = zero.less(depth.abs()) & zero.less((before.0 - held).abs());
         if S::any(met) {
             let (time, at_stop) = since_touch(depth, delta - before.0, free.1, self.step);
             // The servo was told of a velocity that the control no longer had.
-            let told = self.law.gains[3] * (at_stop + free.1).times(-0.5);
+            let told = self.control.law.gains[3] * (at_stop + free.1).times(-0.5);
             let jump = self.drive.command_jump(effects, &begun.now, told) * time;
             state.slow.plant[2] = state.slow.plant[2] + S::select(met, jump, zero);
             // From rest at the stop it goes back at once, if it is drawn back.

@@ -49,11 +49,13 @@ impl<S: Scalar> Hydraulic<S> {
         if shared.timing.is_some() {
             return;
         }
-        let jump = self.command_jump(effects, &begun.now, machine.law.gains[1] * p);
+        let jump = self.command_jump(effects, &begun.now, machine.control.law.gains[1] * p);
         state.slow.plant[2] = state.slow.plant[2] + only(jump) * time;
         // What a load cell with a lag lets through: a straight line over the whole step is what it takes the pressure for.
         let heard = machine.transducers.load_cell_share(time);
-        let by = machine.law.feel_torque(balance.area) * machine.feel.per_torque * S::select(met, heard, zero);
+        let by = machine.control.law.feel_torque(balance.area)
+            * machine.control.feel.per_torque
+            * S::select(met, heard, zero);
         let stuck = state.feel.stuck;
         state.slow.feel[0] = state.slow.feel[0] + moving(stuck, effects.feel_friction, by * travel.times(1.0 / 6.0));
         state.slow.feel[1] = state.slow.feel[1] + moving(stuck, effects.feel_friction, by * impulse);

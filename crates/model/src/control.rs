@@ -1,0 +1,276 @@
+//! What a digital controller works out in a period: from what is sampled to the command, law and feel computer together.
+//!
+//! `T` period · `y = [F_c, x_p, theta]` what is sampled · `delta`, `delta'` the feel computer's displacement and rate · `e` command ·
+//! `a` what is added against a known disturbance · `a_w` anti-windup · `c_3` command per `delta`
+//!
+//! A machine in a run, the real-time loop and a target board call this one function. It knows nothing of the plant but the numbers of its
+//! law: what it is given are sensors' values, what it gives is a number for the converter. See `controller.rs` for when it does.
+
+use crate::Scalar;
+use crate::compensator::Compensator;
+use crate::controller::Converters;
+use crate::effects::Effects;
+use crate::feel::{FeelLaw, Surroundings};
+use crate::feel_computer::{FeelComputer, FeelMotion};
+use crate::machine::{Inputs, Moment, Shared};
+use crate::observer::{Estimate, MOST_STATES, Observer, SAMPLED, Says};
+use crate::parameters::Parameters;
+use crate::transducers::SENSORS;
+
+/// Law, feel and converters of one loader.
+#[derive(Debug, Clone, Copy)]
+pub struct Control<S> {
+    pub(crate) law: Compensator<S>,
+    pub(crate) observer: Observer<S>,
+    pub(crate) next_observer: Observer<S>,
+    pub(crate) feel: FeelLaw<S>,
+    pub(crate) next_feel: FeelLaw<S>,
+    pub(crate) converters: Converters<S>,
+    /// Column angle in rad per displacement of the base in m.
+    pub(crate) per_base: S,
+    pub(crate) force_per_effort: S,
+}
+
+/// What the law remembers from sample to sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Remembered<S> {
+    /// Displacement of the base as sampled last.
+    pub(crate) base: S,
+    /// Position of the drive's end as sampled last.
+    pub(crate) position: S,
+    /// State of the observer.
+    pub(crate) estimate: Estimate<S>,
+    /// Torque that the feel computer heard last.
+    pub(crate) heard: S,
+}
+
+/// The programmed feel at a sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Feeling<S: Scalar> {
+    /// What moves.
+    pub motion: FeelMotion<S>,
+    /// Trimmed neutral in the unit of `delta`.
+    pub neutral: S,
+}
+
+/// What is sampled.
+#[derive(Debug, Clone, Copy)]
+pub struct Sample<S> {
+    /// Load cell (N), position of the drive's end (m), displacement of the column's base (m).
+    pub sensors: [S; SENSORS],
+    /// Pilot's force in N, for a law that feeds it back.
+    pub pilot_force: S,
+}
+
+/// What follows from a sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Answer<S> {
+    /// Command, before anything limits it.
+    pub command: S,
+    /// Torque that the feel computer hears: of a law with an observer, its estimate of the pilot's.
+    pub torque: S,
+    /// Rate of the column's base over the last period in m/s.
+    pub base_rate: S,
+}
+
+impl<S: Scalar> Control<S> {
+    /// The command of a sample, as the converter gives it; moves the feel computer on by a period.
+    ///
+    /// `allow` may put another command in place of the law's: the observer is then told that one, and the feel gives way to what it
+    /// falls short by.
+    #[inline(always)]
+    pub fn command(
+        &self,
+        shared: &Shared,
+        (feeling, remembered): (&mut Feeling<S>, &mut Remembered<S>),
+        inputs: &Inputs,
+        sample: &Sample<S>,
+        allow: impl FnOnce(&Answer<S>) -> Option<S>,
+    ) -> S {
+        let [force, piston, base] = sample.sensors;
+        let period = base.constant(shared.step_s).times(count(shared.timing.map_or(1, |timing| timing.period)));
+        let (force, piston) = self.converters.read(force, piston);
+        // There is no tachometer: the velocity is the last period's difference.
+        let base_rate = (base - remembered.base) / period;
+        remembered.base = base;
+        let y = [force, piston, base * self.per_base];
+        let added = shared.cancellation.map(|known| known.command(piston, (piston - remembered.position) / period));
+        remembered.position = piston;
+        let [delta, delta_rate] = feeling.motion.at;
+        let fade = inputs.fade[0];
+        let known = if shared.effects.known_friction { Some(remembered.heard) } else { None };
+        let says = if shared.effects.observer {
+            let now = self.observer.says(&remembered.estimate, &y, [delta, delta_rate], known);
+            if fade == 0.0 {
+                now
+            } else {
+                now.towards(self.next_observer.says(&remembered.estimate, &y, [delta, delta_rate], known), fade)
+            }
+        } else {
+            let x = [piston, force / self.force_per_effort, delta, delta_rate, base, base_rate, sample.pilot_force];
+            Says { command: self.law.command(&x), torque: self.law.feel_torque(force), friction: force.zero() }
+        };
+        let asked = added.map_or(says.command, |added| says.command + added);
+        let allowed = allow(&Answer { command: asked, torque: says.torque, base_rate });
+        if shared.effects.observer {
+            remembered.heard = says.torque;
+            // What the amplifier answers together with what is added.
+            let e = allowed.map_or(says.command, |allowed| says.command + (allowed - asked));
+            let e = e - self.converters.cut_off(added.map_or(e, |added| e + added));
+            remembered.estimate = self.next_estimate(&remembered.estimate, &y, e, (known.map(|_| says.friction), fade));
+        }
+        let e = allowed.unwrap_or(asked);
+        // The neutral moves through the period: half of it before the feel runs, half after.
+        let trim = period.constant(inputs.trim[0]);
+        feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period.times(0.5));
+        let at = (feeling.neutral, feeling.motion.slider, feeling.motion.at[0]);
+        let around = self.around(&shared.effects, at, inputs, (Moment::Start, period));
+        self.feel_computer(shared, fade).run(&mut feeling.motion, says.torque, &around, period);
+        feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period.times(0.5));
+        let gain = if shared.effects.observer {
+            let (from, to) = (self.observer.per_delta(), self.next_observer.per_delta());
+            from + (to - from).times(fade)
+        } else {
+            self.law.gains[2]
+        };
+        let beyond = self.converters.cut_off(e);
+        self.give_way(shared, &mut feeling.motion, (gain, allowed.map_or(beyond, |e| asked - e + beyond)), period);
+        self.converters.write(e)
+    }
+
+    /// The feel gives way where the drive does not follow: `beyond` of its command, of which there is `gain` per `delta`.
+    #[inline(always)]
+    fn give_way(&self, shared: &Shared, motion: &mut FeelMotion<S>, (gain, beyond): (S, S), period: S) {
+        let has_gain = gain.zero().less(gain.abs());
+        let excess = S::select(has_gain, beyond / gain, gain.zero());
+        // delta' = ... - 2 a_w (e - e_cut) / c_3, delta'' = ... - a_w^2 (e - e_cut) / c_3: place and speed give way, or the speed
+        // would carry the control on. What sticks keeps its speed of zero.
+        let given_way = self.converters.antiwindup * period * excess;
+        let slower = self.converters.antiwindup * given_way;
+        let [delta, rate] = motion.at;
+        let sticks = shared.effects.feel_friction;
+        let slower = if sticks { S::select(motion.grip.stuck, rate.zero(), slower) } else { slower };
+        motion.at = [delta - given_way.times(2.0), rate - slower];
+    }
+
+    /// The observer's state at the next sample; while the feel changes, between the two laws'.
+    #[inline(always)]
+    fn next_estimate(
+        &self,
+        xi: &Estimate<S>,
+        y: &[S; SAMPLED],
+        e: S,
+        (friction, fade): (Option<S>, f64),
+    ) -> Estimate<S> {
+        let from = self.observer.next(xi, y, e, friction);
+        if fade == 0.0 {
+            return from;
+        }
+        let to = self.next_observer.next(xi, y, e, friction);
+        let mut next = from;
+        for k in 0..MOST_STATES {
+            next[k] = from[k] + (to[k] - from[k]).times(fade);
+        }
+        next
+    }
+
+    /// What the law remembers at rest, where the sensors show `sensors` and the programmed displacement is `delta`.
+    #[inline(always)]
+    pub fn remember(&self, [force, position, base]: [S; SENSORS], delta: S) -> Remembered<S> {
+        let y = [force, position, base * self.per_base];
+        self.remembered(y, base, delta)
+    }
+
+    #[inline(always)]
+    pub(crate) fn remembered(&self, y: [S; SAMPLED], base: S, delta: S) -> Remembered<S> {
+        let estimate = self.observer.at_rest(&y, delta);
+        let heard = self.observer.says(&estimate, &y, [delta, base.zero()], None).torque;
+        Remembered { base, position: y[1], estimate, heard }
+    }
+
+    /// The feel at rest where the column stands, trimmed to there.
+    #[inline(always)]
+    pub fn resting(&self, base: S, neutral: S) -> Feeling<S> {
+        let delta = base * self.per_base * self.feel.per_angle;
+        Feeling { motion: FeelMotion::resting(&self.feel, delta), neutral: neutral * self.feel.per_angle }
+    }
+
+    /// Programmed angle in rad per programmed displacement.
+    #[inline(always)]
+    pub fn per_delta(&self) -> S {
+        self.per_base.constant(1.0) / self.feel.per_angle
+    }
+
+    /// Column angle in rad per displacement of the base in m.
+    #[inline(always)]
+    pub fn per_base(&self) -> S {
+        self.per_base
+    }
+
+    /// Whether the law feeds the pilot's force back, which few loaders measure.
+    #[inline(always)]
+    pub fn wants_pilot_force(&self) -> S::Mask {
+        self.law.gains[6].zero().less(self.law.gains[6].abs())
+    }
+
+    /// Begins to change the feel to that of `parameters`, and the law to `observer` where there is one; how far it is, the inputs'
+    /// `fade` says.
+    #[inline(always)]
+    pub fn fade_to(&mut self, parameters: &Parameters<S>, observer: Option<&Observer<S>>) {
+        self.next_feel = FeelLaw::new(parameters, &self.law);
+        self.next_observer = *observer.unwrap_or(&self.observer);
+    }
+
+    /// The next feel is the feel from now on.
+    #[inline(always)]
+    pub fn faded(&mut self) {
+        self.feel = self.next_feel;
+        self.observer = self.next_observer;
+    }
+
+    /// The feel computer where the feel has been changed so far.
+    #[inline(always)]
+    pub(crate) fn feel_computer<'a>(&'a self, shared: &'a Shared, fade: f64) -> FeelComputer<'a, S> {
+        FeelComputer {
+            feel: &self.feel,
+            next: &self.next_feel,
+            fade,
+            effects: &shared.effects,
+            curve: shared.curve.as_ref(),
+        }
+    }
+
+    /// What the feel is told from outside, where its neutral, its hysteresis' slider and it itself stand, within a step of `h`.
+    #[inline(always)]
+    pub(crate) fn around(
+        &self,
+        effects: &Effects,
+        (neutral, slider, start): (S, S, S),
+        inputs: &Inputs,
+        (moment, h): (Moment, S),
+    ) -> Surroundings<S> {
+        let one = neutral.constant(1.0);
+        let share = match moment {
+            Moment::Start => 0.0,
+            Moment::Half => 0.5,
+            Moment::End => 1.0,
+        };
+        Surroundings {
+            neutral: if effects.surroundings {
+                self.feel.trimmed(neutral, one.constant(moment.of(inputs.trim)), h.times(share))
+            } else {
+                neutral
+            },
+            stiffness_factor: one.constant(moment.of(inputs.stiffness_factor)),
+            shaker: one.constant(moment.of(inputs.shaker)),
+            slider,
+            start,
+        }
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a number of steps in a period, far below 2^52")]
+#[inline(always)]
+fn count(steps: usize) -> f64 {
+    steps as f64
+}
