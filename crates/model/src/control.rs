@@ -1,6 +1,6 @@
 //! What a digital controller works out in a period: from what is sampled to the command, law and feel computer together.
 //!
-//! `T` period · `y = [F_c, x_p, theta]` what is sampled · `delta`, `delta'` the feel computer's displacement and rate · `e` command ·
+//! `T` period · `y = [F_c, x_p, theta, F_g]` what is sampled · `delta`, `delta'` the feel computer's displacement and rate · `e` command ·
 //! `a` what is added against a known disturbance · `a_w` anti-windup · `c_3` command per `delta`
 //!
 //! A machine in a run, the real-time loop and a target board call this one function. It knows nothing of the plant but the numbers of its
@@ -56,7 +56,7 @@ pub struct Feeling<S: Scalar> {
 /// What is sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample<S> {
-    /// Load cell (N), position of the drive's end (m), displacement of the column's base (m).
+    /// Load cell (N), position of the drive's end (m), displacement of the column's base (m), force at the grip (N).
     pub sensors: [S; SENSORS],
     /// Pilot's force in N, for a law that feeds it back.
     pub pilot_force: S,
@@ -87,13 +87,13 @@ impl<S: Scalar> Control<S> {
         sample: &Sample<S>,
         allow: impl FnOnce(&Answer<S>) -> Option<S>,
     ) -> S {
-        let [force, piston, base] = sample.sensors;
+        let [force, piston, base, grip] = sample.sensors;
         let period = base.constant(shared.step_s).times(count(shared.timing.map_or(1, |timing| timing.period)));
         let (force, piston) = self.converters.read(force, piston);
         // There is no tachometer: the velocity is the last period's difference.
         let base_rate = (base - remembered.base) / period;
         remembered.base = base;
-        let y = [force, piston, base * self.per_base];
+        let y = [force, piston, base * self.per_base, grip];
         let added = shared.cancellation.map(|known| known.command(piston, (piston - remembered.position) / period));
         remembered.position = piston;
         let [delta, delta_rate] = feeling.motion.at;
@@ -176,8 +176,8 @@ impl<S: Scalar> Control<S> {
 
     /// What the law remembers at rest, where the sensors show `sensors` and the programmed displacement is `delta`.
     #[inline(always)]
-    pub fn remember(&self, [force, position, base]: [S; SENSORS], delta: S) -> Remembered<S> {
-        let y = [force, position, base * self.per_base];
+    pub fn remember(&self, [force, position, base, grip]: [S; SENSORS], delta: S) -> Remembered<S> {
+        let y = [force, position, base * self.per_base, grip];
         self.remembered(y, base, delta)
     }
 

@@ -37,6 +37,8 @@ pub struct Effects {
     pub sampled: bool,
     /// Noise of a sensor.
     pub noise: bool,
+    /// A force sensor at the grip.
+    pub grip_sensor: bool,
     /// Feedback of more than piston and programmed displacement.
     pub feedback: bool,
     /// A law with an observer in place of gains.
@@ -64,8 +66,9 @@ impl Effects {
         let p = Parameters::from_values(values);
         let feel = &p.feel;
         let electric = DriveKind::of(values) == DriveKind::Electric;
-        let offsets = [p.load_cell.offset, p.potentiometer.offset, p.column_sensor.offset];
-        let lags = [p.load_cell.bandwidth, p.potentiometer.bandwidth, p.column_sensor.bandwidth];
+        let offsets = [p.load_cell.offset, p.potentiometer.offset, p.column_sensor.offset, p.grip_sensor.offset];
+        let lags =
+            [p.load_cell.bandwidth, p.potentiometer.bandwidth, p.column_sensor.bandwidth, p.grip_sensor.bandwidth];
         let spring = [feel.deadband, feel.breakout, feel.preload, feel.hysteresis, feel.detent_force];
         let finite = |limits: &[f64]| limits.iter().any(|limit| limit.is_finite());
         let any = |numbers: &[f64]| numbers.iter().any(|&number| number != 0.0);
@@ -94,7 +97,8 @@ impl Effects {
                 || finite(&[feel.soft_stop_low, feel.soft_stop_high]),
             feel_limits: finite(&[feel.hard_stop_low, feel.hard_stop_high, feel.velocity_limit]),
             sampled: any(&[p.controller.period]),
-            noise: any(&[p.load_cell.noise, p.potentiometer.noise, p.column_sensor.noise]),
+            noise: any(&[p.load_cell.noise, p.potentiometer.noise, p.column_sensor.noise, p.grip_sensor.noise]),
+            grip_sensor: any(&[p.grip_sensor.gain]),
             feedback: true,
             observer: false,
             known_friction: false,
@@ -146,6 +150,7 @@ impl Effects {
             feel_limits: self.feel_limits | other.feel_limits,
             sampled: self.sampled | other.sampled,
             noise: self.noise | other.noise,
+            grip_sensor: self.grip_sensor | other.grip_sensor,
             feedback: self.feedback | other.feedback,
             observer: self.observer | other.observer,
             known_friction: self.known_friction | other.known_friction,

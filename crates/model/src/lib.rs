@@ -26,7 +26,7 @@
 //! | column with friction, gravity, stops, arm | [`column`] |
 //! | dry friction, stops | [`dry_friction`], [`contact`] |
 //! | feel with all that is nonlinear, its force curve | [`feel`], [`curve`] |
-//! | sensors | [`transducers`] |
+//! | sensors | [`transducers`], [`grip_sensor`] |
 //! | digital controller: its period from sample to command; when it acts, its converters | [`control`], [`controller`] |
 //! | its law with an observer, the friction that it knows | [`observer`], [`known_friction`] |
 //! | what it adds against a known disturbance of the drive | [`cancellation`] |
@@ -53,6 +53,7 @@ pub mod dual;
 pub mod effects;
 pub mod feel;
 pub mod feel_computer;
+pub mod grip_sensor;
 pub mod known_friction;
 pub mod linkage;
 pub mod load_cell;

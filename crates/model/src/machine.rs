@@ -38,6 +38,7 @@ use crate::drive::{Coupling, Drive, SIGNALS};
 use crate::dry_friction::Grip;
 use crate::effects::Effects;
 use crate::feel::FeelLaw;
+use crate::grip_sensor::GripForce;
 use crate::observer::Observer;
 use crate::parameters::Parameters;
 use crate::transducers::{Seen, Transducers};
@@ -65,6 +66,7 @@ pub struct Machine<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     pub(crate) drive: D,
     pub(crate) column: ColumnMotion<S>,
     pub(crate) transducers: Transducers<S>,
+    grip: GripForce<S>,
     force_scale: S,
     pub(crate) step: S,
     pub(crate) per_step: S,
@@ -166,6 +168,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             drive,
             column,
             transducers: Transducers::new(parameters, shared.step_s),
+            grip: GripForce::new(parameters),
             force_scale: one,
             step: one.constant(shared.step_s),
             per_step: one.constant(1.0 / shared.step_s),

@@ -1,6 +1,6 @@
 //! Sampled law with an observer, as data: what a digital controller runs in place of fixed gains.
 //!
-//! `xi` its state · `y = [F_c, x_p, theta]` what is sampled · `delta`, `delta'` the feel computer's displacement and rate ·
+//! `xi` its state · `y = [F_c, x_p, theta, F_g]` what is sampled · `delta`, `delta'` the feel computer's displacement and rate ·
 //! `e` command · `T` torque that the feel computer hears
 //!
 //! | | |
@@ -20,8 +20,8 @@ use crate::known_friction::{FRICTION_NUMBERS, KnownFriction};
 /// Most states; a law with fewer leaves the others at zero.
 pub const MOST_STATES: usize = 9;
 
-/// What is sampled: load cell force (N), piston displacement (m), column angle (rad).
-pub const SAMPLED: usize = 3;
+/// What is sampled: load cell force (N), piston displacement (m), column angle (rad), force at the grip (N).
+pub const SAMPLED: usize = 4;
 
 /// Numbers of a law, in the order of [`Observer::from_numbers`].
 pub const NUMBERS: usize = MOST_STATES * (MOST_STATES + 2 * (SAMPLED + 1)) + 2 * KNOWN + FRICTION_NUMBERS;
@@ -139,16 +139,17 @@ impl<S: Scalar> Observer<S> {
     pub fn at_rest(&self, y: &[S; SAMPLED], delta: S) -> Estimate<S> {
         let mut xi = [delta.zero(); MOST_STATES];
         for (entry, r) in xi.iter_mut().zip(&self.settled) {
-            *entry = r[0] * y[0] + r[1] * y[1] + r[2] * y[2] + r[SAMPLED] * delta;
+            *entry = r[0] * y[0] + r[1] * y[1] + r[2] * y[2] + r[3] * y[3] + r[SAMPLED] * delta;
         }
         xi
     }
 
-    /// Torque at rest per newton of the load cell, per metre of the piston, per radian of the column and per radian of the feel.
+    /// Torque at rest per newton of the load cell, per metre of the piston, per radian of the column, per newton at the grip and per
+    /// radian of the feel.
     #[inline(always)]
     pub fn torque_at_rest(&self) -> [S; SAMPLED + 1] {
         let t = &self.torque;
-        let mut per = [t[MOST_STATES], t[MOST_STATES + 1], t[MOST_STATES + 2], t[MOST_STATES + SAMPLED]];
+        let mut per = core::array::from_fn(|k| t[MOST_STATES + k]);
         for (entry, r) in t.iter().zip(&self.settled) {
             for (sum, r) in per.iter_mut().zip(r) {
                 *sum = *sum + *entry * *r;

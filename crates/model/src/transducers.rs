@@ -1,4 +1,4 @@
-//! Sensors as they are: offset, lag, noise and resolution of load cell, potentiometer and column sensor.
+//! Sensors as they are: offset, lag, noise and resolution of load cell, potentiometer, column sensor and the grip's force sensor.
 //!
 //! `x` what is measured · `f` what the sensor shows, `f' = w (x - f)` · `w` bandwidth · `h` time since `x` was `x_0`, `f` was `f_0`
 //!
@@ -8,8 +8,8 @@
 use crate::Scalar;
 use crate::parameters::Parameters;
 
-/// How many sensors there are: load cell (N), potentiometer (m), column sensor (m at the base).
-pub const SENSORS: usize = 3;
+/// How many sensors there are: load cell (N), potentiometer (m), column sensor (m at the base), force sensor at the grip (N).
+pub const SENSORS: usize = 4;
 
 /// The sensors of one loader.
 #[derive(Debug, Clone, Copy)]
@@ -63,14 +63,14 @@ impl<S: Scalar> Transducers<S> {
     /// The sensors of a loader in steps of `h` seconds.
     #[inline(always)]
     pub fn new(parameters: &Parameters<S>, h: f64) -> Self {
-        let Parameters { load_cell: f, potentiometer: x, column_sensor: c, column, .. } = parameters;
+        let Parameters { load_cell: f, potentiometer: x, column_sensor: c, grip_sensor: g, column, .. } = parameters;
         let arm = column.base_arm;
         let step = arm.constant(h);
-        let bandwidths = [f.bandwidth, x.bandwidth, c.bandwidth];
+        let bandwidths = [f.bandwidth, x.bandwidth, c.bandwidth, g.bandwidth];
         Self {
-            offset: [f.offset, x.offset, c.offset * arm],
-            noise: [f.noise, x.noise, c.noise * arm],
-            resolution: [f.resolution, x.resolution, c.resolution * arm],
+            offset: [f.offset, x.offset, c.offset * arm, g.offset],
+            noise: [f.noise, x.noise, c.noise * arm, g.noise],
+            resolution: [f.resolution, x.resolution, c.resolution * arm, g.resolution],
             load_cell_bandwidth: f.bandwidth,
             column_bandwidth: c.bandwidth,
             half: bandwidths.map(|bandwidth| Lag::new(bandwidth, step.times(0.5))),
@@ -121,7 +121,7 @@ impl<S: Scalar> Transducers<S> {
     #[inline(always)]
     pub fn sample(&self, shown: [S; SENSORS], normal: [S; SENSORS]) -> [S; SENSORS] {
         let one = |k: usize| (shown[k] + self.offset[k] + self.noise[k] * normal[k]).quantized(self.resolution[k]);
-        [one(0), one(1), one(2)]
+        [one(0), one(1), one(2), one(3)]
     }
 }
 
@@ -129,5 +129,5 @@ impl<S: Scalar> Transducers<S> {
 fn shown<S: Scalar>(lags: &[Lag<S>; SENSORS], before: &Seen<S>, measured: [S; SENSORS], late: S) -> [S; SENSORS] {
     let one = |k: usize, late: S| lags[k].shown(before.shown[k], before.measured[k], measured[k], late);
     let zero = late.zero();
-    [one(0, late), one(1, zero), one(2, zero)]
+    [one(0, late), one(1, zero), one(2, zero), one(3, zero)]
 }

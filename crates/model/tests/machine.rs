@@ -57,7 +57,7 @@ impl Run {
     fn from(&self, theta: f64, steps: usize, inputs: impl Fn(usize) -> Inputs) -> Vec<Now<f64>> {
         let equilibrium = self.machine.held_at(&self.shared, theta, 0.0, 1.0);
         let (mut state, mut memory) =
-            (self.machine.start(&self.shared, &equilibrium), self.machine.remember(&equilibrium));
+            (self.machine.start(&self.shared, &equilibrium), self.machine.remember(&self.shared, &equilibrium));
         let mut seen = Vec::new();
         for step in 0..steps {
             let now = inputs(step);

@@ -13,6 +13,7 @@ use forcefeel_model::machine::period::{BASE, Drives, PERIOD_STATES, Period, YOUN
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::Parameters;
+use forcefeel_model::transducers::SENSORS;
 use near::{assert_near, assert_within};
 
 const STEP: f64 = 2.5e-4;
@@ -24,10 +25,10 @@ const DELTA_RATE: usize = 6;
 const HELD: usize = 7;
 
 /// A share of what each number of the state is at most in a run: metres, m³/s, m³/s², m, m/s; rad, rad/s; V; V; m; Pa; Pa; what is
-/// sensed, N, m, m, twice; the observer's own.
+/// sensed, N, m, m, N, twice; the observer's own.
 const SIZES: [f64; PERIOD_STATES] = {
     let plant = [1e-2, 1e-4, 1e-2, 1e-2, 0.1];
-    let sensed = [1e3, 1e-2, 1e-2];
+    let sensed = [1e3, 1e-2, 1e-2, 1e3];
     let mut sizes = [1.0; PERIOD_STATES];
     let mut k = 0;
     while k < 5 {
@@ -38,8 +39,8 @@ const SIZES: [f64; PERIOD_STATES] = {
     let memory = YOUNGEST + MOST_UNDER_WAY - 1;
     (sizes[memory], sizes[memory + 1], sizes[memory + 2]) = (1e-2, 1e6, 1e4);
     k = 0;
-    while k < 6 {
-        sizes[memory + 3 + k] = sensed[k % 3];
+    while k < 2 * SENSORS {
+        sizes[memory + 3 + k] = sensed[k % SENSORS];
         k += 1;
     }
     sizes
@@ -174,14 +175,14 @@ fn periods_one_after_the_other_are_the_run_bit_for_bit() {
         for one in Loop::all(&loader(bent)) {
             let (machine, shared, timing) = (one.machine(1.0), &one.shared, one.timing);
             let equilibrium = machine.held_at(shared, 0.0, 0.0, 1.0);
-            let (mut state, mut memory) = (machine.start(shared, &equilibrium), machine.remember(&equilibrium));
+            let (mut state, mut memory) = (machine.start(shared, &equilibrium), machine.remember(shared, &equilibrium));
             let (mut numbers, mut force_before) = ([0.0; PERIOD_STATES], 0.0);
             for period in 0..40 {
                 // A push, then a pull.
                 let force = if period < 20 { 150.0 } else { -220.0 };
                 let inputs = Inputs { force: [force; 2], ..Inputs::NONE };
                 for step in 0..timing.period {
-                    let begun = machine.begin(shared, &mut state, &mut memory, &inputs, || [0.0; 3]);
+                    let begun = machine.begin(shared, &mut state, &mut memory, &inputs, || [0.0; SENSORS]);
                     if step == 0 {
                         let now = [begun.now.base, begun.now.delta, begun.now.delta_rate];
                         let carried = [numbers[BASE], numbers[DELTA], numbers[DELTA_RATE]];

@@ -187,7 +187,8 @@ impl Job<'_> {
         let (parameters, mut machine) = self.machines::<T, K>(wide);
         let changes: Vec<FeelChange<T>> = self.changes.iter().map(|change| change.of(&parameters)).collect();
         let (seed, first_run) = self.noise;
-        let mut noise = Noise::new(seed, (0..T::RUNS).map(|lane| first_run + member(lane) as u64));
+        let mut noise =
+            Noise::new(seed, (0..T::RUNS).map(|lane| first_run + member(lane) as u64), self.shared.effects.grip_sensor);
         let per_base = machine.per_base();
         let mut recorder = Recorder {
             job: self,

@@ -58,7 +58,7 @@ pub fn run<S: Scalar, D: Drive<S>>(
         return;
     }
     let &Beginning { ref equilibrium, held_until } = beginning;
-    let (mut state, mut memory) = (machine.start(shared, equilibrium), machine.remember(equilibrium));
+    let (mut state, mut memory) = (machine.start(shared, equilibrium), machine.remember(shared, equilibrium));
     let mut changes = changes.iter().peekable();
     Machine::<S, D>::hold(&mut state, equilibrium);
     if held_until == 0 {

@@ -21,9 +21,9 @@ pub struct Memory<S> {
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// What a digital controller remembers of the equilibrium.
     #[inline(always)]
-    pub fn remember(&self, equilibrium: &Equilibrium<S>) -> Memory<S> {
+    pub fn remember(&self, shared: &Shared, equilibrium: &Equilibrium<S>) -> Memory<S> {
         let base = equilibrium.base + self.transducers.offset[2];
-        let y = self.sampled_at_rest(equilibrium.base, equilibrium.position, equilibrium.effort);
+        let y = self.sampled_at_rest(&shared.effects, equilibrium.base, equilibrium.position, equilibrium.effort);
         Memory {
             under_way: UnderWay::holding(equilibrium.command),
             control: self.control.remembered(y, base, equilibrium.delta),

@@ -133,7 +133,11 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         // S(delta) = T                                                                            eq. (11) at rest
         let spring = self.control.feel.spring(effects, shared.curve.as_ref(), delta, around)
             + self.control.feel.resistance(effects, around.start, delta, delta.zero());
-        if effects.observer { self.observed_equilibrium(x_b, delta, spring) } else { self.heard_equilibrium(spring) }
+        if effects.observer {
+            self.observed_equilibrium(effects, x_b, delta, spring)
+        } else {
+            self.heard_equilibrium(spring)
+        }
     }
 
     /// What holds at rest for a base, a programmed displacement and its neutral, and an effort with the link's stretch, and what
@@ -150,11 +154,11 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let pull = self.column.per_link_force * self.drive.force_per_effort() * effort
             + self.column.loads(effects, x_b, x_b, zero);
         let pilot_force = -pull / self.column.per_pilot_force;
-        let y = self.sampled_at_rest(x_b, x_p, effort);
+        let y = self.sampled_at_rest(effects, x_b, x_p, effort);
         let e = if effects.observer {
             self.control.observer.says(&self.control.observer.at_rest(&y, delta), &y, [delta, zero], None).command
         } else {
-            let [force, piston, angle] = y;
+            let [force, piston, angle, _] = y;
             self.control.law.command(&[
                 piston,
                 self.drive.effort(force),
@@ -176,16 +180,19 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         (effort, self.drive.stretch_at_rest(effort))
     }
 
-    /// Effort and stretch at which an observer hears the torque `T` in equilibrium, `T = t_F F_c + t_x x_p + t_theta theta + t_delta delta`.
+    /// Effort and stretch at which an observer hears the torque `T` in equilibrium, `T = t_F F_c + t_x x_p + t_theta theta + t_g F_g + t_delta delta`.
     ///
     /// Where the drive hangs free within the link's play, there is no effort, and the law says where it hangs.
-    fn observed_equilibrium(&self, x_b: S, delta: S, torque: S) -> (S, S) {
+    fn observed_equilibrium(&self, effects: &Effects, x_b: S, delta: S, torque: S) -> (S, S) {
         let link = self.drive.link();
-        let [per_force, per_piston, per_angle, per_delta] = self.control.observer.torque_at_rest();
-        let [force, piston, angle] = self.sampled_at_rest(x_b, link.ratio * x_b, x_b.zero());
+        let [per_force, per_piston, per_angle, per_grip, per_delta] = self.control.observer.torque_at_rest();
+        let [force, piston, angle, grip] = self.sampled_at_rest(effects, x_b, link.ratio * x_b, x_b.zero());
         let per_stretch = self.drive.force_per_effort() * link.per_stiffness;
-        let per_effort = per_force * self.drive.force_per_effort() + per_piston * per_stretch;
-        let left = torque - per_force * force - per_angle * angle - per_delta * delta - per_piston * piston;
+        // At rest the hand holds against the link, F_g per F_c.
+        let against = self.grip.shown(-self.column.per_link_force / self.column.per_pilot_force, [x_b.zero(); 3]);
+        let per_effort = (per_force + per_grip * against) * self.drive.force_per_effort() + per_piston * per_stretch;
+        let known = per_force * force + per_angle * angle + per_grip * grip;
+        let left = torque - known - per_delta * delta - per_piston * piston;
         let play = per_piston * link.half_play;
         let one = x_b.constant(1.0);
         let side = one.times_sign(left).times_sign(per_effort);
@@ -198,9 +205,22 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// What the sensors show in equilibrium.
     #[inline(always)]
-    pub(super) fn sampled_at_rest(&self, x_b: S, x_p: S, effort: S) -> [S; SAMPLED] {
-        let [force, piston, base] = self.transducers.offset;
-        [self.drive.force_per_effort() * effort + force, x_p + piston, (x_b + base) * self.control.per_base]
+    pub(super) fn sampled_at_rest(&self, effects: &Effects, x_b: S, x_p: S, effort: S) -> [S; SAMPLED] {
+        let [force, piston, base, grip] = self.transducers.offset;
+        let on_cell = self.drive.force_per_effort() * effort;
+        let at_grip = self.grip_at_rest(effects, x_b, on_cell);
+        [on_cell + force, x_p + piston, (x_b + base) * self.control.per_base, at_grip + grip]
+    }
+
+    /// Force at the grip that holds the column against a force on the load cell.
+    #[inline(always)]
+    fn grip_at_rest(&self, effects: &Effects, x_b: S, force: S) -> S {
+        let zero = x_b.zero();
+        if !effects.grip_sensor {
+            return zero;
+        }
+        let pull = self.column.per_link_force * force + self.column.loads(effects, x_b, x_b, zero);
+        self.grip.shown(-pull / self.column.per_pilot_force, [x_b, zero, zero])
     }
 
     /// A run's first state.
@@ -210,7 +230,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let &Equilibrium { base, position, delta, effort, .. } = equilibrium;
         let ([first, second, third], [w, u], drive) = self.drive.at_rest(&shared.effects, position, effort);
         let u = if shared.timing.is_some() { zero } else { u };
-        let measured = [self.drive.force_per_effort() * effort, position, base];
+        let force = self.drive.force_per_effort() * effort;
+        let measured = [force, position, base, self.grip_at_rest(&shared.effects, base, force)];
         State {
             slow: Slow { plant: [first, second, third, base, w], feel: [delta, u] },
             column: Grip::resting(&self.column.friction),

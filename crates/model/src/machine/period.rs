@@ -22,7 +22,7 @@ pub const BASE: usize = 3;
 /// Place of the youngest command.
 pub const YOUNGEST: usize = 8;
 
-/// Place of the first of what the sensors showed: load cell, potentiometer, column.
+/// Place of the first of what the sensors showed: load cell, potentiometer, column, grip.
 pub const SHOWN: usize = YOUNGEST + UNDER_WAY + 3 + SENSORS;
 
 const UNDER_WAY: usize = MOST_UNDER_WAY - 1;
@@ -89,7 +89,7 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
         };
         let equilibrium = Equilibrium::neutral(zero);
         let (mut state, mut memory) =
-            (self.machine.start(self.shared, &equilibrium), self.machine.remember(&equilibrium));
+            (self.machine.start(self.shared, &equilibrium), self.machine.remember(self.shared, &equilibrium));
         let plant = [take(), take(), take(), take(), take()];
         state.slow = Slow { plant, feel: [take(), take()] };
         state.held = take();
@@ -99,7 +99,7 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
         }
         memory.control.base = take();
         D::remember(&mut state.drive, [take(), take()]);
-        state.seen = Seen { measured: [take(), take(), take()], shown: [take(), take(), take()] };
+        state.seen = Seen { measured: [take(), take(), take(), take()], shown: [take(), take(), take(), take()] };
         for entry in &mut memory.control.estimate {
             *entry = take();
         }

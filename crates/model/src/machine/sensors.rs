@@ -2,15 +2,33 @@
 
 use super::inputs::Moment;
 use super::step::Stage;
-use super::{Machine, Now};
+use super::{Machine, Now, State};
 use crate::Scalar;
 use crate::drive::Drive;
+use crate::effects::Effects;
 use crate::transducers::SENSORS;
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     #[inline(always)]
     pub(super) fn measured(now: &Now<S, D>) -> [S; SENSORS] {
-        [now.force, now.position, now.base]
+        [now.force, now.position, now.base, now.force.zero()]
+    }
+
+    /// The same with the force at the grip, of which only a digital controller hears.
+    #[inline(always)]
+    pub(super) fn measured_at_grip(&self, effects: &Effects, state: &State<S, D>, now: &Now<S, D>) -> [S; SENSORS] {
+        let mut measured = Self::measured(now);
+        if effects.grip_sensor {
+            let mut a = self.column.per_link_force * now.force
+                + self.column.per_pilot_force * now.pilot_force
+                + self.column.loads(effects, now.base, now.base, now.base_rate);
+            if effects.column_friction {
+                // What it did in the last step, as this one's is not settled yet.
+                a = S::select(state.column.stuck, a.zero(), a + state.column.drag);
+            }
+            measured[3] = self.grip.shown(now.pilot_force, [now.base, now.base_rate, a]);
+        }
+        measured
     }
 
     /// What the sensors show under the analog law.
@@ -29,7 +47,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         }
         if effects.offsets {
             let offset = &self.transducers.offset;
-            shown = [shown[0] + offset[0], shown[1] + offset[1], shown[2] + offset[2]];
+            shown = [shown[0] + offset[0], shown[1] + offset[1], shown[2] + offset[2], shown[3]];
         }
         (shown, base_rate)
     }

@@ -49,7 +49,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             D::catch_up(self, effects, &side, state, &mut now);
         }
         if effects.lags || shared.timing.is_some() {
-            let measured = Self::measured(&now);
+            let measured = self.measured_at_grip(effects, state, &now);
             let shown = self.transducers.after_whole(&state.seen, measured, state.late);
             state.seen = Seen { measured, shown };
         }
@@ -132,7 +132,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let mut e = if stage.shared.timing.is_some() {
             stage.state.held + stage.state.test_signal
         } else {
-            let ([force, piston, base], base_rate) = self.shown(stage, now);
+            let ([force, piston, base, _], base_rate) = self.shown(stage, now);
             let around = self.around(effects, stage.state, stage.inputs, stage.moment);
             let torque = self.heard_torque(force, now);
             let fade = stage.moment.of(stage.inputs.fade);

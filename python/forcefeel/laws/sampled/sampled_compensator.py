@@ -1,7 +1,7 @@
 """A sampled law with an observer, as data: what a digital controller runs once a period.
 
 ``xi`` its state, in coordinates of its own · ``y = [F_c, x_p, theta]`` the sampled load cell force (N), piston displacement (m)
-and column angle (rad) · ``delta``, ``delta'`` the feel computer's displacement and rate · ``e`` command in V · ``T`` torque in
+and column angle (rad), of a law for a force sensor at the grip ``[F_c, x_p, theta, F_g]``, with that force (N) · ``delta``, ``delta'`` the feel computer's displacement and rate · ``e`` command in V · ``T`` torque in
 N m that the feel computer hears in the period
 
     T_k    = torque  [xi; y; delta; delta']
@@ -28,6 +28,9 @@ MOST_STATES = 9
 SAMPLED = 3
 """How many signals are sampled: F_c, x_p, theta."""
 
+SAMPLED_AT_GRIP = SAMPLED + 1
+"""How many with the force at the grip, F_g."""
+
 _FEEL = 2
 """delta, delta'."""
 
@@ -46,7 +49,7 @@ class SampledCompensator:
         period_s: Sample period of the plant it was made for.
         delay_s: Time from the sample to its command, likewise; at most a period.
         transition: (settings, n, n); n at most ``MOST_STATES``.
-        input: (settings, n, 4), columns F_c, x_p, theta, e.
+        input: (settings, n, 4), columns F_c, x_p, theta, e; with the grip's sensor (settings, n, 5), F_g before e, and so below.
         command: (settings, n + 5), in V on xi, F_c, x_p, theta, delta, delta'.
         torque: (settings, n + 5), in N m on the same.
         friction: (settings, 2 n + 9), the dry friction that it knows: r, the column's rate in rad/s on the same as command; b, by
@@ -98,6 +101,11 @@ class SampledCompensator:
         return bool(self.friction[:, -OF_FRICTION].any())
 
     @property
+    def sampled(self) -> int:
+        """How many signals it samples: ``SAMPLED`` or ``SAMPLED_AT_GRIP``."""
+        return int(self.input.shape[2]) - 1
+
+    @property
     def states(self) -> int:
         """How many states each law has."""
         return int(self.transition.shape[1])
@@ -118,7 +126,7 @@ class SampledCompensator:
         Raises:
             InputError: If period, delay or number of states differ, there is more than one setting, or the share is beyond.
         """
-        for name in ("period_s", "delay_s", "states"):
+        for name in ("period_s", "delay_s", "states", "sampled"):
             one, two = getattr(self, name), getattr(other, name)
             if one != two:
                 raise InputError(f"other: expected a law with the {name} {one:g} of this one, got {two:g}")
@@ -134,18 +142,23 @@ class SampledCompensator:
     def rows(self) -> NDArray[np.float64]:
         """A row of ``_core.OBSERVER_NUMBERS`` numbers for each setting, as the engine takes them.
 
-        transition (9 by 9), input (9 by 4), command (14), torque (14), settled (9 by 4) and friction (27), row by row, with zeros
-        for the states that the law has not.
+        transition (9 by 9), input (9 by 5), command (15), torque (15), settled (9 by 5) and friction (28), row by row, with zeros
+        for the states, and for the force at the grip, that the law has not.
         """
         n, spare = self.states, MOST_STATES - self.states
-        wide = ((0, 0), (0, spare), (0, 0))
+        grip = [SAMPLED] * (SAMPLED_AT_GRIP - self.sampled)
+        absent = [n] * spare + [n + place for place in grip]
+
+        def wide(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+            return np.insert(np.pad(numbers, ((0, 0), (0, spare), (0, 0))), grip, 0.0, axis=2)
+
         parts = (
             np.pad(self.transition, ((0, 0), (0, spare), (0, spare))),
-            np.pad(self.input, wide),
-            np.insert(self.command, [n] * spare, 0.0, axis=1),
-            np.insert(self.torque, [n] * spare, 0.0, axis=1),
-            np.pad(self.settled, wide),
-            np.insert(self.friction, [n] * spare + [2 * n + SAMPLED + _FEEL] * spare, 0.0, axis=1),
+            wide(self.input),
+            np.insert(self.command, absent, 0.0, axis=1),
+            np.insert(self.torque, absent, 0.0, axis=1),
+            wide(self.settled),
+            np.insert(self.friction, absent + [2 * n + self.sampled + _FEEL] * spare, 0.0, axis=1),
         )
         return np.ascontiguousarray(np.hstack([part.reshape(self.settings, -1) for part in parts]))
 
@@ -164,11 +177,13 @@ def _arrays(law: SampledCompensator) -> dict[str, NDArray[np.float64]]:
             f"transition: expected the shape (settings, n, n) with 1 to {MOST_STATES} states n, got {shape}"
         )
     settings, n, _ = shape
-    said = (settings, n + SAMPLED + _FEEL)
-    known = (settings, 2 * n + SAMPLED + _FEEL + OF_FRICTION)
+    at_grip = found["input"].shape == (settings, n, SAMPLED_AT_GRIP + 1)
+    sampled = SAMPLED_AT_GRIP if at_grip else SAMPLED
+    said = (settings, n + sampled + _FEEL)
+    known = (settings, 2 * n + sampled + _FEEL + OF_FRICTION)
     if not found[FRICTION].size:
         found[FRICTION] = np.zeros(known)
-    shapes = {"input": (settings, n, SAMPLED + 1), "command": said, "torque": said, FRICTION: known}
+    shapes = {"input": (settings, n, sampled + 1), "command": said, "torque": said, FRICTION: known}
     for name, expected in shapes.items():
         if found[name].shape != expected:
             raise InputError(f"{name}: expected the shape {expected}, got {found[name].shape}")
@@ -187,12 +202,12 @@ def _array(name: str, given: ArrayLike) -> NDArray[np.float64]:
 
 
 def _settled(law: SampledCompensator) -> NDArray[np.float64]:
-    """The state at rest per F_c, x_p, theta, delta, with ``e`` the law's own command.
+    """The state at rest per F_c, x_p, theta, F_g where it is sampled, delta, with ``e`` the law's own command.
 
     ``(I - A - b_e c_xi) xi = (B_y + b_e c_y) y + b_e c_delta delta``
     """
-    n = law.states
-    by_signal, by_command = law.input[..., :SAMPLED], law.input[..., SAMPLED:]
+    n, sampled = law.states, law.sampled
+    by_signal, by_command = law.input[..., :sampled], law.input[..., sampled:]
     alone = law.transition + by_command @ law.command[:, None, :n]
     # Free of the units of xi, as the condition of the matrix is not.
     nearest = np.abs(np.linalg.eigvals(alone) - 1).min(axis=1)
@@ -201,6 +216,6 @@ def _settled(law: SampledCompensator) -> NDArray[np.float64]:
             f"transition: expected a state at rest that is determined, got a pole at 1 in setting {int(np.argmin(nearest))}, "
             "the command of the law itself included; let what integrates there leak"
         )
-    moved = by_command @ law.command[:, None, n : n + SAMPLED + 1]
-    moved[..., :SAMPLED] += by_signal
+    moved = by_command @ law.command[:, None, n : n + sampled + 1]
+    moved[..., :sampled] += by_signal
     return np.asarray(np.linalg.solve(np.eye(n) - alone, moved), dtype=np.float64)
