@@ -116,16 +116,18 @@ class Plant:
             *lags,
         ]
 
-    def sampled(self, y):
-        """What the controller reads."""
+    def sampled(self, y, pilot):
+        """What the controller reads; of a loader with a sensor at the grip, one without a lag, its force too."""
         x_m, v_m, _, x_b, v_b, *_ = y
         measured = (self.force(x_m, v_m, x_b, v_b), x_m, x_b / self.arm)
-        return np.array(
-            [
-                seen if math.isfinite(w) else value
-                for w, value, seen in zip(self.bandwidths, measured, y[7:], strict=True)
-            ]
-        )
+        shown = [
+            seen if math.isfinite(w) else value for w, value, seen in zip(self.bandwidths, measured, y[7:], strict=True)
+        ]
+        gain, mass = self.loader["grip_sensor.gain"], self.loader["grip_sensor.mass"]
+        if gain:
+            angular = self.rates(y, 0.0, pilot)[4] / self.arm  # the current does not pull at the column
+            shown.append(gain * (pilot - mass * self.grip * angular))
+        return np.array(shown)
 
 
 def simulate(loader, law, pilot, duration, *, command=None, added=None, test=None, rtol=1e-9):  # noqa: PLR0913
@@ -153,7 +155,7 @@ def simulate(loader, law, pilot, duration, *, command=None, added=None, test=Non
         rows.append(y[:7])
         new = 0.0 if command is None else command(t)
         if law is not None:
-            sample = plant.sampled(y)
+            sample = plant.sampled(y, pilot(t))
             known = np.concatenate([xi, sample, feels])
             own, torque = float(law.command[0] @ known), float(law.torque[0] @ known)
             limit = g("current_loop.current_limit")

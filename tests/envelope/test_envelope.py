@@ -215,9 +215,8 @@ def test_the_default_grid_is_near_the_independent_reckoning():
 
 def test_every_outcome_has_a_reason():
     assert failure_of(PASSES) is None
-    assert {failure_of(name) for name in (UNSTABLE, *NAMES)} == set(Failure) - {
-        Failure.TORQUE
-    }  # of a motor, not of the rule
+    limits = {Failure.DRIVE, Failure.NOISE}  # not of the rule
+    assert {failure_of(name) for name in (UNSTABLE, *NAMES)} == set(Failure) - limits
     assert failure_of("P0") is Failure.FIRST_CROSSING
     assert failure_of("A3") is Failure.OVERSHOOTS
 

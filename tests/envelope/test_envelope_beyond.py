@@ -31,31 +31,31 @@ def test_what_the_largest_current_does_not_hold_is_beyond_the_motors_torque(foun
     shares = np.array([0.1, 0.4, 0.7, 1.0])
     expected = shares * row("feel.maximum_stiffness") * ANGLE > most
     assert 0 < expected.sum() < 4
-    assert found.beyond.settings.reshape(found.plan.settings.shape).tolist() == [[expected.tolist()] * 2] * 2
-    assert found.beyond.gives_n == pytest.approx(most / row("column.grip_arm"))
-    assert found.beyond.torque_n_m / (WEAK["motor.torque_constant"] * 2.0) == pytest.approx(
+    assert found.forbidden.beyond.settings.reshape(found.plan.settings.shape).tolist() == [[expected.tolist()] * 2] * 2
+    assert found.forbidden.beyond.gives_n == pytest.approx(most / row("column.grip_arm"))
+    assert found.forbidden.beyond.torque_n_m / (WEAK["motor.torque_constant"] * 2.0) == pytest.approx(
         row("feel.maximum_stiffness") * ANGLE / most
     )
 
 
 def test_they_are_a_kind_of_failure_of_their_own(found):
-    beyond = found.beyond.settings
+    beyond = found.forbidden.settings
     count = int(beyond.sum())
     assert not found.passes("robust")[0][beyond].any()
-    assert found.failure_shares("robust")[Failure.TORQUE] == count / 16
+    assert found.failure_shares("robust")[Failure.DRIVE] == count / 16
     assert found.failure_shares("robust")[Failure.UNSTABLE] == 0
     said = envelope_conclusions(found, ff.UnitSystem.SI).findings[0]
-    assert said.startswith(f"Of 16 settings {count} are beyond the motor's torque, whatever the law")
+    assert said.startswith(f"{count} of 16 settings are forbidden by the motor's torque, whatever the law")
     assert "What would do: a motor of" in said
-    assert envelope_json(found, ff.UnitSystem.SI)["beyond_the_motors_torque"] == count
+    assert envelope_json(found, ff.UnitSystem.SI)["forbidden"] == {"the motor's torque": count}
 
 
 def test_a_valve_and_a_strong_motor_have_none():
     for loader, law in ((ff.elevator(), "published"), (ff.loader.electric("aileron-wheel"), "robust")):
         grid = {"stiffness": "50, 100 %", "frequency": "1, 2 Hz", "damping": "0.5, 1"}
         other = ff.find_envelope(loader, [law], grid, changes={}, arms=())
-        assert not other.beyond.settings.any()
-        assert other.failure_shares(law)[Failure.TORQUE] == 0
+        assert not other.forbidden.settings.any()
+        assert other.failure_shares(law)[Failure.DRIVE] == 0
 
 
 @pytest.mark.parametrize(

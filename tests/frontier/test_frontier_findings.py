@@ -92,12 +92,12 @@ def test_each_setting_has_one_limit_and_the_most_fundamental_is_named(found):
     passes = found.envelope.passes("original")
     every = passes.all(axis=0)
     for possible, forbidden, limit in (
-        (np.zeros(count, bool), np.full(count, 2.0), Limit.DRIVE),
-        (np.zeros(count, bool), np.zeros(count), Limit.INERTIA),
-        (np.ones(count, bool), np.zeros(count), None),
+        (np.zeros(count, bool), np.ones(count, bool), Limit.DRIVE),
+        (np.zeros(count, bool), np.zeros(count, bool), Limit.INERTIA),
+        (np.ones(count, bool), np.zeros(count, bool), None),
     ):
         bound = replace(found.bound, possible=np.tile(possible, (len(found.bound.errors), 1)))
-        changed = replace(found, bound=bound, drive=replace(found.drive, least=forbidden))
+        changed = replace(found, bound=bound, drive=replace(found.drive, forbidden=forbidden))
         limits = changed.limits.ravel()
         order = list(Limit)
         expected = np.where(passes[0], order.index(Limit.LAW), order.index(Limit.NOMINAL))

@@ -40,10 +40,15 @@ def says(one, xi, y, feel):
 
 
 def read(row):
-    """T, e and next as the engine reads a row: in the order of its documentation."""
-    sizes = [(9, 9), (9, 4), (14,), (14,), (9, 4), (27,)]
+    """T, e and next as the engine reads a row: in the order of its documentation; nothing of the force at the grip."""
+    sizes = [(9, 9), (9, 5), (15,), (15,), (9, 5), (28,)]
     ends = np.cumsum([np.prod(size) for size in sizes])
-    return [part.reshape(size) for part, size in zip(np.split(row, ends[:-1]), sizes, strict=True)]
+    parts = [part.reshape(size) for part, size in zip(np.split(row, ends[:-1]), sizes, strict=True)]
+    places = [None, 3, 12, 12, 3, 12]
+    assert not any(part[..., place].any() for part, place in zip(parts, places, strict=True) if place)
+    return [
+        part if place is None else np.delete(part, place, axis=-1) for part, place in zip(parts, places, strict=True)
+    ]
 
 
 @pytest.mark.parametrize("n", [1, 7, 9])

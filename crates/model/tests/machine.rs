@@ -8,6 +8,7 @@ use forcefeel_model::drive::hydraulic::{CURRENT, FLOW, PRESSURE};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
 use forcefeel_model::parameters::Parameters;
+use forcefeel_model::transducers::SENSORS;
 use near::{assert_near, assert_within};
 
 const STEP: f64 = 1e-3;
@@ -61,12 +62,12 @@ impl Run {
         let mut seen = Vec::new();
         for step in 0..steps {
             let now = inputs(step);
-            let begun = self.machine.begin(&self.shared, &mut state, &mut memory, &now, || [0.0; 3]);
+            let begun = self.machine.begin(&self.shared, &mut state, &mut memory, &now, || [0.0; SENSORS]);
             seen.push(begun.now);
             self.machine.advance(&self.shared, &mut state, &now, &begun);
         }
         let end = inputs(steps).end();
-        seen.push(self.machine.begin(&self.shared, &mut state, &mut memory, &end, || [0.0; 3]).now);
+        seen.push(self.machine.begin(&self.shared, &mut state, &mut memory, &end, || [0.0; SENSORS]).now);
         seen
     }
 

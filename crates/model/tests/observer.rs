@@ -133,12 +133,12 @@ fn law_without_states_says_what_the_gains_say_that_it_repeats() {
         let law = Compensator::state_feedback(&p, [piston, pressure, delta, delta_rate, base, 0.0, 0.0]);
         let mut numbers = [0.0; NUMBERS];
         // p = F_c / A, x_b = R_b theta
-        numbers[C + MOST_STATES..T].copy_from_slice(&[pressure / area, piston, base * arm, delta, delta_rate]);
+        numbers[C + MOST_STATES..T].copy_from_slice(&[pressure / area, piston, base * arm, 0.0, delta, delta_rate]);
         numbers[T + MOST_STATES] = -law.load_cell_arm;
         let (_, xi, y, feel) = random_law(&mut draws);
         let observer = Observer::from_numbers(&numbers);
         let says = observer.says(&xi, &y, feel, None);
-        let [force, x_p, theta] = y;
+        let [force, x_p, theta, _] = y;
         let e = law.command(&[x_p, force / area, feel[0], feel[1], arm * theta, 0.3, -0.7]);
         assert_within(says.command, e, SUM * (1.0 + pressure.abs() / area)); // A is 1.5e-3 m²
         assert_near(says.torque, law.feel_torque(force), ROUNDING);

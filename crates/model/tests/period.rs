@@ -63,6 +63,7 @@ const TIMINGS: [Timing; 9] = [
 fn loader(bent: bool) -> Parameters<f64> {
     let mut p = Parameters::elevator();
     (p.load_cell.bandwidth, p.potentiometer.bandwidth, p.column_sensor.bandwidth) = (3000.0, 2000.0, 1000.0);
+    (p.grip_sensor.gain, p.grip_sensor.mass, p.grip_sensor.bandwidth) = (0.9, 0.4, 1500.0);
     if bent {
         p.valve.orifice = 1.0;
         (p.column.gravity_torque, p.column.viscous_friction) = (10.0, 1.0);

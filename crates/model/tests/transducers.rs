@@ -4,7 +4,7 @@ mod near;
 
 use core::f64::consts::TAU;
 use forcefeel_model::parameters::Parameters;
-use forcefeel_model::transducers::{Seen, Transducers};
+use forcefeel_model::transducers::{SENSORS, Seen, Transducers};
 use forcefeel_model::units;
 use near::{ROUNDING, assert_near, assert_within};
 
@@ -33,10 +33,10 @@ fn lag_is_the_exponential_for_what_changes_evenly() {
     for w in [0.6, 20.0, TAU * 100.0, TAU * 500.0, 6e5] {
         let sensors = sensors([w; 3]);
         for (f_0, x_0, slope) in [(0.0, 0.0, 1e3), (2.0, 1.0, 0.0), (-1.0, 3.0, -800.0)] {
-            let before = Seen { measured: [x_0; 3], shown: [f_0; 3] };
+            let before = Seen { measured: [x_0; SENSORS], shown: [f_0; SENSORS] };
             for (found, t) in [
-                (sensors.after_half(&before, [x_0 + slope * 0.5 * H; 3]), 0.5 * H),
-                (sensors.after_whole(&before, [x_0 + slope * H; 3], 0.0), H),
+                (sensors.after_half(&before, [x_0 + slope * 0.5 * H; SENSORS]), 0.5 * H),
+                (sensors.after_whole(&before, [x_0 + slope * H; SENSORS], 0.0), H),
             ] {
                 // (x - x_0) / (w h) cancels for the slow ones.
                 for f in found {
@@ -51,8 +51,8 @@ fn lag_is_the_exponential_for_what_changes_evenly() {
 #[test]
 fn two_halves_are_a_whole() {
     let sensors = sensors([TAU * 80.0, TAU * 300.0, 5.0]);
-    let before = Seen { measured: [1.0, 2.0, 3.0], shown: [0.5, 2.5, 3.0] };
-    let (middle, end) = ([1.5, 1.0, 3.5], [2.0, 0.0, 4.0]);
+    let before = Seen { measured: [1.0, 2.0, 3.0, 4.0], shown: [0.5, 2.5, 3.0, 4.5] };
+    let (middle, end) = ([1.5, 1.0, 3.5, 3.0], [2.0, 0.0, 4.0, 1.0]);
     let half_way = Seen { measured: middle, shown: sensors.after_half(&before, middle) };
     let (twice, once) = (sensors.after_half(&half_way, end), sensors.after_whole(&before, end, 0.0));
     for (twice, once) in twice.into_iter().zip(once) {
@@ -63,8 +63,8 @@ fn two_halves_are_a_whole() {
 #[test]
 fn sensor_without_a_lag_shows_what_it_measures() {
     let sensors = sensors([f64::INFINITY; 3]);
-    let before = Seen { measured: [1.0, -2.0, 0.3], shown: [0.7, 9.0, -4.0] };
-    let now = [1.1, -5.0, 0.31];
+    let before = Seen { measured: [1.0, -2.0, 0.3, 7.0], shown: [0.7, 9.0, -4.0, 6.0] };
+    let now = [1.1, -5.0, 0.31, 8.0];
     for shown in [sensors.after_whole(&before, now, 0.0), sensors.after_half(&before, now)] {
         assert_eq!(shown.map(f64::to_bits), now.map(f64::to_bits));
     }
@@ -76,12 +76,12 @@ fn force_that_came_late_is_shown_as_late_as_that() {
     // Of a ramp that has long gone on a lag shows what was 1 / w ago, one that is `late` too what was that much earlier still.
     let (w, slope, late) = (TAU * 200.0, 4e3, 0.04);
     let sensors = sensors([w; 3]);
-    let mut seen = Seen { measured: [0.0; 3], shown: [0.0; 3] };
+    let mut seen = Seen { measured: [0.0; SENSORS], shown: [0.0; SENSORS] };
     for k in 1..=100 {
-        let measured = [slope * f64::from(k) * H; 3];
+        let measured = [slope * f64::from(k) * H; SENSORS];
         seen = Seen { measured, shown: sensors.after_whole(&seen, measured, late) };
     }
-    let [force, piston, _] = seen.shown;
+    let [force, piston, ..] = seen.shown;
     assert_near(force, slope * (100.0 * H - 1.0 / w - late * H), DECAY);
     assert_near(piston, slope * (100.0 * H - 1.0 / w), DECAY);
 }
@@ -114,10 +114,14 @@ fn sample_has_offset_noise_and_resolution_of_each_sensor() {
     parameters.potentiometer.offset = -1e-3;
     parameters.column_sensor.offset = 0.01;
     parameters.column_sensor.noise = 0.002;
+    parameters.grip_sensor.offset = 0.3;
+    parameters.grip_sensor.noise = 0.1;
+    parameters.grip_sensor.resolution = 0.25;
     let sensors = Transducers::new(&parameters, H);
     let arm = 10.0 * units::LENGTH.si_per_us;
-    let [force, piston, base] = sensors.sample([100.1, 0.05, 0.02], [1.0, 3.0, -2.0]);
+    let [force, piston, base, grip] = sensors.sample([100.1, 0.05, 0.02, 10.0], [1.0, 3.0, -2.0, -1.0]);
     assert_near(force, 102.5, 0.0); // 100.1 + 2 + 0.5 = 102.6, to the nearest quarter
     assert_near(piston, 0.049, ROUNDING);
+    assert_near(grip, 10.25, 0.0); // 10 + 0.3 - 0.1 = 10.2, to the nearest quarter
     assert_near(base, 0.02 + 0.01 * arm - 2.0 * 0.002 * arm, ROUNDING); // angles of the column, at its base
 }

@@ -121,11 +121,11 @@ impl Part for Sensors {
     const SIZES: &'static [f64] = &[1.0, 1.0, 1.0, 1.0, 1.0, 1e-3];
     fn results<S: Scalar>(x: &[S]) -> Vec<S> {
         let sensors = Transducers::new(&parameters(x[0]), 1e-3);
-        let before = Seen { measured: [x[1], x[2], x[3]], shown: [x[2], x[3], x[4]] };
-        let now = [x[4], x[1], x[0]];
+        let before = Seen { measured: [x[1], x[2], x[3], x[4]], shown: [x[2], x[3], x[4], x[1]] };
+        let now = [x[4], x[1], x[0], x[2]];
         let others = [sensors.load_cell_share(x[5].abs()), sensors.column_rate(x[1], x[2], x[3])];
         let shown = [sensors.after_half(&before, now), sensors.after_whole(&before, now, x[4])];
-        [shown.as_flattened(), &sensors.sample(now, [x[2], x[3], x[4]]), &others].concat()
+        [shown.as_flattened(), &sensors.sample(now, [x[2], x[3], x[4], x[1]]), &others].concat()
     }
 }
 

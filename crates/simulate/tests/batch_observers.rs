@@ -157,7 +157,7 @@ fn law_replayed_on_its_samples_gives_the_currents_of_the_run() {
         for step in (0..inputs.len() - TIMING.delay).step_by(TIMING.period) {
             let [angle, delta, delta_rate, piston, force] = [0, 2, 3, 4, 5].map(|output| history[output][step]);
             let answered = |e: f64| e.clamp(-range, range);
-            let (next, e) = law.replay(&xi, [force, piston, angle], [delta, delta_rate], answered);
+            let (next, e) = law.replay(&xi, [force, piston, angle, 0.0], [delta, delta_rate], answered);
             let current = history[CURRENT][step + TIMING.delay];
             let off = (current - p.amplifier.admittance * e).abs();
             assert!(off <= SAME * SIZES[CURRENT], "step {step}: {off:e} beside {current:e}");

@@ -10,6 +10,7 @@ use forcefeel_model::machine::period::{BASE, Drives, PERIOD_STATES, Period, YOUN
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_model::transducers::SENSORS;
 use forcefeel_simulate::batch::Job;
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::OUTPUTS as BATCH_OUTPUTS;
@@ -28,7 +29,7 @@ const HELD: usize = 7;
 const LAST_BASE: usize = YOUNGEST + 7;
 const PRESSURE: usize = LAST_BASE + 1;
 const MEASURED: usize = PRESSURE + 2;
-const ESTIMATE: usize = MEASURED + 6;
+const ESTIMATE: usize = MEASURED + 2 * SENSORS;
 
 /// Delays of none, half a period, one and two periods and more, in periods of one step and of several.
 const TIMINGS: [Timing; 8] = [

@@ -8,7 +8,7 @@ from forcefeel.choice.rule import Choice, obstacles
 from forcefeel.choice.score import OverEnvelope, Score, Scored
 from forcefeel.conclusions import Conclusions, capital, of_result, share_text
 from forcefeel.envelope.result import PASSES
-from forcefeel.envelope.tolerance_sentences import tolerance_sentences
+from forcefeel.envelope.tolerance_sentences import silent_sentences, tolerance_sentences
 from forcefeel.linear.modes import feel_mode
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.margins import LoopMargins
@@ -137,6 +137,7 @@ def _caveats(scored: Scored) -> tuple[str, ...]:
             "The loader is analog and can only take the report's methods. Those that were made since need a digital controller: "
             "give controller.period and controller.delay, for example 0.5 ms each, or take the built-in loader elevator-2khz."
         )
+    lines += silent_sentences(plan.loader)
     unverified = [] if plan.rule_verified else [f"{plan.rules.title} ({plan.rules.edition})"]
     if any(score.over for score in scored.scores):
         lines += tolerance_sentences(plan.given, plan.deviations)

@@ -25,7 +25,7 @@ from forcefeel.envelope.cases import REFERENCE_ARMS, PilotArm
 from forcefeel.laws.law import Law
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.sensors import SENSORS, sample_variance
+from forcefeel.loader.sensors import sample_variance, sensors_of
 from forcefeel.loader.timing import controller_steps
 from forcefeel.loops.sampled_loop import sampled_loops
 from forcefeel.units import ANGLE, FORCE
@@ -35,7 +35,7 @@ HOLDING: PilotArm = REFERENCE_ARMS[-1]
 
 _SHOWN = _core.PERIOD_SHOWN
 """Place among the states of a period of what the first sensor showed; after the commands under way, the base as sampled last, the
-load pressure and what the three sensors measured (``crates/model/src/machine/period.rs``)."""
+load pressure and what the sensors measured (``crates/model/src/machine/period.rs``)."""
 
 _STEP_S = 1e-4
 _MOST_DOUBLINGS = 60
@@ -61,8 +61,8 @@ class NoisyLoop:
 
     Attributes:
         matrix: M, (states, states).
-        by_sample: N, (states, 3), per N, m and rad.
-        variance: Of a sample of each sensor, (3,).
+        by_sample: N, (states, sensors), per N, m and rad, and per N at the grip.
+        variance: Of a sample of each sensor, (sensors,).
         angle: c, (states,), rad.
         period_s: Sample period.
     """
@@ -77,13 +77,20 @@ class NoisyLoop:
     def of(cls, loader: Loader, law: Law) -> "NoisyLoop":
         """The loop of a loader with a digital controller under one law."""
         arm = loader["column.base_arm"]
+        units = [1.0, 1.0, arm, 1.0]  # of F_c, x_p, theta at the base, F_g
         loops = sampled_loops(loader, law)
         states, by_sample = _by_sample(loader, law)
         if len(loops.matrix[0]) != len(states):
             raise ValueError("the loop with lags has other states")
         angle = np.zeros(len(states))
         angle[loops.base] = 1 / arm
-        return cls(loops.matrix[0], by_sample * [1.0, 1.0, arm], sample_variance(loader), angle, loops.period_s)
+        return cls(
+            loops.matrix[0],
+            by_sample * units[: by_sample.shape[1]],
+            sample_variance(loader),
+            angle,
+            loops.period_s,
+        )
 
     @property
     def stable(self) -> bool:
@@ -140,9 +147,9 @@ def hand_force_rms(loop: NoisyLoop, loader: Loader) -> float:
 
 
 def _by_sample(loader: Loader, law: Law) -> tuple[list[int], NDArray[np.float64]]:
-    """The states that matter, and N on them, per N, m and m at the base."""
+    """The states that matter, and N on them, per N, m m at the base, and per N at the grip."""
     step_s, timing = controller_steps(loader, _STEP_S)
-    keys = [f"{sensor}.bandwidth" for sensor in SENSORS]
+    keys = [f"{sensor}.bandwidth" for sensor in sensors_of(loader)]
     lagging = loader.replace({key: 1 / step_s for key in keys if np.isinf(loader[key])})
     keywords = law.engine(loader)
     states, _ = _core.sampled_loops(loader.values[np.newaxis], step_s, timing, **keywords)

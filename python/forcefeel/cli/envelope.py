@@ -80,7 +80,7 @@ class EnvelopeOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
             angle_rad=self.angle_rad,
             changes=self.deviations(loader),
             draws=Draws(self.draws, self.seed, self.corners),
-        )
+        ).with_smaller_releases()
 
 
 def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeOptions()) -> None:
@@ -138,31 +138,56 @@ def _map_cockpit(project: "Project", options: EnvelopeOptions, command: str) -> 
 
 def _show_axes(console: Terminal, found: "CockpitEnvelope") -> None:
     from forcefeel.envelope.cockpit import SHARES, cockpit_conclusions
+    from forcefeel.envelope.findings import angle_text
 
     title = f"{found.name}: shares of the settings"
-    table = Table("axis", "loader", "drive", "law", title=title, title_justify="left", title_style="bold")
+    table = Table("axis", "loader", "drive", "law", "from", title=title, title_justify="left", title_style="bold")
     for name in SHARES:
         table.add_column(name, justify="right")
     table.add_column("most is lost with")
     for row in found.rows:
-        table.add_row(row.axis, row.loader, row.drive, row.compensator, *row.shares, row.worst_text)
+        table.add_row(
+            row.axis,
+            row.loader,
+            row.drive,
+            row.compensator,
+            angle_text(row.release_rad, UnitSystem.SI),
+            *row.shares,
+            row.worst_text,
+        )
     console.show(table, ["drive", "loader"])
     console.conclude(cockpit_conclusions(found), alarming=False)
 
 
 def _show(console: Terminal, found: "Envelope", units: UnitSystem) -> None:
-    from forcefeel.envelope.findings import envelope_conclusions
+    from forcefeel.envelope.findings import angle_text, envelope_conclusions
 
-    table = Table("compensator", title="Shares of the settings", title_justify="left", title_style="bold")
+    title = f"Shares of the settings, released from {angle_text(found.plan.release_rad, units)}"
+    table = Table("compensator", title=title, title_justify="left", title_style="bold")
     for name in ("stable", "passes", "stable in every case", "passes in every case"):
         table.add_column(name, justify="right")
     for name in found.compensators:
         one = found.shares(name)
         table.add_row(name, *map(share_text, (one.stable, one.passes, one.stable_worst, one.passes_worst)))
     console.show(table)
+    if found.smaller:
+        console.show(_by_angle(found, units))
     if found.plan.machines:
         console.show(_drawn(found))
     console.conclude(envelope_conclusions(found, units), alarming=False)
+
+
+def _by_angle(found: "Envelope", units: UnitSystem) -> Table:
+    from forcefeel.envelope.findings import angle_text
+
+    table = Table(
+        "compensator", title="Passes with the nominal plant, released from", title_justify="left", title_style="bold"
+    )
+    for one in found.by_angle:
+        table.add_column(angle_text(one.release_rad, units), justify="right")
+    for name in found.compensators:
+        table.add_row(name, *(share_text(one.passes[name]) for one in found.by_angle))
+    return table
 
 
 def _drawn(found: "Envelope") -> Table:

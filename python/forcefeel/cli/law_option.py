@@ -13,6 +13,7 @@ LAWS = (
     "h-infinity",
     "robust",
     "agile",
+    "grip",
     "torque-mode",
 )
 """As ``forcefeel.laws.law.NAMED_LAWS``."""
@@ -25,7 +26,8 @@ DEFAULT_LAW = "original; robust of an electric loader"
 LAW_METAVAR = "NAME|FILE.json"
 
 LAW_NAMES = (
-    f"{', '.join(LAWS[:3])}; with a digital controller {', '.join(LAWS[3:-2])} or {LAWS[-2]}; with a motor {LAWS[-1]}"
+    f"{', '.join(LAWS[:3])}; with a digital controller {', '.join(LAWS[3:-3])} or {LAWS[-3]}; with a force sensor at the grip too "
+    f"{LAWS[-2]}; with a motor {LAWS[-1]}"
 )
 """For help."""
 

@@ -30,7 +30,7 @@ def envelope_json(found: Envelope, units: UnitSystem) -> dict[str, Json]:
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "method": "exact" if plan.linear else "stepped",
         "settings": plan.settings.count,
-        "beyond_the_motors_torque": int(found.beyond.settings.sum()),
+        "forbidden": dict(found.forbidden.counts),
         "grid": grid_json(plan.settings, units),
         "tolerances": deviations_json(plan.deviations),
         "cases": [_case(case, units) for case in plan.cases],
@@ -107,6 +107,15 @@ def _case(case: Case, units: UnitSystem) -> dict[str, Json]:
 def _compensator(found: Envelope, name: str, units: UnitSystem) -> dict[str, Json]:
     return {
         "shares": json_value(found.shares(name), units),
+        "shares_of_allowed": json_value(found.allowed_shares(name), units),
+        "nominal_by_release_angle": [
+            {
+                "release_angle": quantity(one.release_rad, ANGLE, units),
+                "allowed": one.allowed,
+                "passes": one.passes[name],
+            }
+            for one in found.by_angle
+        ],
         "shares_even_in_proportion": json_value(found.even_shares(name), units),
         "all_at_once": json_value(found.drawn_shares(name), units) if found.plan.machines else None,
         "fails_first_nominally": {str(kind): share for kind, share in found.failure_shares(name).items()},

@@ -7,14 +7,14 @@ from typing import Annotated
 
 from forcefeel.conclusions import Conclusions, capital, of_result, share_text
 from forcefeel.envelope.cases import Kind
-from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST, name_text, renders
+from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST, angle_text, name_text, renders
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.result import MOST, Envelope
 from forcefeel.envelope.run import Progress, compute
 from forcefeel.loader.axes import rule_axis
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.project import Project
-from forcefeel.units import PERCENT
+from forcefeel.units import ANGLE, PERCENT, UnitSystem
 
 SHARES = ("nominal", "every case", f"in {share_text(MOST)} of machines")
 """Heads of the shares of a row."""
@@ -26,6 +26,7 @@ class AxisRow:
 
     Attributes:
         axis, loader, drive, compensator: Which.
+        release_rad: Angle of its releases.
         passes: Passes with the nominal plant, hands off.
         passes_worst: Passes in every case.
         drawn: Passes in most of the machines with all tolerances at once; not a number where none were drawn.
@@ -37,6 +38,7 @@ class AxisRow:
     loader: str
     drive: str
     compensator: str
+    release_rad: Annotated[float, ANGLE]
     passes: Annotated[float, PERCENT]
     passes_worst: Annotated[float, PERCENT]
     drawn: Annotated[float, PERCENT]
@@ -142,7 +144,10 @@ def cockpit_conclusions(found: CockpitEnvelope) -> Conclusions:
             for row in found.rows
             if row.axis == axis
         )
-        lines.append(f"{capital(axis)}, {one.plan.given.name}: {each} of {one.plan.settings.count:,} programmed feels.")
+        lines.append(
+            f"{capital(axis)}, {one.plan.given.name}: {each} of {one.plan.settings.count:,} programmed feels, released "
+            f"from {angle_text(one.plan.release_rad, UnitSystem.SI)}."
+        )
     return Conclusions(not short, verdict, tuple(lines))
 
 
@@ -155,6 +160,7 @@ def _row(axis: str, found: Envelope, law: str) -> AxisRow:
         loader.name,
         loader.drive,
         law,
+        found.plan.release_rad,
         shares.passes,
         shares.passes_worst,
         found.drawn_shares(law).settings if found.plan.machines else nan,

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 
 from forcefeel.conclusions import Conclusions, capital, interval_text, of_result, share_text
 from forcefeel.envelope.cases import Kind
+from forcefeel.envelope.forbidden_sentences import forbidden_sentences
 from forcefeel.envelope.result import MOST, Envelope, Shares
 from forcefeel.envelope.settings import AXES, Axis
-from forcefeel.envelope.tolerance_sentences import tolerance_sentences
+from forcefeel.envelope.tolerance_sentences import silent_sentences, tolerance_sentences
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import ANGLE, INERTIA, UnitSystem, to_text
 
@@ -21,20 +22,23 @@ WHOLE_NOMINAL, WHOLE_WORST = 0.95, 0.90
 @of_result
 def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
     """The conclusions, with numbers in ``units``; ``good`` where a compensator renders the envelope."""
-    shares = [found.shares(name) for name in found.compensators]
     best = _best(found)
     verdict = (
-        f"Of {found.plan.settings.count:,} programmed feels, released from {_angle(found, units)}, the loader renders within "
+        f"Of {_feels(found)}, released from {_angle(found, units)}, the loader renders within "
         "tolerance "
         + ", ".join(
             f"{share_text(one.passes)} with {name_text(one.compensator)} ({share_text(one.passes_worst)} in every case)"
-            for one in shares
+            for one in map(found.allowed_shares, found.compensators)
         )
         + "."
     )
-    lines = [beyond] if (beyond := found.beyond.sentence(units)) else []
+    if found.forbidden.settings.all():
+        count = found.plan.settings.count
+        verdict = f"None of {count:,} programmed feels, released from {_angle(found, units)}, is rendered by any law."
+    lines = [*forbidden_sentences(found.forbidden, units)]
     lines += [_fails(found, name) for name in found.compensators]
     lines += [line for name in found.compensators if (line := _worst(found, name))]
+    lines += [_by_angle(found, best.compensator, units)] if found.smaller else []
     lines += [_drawn(found, best.compensator)] if found.plan.machines else []
     lines += [line for line in (_smallest(found, best.compensator, units), _passive(found)) if line]
     return Conclusions(renders(found), verdict, (*lines, _counted(found, units), *caveats(found, units)))
@@ -62,7 +66,7 @@ def name_text(name: str) -> str:
 def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
     """What the figures do not cover."""
     plan = found.plan
-    lines = [*tolerance_sentences(plan.given, plan.deviations)]
+    lines = [*tolerance_sentences(plan.given, plan.deviations), *silent_sentences(plan.loader)]
     what = [] if plan.rule_verified else [f"{plan.rules.title} ({plan.rules.edition})"]
     what += [case.name for case in plan.cases if not case.verified]
     if what:
@@ -81,7 +85,32 @@ def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
 
 def _angle(found: Envelope, units: UnitSystem) -> str:
     """Where the column is let go: the smaller, the more the sensors' noise counts."""
-    return f"{to_text(ANGLE.from_si(found.plan.release_rad, units), 3)} {ANGLE.shown(units)}"
+    return angle_text(found.plan.release_rad, units)
+
+
+def angle_text(angle_rad: float, units: UnitSystem) -> str:
+    """An angle of release as people read it."""
+    return f"{to_text(ANGLE.from_si(angle_rad, units), 3)} {ANGLE.shown(units)}"
+
+
+def _feels(found: Envelope) -> str:
+    """What the shares are of."""
+    count = found.plan.settings.count
+    if not (counts := found.forbidden.counts):
+        return f"{count:,} programmed feels"
+    *others, last = counts
+    what = f"{', '.join(others)} and {last} allow" if others else f"{last} allows"
+    return f"the {count - sum(counts.values()):,} programmed feels that {what}, of {count:,}"
+
+
+def _by_angle(found: Envelope, name: str, units: UnitSystem) -> str:
+    """How the share falls for small releases."""
+    own, *others = found.by_angle
+    each = ", ".join(f"{share_text(one.passes[name])} from {angle_text(one.release_rad, units)}" for one in others)
+    return (
+        f"With the nominal plant {name_text(name)} render{_s(name)} {share_text(own.passes[name])} of all settings from "
+        f"{angle_text(own.release_rad, units)}, {each}."
+    )
 
 
 def _fails(found: Envelope, name: str) -> str:

@@ -1,7 +1,7 @@
 """What an envelope is made of: a loader, the settings, the compensators, the rule, what is off its value, the arms."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite, radians
 from types import MappingProxyType
 from typing import Annotated
@@ -23,6 +23,12 @@ from forcefeel.units import ANGLE, show
 
 _LARGEST_ANGLE = radians(90.0)
 
+SMALLER = tuple(map(radians, (10.0, 5.0, 2.0, 1.0, 0.5)))
+"""Releases from which a share is stated beside its own."""
+
+_BELOW = 0.99
+"""Share of the angle; what is nearer is the same."""
+
 
 @dataclass(frozen=True, eq=False)
 class Plan:
@@ -38,6 +44,7 @@ class Plan:
         arms: The arms at the grip, beside none.
         angle_rad: Angle of the release; if not given, the rule's largest share of the throw, of its shorter side.
         draws: How many machines are drawn from all tolerances at once; none if not given.
+        smaller_rad: Further angles of release at which the nominal plant is tried, hands off; none if not given.
         axis: Which control of the rule; that of a built-in loader of its name, else pitch, if not given.
         loader: The loader with a feel of I, B and G alone.
         left_out: Rows of the feel and the arm that the loader has and the envelope leaves out.
@@ -66,6 +73,7 @@ class Plan:
     arms: Sequence[PilotArm] = REFERENCE_ARMS
     angle_rad: Annotated[float, ANGLE] | None = None
     draws: Draws = NO_DRAWS
+    smaller_rad: Sequence[float] = ()
     axis: Axis | None = None
     loader: Loader = field(init=False)
     left_out: tuple[str, ...] = field(init=False)
@@ -80,11 +88,10 @@ class Plan:
         loader, left_out = feel_json(self.given)
         rules = load_rules(self.rule)
         expect("draws", self.draws, Draws, "Draws such as ff.envelope.Draws(100, seed=1)")
-        given = self.angle_rad
-        if given is not None:
-            expect_number("angle_rad", given)
-        if given is not None and not (isfinite(given) and 0 < given <= _LARGEST_ANGLE):
-            raise InputError(f"angle_rad: expected an angle above 0 and up to 90 deg, got {show(given)} rad")
+        if self.angle_rad is not None:
+            _check_angle("angle_rad", self.angle_rad)
+        for angle in self.smaller_rad:
+            _check_angle("smaller_rad", angle)
         if not self.compensators:
             raise InputError(f"compensators: expected at least one, such as {', '.join(NAMED_LAWS)}")
         deviations = chosen_deviations(loader, self.changes)
@@ -109,10 +116,17 @@ class Plan:
             return self.angle_rad
         return self.throw.release_rad(self.rules)
 
+    def with_smaller_releases(self) -> "Plan":
+        """The plan with those of ``SMALLER`` that are below its own angle; as it is where releases are linear."""
+        if self.linear:
+            return self
+        return replace(self, smaller_rad=tuple(one for one in SMALLER if one < _BELOW * self.release_rad))
+
     @property
     def releases(self) -> int:
         """How many releases it has in all."""
-        return len(self.compensators) * (len(self.cases) + len(self.machines)) * self.settings.count
+        cases = len(self.cases) + len(self.machines) + len(self.smaller_rad)
+        return len(self.compensators) * cases * self.settings.count
 
     @property
     def linear(self) -> bool:
@@ -124,6 +138,12 @@ class Plan:
         """Whether every tolerance of the release test, and how it is read, has been held against the document."""
         rows = [self.test.is_verified(tolerance) for tolerance in self.test.tolerances]
         return all(rows) and self.rules.release.verified
+
+
+def _check_angle(name: str, angle: float) -> None:
+    expect_number(name, angle)
+    if not (isfinite(angle) and 0 < angle <= _LARGEST_ANGLE):
+        raise InputError(f"{name}: expected an angle above 0 and up to 90 deg, got {show(angle)} rad")
 
 
 def usual_law(loader: Loader) -> str:
@@ -143,7 +163,7 @@ def make_plan(
         loader: The loader.
         compensators: Names of ``law.NAMED_LAWS``, or laws by name.
         grid: Axes as ``Settings.of`` takes them.
-        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws``, ``axis`` of ``Plan``.
+        options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws``, ``smaller_rad``, ``axis`` of ``Plan``.
 
     Raises:
         InputError: If one of them is bad.

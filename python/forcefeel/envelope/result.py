@@ -11,12 +11,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.envelope.cases import Case, Kind
+from forcefeel.envelope.forbidden import NOISE, Forbidden, forbidden
 from forcefeel.envelope.passivity import Passivity
 from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import FEEL_SETTING
-from forcefeel.sizing.too_small import Beyond
-from forcefeel.units import HERTZ, INERTIA, PERCENT, ROTARY_STIFFNESS, UnitSystem, show, to_text
+from forcefeel.units import ANGLE, HERTZ, INERTIA, PERCENT, ROTARY_STIFFNESS, UnitSystem, show, to_text
 from forcefeel.wilson import wilson_interval
 
 if TYPE_CHECKING:
@@ -29,7 +29,8 @@ PASSES, UNSTABLE = "passes", "unstable"
 class Failure(StrEnum):
     """Why a setting does not pass, in the order of the rule; what a map is coloured by."""
 
-    TORQUE = "beyond the motor's torque"
+    DRIVE = "forbidden by the drive"
+    NOISE = "forbidden by the sensors' noise"
     UNSTABLE = "unstable"
     FALL = "fall time"
     FIRST_CROSSING = "first crossing, P0"
@@ -50,7 +51,8 @@ COLORS = {
     Failure.COUNT: "#F6E65A",
     Failure.FALL: "#CC79A7",
     Failure.REST: "#9AA3AD",
-    Failure.TORQUE: "#8C510A",
+    Failure.DRIVE: "#8C510A",
+    Failure.NOISE: "#DFB98C",
     Failure.UNSTABLE: "#2B2B2B",
 }
 """What becomes of a setting, and its colour on every map: Okabe and Ito's hues, which the colour-blind can tell apart; light and
@@ -115,6 +117,38 @@ class DrawnShares:
     good_high: Annotated[float, PERCENT]
     passes: Annotated[float, PERCENT]
     least: Annotated[float, PERCENT]
+
+
+@dataclass(frozen=True)
+class AllowedShares:
+    """One compensator's shares of the settings that drive and sensors allow; not numbers where they allow none.
+
+    Attributes:
+        compensator: Its name.
+        settings: How many settings are allowed.
+        passes: Passes with the nominal plant, hands off.
+        passes_worst: Passes in every case.
+    """
+
+    compensator: str
+    settings: int
+    passes: Annotated[float, PERCENT]
+    passes_worst: Annotated[float, PERCENT]
+
+
+@dataclass(frozen=True)
+class AngleShares:
+    """What is rendered from another angle with the nominal plant, hands off: the smaller it is, the more noise counts.
+
+    Attributes:
+        release_rad: The angle.
+        allowed: Share of the settings that drive and sensors allow there.
+        passes: Share of all settings that passes, by compensator.
+    """
+
+    release_rad: Annotated[float, ANGLE]
+    allowed: Annotated[float, PERCENT]
+    passes: Mapping[str, float]
 
 
 MOST = 0.95
@@ -189,6 +223,7 @@ class Envelope:
             which share of its value each parameter is off.
         outcomes: ``passes``, ``unstable``, then what can fail first, by the rule's names.
         passivity: How passive the grip is, by compensator.
+        smaller: The shares from ``Plan.smaller_rad``.
 
     Example:
         >>> import forcefeel as ff
@@ -201,6 +236,7 @@ class Envelope:
     data: xr.Dataset
     outcomes: tuple[str, ...]
     passivity: Mapping[str, Passivity]
+    smaller: tuple[AngleShares, ...] = ()
 
     def __repr__(self) -> str:
         found = map(self.shares, self.compensators)
@@ -293,6 +329,21 @@ class Envelope:
         found = (stable[0], passes[0], stable.all(axis=0), passes.all(axis=0))
         return Shares(compensator, *(float(which.mean()) for which in found))
 
+    def allowed_shares(self, compensator: str) -> AllowedShares:
+        """A compensator's shares of the settings that are not forbidden to every law."""
+        allowed, passes = ~self.forbidden.settings, self.passes(compensator)
+        shares = (
+            float(which[allowed].mean()) if allowed.any() else np.nan for which in (passes[0], passes.all(axis=0))
+        )
+        return AllowedShares(compensator, int(allowed.sum()), *shares)
+
+    @property
+    def by_angle(self) -> tuple[AngleShares, ...]:
+        """The nominal shares over the release's angle, its own first; of those that were asked for."""
+        passes = {name: float(self.passes(name)[0].mean()) for name in self.compensators}
+        own = AngleShares(self.plan.release_rad, 1 - float(self.forbidden.settings.mean()), passes)
+        return (own, *self.smaller)
+
     def even_shares(self, compensator: str) -> EvenShares:
         """The shares with each setting weighed by the room that it stands for in proportion."""
         passes, weights = self.passes(compensator), self.plan.settings.weights
@@ -353,8 +404,8 @@ class Envelope:
             one = np.where((found == order.index(Failure.UNSTABLE)).any(axis=0), order.index(Failure.UNSTABLE), failing)
         else:
             one = found[0]
-        # What the motor cannot hold diverges or drifts under any law.
-        one = np.where((one >= 0) & self.beyond.settings, order.index(Failure.TORQUE), one)
+        for which, kind in ((self.forbidden.settings, Failure.DRIVE), (self.forbidden.of(NOISE), Failure.NOISE)):
+            one = np.where((one >= 0) & which, order.index(kind), one)
         return np.asarray(one.astype(np.int8).reshape(self.plan.settings.shape))
 
     def kinds(self, compensator: str, *, worst: bool) -> NDArray[np.int8]:
@@ -367,10 +418,9 @@ class Envelope:
         return np.asarray(np.where(failing < 0, passing, table[failing]))
 
     @cached_property
-    def beyond(self) -> Beyond:
-        """Settings that the motor cannot hold at the angle of the release, whatever the law."""
-        stiffness = self.plan.settings.feel(self.plan.loader)[:, 2]
-        return Beyond.of(self.plan.loader, stiffness, self.plan.release_rad)
+    def forbidden(self) -> Forbidden:
+        """What no law renders, released from the plan's angle."""
+        return forbidden(self.plan)
 
     def failure_shares(self, compensator: str, *, worst: bool = False) -> dict[Failure, float]:
         """Share of all settings that fail for each reason."""

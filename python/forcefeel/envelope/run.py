@@ -1,18 +1,20 @@
 """Computes an envelope: for each frequency, piece by piece, the ideal once and then every compensator in every case."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from forcefeel.envelope.cases import Case, PilotArm
+from forcefeel.envelope.cases import NOMINAL, Case, PilotArm
+from forcefeel.envelope.forbidden import forbidden
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.passivity import passivity
 from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.releases import Record, carrying, measured, pieces, released
-from forcefeel.envelope.result import PASSES, UNSTABLE, Envelope
+from forcefeel.envelope.result import PASSES, UNSTABLE, AngleShares, Envelope
 from forcefeel.envelope.settings import AXES
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
@@ -50,7 +52,8 @@ def find_envelope(
         threads: How many; all cores if not given. The numbers do not depend on it.
         progress: Called with the releases that are done and all there are.
         options: ``rule``, an edition of ``qualification.editions()``; ``changes``, shares by plant parameter, or deviations, in
-            place of the loader's tolerances; ``arms``; ``angle_rad``; ``draws``, machines with all tolerances at once.
+            place of the loader's tolerances; ``arms``; ``angle_rad``; ``draws``, machines with all tolerances at once;
+            ``smaller_rad``, further angles of release for the nominal plant.
 
     Returns:
         The envelope.
@@ -83,13 +86,40 @@ def compute_few(plan: Plan, *, threads: int | None = None) -> Envelope:
 
 
 def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None, progress: Progress) -> Envelope:
-    """Releases every law in every case, the cases of a group side by side."""
+    """Releases every law in every case, the cases of a group side by side, and the nominal plant from further angles."""
     threads = threads_or_cores(threads)
     feel, laws = _designed(plan)
+    done = 0
+
+    def advance(some: int) -> None:
+        nonlocal done
+        done += some
+        progress(done, plan.releases)
+
+    advance(0)
+    names, outcome, margin = _outcomes(plan, feel, laws, groups, threads, advance)
+    smaller = []
+    for angle in plan.smaller_rad:
+        there = replace(plan, angle_rad=angle)
+        _, found, _ = _outcomes(there, feel, laws, [(NOMINAL,)], threads, advance)
+        passes = {name: float((found[k] == _PASSES).mean()) for k, name in enumerate(laws)}
+        smaller.append(AngleShares(angle, 1 - float(forbidden(there, threads=threads).settings.mean()), passes))
+    grips = {name: passivity(plan.loader, plan.compensators[name], law, feel) for name, law in laws.items()}
+    outcomes = (PASSES, UNSTABLE, *names)
+    return Envelope(plan, _dataset(plan, outcomes, outcome, margin), outcomes, grips, tuple(smaller))
+
+
+def _outcomes(
+    plan: Plan,
+    feel: NDArray[np.float64],
+    laws: Mapping[str, Law],
+    groups: Sequence[tuple[Case, ...]],
+    threads: int,
+    advance: Callable[[int], None],
+) -> tuple[tuple[str, ...], NDArray[np.int8], NDArray[np.float32]]:
+    """Names of what can fail, outcome and margin (laws, cases, settings) from the plan's angle."""
     shape = len(laws), sum(map(len, groups)), len(feel)
     outcome, margin = np.zeros(shape, dtype=np.int8), np.full(shape, np.nan, dtype=np.float32)
-    done, total = 0, int(np.prod(shape))
-    progress(0, total)
     names: tuple[str, ...] = ()
     parts = [(which, record, [law.some(which) for law in laws.values()]) for which, record in pieces(plan)]
     references: dict[tuple[int, tuple[PilotArm | None, ...]], ReleaseBatch] = {}
@@ -108,9 +138,8 @@ def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None
                 names = verdicts.names
                 judged = (one.reshape(len(cases), -1) for one in _judged(verdicts, stable))
                 outcome[k, places][:, which], margin[k, places][:, which] = judged
-                done += len(cases) * len(which)
-                progress(done, total)
-    return _envelope(plan, feel, laws, names, outcome, margin)
+                advance(len(cases) * len(which))
+    return names, outcome, margin
 
 
 def _designed(plan: Plan) -> tuple[NDArray[np.float64], dict[str, Law]]:
@@ -129,19 +158,6 @@ def _judged(verdicts: BatchVerdicts, stable: NDArray[np.bool_]) -> tuple[NDArray
     failing = np.where(verdicts.passed, _PASSES, verdicts.first_failing + _FIRST)
     outcome = np.where(stable, failing, _UNSTABLE).astype(np.int8)
     return outcome, np.where(stable, verdicts.margin, np.nan).astype(np.float32)
-
-
-def _envelope(
-    plan: Plan,
-    feel: NDArray[np.float64],
-    laws: Mapping[str, Law],
-    names: tuple[str, ...],
-    outcome: NDArray[np.int8],
-    margin: NDArray[np.float32],
-) -> Envelope:
-    grips = {name: passivity(plan.loader, plan.compensators[name], law, feel) for name, law in laws.items()}
-    outcomes = (PASSES, UNSTABLE, *names)
-    return Envelope(plan, _dataset(plan, outcomes, outcome, margin), outcomes, grips)
 
 
 _PASSES, _UNSTABLE, _FIRST = 0, 1, 2

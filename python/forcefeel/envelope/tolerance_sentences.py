@@ -1,8 +1,10 @@
-"""How far the parameters of a plant may be off, and who says so, in sentences."""
+"""How far the parameters of a plant may be off, and who says so, in sentences; and which sensors are stated without noise."""
 
 from collections.abc import Mapping
+from math import degrees
 
 from forcefeel.envelope.deviations import Deviation, Origin, uncounted
+from forcefeel.laws.sampled.rules import undeclared_noise
 from forcefeel.loader.loader import Loader
 from forcefeel.units import to_text
 
@@ -40,3 +42,19 @@ def tolerance_sentences(loader: Loader, deviations: Mapping[str, Deviation]) -> 
         why = "only parts of the machine that have a value can be off it; sensors count as calibrated"
         found.append(f"Tolerances left out: {', '.join(left)} ({why}).")
     return tuple(found)
+
+
+def silent_sentences(loader: Loader) -> tuple[str, ...]:
+    """That sensors of a digital controller have no noise, and what the designs take for it; nothing where all have some."""
+    if not (loader["controller.period"] and (assumed := undeclared_noise(loader))):
+        return ()
+    values = {
+        "load_cell": f"{to_text(assumed.get('load_cell', 0.0), 2)} N",
+        "column_sensor": f"{to_text(degrees(assumed.get('column_sensor', 0.0)), 2)} deg",
+    }
+    taken = " and ".join(values[name] for name in assumed)
+    return (
+        f"Noise declared as zero, and no smallest step: {', '.join(assumed)}. No real sensor is so, and what is rendered here is "
+        f"more than a machine will; the designs that follow the noise need a number and take {taken} r.m.s. State noise and "
+        f"resolution in the loader file ({', '.join(f'{name}.noise' for name in assumed)}).",
+    )

@@ -16,6 +16,7 @@ from scipy.interpolate import RegularGridInterpolator
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.flight_schedule.axes import ScheduleAxis, check_axes, mesh, place_text, point_of
+from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.methods import method as method_of
 from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING, Loader
@@ -52,7 +53,7 @@ class FlightSchedule:
         laws: The law of each knot, the last axis running fastest.
 
     Raises:
-        InputError: If axes, feels and laws do not go together.
+        InputError: If axes, feels and laws do not go together, or the laws were made for another controller than the loader's.
 
     Example:
         >>> import forcefeel as ff
@@ -77,6 +78,7 @@ class FlightSchedule:
             raise InputError(f"feel: expected I, B, G at every knot, the shape {(*shape, _FEEL)}, got {feel.shape}")
         if self.laws.settings != np.prod(shape):
             raise InputError(f"laws: expected one for each of {np.prod(shape)} knots, got {self.laws.settings}")
+        Law(self.method, self.laws, self.laws.period_s, self.laws.delay_s).check(self.loader)
         feel.setflags(write=False)
         object.__setattr__(self, "axes", axes)
         object.__setattr__(self, "feel", feel)

@@ -25,6 +25,9 @@ not. See docs/concepts/no-law.md.
 B' = b B, b of ``DAMPINGS``, with G as programmed, which the static force asks for. Laws that pass where it says none can are
 counted (``Frontier.beyond_bound``).
 
+**A sensor of the force at the grip** sees past the column: what a law cannot tell apart is then the mass outboard of that sensor
+and the hand's, so ``m_o R_p^2`` takes the place of J in all of this, and with no mass outboard the inertia binds nothing.
+
 **The torque's scale** alpha R_b acts likewise on a law that holds F_c against theta by the nominal alpha R_b. With a scale s times
 the nominal, ``J theta'' = s T``, T what the law believes it renders, ``-T = (I - J) theta'' + B theta' + G theta``:
 
@@ -42,6 +45,8 @@ from numpy.typing import NDArray
 from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
 from forcefeel.frontier.referee import Referee, referees
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
 
@@ -130,9 +135,16 @@ def inertia_bound(
     return Bound(given, possible, centred)
 
 
+def unseen_inertia(loader: Loader) -> float:
+    """Inertia in N m s²/rad between the hand and the nearest force sensor: J, or ``m_o R_p^2`` with one at the grip."""
+    if has_grip_sensor(loader):
+        return float(loader["grip_sensor.mass"] * loader["column.grip_arm"] ** 2)
+    return loader["column.inertia"]
+
+
 def _possible(referee: Referee, error: float, lean: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Where some trial response passes in every case, and where the exact one, which is tried first, does."""
-    size = np.array([error * referee.plan.loader["column.inertia"], 0.0, 0.0])
+    size = np.array([error * unseen_inertia(referee.plan.loader), 0.0, 0.0])
     off = (lean - 1) * size, (lean + 1) * size
     # At the nominal inertia, and with an arm, this one is the ideal itself.
     centred = referee.passes(referee.feel + off[0]) & referee.passes(referee.feel + off[1])

@@ -1,7 +1,7 @@
-"""What a drive forbids, whatever the law: settings whose free response asks for more than it gives.
+"""What a drive forbids, whatever the law, and what the ideal releases ask of it beside what it gives.
 
-A response may differ from the ideal as far as the rule's tolerances go. Forbidden is a setting of which *no* trial response
-that passes, ``SLOWER`` in frequency at the programmed damping ratio, stays within the limits all the time.
+Forbidden is what the drive cannot fall fast enough for, or not hold (``envelope.forbidden``). An ideal that asks for more than the
+drive gives at some moment is not forbidden by that: the rule's tolerances leave room, of times most of all.
 """
 
 from collections.abc import Callable, Iterator
@@ -12,13 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
+from forcefeel.envelope.forbidden import NOISE, forbidden
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.referee import Referee, referees
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import PERCENT, SECONDS
-
-SLOWER = (1.0, 0.97, 0.94, 0.91, 0.88)
-"""Frequencies of the trial responses as shares of the programmed one: the slower, the less is asked for."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,20 +25,15 @@ class DriveLimits:
 
     Attributes:
         demand: What each setting's ideal asks of the drive at the worst moment, as a share of what it gives, (settings,).
-        least: The least of any trial response that passes, (settings,).
+        forbidden: Which settings the drive forbids whatever the law, (settings,).
         unload_s: How long the link takes at least to let go of the hand's torque, (settings,).
         frequency: The settings' natural frequencies, rad/s.
     """
 
     demand: NDArray[np.float64] = field(repr=False)
-    least: NDArray[np.float64] = field(repr=False)
+    forbidden: NDArray[np.bool_] = field(repr=False)
     unload_s: NDArray[np.float64] = field(repr=False)
     frequency: NDArray[np.float64] = field(repr=False)
-
-    @property
-    def forbidden(self) -> NDArray[np.bool_]:
-        """Which settings the drive forbids whatever the law, (settings,)."""
-        return np.asarray(self.least > 1)
 
     @property
     def forbidden_share(self) -> Annotated[float, PERCENT]:
@@ -67,25 +60,13 @@ Peak = Callable[[Referee, NDArray[np.float64]], NDArray[np.float64]]
 """Largest demand of each release I', B', G on a drive, as a share of what it gives."""
 
 
-def demands(plan: Plan, peak: Peak, threads: int | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Share of what the drive gives that each setting's ideal takes, and the least of any trial response that passes."""
-    demand, least = np.zeros(plan.settings.count), np.zeros(plan.settings.count)
+def demands(plan: Plan, peak: Peak, threads: int | None) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Share of what the drive gives that each setting's ideal takes, and which settings the drive forbids."""
+    demand = np.zeros(plan.settings.count)
     for referee in referees(plan, threads_or_cores(threads)):
-        demand[referee.which], least[referee.which] = _demands(referee, peak)
-    return demand, least
-
-
-def _demands(referee: Referee, peak: Peak) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    ideal = least = np.full(len(referee.which), np.inf)
-    for share in SLOWER:
-        trial = referee.feel / [share**2, share, 1.0]  # I' = G / w'^2, B' = 2 zeta w' I'
-        asked = peak(referee, trial)
-        if share == 1.0:
-            ideal = asked
-        least = np.where(referee.passes(trial), np.minimum(least, asked), least)
-        if (least <= 1).all():
-            break
-    return ideal, least
+        demand[referee.which] = peak(referee, referee.feel)
+    found = forbidden(plan, threads=threads)
+    return demand, found.settings & ~found.of(NOISE)
 
 
 def motion(

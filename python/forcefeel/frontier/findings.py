@@ -4,12 +4,14 @@ from math import isclose, isfinite
 
 from forcefeel.conclusions import Conclusions, of_result, share_text
 from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST, caveats, name_text
-from forcefeel.frontier.hardware import Gain
+from forcefeel.frontier.hardware import GRIP_SENSOR, Gain
 from forcefeel.frontier.motor_limits import MotorLimits
 from forcefeel.frontier.result import Frontier, Limit
 from forcefeel.frontier.tightening import KNOWN_BETTER
 from forcefeel.frontier.valve_limits import ValveLimits
+from forcefeel.laws.sampled.grip import GRIP
 from forcefeel.loader.parameters import TABLE, unit
+from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.units import INERTIA as INERTIA_UNIT
 from forcefeel.units import PERCENT, Unit, UnitSystem, to_text
 
@@ -28,7 +30,7 @@ def frontier_conclusions(found: Frontier, units: UnitSystem) -> Conclusions:
     good = tight.nominal_is_enough and tight.worst >= WHOLE_WORST
     verdict = (
         f"Of {found.plan.settings.count:,} programmed feels {share_text(tight.nominal)} are rendered nominally and "
-        f"{share_text(tight.worst)} in every case with {name_text(found.compensator)}. With the column's inertia known to "
+        f"{share_text(tight.worst)} in every case with {name_text(found.compensator)}. With {_inertia(found)} known to "
         f"{tolerance_text(found.inertia_tolerance)}, {share_text(float(found.possible.mean()))} is the bound on any linear law, "
         "computed over responses of second order."
     )
@@ -40,7 +42,7 @@ def frontier_conclusions(found: Frontier, units: UnitSystem) -> Conclusions:
         _hardware(found),
         _drive(found, units),
     ]
-    lines += [_smallest(found, units), _friction(found, units), _sensor(), *caveats(found.envelope, units)]
+    lines += [_smallest(found, units), _friction(found, units), _sensor(found), *caveats(found.envelope, units)]
     return Conclusions(good, verdict, tuple(line for line in lines if line))
 
 
@@ -200,8 +202,8 @@ def _motor(motor: MotorLimits, units: UnitSystem) -> str:
             f"{share_text(float(motor.demand.max()))}.{unload}"
         )
     beyond = (
-        f", though {share_text(motor.beyond_ideal_share)} of the ideals are beyond it: within the tolerances there is a response "
-        "that is not"
+        f", though {share_text(motor.beyond_ideal_share)} of the ideals are beyond it: within the tolerances that is not "
+        "forbidden"
         if motor.beyond_ideal_share
         else ""
     )
@@ -218,7 +220,7 @@ def _valve(valve: ValveLimits, units: UnitSystem) -> str:
         f"{share_text(valve.longest_unload_of_period)} of a period at most."
     )
     if valve.forbidden.any():
-        return f"The valve's flow forbids {share_text(valve.forbidden_share)} of the settings whatever the law.{unload}"
+        return f"The valve forbids {share_text(valve.forbidden_share)} of the settings whatever the law.{unload}"
     return (
         f"The valve forbids none: the ideal releases ask for at most {share_text(float(valve.demand.max()))} of the flow that it "
         f"lets through.{unload}"
@@ -257,9 +259,26 @@ def _force(value: float, units: UnitSystem) -> str:
     return f"{to_text(shown.from_si(value, units), 2)} {shown.shown(units)}"
 
 
-def _sensor() -> str:
-    return (
+def _inertia(found: Frontier) -> str:
+    at_grip = has_grip_sensor(found.plan.loader)
+    return "the mass outboard of the grip's sensor" if at_grip else "the column's inertia"
+
+
+def _sensor(found: Frontier) -> str:
+    if has_grip_sensor(found.plan.loader):
+        return (
+            "The force sensor at the grip sees past the column's inertia: a heavier column is no hand to it, and of the inertia "
+            "only what lies outboard of the sensor bounds a law. What is left is the drive, and how fast it follows a light feel "
+            "that a heavy arm holds."
+        )
+    text = (
         "The bound holds for linear laws. One that adapts is bound too as long as the hand may hold any mass. A sensor of the "
-        "force at the grip, beyond the column's inertia, would lift it: the law could then tell a heavier column from a hand. It "
-        "is not computed here."
+        "force at the grip, beyond the column's inertia, lifts it: the law can then tell a heavier column from a hand."
+    )
+    gain = next((one for one in found.hardware if one.name == GRIP_SENSOR), None)
+    if gain is None:
+        return text
+    return (
+        f"{text} With one, and the law {GRIP}, {share_text(gain.nominal)} are rendered nominally and {share_text(gain.worst)} in "
+        "every case, all tolerances as they are."
     )

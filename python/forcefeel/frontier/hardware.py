@@ -1,7 +1,7 @@
 """Which change of the hardware buys most: the law designed anew for each changed loader, its shares beside those of before."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated
 
 from forcefeel.envelope.plan import Plan
@@ -9,8 +9,11 @@ from forcefeel.envelope.result import Shares
 from forcefeel.envelope.run import compute
 from forcefeel.frontier.rungs import Progress, Rungs, onward
 from forcefeel.frontier.tightening import INERTIA, KNOWN_BETTER
+from forcefeel.laws.sampled.grip import GRIP
+from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import OFF, TABLE, in_range
+from forcefeel.loader.sensors import SENSORS
 from forcefeel.units import PERCENT
 
 KNOWN_TO = 0.02
@@ -25,14 +28,20 @@ class HardwareChange:
         name: What it is.
         factors: By which rows of the parameter table are multiplied.
         remark: What goes with it.
+        adds: Rows that the loader has not yet, as shares of a row that it has.
+        law: The law that goes with it; the one of before if empty.
     """
 
     name: str
-    factors: Mapping[str, float]
+    factors: Mapping[str, float] = field(default_factory=dict)
     remark: str = ""
+    adds: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    law: str = ""
 
     def applies(self, loader: Loader) -> bool:
-        """Whether the loader has all that is changed, and stays in the ranges of the parameter table."""
+        """Whether the loader has all that is changed, not what is added, and stays in the ranges of the parameter table."""
+        if any(loader[key] != OFF[key] for key in self.adds) or (self.law and not loader["controller.period"]):
+            return False
         return all(
             loader[key] not in {OFF.get(key), 0.0} and in_range(TABLE[key], loader[key] * factor)
             for key, factor in self.factors.items()
@@ -40,12 +49,15 @@ class HardwareChange:
 
     def on(self, loader: Loader) -> Loader:
         """The changed loader."""
-        return loader.replace({key: loader[key] * factor for key, factor in self.factors.items()})
+        changed = {key: loader[key] * factor for key, factor in self.factors.items()}
+        added = {key: share * (loader[of] if of else 1.0) for key, (share, of) in self.adds.items()}
+        return loader.replace(changed | added)
 
 
-_FINER = tuple(
-    f"{part}.{name}" for part in ("load_cell", "potentiometer", "column_sensor") for name in ("noise", "resolution")
-)
+GRIP_SENSOR = "force sensor at the grip"
+"""Name of that change."""
+
+_FINER = tuple(f"{part}.{name}" for part in SENSORS for name in ("noise", "resolution"))
 
 _LIMITS_OF_MOTOR = ("current_loop.current_limit", "current_loop.voltage_limit")
 
@@ -77,6 +89,16 @@ CHANGES = (
         "a larger spool stroke",
     ),
     HardwareChange("largest current and voltage +50 %", dict.fromkeys(_LIMITS_OF_MOTOR, 1.5), "torque and speed"),
+    HardwareChange(
+        GRIP_SENSOR,
+        remark=f"law {GRIP}; noise and steps a 5,000th of the pilot's force",
+        adds={
+            "grip_sensor.gain": (1.0, ""),
+            "grip_sensor.noise": (2e-4, "pilot.force"),
+            "grip_sensor.resolution": (2e-4, "pilot.force"),
+        },
+        law=GRIP,
+    ),
     HardwareChange("column half as heavy", {INERTIA: 0.5}, "its tolerance stays the same share"),
 )
 """The changes that are tried where a loader has what they change."""
@@ -128,7 +150,7 @@ def hardware(
         # G_max and so the settings stay; a law by its method's name is designed for the changed loader.
         changed = Plan(
             change.on(plan.given),
-            plan.compensators,
+            {law: METHODS[law]} if (law := change.law) else plan.compensators,
             plan.settings,
             plan.rule,
             plan.deviations,
@@ -137,7 +159,7 @@ def hardware(
         )
         after = compute(changed, threads=threads, progress=onward(progress, done, total))
         done += changed.settings.count * len(changed.cases)
-        found.append(_gain(change.name, change.remark, after.shares(rungs.compensator), before))
+        found.append(_gain(change.name, change.remark, after.shares(change.law or rungs.compensator), before))
     if rungs.tolerances[INERTIA] > KNOWN_TO:
         found += [_known(rungs, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
     return tuple(sorted(found, key=lambda one: (-one.worst_gain, -one.nominal_gain)))

@@ -1,13 +1,12 @@
-"""What the motor forbids, whatever the law: settings whose free response asks for more current or voltage than there is.
+"""What the motor forbids, whatever the law, and the current or voltage that the free responses ask for.
 
 Of the hands-off release of I', B', G from ``theta_0``, as force and speed at the grip (``sizing.motor``):
 
     F = (J / R_p + m R_p) theta'',   v = R_p theta'       column, eqs. (6), (7), and rotor, m = J_m g^2
     share = max(|i| / i_max, |u| / u_max)
 
-The link's stretch is left out: it adds ``(w / w_link)^2`` of the feel's frequency over that of the column on it. Forbidden is also
-what
-the motor cannot hold: ``F = G theta_0 / R_p`` standing still.
+The link's stretch is left out: it adds ``(w / w_link)^2`` of the feel's frequency over that of the column on it. What it
+takes to hold ``F = G theta_0 / R_p`` standing still is kept beside it.
 
 **The first instant.** As the hand lets go the link's force jumps from ``-G theta_0`` to ``-J (G / I) theta_0`` over ``alpha R_b``.
 The rotor, ``m_r = J_m / r^2`` at the drive's end, has to move by what the link stretches less, with the motor's largest force F_m
@@ -47,11 +46,6 @@ class MotorLimits(DriveLimits):
     hold: NDArray[np.float64] = field(repr=False)
 
     @property
-    def forbidden(self) -> NDArray[np.bool_]:
-        """Which settings the motor forbids whatever the law, in motion or standing still, (settings,)."""
-        return np.asarray(super().forbidden | (self.hold > 1))
-
-    @property
     def largest_hold(self) -> Annotated[float, PERCENT]:
         """The largest share that a setting takes standing still."""
         return float(self.hold.max())
@@ -65,11 +59,11 @@ def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
         threads: How many; all cores if not given.
     """
     motor, feel = Motor(plan.loader), plan.settings.feel(plan.loader)
-    demand, least = demands(plan, _peak, threads)
+    demand, forbidden = demands(plan, _peak, threads)
     held = feel[:, 2] * plan.release_rad / plan.loader["column.grip_arm"]
     return MotorLimits(
         demand,
-        least,
+        forbidden,
         _unload_s(plan.loader, feel, plan.release_rad),
         plan.settings.rows[:, 1],
         motor.gives.peak_force_n,

@@ -14,8 +14,10 @@ from forcefeel.frontier.rungs import FACTORS, Rungs, climb, rung_releases
 from forcefeel.frontier.tightening import INERTIA, tightening
 from forcefeel.frontier.valve_limits import valve_limits
 from forcefeel.laws.law_file import LAW_FILE
+from forcefeel.laws.sampled.grip import GRIP
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import ELECTRIC
+from forcefeel.loader.sensors import has_grip_sensor
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, the releases that are done and all there are."""
@@ -42,8 +44,8 @@ def find_frontier(
 
     Args:
         loader: The loader, as ``envelope`` takes it.
-        compensator: Name of a law of ``law.NAMED_LAWS``; ``robust`` if not given, ``published`` for a loader without a
-            digital controller.
+        compensator: Name of a law of ``law.NAMED_LAWS``; if not given ``robust``, ``grip`` with a sensor at the grip,
+            ``published`` without a digital controller.
         grid: Axes as ``envelope`` takes them; ``DEFAULT_GRID`` where not given.
         threads: How many; all cores if not given. The numbers do not depend on it.
         progress: Called with what is being done, the releases that are done and all there are.
@@ -75,7 +77,8 @@ def frontier_plan(
     check_loader(loader)
     expect("compensator", compensator or "", str, "the name of a law, such as robust")
     expect("grid", grid or {}, Mapping, 'values by axis such as {"stiffness": "1..100 %:40:log"}')
-    name = compensator or ("robust" if loader["controller.period"] else "published")
+    sampled = GRIP if has_grip_sensor(loader) else "robust"
+    name = compensator or (sampled if loader["controller.period"] else "published")
     if name.endswith(LAW_FILE):
         raise InputError(
             f"compensator: is designed anew for each changed machine, and {name} is one law; give a design's name"

@@ -1,4 +1,4 @@
-"""What the valve forbids, whatever the law: settings whose free response asks for more flow than the orifice lets through.
+"""What the valve forbids, whatever the law, and the flow that the free responses ask for.
 
 Of the hands-off release of I', B', G from ``theta_0``, with its velocity, acceleration and jerk:
 
@@ -29,7 +29,7 @@ from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
 from forcefeel.frontier.referee import Referee
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.valve_flow import no_load_flow, spool_flow
+from forcefeel.loader.valve_flow import no_load_flow, oil_compliance, spool_flow
 from forcefeel.units import FLOW
 
 
@@ -51,10 +51,10 @@ def valve_limits(plan: Plan, *, threads: int | None = None) -> ValveLimits:
         plan: The envelope: its settings, rule and angle; its compensators are not used.
         threads: How many; all cores if not given.
     """
-    demand, least = demands(plan, _peak, threads)
+    demand, forbidden = demands(plan, _peak, threads)
     feel = plan.settings.feel(plan.loader)
     unload = _unload_s(plan.loader, feel, plan.release_rad)
-    return ValveLimits(demand, least, unload, plan.settings.rows[:, 1], spool_flow(plan.loader))
+    return ValveLimits(demand, forbidden, unload, plan.settings.rows[:, 1], spool_flow(plan.loader))
 
 
 def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -67,12 +67,6 @@ def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
         flow = loader["actuator.area"] * piston + oil_compliance(loader) * pressure_rate
         found = np.maximum(found, no_load_flow(loader, flow, pressure) / limit)
     return found
-
-
-def oil_compliance(loader: Loader) -> float:
-    """Oil that a rise of the load pressure takes, m^3/Pa: ``A^2 / k`` into the link, ``V_E / (4 beta)`` into itself."""
-    area = loader["actuator.area"]
-    return area**2 / loader["linkage.stiffness"] + loader["actuator.oil_volume"] / (4 * loader["actuator.bulk_modulus"])
 
 
 def _lever(loader: Loader) -> float:

@@ -275,8 +275,8 @@ def drives_of(name: str) -> tuple[str, ...]:
 def names_for(loader: Loader) -> tuple[str, ...]:
     """The names of all laws that a loader can run: the sampled ones need a digital controller, the report's a valve."""
     if loader.drive == ELECTRIC:
-        return tuple(name for name, one in METHODS.items() if ELECTRIC in one.drives)
-    sampled = [name for name, one in METHODS.items() if HYDRAULIC in one.drives] if loader["controller.period"] else []
+        return tuple(name for name, one in METHODS.items() if one.serves(loader))
+    sampled = [name for name, one in METHODS.items() if one.serves(loader)] if loader["controller.period"] else []
     return (*NAMED_DESIGNS, *sampled)
 
 

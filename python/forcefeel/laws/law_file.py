@@ -26,7 +26,7 @@ from forcefeel.files import read_input, write_whole
 from forcefeel.json_values import json_text
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
 from forcefeel.laws.cancellation import Cancellation
-from forcefeel.laws.sampled.sampled_compensator import FRICTION, NUMBERS, SampledCompensator
+from forcefeel.laws.sampled.sampled_compensator import FRICTION, NUMBERS, SAMPLED_AT_GRIP, SampledCompensator
 from forcefeel.units import show
 
 Numbers = Compensator | SampledCompensator | NDArray[np.float64] | None
@@ -48,23 +48,21 @@ _CANCELLATION_UNITS = {
     "lead_s": "s",
     "cogging": ["A", "periods per turn of the motor", "rad"],
 }
-_SAMPLED_UNITS = {
-    "transition": "xi on xi",
-    "input": ["xi on", *_ON[1:], "command in V"],
-    "command": ["V on", *_ON, "feel displacement in rad", "its rate in rad/s"],
-    "torque": ["N m on", *_ON, "feel displacement in rad", "its rate in rad/s"],
-    "friction": [
-        "rad/s on",
-        *_ON,
-        "feel displacement in rad",
-        "its rate in rad/s",
-        "xi on friction in N m",
-        "friction in N m",
-        "margin in N m",
-        "slow rate in rad/s",
-        "leak",
-    ],
-}
+_AT_GRIP = "force at the grip in N"
+
+
+def _sampled_units(law: SampledCompensator) -> dict[str, object]:
+    """What the numbers of a sampled law are on."""
+    on = [*_ON, _AT_GRIP] if law.sampled == SAMPLED_AT_GRIP else _ON
+    feel = ["feel displacement in rad", "its rate in rad/s"]
+    known = ["xi on friction in N m", "friction in N m", "margin in N m", "slow rate in rad/s", "leak"]
+    return {
+        "transition": "xi on xi",
+        "input": ["xi on", *on[1:], "command in V"],
+        "command": ["V on", *on, *feel],
+        "torque": ["N m on", *on, *feel],
+        "friction": ["rad/s on", *on, *feel, *known],
+    }
 
 
 def check_law_file(path: Path, *, replace: bool = True) -> None:
@@ -115,7 +113,7 @@ def _numbers_json(numbers: Numbers) -> dict[str, Any]:
         case SampledCompensator():
             names = NUMBERS if numbers.knows_friction else NUMBERS[:-1]
             rows = {name: getattr(numbers, name).tolist() for name in names}
-            return {"kind": "sampled", "units": _SAMPLED_UNITS, **rows}
+            return {"kind": "sampled", "units": _sampled_units(numbers), **rows}
         case Compensator():
             return {"kind": "compensator", "units": gain_units, **compensator_json(numbers)}
     return {"kind": "state feedback", "units": gain_units, "gains": numbers.tolist()}

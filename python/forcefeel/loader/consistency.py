@@ -34,6 +34,11 @@ ONLY_WITH: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("column.stop_stiffness", ("column.stop_low", "column.stop_high")),
     ("column.stop_damping", ("column.stop_low", "column.stop_high")),
     *((f"{sensor}.{name}", ("controller.period",)) for sensor in _SAMPLED for name in ("noise", "resolution")),
+    ("grip_sensor.gain", ("controller.period",)),
+    *(
+        (f"grip_sensor.{name}", ("grip_sensor.gain",))
+        for name in ("mass", "offset", "noise", "resolution", "bandwidth")
+    ),
     ("controller.delay", ("controller.period",)),
     ("controller.input_range", ("controller.period",)),
     ("controller.input_range", ("controller.input_bits",)),
@@ -91,6 +96,7 @@ def complaints(values: Mapping[str, float]) -> list[str]:
         ),
         *without_effect(values).values(),
         *_late(values),
+        *_blind(values),
         *_undriven(values),
     ]
 
@@ -131,6 +137,26 @@ def _undriven(values: Mapping[str, float]) -> list[str]:
             'add [controller] period = "0.5 ms" and delay = "0.5 ms"'
         ]
     return []
+
+
+def _blind(values: Mapping[str, float]) -> list[str]:
+    """What is wrong with a sensor at the grip that sees nothing move, or nothing pull."""
+    mass, step = "grip_sensor.mass", "grip_sensor.resolution"
+    found, lever = [], values.get("column.grip_arm", 0.0)
+    if mass in values and values[mass] != OFF[mass] and values[mass] * lever**2 >= values["column.inertia"]:
+        most = value_text(TABLE[mass], values["column.inertia"] / lever**2)
+        found.append(
+            f"{mass}: expected less than the whole column has, J / R_p^2 = {most} at the grip, got "
+            f"{value_text(TABLE[mass], values[mass])}; what the sensor sees move is the rest of J, and nothing would be left; give "
+            "the mass of the grip alone, and column.inertia with it"
+        )
+    if step in values and values[step] != OFF[step] and values[step] >= values["pilot.force"]:
+        force, came = (value_text(TABLE[key], values[key]) for key in ("pilot.force", step))
+        found.append(
+            f"{step}: expected less than pilot.force, which is {force}, got {came}; a sensor of such steps sees no hand, give its "
+            "smallest step"
+        )
+    return found
 
 
 def without_effect(values: Mapping[str, float]) -> dict[str, str]:

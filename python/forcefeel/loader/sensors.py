@@ -9,10 +9,32 @@ SENSORS = ("load_cell", "potentiometer", "column_sensor")
 """In the order in which a law samples them: F_c, x_p, theta."""
 
 
+GRIP_SENSOR = "grip_sensor"
+"""What a law samples after them where a loader has it: F_g."""
+
+
+def has_grip_sensor(loader: Loader) -> bool:
+    """Whether the loader has a force sensor at the grip.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from forcefeel.loader.sensors import has_grip_sensor
+        >>> has_grip_sensor(ff.digital_elevator().replace({"grip_sensor.gain": 1.0}))
+        True
+    """
+    return bool(loader["grip_sensor.gain"])
+
+
+def sensors_of(loader: Loader) -> tuple[str, ...]:
+    """The sensors that a loader's controller samples, in their order."""
+    return (*SENSORS, GRIP_SENSOR) if has_grip_sensor(loader) else SENSORS
+
+
 def sample_variance(loader: Loader) -> NDArray[np.float64]:
-    """Variance of a sample of each sensor: noise and rounding, ``sigma^2 + q^2 / 12``, in N^2, m^2 and rad^2."""
-    noise = np.array([loader[f"{sensor}.noise"] for sensor in SENSORS])
-    step = np.array([loader[f"{sensor}.resolution"] for sensor in SENSORS])
+    """Variance of a sample of each sensor: noise and rounding, ``sigma^2 + q^2 / 12``, in N^2, m^2, rad^2 and N^2."""
+    sensors = sensors_of(loader)
+    noise = np.array([loader[f"{sensor}.noise"] for sensor in sensors])
+    step = np.array([loader[f"{sensor}.resolution"] for sensor in sensors])
     return np.asarray(noise**2 + step**2 / 12)
 
 

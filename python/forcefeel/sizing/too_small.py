@@ -60,14 +60,9 @@ class Beyond:
         return cls(np.asarray(held > 1), most, motor.gives.peak_force_n, torque)
 
     def sentence(self, units: UnitSystem) -> str:
-        """How many, and what would do; empty where it is none."""
-        count = int(self.settings.sum())
-        if not count:
-            return ""
-        are = "is" if count == 1 else "are"
+        """What the motor gives, and what would do."""
         return (
-            f"Of {len(self.settings):,} settings {count:,} {are} beyond the motor's torque, whatever the law: at the release's "
-            f"angle the stiffest takes {text(self.force_n, FORCE, units)} at the grip, and the motor gives "
+            f"at the release's angle the stiffest takes {text(self.force_n, FORCE, units)} at the grip, and the motor gives "
             f"{text(self.gives_n, FORCE, units)}. What would do: a motor of {text(self.torque_n_m, TORQUE, units)}, or a "
             "transmission.travel that forcefeel size works out; or a smaller feel.maximum_stiffness."
         )

@@ -104,7 +104,7 @@ impl Sampled {
     ) -> (SVector<f64, MOST_STATES>, f64) {
         let known = SVector::from_iterator(xi.iter().copied().chain(y).chain(feel));
         let e = answered(self.command.dot(&known));
-        (self.transition * xi + self.input * SVector::from([y[0], y[1], y[2], e]), e)
+        (self.transition * xi + self.input * SVector::from([y[0], y[1], y[2], y[3], e]), e)
     }
 
     /// Its numbers in their order; of the state at rest, `(1 - A - b_e c_xi) xi = (B_y + b_e c_y) y + b_e c_delta delta`.

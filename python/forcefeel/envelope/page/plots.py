@@ -1,4 +1,4 @@
-"""The curves of an envelope: the impedance at the grip over frequency."""
+"""The curves of an envelope: the share over the release's angle, the impedance at the grip over frequency."""
 
 import numpy as np
 import plotly.graph_objects as go
@@ -9,6 +9,7 @@ from forcefeel.envelope.result import Envelope
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.page.canvas import frame, line
 from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+from forcefeel.units import ANGLE, UnitSystem, to_text
 
 _OTHERS = ("#A8568A", "#B57A00", "#56B4E9", "#6B7580")
 _LOOKS = {
@@ -18,13 +19,38 @@ _LOOKS = {
 }
 
 
+def _law_looks(found: Envelope) -> dict[str, Look]:
+    others = iter(_OTHERS * len(found.compensators))
+    return {name: _LOOKS.get(name) or Look(next(others), "dashdot") for name in found.compensators}
+
+
+def by_angle(found: Envelope, units: UnitSystem) -> go.Figure:
+    """Share that passes with the nominal plant over the angle of the release."""
+    picture, points = go.Figure(), found.by_angle
+    angles = [ANGLE.from_si(one.release_rad, units) for one in points]
+    shown = {name: ([100 * one.passes[name] for one in points], each) for name, each in _law_looks(found).items()}
+    shown["allowed by drive and sensors"] = [100 * one.allowed for one in points], Look(IDEAL, "dot")
+    for name, (shares, each) in shown.items():
+        picture.add_scatter(
+            x=angles, y=shares, mode="lines+markers", name=name, line=line(each), hovertemplate="%{y:.1f} %"
+        )
+    frame(picture, 300, top=40)
+    picture.update_xaxes(
+        type="log",
+        title_text=f"Angle of the release, {ANGLE.shown(units)}",
+        tickvals=angles,
+        ticktext=[to_text(angle, 3) for angle in angles],
+        hoverformat=".3~g",
+    )
+    picture.update_yaxes(title_text="Settings that pass, %", range=[0, 103])
+    return picture
+
+
 def impedance(found: Envelope) -> go.Figure:
     """Phase of the impedance at the grip at the loader's own setting; beyond 90 deg the grip gives energy to the hand."""
     picture = go.Figure()
-    others = iter(_OTHERS * len(found.compensators))
-    for name in found.compensators:
+    for name, look in _law_looks(found).items():
         grip = found.passivity[name]
-        look = _LOOKS.get(name) or Look(next(others), "dashdot")
         picture.add_scatter(
             x=grip.frequency_hz,
             y=grip.phase_deg,

@@ -13,8 +13,16 @@ from forcefeel.envelope.result import MOST, Envelope, Failure
 from forcefeel.envelope.settings import AXES
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.table import Cell, Table, heads, number, words
-from forcefeel.page.typography import NONE, heading_text, number_text, parameter_name, prose_html, value_text
-from forcefeel.units import HERTZ, INERTIA, UnitSystem
+from forcefeel.page.typography import (
+    NONE,
+    heading_text,
+    number_text,
+    parameter_name,
+    prose_html,
+    quantity_text,
+    value_text,
+)
+from forcefeel.units import ANGLE, HERTZ, INERTIA, UnitSystem
 
 _BAD = (240, 140, 60)
 
@@ -30,12 +38,37 @@ def shares(found: Envelope) -> Table:
     return Table(heads(*head), tuple(rows))
 
 
+def allowed(found: Envelope) -> Table:
+    """The shares of the settings that no limit forbids to every law."""
+    rows = []
+    for name in found.compensators:
+        one = found.allowed_shares(name)
+        numbers = (share_text(share) if isfinite(share) else NONE for share in (one.passes, one.passes_worst))
+        rows.append((words(capital(name)), number(f"{one.settings:,}"), *map(number, numbers)))
+    return Table(heads("Law", "Settings allowed", "Of these passes", "Of these in every case"), tuple(rows))
+
+
+def by_angle(found: Envelope, system: UnitSystem) -> Table:
+    """The nominal shares over the release's angle."""
+    rows = [
+        (
+            number(quantity_text(one.release_rad, ANGLE, system, 3)),
+            number(share_text(one.allowed)),
+            *(number(share_text(share)) for share in one.passes.values()),
+        )
+        for one in found.by_angle
+    ]
+    head = ("Released from", "Allowed", *(f"{capital(name)} passes" for name in found.compensators))
+    return Table(tuple(Cell(text, "number") for text in head), tuple(rows))
+
+
 def axes(found: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
     """A row for each axis and law of a cockpit; ``pages`` has the page of each axis."""
     rows = tuple(
         (
             Cell(Markup('<a href="{}">{}</a>').format(pages[row.axis], row.axis), "words"),
             words(row.compensator),
+            number(quantity_text(row.release_rad, ANGLE, UnitSystem.SI, 3)),
             *(number(text) for text in row.shares),
             words(prose_html(row.worst_text)),
             words(row.loader),
@@ -44,7 +77,13 @@ def axes(found: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
         for row in found.rows
     )
     shares = heads("", *map(capital, SHARES))[1:]
-    head = (Cell("Axis"), Cell("Law"), *shares, *map(Cell, ("Most is lost with", "Loader", "Drive")))
+    head = (
+        Cell("Axis"),
+        Cell("Law"),
+        Cell("Released from", "number"),
+        *shares,
+        *map(Cell, ("Most is lost with", "Loader", "Drive")),
+    )
     return Table(head, rows)
 
 

@@ -8,13 +8,15 @@ from types import MappingProxyType
 from numpy.typing import ArrayLike
 
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled import h_infinity, load_cell_loop, load_cell_motor, torque_mode
+from forcefeel.laws.sampled import grip, h_infinity, load_cell_loop, load_cell_motor, torque_mode
 from forcefeel.laws.sampled import observer_law as laws
-from forcefeel.laws.sampled.rules import agile_tuning, robust_tuning
+from forcefeel.laws.sampled.grip import GRIP
+from forcefeel.laws.sampled.rules import GRIP_BY_FREQUENCY, agile_tuning, grip_tuning, robust_tuning
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, Tuning
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
+from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.units import show
 
 
@@ -27,6 +29,7 @@ class Method:
         summary: What it is, in a line.
         design: The laws of a loader for settings I, B, G in SI units, a row each.
         drives: Of which loaders.
+        needs_grip_sensor: Whether it is for a force sensor at the grip.
 
     Example:
         >>> import forcefeel as ff
@@ -38,6 +41,11 @@ class Method:
     summary: str
     design: Callable[[Loader, ArrayLike], SampledCompensator] = field(repr=False)
     drives: tuple[str, ...] = DRIVES
+    needs_grip_sensor: bool = False
+
+    def serves(self, loader: Loader) -> bool:
+        """Whether it is for a loader's drive and has the sensors that it needs."""
+        return loader.drive in self.drives and (has_grip_sensor(loader) or not self.needs_grip_sensor)
 
 
 def tuned(name: str, summary: str, tuning: Tuning | Callable[[Loader], Tuning]) -> Method:
@@ -61,6 +69,14 @@ def _load_cell(loader: Loader, feel: ArrayLike) -> SampledCompensator:
     return design(loader, feel)
 
 
+def _at_grip(loader: Loader, feel: ArrayLike) -> SampledCompensator:
+    return grip.design(loader, feel, grip_tuning(loader), GRIP_BY_FREQUENCY[loader.drive])
+
+
+def _robust(loader: Loader, feel: ArrayLike) -> SampledCompensator:
+    return (grip if has_grip_sensor(loader) else laws).design(loader, feel, robust_tuning(loader))
+
+
 _METHODS = (
     Method(
         load_cell_loop.LOAD_CELL,
@@ -82,10 +98,10 @@ _METHODS = (
         "no potentiometer, the pilot's torque by an H-infinity filter: least error under the worst disturbance",
         h_infinity.design,
     ),
-    tuned(
+    Method(
         "robust",
         "the observer design without the potentiometer, weights and noises by the loader's lag, inertia and declared noises",
-        robust_tuning,
+        _robust,
     ),
     replace(
         tuned(
@@ -94,6 +110,12 @@ _METHODS = (
             agile_tuning,
         ),
         drives=(HYDRAULIC,),
+    ),
+    Method(
+        GRIP,
+        "the feel hears a force sensor at the grip, the servo follows the feel: what the parts are off hardly counts",
+        _at_grip,
+        needs_grip_sensor=True,
     ),
     Method(
         torque_mode.TORQUE_MODE,

@@ -45,7 +45,7 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledCompensato
     plant = SampledPlant.of(loader)
     try:
         ahead = feed_forward(plant, rows)
-        gains = gains_of(plant, rows, loader["column.inertia"], tuning)
+        gains = _gains(plant, rows, loader["column.inertia"], tuning)
     except np.linalg.LinAlgError as error:
         raise InputError(
             f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
@@ -61,7 +61,7 @@ class Gains:
     observer: NDArray[np.float64] = field(repr=False)
 
 
-def gains_of(plant: SampledPlant, feel: NDArray[np.float64], column_inertia: float, tuning: Tuning) -> Gains:
+def _gains(plant: SampledPlant, feel: NDArray[np.float64], column_inertia: float, tuning: Tuning) -> Gains:
     """The gains of each setting; both Riccati equations once for each programmed inertia."""
     inertias, of_setting = np.unique(feel[:, 0], return_inverse=True)
     ratios = (inertias / column_inertia).tolist()

@@ -1,4 +1,4 @@
-"""What tunes ``robust`` and ``agile``, from the loader: numbers without unit, and the units that the loader itself gives them.
+"""What tunes ``robust``, ``agile`` and ``grip``, from the loader: numbers without unit, and units that the loader itself gives.
 
 **Valve.** Neither supply pressure nor largest current is in the linear plant, so that no tuning is to follow those; what bounds
 every loop is the lag between a command and its effect. In these units loaders of any size and speed are alike, but for the
@@ -23,7 +23,7 @@ column's angle that renders more than a filter that follows the declared noise i
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log10, sqrt
 from types import MappingProxyType
 
@@ -33,7 +33,7 @@ from forcefeel.laws.sampled.plant import Scale, period_and_delay
 from forcefeel.laws.sampled.tuning import Power, Tuning
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
-from forcefeel.loader.sensors import SENSORS, sample_variance
+from forcefeel.loader.sensors import sample_variance, sensors_of
 
 _NUMBERS: Mapping[str, Tuning] = MappingProxyType(
     {
@@ -156,6 +156,35 @@ def robust_tuning(loader: Loader) -> Tuning:
     return _in_units(loader, _NUMBERS[loader.drive])
 
 
+GRIP_BY_FREQUENCY = {HYDRAULIC: -1.2, ELECTRIC: 0.0}
+"""Power of the feel's natural frequency by which the command's weight goes in ``grip``."""
+
+_AT_GRIP: Mapping[str, Tuning] = MappingProxyType(
+    {
+        HYDRAULIC: replace(_NUMBERS[HYDRAULIC], command_weight=Power(-1.93, -0.5), rate_weight=Power(0.6, -0.5)),
+        ELECTRIC: _NUMBERS[ELECTRIC],
+    }
+)
+"""Of ``grip``: those of ``robust`` but for the regulator's, which is softer, the more so the lighter the feel."""
+
+
+def grip_tuning(loader: Loader) -> Tuning:
+    """The weights and noises of ``grip`` for a loader; errors as ``robust_tuning``.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from forcefeel.laws.sampled.rules import grip_tuning, robust_tuning
+        >>> loader = ff.digital_elevator()
+        >>> grip_tuning(loader).angle_noise == robust_tuning(loader).angle_noise
+        True
+    """
+    found = _in_units(loader, _AT_GRIP[loader.drive])
+    # The feel's natural frequency is counted in the plant's unit of time there, in the loader's here.
+    by_time = GRIP_BY_FREQUENCY[loader.drive] * log10(Units.of(loader).time)
+    weight = found.command_weight
+    return replace(found, command_weight=Power(weight.decades + by_time, weight.slope))
+
+
 def _in_units(loader: Loader, numbers: Tuning) -> Tuning:
     """Numbers without unit, in those of the loader as shares of ``plant.Scale``."""
     units = Units.of(loader)
@@ -177,9 +206,22 @@ def _in_units(loader: Loader, numbers: Tuning) -> Tuning:
 
 def _declared(loader: Loader) -> tuple[float, float]:
     """Densities of the noise that the loader declares for its load cell and its column's sensor, in units of ``Scale``."""
-    scale = Scale.of(loader)
-    units = dict(zip(_UNDECLARED, scale.sampled[[0, 2]].tolist(), strict=True))
-    seen = dict(zip(SENSORS, np.sqrt(sample_variance(loader)).tolist(), strict=True))
-    samples = {sensor: seen[sensor] / unit or _UNDECLARED[sensor] for sensor, unit in units.items()}
+    scale, assumed = Scale.of(loader), undeclared_noise(loader)
+    seen = dict(zip(sensors_of(loader), np.sqrt(sample_variance(loader)).tolist(), strict=True)) | assumed
     root = sqrt(loader["controller.period"] / scale.time_s)
-    return samples["load_cell"] * root, samples["column_sensor"] * root
+    force, _, angle = scale.sampled.tolist()
+    return seen["load_cell"] / force * root, seen["column_sensor"] / angle * root
+
+
+def undeclared_noise(loader: Loader) -> dict[str, float]:
+    """What the rules take, r.m.s. in N and rad, for each sensor of theirs of which the loader file declares neither noise nor step.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from forcefeel.laws.sampled.rules import undeclared_noise
+        >>> undeclared_noise(ff.digital_elevator())
+        {}
+    """
+    units = dict(zip(_UNDECLARED, Scale.of(loader).sampled[[0, 2]].tolist(), strict=True))
+    silent = [sensor for sensor, one in zip(sensors_of(loader), sample_variance(loader).tolist(), strict=True) if not one]
+    return {sensor: share * units[sensor] for sensor, share in _UNDECLARED.items() if sensor in silent}

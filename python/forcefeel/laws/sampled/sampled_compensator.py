@@ -1,8 +1,9 @@
 """A sampled law with an observer, as data: what a digital controller runs once a period.
 
 ``xi`` its state, in coordinates of its own · ``y = [F_c, x_p, theta]`` the sampled load cell force (N), piston displacement (m)
-and column angle (rad), of a law for a force sensor at the grip ``[F_c, x_p, theta, F_g]``, with that force (N) · ``delta``, ``delta'`` the feel computer's displacement and rate · ``e`` command in V · ``T`` torque in
-N m that the feel computer hears in the period
+and column angle (rad); of a law for a force sensor at the grip ``y = [F_c, x_p, theta, F_g]``, with its force (N) · ``delta``,
+``delta'`` the feel computer's displacement and rate · ``e`` command in V · ``T`` torque in N m that the feel computer hears in the
+period
 
     T_k    = torque  [xi; y; delta; delta']
     e_k    = command [xi; y; delta; delta']

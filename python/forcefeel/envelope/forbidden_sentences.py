@@ -1,0 +1,48 @@
+"""What no law renders, in sentences: how many settings, what forbids them, and by how much."""
+
+from math import degrees
+
+import numpy as np
+
+from forcefeel.envelope.forbidden import NOISE, Forbidden
+from forcefeel.sizing.fastest import Limit
+from forcefeel.units import UnitSystem, to_text
+
+
+def forbidden_sentences(found: Forbidden, units: UnitSystem) -> tuple[str, ...]:
+    """A sentence for each reason; none where every setting is allowed."""
+    return tuple(_sentence(found, reason, count, units) for reason, count in found.counts.items())
+
+
+def counts_text(found: Forbidden) -> str:
+    """How many settings each reason forbids, such as ``40 by the valve's flow``."""
+    return ", ".join(f"{count:,} by {reason}" for reason, count in found.counts.items())
+
+
+def _sentence(found: Forbidden, reason: str, count: int, units: UnitSystem) -> str:
+    which = found.of(reason)
+    head = f"{count:,} of {len(which):,} settings {'is' if count == 1 else 'are'} forbidden by {reason}, whatever the law: "
+    if reason == NOISE:
+        worst = found.noise_rad[which].max()
+        return head + (
+            f"the noise of a law that renders them moves the column by up to {to_text(degrees(worst), 2)} deg r.m.s., more than "
+            "the band in which the rule wants it at rest. What would do: a finer sensor of the column's angle, or a shorter "
+            "controller.period."
+        )
+    if (which & found.beyond.settings).any():
+        return head + found.beyond.sentence(units)
+    worst = int(np.argmax(np.where(which, found.fastest_s / found.most_s, 0.0)))
+    fastest, most = (to_text(1e3 * float(times[worst]), 3) for times in (found.fastest_s, found.most_s))
+    return head + (
+        f"with all that the drive gives from the moment of the release the column needs {fastest} ms for the way back that the "
+        f"rule times, and one of these feels may take {most} ms with its tolerance. What would do: {_REMEDIES[Limit(reason)]}."
+    )
+
+
+_REMEDIES = {
+    Limit.FLOW: "a larger valve, or a smaller piston where the force allows it",
+    Limit.CURRENT: "a larger amplifier.current_limit",
+    Limit.PRESSURE: "more pressure, a larger piston or a lighter column",
+    Limit.TORQUE: "a stronger motor, or a lighter column",
+    Limit.VOLTAGE: "a higher current_loop.voltage_limit, or more transmission.travel",
+}

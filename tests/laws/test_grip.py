@@ -1,0 +1,142 @@
+"""The law for a force sensor at the grip: the witness, what it hears and what not, light feels under an arm, what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.choice.noise import noise_at_grip
+from forcefeel.envelope.plan import make_plan
+from forcefeel.frontier.bound import inertia_bound, unseen_inertia
+from forcefeel.laws.law import Law, names_for
+from forcefeel.loader.built_in import BUILT_IN
+from forcefeel.loader.sensors import SENSORS, sample_variance
+from forcefeel.loops import sampled_loops
+from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.inputs import Recorded, Release
+from tests import electric_witness as witness
+
+QUIET = {f"{sensor}.{row}": None for sensor in SENSORS for row in ("noise", "resolution")}
+SENSOR = {"grip_sensor.gain": 1.0}
+VALVE = ff.digital_elevator().replace(QUIET | SENSOR)
+MOTOR = BUILT_IN["elevator-electric"]().replace(QUIET | SENSOR)
+YOKE = BUILT_IN["desktop-yoke"]().replace(QUIET)
+LOADERS = pytest.mark.parametrize("loader", [VALVE, MOTOR], ids=["valve", "motor"])
+
+FORGOTTEN = 1e-7
+"""Of the angle at rest: the observer forgets its disturbance by 1e-9 a period. Measured: 5e-8."""
+AGREES = 1e-4
+"""Of the travel."""
+
+
+def own(loader):
+    return Law.of("grip", loader)
+
+
+@pytest.mark.parametrize("mass", [None, 0.05])
+def test_the_engine_runs_it_as_its_witness_does(mass):
+    loader = YOKE.replace({"grip_sensor.gain": 0.97, "grip_sensor.mass": mass})
+    law, time = own(loader), np.linspace(0.0, 0.21, 421)
+    force = 8 * np.sin(2 * math.pi * 4 * time)
+    run = simulate(loader, Scenario(Recorded(time, force), 0.2, 1e-4, loader["controller.period"]), law)
+    angle = witness.simulate(loader, law.numbers, lambda t: np.interp(t, time, force), 0.2)["column_angle_rad"]
+    assert np.ptp(angle) > 0.02
+    assert np.abs(run.history["column_angle_rad"].values - angle).max() < AGREES * np.ptp(angle)
+
+
+@LOADERS
+@pytest.mark.parametrize("mass", [None, 0.3])
+def test_the_stiffness_at_rest_is_the_feels_whatever_the_column_is(loader, mass):
+    """By the sensor alone: not by the link's ratio, nor by the load cell, that the torque of other laws comes from."""
+    loader, law = loader.replace({"grip_sensor.mass": mass}), own(loader.replace({"grip_sensor.mass": mass}))
+    off = loader.replace({key: 1.2 * loader[key] for key in ("linkage.ratio", "column.inertia")})
+    force = 0.2 * loader["pilot.force"]
+    angle = force * loader["column.grip_arm"] / loader["feel.stiffness"]
+    for machine in (loader, off):
+        run = simulate(machine, Scenario(Recorded([0.0, 1.0], [force, force]), 0.01), law)
+        assert run.history["column_angle_rad"].values[0] == pytest.approx(angle, rel=FORGOTTEN)
+
+
+@LOADERS
+def test_the_poles_of_the_loop_hold_the_feels_own(loader):
+    """Hands off nothing is heard, so two poles are those of I, B, G run by themselves; 0.5 ms of Runge-Kutta leave 1e-9."""
+    inertia, damping, stiffness = (loader[f"feel.{key}"] for key in ("inertia", "damping", "stiffness"))
+    expected = np.exp(np.roots([inertia, damping, stiffness]) * loader["controller.period"])
+    poles = sampled_loops(loader, own(loader)).poles[0]
+    for pole in expected:
+        assert np.abs(poles - pole).min() < 1e-6 * abs(pole - 1)
+
+
+@LOADERS
+def test_what_the_column_is_off_does_not_move_the_feel(loader):
+    law = own(loader)
+    for key in ("column.inertia", "linkage.ratio"):
+        for factor in (0.8, 1.2):
+            assert sampled_loops(loader.replace({key: factor * loader[key]}), law).stable.all()
+
+
+def test_dry_friction_of_the_column_is_not_felt():
+    """Under 2 lb the hand moves it as it moves the feel: half the loop's width is below a twentieth of the friction."""
+    friction = 2 * 4.4482216
+    loader = VALVE.replace({"column.coulomb_friction": friction, "column.static_friction": friction})
+    run = simulate(loader, Scenario(Release(0.17), 3.0), "grip")
+    bare = simulate(VALVE, Scenario(Release(0.17), 3.0), "grip")
+    angle, expected = (one.history["column_angle_rad"].values for one in (run, bare))
+    assert np.abs(angle - expected).max() < 0.02 * 0.17
+
+
+def test_robust_hears_the_sensor_where_there_is_one():
+    law = Law.of("robust", VALVE).sampled
+    assert law.sampled == 4
+    assert Law.of("robust", ff.digital_elevator()).sampled.sampled == 3
+
+
+def test_a_law_with_the_sensor_comes_back_from_its_file(tmp_path):
+    law = own(VALVE)
+    law.save(tmp_path / "law.json")
+    again = Law.of(tmp_path / "law.json", VALVE)
+    assert np.array_equal(again.sampled.rows(), law.sampled.rows())
+
+
+def test_the_sensors_noise_counts():
+    noisy = VALVE.replace({"grip_sensor.noise": 0.5, "grip_sensor.resolution": 0.3})
+    assert sample_variance(noisy)[-1] == pytest.approx(0.25 + 0.09 / 12)
+    assert noise_at_grip(noisy, own(noisy)).angle_rad > 0
+
+
+def test_the_bound_is_about_what_lies_outboard():
+    grid = {"stiffness": "1, 10 %", "frequency": "2, 4 Hz", "damping": "0.2, 1"}
+    bare, heavy, without = VALVE, VALVE.replace({"grip_sensor.mass": 1.0}), ff.digital_elevator()
+    assert unseen_inertia(without) == without["column.inertia"]
+    assert unseen_inertia(heavy) == pytest.approx(heavy["column.grip_arm"] ** 2)
+    shares = [
+        inertia_bound(make_plan(one, ("robust",), grid), (0.2,), threads=1).shares[0] for one in (bare, heavy, without)
+    ]
+    assert shares[0] == 1.0
+    assert shares[0] > shares[1] > shares[2]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"grip_sensor.noise": 0.1}, "grip_sensor.noise: has no effect without grip_sensor.gain"),
+        (SENSOR | {"grip_sensor.noise": 0.0}, "grip_sensor.noise: expected 1e-6 to"),
+        (SENSOR | {"grip_sensor.mass": "20 kg"}, "grip_sensor.mass: expected less than the whole column has"),
+        (SENSOR | {"grip_sensor.resolution": "200 lb"}, "grip_sensor.resolution: expected less than pilot.force"),
+        (SENSOR | {"controller.period": None, "controller.delay": None}, "grip_sensor.gain: has no effect without"),
+    ],
+)
+def test_a_sensor_that_sees_nothing_is_refused(changes, said):
+    bare = ff.elevator() if "controller.period" in changes else ff.digital_elevator()
+    given = {key: value for key, value in changes.items() if value is not None}
+    with pytest.raises(ff.InputError) as caught:
+        bare.replace(given)
+    assert said in str(caught.value)
+
+
+def test_without_the_sensor_the_law_is_not_offered_and_is_refused():
+    assert "grip" in names_for(VALVE)
+    assert "grip" not in names_for(ff.digital_elevator())
+    with pytest.raises(ff.InputError, match="needs a force sensor at the grip, and elevator-2khz has none"):
+        Law.of("grip", ff.digital_elevator())
