@@ -107,7 +107,7 @@ def test_it_is_saved_and_loaded_with_its_law(tmp_path):
     ("numbers", "wrong"),
     [
         ((50.0, 1e-3, ((1.0, 24.0, 0.0),)), "expected 2 harmonics"),
-        ((50.0, 0.0, ((1.0, 24.0, 0.0),) * 2), "travel and lead above 0"),
+        ((50.0, 0.0, ((1.0, 24.0, 0.0),) * 2), "slow rate above 0"),
         ((50.0, 1e-3, ((math.nan, 24.0, 0.0),) * 2), "expected finite numbers"),
     ],
 )
@@ -121,3 +121,20 @@ def test_a_law_with_one_is_none_for_a_valve():
     law = replace(Law.of("robust", valve), cancellation=Cancellation.of(YOKE))
     with pytest.raises(ff.InputError, match="is a law for a motor, and elevator-2khz has a valve"):
         law.check(valve)
+
+
+def test_dry_friction_of_the_motor_is_fed_forward(tmp_path):
+    """A release with the motor's friction is nearer to that without."""
+    bare = BUILT_IN["elevator-electric"]().replace(QUIET)
+    dry = bare.replace({"motor.coulomb_friction": 0.4, "motor.static_friction": 0.45})
+    law = Law.of("robust", dry)
+    assert law.cancellation.friction_a == pytest.approx(0.4 / dry["motor.torque_constant"])
+    law.save(tmp_path / "law.json")
+    assert Law.of(tmp_path / "law.json", dry).cancellation == law.cancellation
+    scenario = Scenario(Release(0.1), 2.0)
+    smooth, known, unknown = (
+        simulate(loader, scenario, one).history.column_angle_rad.values
+        for loader, one in ((bare, "robust"), (dry, law), (dry, replace(law, cancellation=None)))
+    )
+    off, left = (np.sqrt(np.mean((one - smooth) ** 2)) for one in (unknown, known))
+    assert left < 0.4 * off  # r.m.s.; measured: 0.24

@@ -12,6 +12,7 @@ use crate::controller::Converters;
 use crate::effects::Effects;
 use crate::feel::{FeelLaw, Surroundings};
 use crate::feel_computer::{FeelComputer, FeelMotion};
+use crate::known_friction::Recalled;
 use crate::machine::{Inputs, Moment, Shared};
 use crate::observer::{Estimate, MOST_STATES, Observer, SAMPLED, Says};
 use crate::parameters::Parameters;
@@ -40,8 +41,8 @@ pub struct Remembered<S> {
     pub(crate) position: S,
     /// State of the observer.
     pub(crate) estimate: Estimate<S>,
-    /// Torque that the feel computer heard last.
-    pub(crate) heard: S,
+    /// What the law recalls of the dry friction that it knows.
+    pub(crate) recalled: Recalled<S>,
 }
 
 /// The programmed feel at a sample.
@@ -94,11 +95,12 @@ impl<S: Scalar> Control<S> {
         let base_rate = (base - remembered.base) / period;
         remembered.base = base;
         let y = [force, piston, base * self.per_base, grip];
-        let added = shared.cancellation.map(|known| known.command(piston, (piston - remembered.position) / period));
-        remembered.position = piston;
         let [delta, delta_rate] = feeling.motion.at;
+        let added =
+            shared.cancellation.map(|known| known.command(piston, (piston - remembered.position) / period, delta_rate));
+        remembered.position = piston;
         let fade = inputs.fade[0];
-        let known = if shared.effects.known_friction { Some(remembered.heard) } else { None };
+        let known = if shared.effects.known_friction { Some(remembered.recalled) } else { None };
         let says = if shared.effects.observer {
             let now = self.observer.says(&remembered.estimate, &y, [delta, delta_rate], known);
             if fade == 0.0 {
@@ -108,12 +110,12 @@ impl<S: Scalar> Control<S> {
             }
         } else {
             let x = [piston, force / self.force_per_effort, delta, delta_rate, base, base_rate, sample.pilot_force];
-            Says { command: self.law.command(&x), torque: self.law.feel_torque(force), friction: force.zero() }
+            Says::of_gains(self.law.command(&x), self.law.feel_torque(force))
         };
         let asked = added.map_or(says.command, |added| says.command + added);
         let allowed = allow(&Answer { command: asked, torque: says.torque, base_rate });
         if shared.effects.observer {
-            remembered.heard = says.torque;
+            remembered.recalled = says.recalled;
             // What the amplifier answers together with what is added.
             let e = allowed.map_or(says.command, |allowed| says.command + (allowed - asked));
             let e = e - self.converters.cut_off(added.map_or(e, |added| e + added));
@@ -184,8 +186,8 @@ impl<S: Scalar> Control<S> {
     #[inline(always)]
     pub(crate) fn remembered(&self, y: [S; SAMPLED], base: S, delta: S) -> Remembered<S> {
         let estimate = self.observer.at_rest(&y, delta);
-        let heard = self.observer.says(&estimate, &y, [delta, base.zero()], None).torque;
-        Remembered { base, position: y[1], estimate, heard }
+        let recalled = self.observer.says(&estimate, &y, [delta, base.zero()], None).recalled;
+        Remembered { base, position: y[1], estimate, recalled }
     }
 
     /// The feel at rest where the column stands, trimmed to there.

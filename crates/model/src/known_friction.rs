@@ -1,33 +1,41 @@
-//! Dry friction of the column that the controller knows: part of a law with an observer, as data.
+//! Dry friction of the column that the controller knows, and learns: part of a law with an observer, as data.
 //!
 //! To every sensor the friction between hand and load cell looks like a hand that pulls. What is known of it is given back:
 //!
-//! `v = r [xi; y; delta; delta']` rate of the column as the observer estimates it · `F` friction, a torque on the column · `M` margin ·
-//! `v_s` slow · `l` leak · `T_o` torque that the observer estimates · `T` torque that the feel computer hears
+//! `v = r [xi; y; delta; delta']` rate of the column as the observer estimates it · `F` friction as stated, a torque on the column ·
+//! `g` what was learnt beyond it, `g_-`, `g_+` its bounds · `M` margin · `v_s` slow · `l` leak · `T_o` torque that the observer
+//! estimates · `T` torque that the feel computer hears · `a` gain · `q` torque of a hand · `c` blur
 //!
 //! | | |
 //! |---|---|
-//! | `f = F v / sqrt(v^2 + v_s^2)` | friction that the observer's plant is told: `xi+ = A xi + B [y; e] + b f` |
-//! | `F [s-, s+]`, `s-+ = sat(2 (v -+ v_s) / v_s)` | torques of the friction that the rate allows: all at rest, one in motion |
+//! | `w = v / sqrt(v^2 + v_s^2)`, `f = (F + g) w` | friction that the observer's plant is told: `xi+ = A xi + B [y; e] + b f` |
+//! | `(F + g) [s-, s+]`, `s-+ = sat(2 (v -+ v_s) / v_s)` | torques of the friction that the rate allows: all at rest, one in motion |
 //! | `T' = T + l (T_o - f - T)` | what is heard drifts to what is measured |
-//! | `T+ = T'`, as near as `T_o - f + (F + M rest) [s-, s+]` lets it | a play: at rest the hand has done nothing until it must have |
+//! | `T+ = T'`, as near as `T_o - f + (F + g + M rest) [s-, s+]` lets it | a play: at rest the hand has done nothing until it must have |
+//! | `g+ = sat(g - a w T_o)` where `|T_b| < q`, `w w_b > 4/5` | with the hand off `T_o = (F + g - F_true) sgn v` |
+//! | `T_b+ = T_b + c (T_o - T_b)`, `w_b+ = w_b + c (w - w_b)` | torque and way of late |
 //!
 //! `rest = (s+ - s-) / 2`, so that the margin, which keeps the sensors' noise from pushing at the edges of the play, is nothing in
 //! motion. A column that came to rest is let go of within `1 / l` samples: else whoever pushes at it would have to overcome the
 //! friction twice.
 //!
+//! Nothing is learnt under a hand that pushes with `q` or more, at rest, nor as the column turns round, where friction and estimate
+//! turn at different times. A hand that drags with less looks like friction: what it can teach is bounded by `g_-`, `g_+`.
+//!
 //! The set of torques of dry friction: B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, A survey of models, analysis tools and
 //! compensation methods for the control of machines with friction, Automatica 30 (1994) 1083-1138. The play operator: M. A.
-//! Krasnosel'skii, A. V. Pokrovskii, Systems with Hysteresis, Springer 1989.
+//! Krasnosel'skii, A. V. Pokrovskii, Systems with Hysteresis, Springer 1989. A level learnt from what is left over, along the sign of
+//! the rate: B. Friedland, Y.-J. Park, On adaptive friction compensation, IEEE Trans. Automatic Control 37 (1992) 1609-1612.
 
 use crate::Scalar;
 use crate::observer::{Estimate, KNOWN, MOST_STATES, SAMPLED, said};
 
-/// Numbers of it, in the order of [`KnownFriction::take`]: `r`, `b`, then `F`, `M` in N m, `v_s` in rad/s, `l`.
-pub const FRICTION_NUMBERS: usize = KNOWN + MOST_STATES + 4;
+/// Numbers of it, in the order of [`KnownFriction::take`]: `r`, `b`, then `F`, `M` in N m, `v_s` in rad/s, `l`, `g_-`, `g_+` in N m,
+/// `a`, `q` in N m, `c`.
+pub const FRICTION_NUMBERS: usize = KNOWN + MOST_STATES + LEVEL_FROM_END;
 
 /// Place of `F` among them, from the end.
-pub const LEVEL_FROM_END: usize = 4;
+pub const LEVEL_FROM_END: usize = 9;
 
 /// Least `v_s` in rad/s, so that nothing is divided by zero.
 const SLOWEST: f64 = 1e-9;
@@ -41,6 +49,47 @@ pub struct KnownFriction<S> {
     margin: S,
     slow: S,
     leak: S,
+    least: S,
+    most: S,
+    gain: S,
+    hand: S,
+    blur: S,
+}
+
+/// `w w_b` from which on the column moves one way.
+const ONE_WAY: f64 = 0.8;
+
+/// What is remembered of it from sample to sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Recalled<S> {
+    /// Torque that the feel computer heard last.
+    pub heard: S,
+    /// Friction that was learnt beyond what is stated.
+    pub learnt: S,
+    /// Torque that was estimated of late.
+    push: S,
+    /// Way of late.
+    way: S,
+}
+
+impl<S: Scalar> Recalled<S> {
+    /// Nothing learnt yet, the hand's torque as it is heard.
+    #[inline(always)]
+    pub fn afresh(heard: S) -> Self {
+        Self { heard, learnt: heard.zero(), push: heard, way: heard.zero() }
+    }
+
+    /// Between what two laws recall.
+    #[inline(always)]
+    pub fn towards(self, next: Self, share: f64) -> Self {
+        let between = |a: S, b: S| a + (b - a).times(share);
+        Self {
+            heard: between(self.heard, next.heard),
+            learnt: between(self.learnt, next.learnt),
+            push: between(self.push, next.push),
+            way: between(self.way, next.way),
+        }
+    }
 }
 
 impl<S: Scalar> KnownFriction<S> {
@@ -49,31 +98,55 @@ impl<S: Scalar> KnownFriction<S> {
     pub fn take(mut next: impl FnMut() -> S) -> Self {
         let rate = core::array::from_fn(|_| next());
         let enters = core::array::from_fn(|_| next());
-        Self { rate, enters, level: next(), margin: next(), slow: next(), leak: next() }
+        let (level, margin, slow, leak) = (next(), next(), next(), next());
+        let (least, most, gain, hand, blur) = (next(), next(), next(), next(), next());
+        Self { rate, enters, level, margin, slow, leak, least, most, gain, hand, blur }
     }
 
     /// No friction.
     #[inline(always)]
     pub fn none(like: S) -> Self {
         let zero = like.zero();
-        Self { rate: [zero; KNOWN], enters: [zero; MOST_STATES], level: zero, margin: zero, slow: zero, leak: zero }
+        Self::take(|| zero)
     }
 
-    /// What is heard of an estimated torque where `heard` was heard last, and the friction that the observer's plant is told.
+    /// What is recalled at the next sample, what is heard now among it, and the friction that the observer's plant is told.
     #[inline(always)]
-    pub fn given_back(&self, estimated: S, (xi, y, feel): (&Estimate<S>, &[S; SAMPLED], [S; 2]), heard: S) -> (S, S) {
+    pub fn given_back(
+        &self,
+        estimated: S,
+        (xi, y, feel): (&Estimate<S>, &[S; SAMPLED], [S; 2]),
+        recalled: Recalled<S>,
+    ) -> (Recalled<S>, S) {
         let v = said(&self.rate, xi, y, feel);
         let one = v.constant(1.0);
         // A law without friction, beside one with it in a batch, has no slow rate either.
         let slow = self.slow.max(v.constant(SLOWEST));
-        let friction = self.level * v / (v * v + slow * slow).sqrt();
+        let way = v / (v * v + slow * slow).sqrt();
+        let level = self.level + recalled.learnt;
+        let friction = level * way;
         let total = estimated - friction;
         let (low, high) = ((v - slow).times(2.0) / slow, (v + slow).times(2.0) / slow);
         let (low, high) = (low.within(one), high.within(one));
-        let band = self.level + self.margin * (high - low).times(0.5);
-        let drifted = heard + (total - heard) * self.leak;
+        let band = level + self.margin * (high - low).times(0.5);
+        let drifted = recalled.heard + (total - recalled.heard) * self.leak;
         let played = drifted.clamp(total + low * band, total + high * band);
-        (S::select(v.zero().less(self.level), played, total), friction)
+        let heard = S::select(v.zero().less(self.level), played, total);
+        let recalled = Recalled {
+            heard,
+            learnt: self.learnt(estimated, way, &recalled),
+            push: recalled.push + (estimated - recalled.push) * self.blur,
+            way: recalled.way + (way - recalled.way) * self.blur,
+        };
+        (recalled, friction)
+    }
+
+    /// What is known beyond `F` after a sample: what is estimated of a hand that is off was the friction's.
+    #[inline(always)]
+    fn learnt(&self, estimated: S, way: S, recalled: &Recalled<S>) -> S {
+        let free = recalled.push.abs().less(self.hand) & way.constant(ONE_WAY).less(way * recalled.way);
+        let learnt = (recalled.learnt - estimated * way * self.gain).clamp(self.least, self.most);
+        S::select(free, learnt, recalled.learnt)
     }
 
     /// How a state of the observer moves by the friction.

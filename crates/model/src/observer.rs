@@ -15,7 +15,7 @@
 //! in [`crate::known_friction`].
 
 use crate::Scalar;
-use crate::known_friction::{FRICTION_NUMBERS, KnownFriction};
+use crate::known_friction::{FRICTION_NUMBERS, KnownFriction, Recalled};
 
 /// Most states; a law with fewer leaves the others at zero.
 pub const MOST_STATES: usize = 9;
@@ -52,6 +52,8 @@ pub struct Says<S> {
     pub torque: S,
     /// Friction that the observer's plant is told, in N m.
     pub friction: S,
+    /// What the law recalls at the next sample.
+    pub recalled: Recalled<S>,
 }
 
 impl<S: Scalar> Observer<S> {
@@ -104,15 +106,15 @@ impl<S: Scalar> Observer<S> {
         }
     }
 
-    /// Command and torque at a sample, where friction is known and `heard` was heard last, or where none is.
+    /// Command and torque at a sample, where friction is known and this is recalled, or where none is.
     #[inline(always)]
-    pub fn says(&self, xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2], heard: Option<S>) -> Says<S> {
+    pub fn says(&self, xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2], recalled: Option<Recalled<S>>) -> Says<S> {
         let (command, estimated) = (said(&self.command, xi, y, feel), said(&self.torque, xi, y, feel));
-        let (torque, friction) = match heard {
-            Some(heard) => self.friction.given_back(estimated, (xi, y, feel), heard),
-            None => (estimated, estimated.zero()),
+        let (recalled, friction) = match recalled {
+            Some(recalled) => self.friction.given_back(estimated, (xi, y, feel), recalled),
+            None => (Recalled::afresh(estimated), estimated.zero()),
         };
-        Says { command, torque, friction }
+        Says { command, torque: recalled.heard, friction, recalled }
     }
 
     /// The state at the next sample, where the amplifier answers the command as `e` and the friction is known, or is not.
@@ -166,6 +168,12 @@ impl<S: Scalar> Observer<S> {
 }
 
 impl<S: Scalar> Says<S> {
+    /// Of a law of gains alone.
+    #[inline(always)]
+    pub fn of_gains(command: S, torque: S) -> Self {
+        Self { command, torque, friction: torque.zero(), recalled: Recalled::afresh(torque) }
+    }
+
     /// Between what two laws say: what a law says whose numbers are between theirs.
     #[inline(always)]
     pub fn towards(self, next: Self, share: f64) -> Self {
@@ -173,6 +181,7 @@ impl<S: Scalar> Says<S> {
             command: self.command + (next.command - self.command).times(share),
             torque: self.torque + (next.torque - self.torque).times(share),
             friction: self.friction + (next.friction - self.friction).times(share),
+            recalled: self.recalled.towards(next.recalled, share),
         }
     }
 }

@@ -1,8 +1,8 @@
-//! Dry friction that a law knows: given back in motion, a play at rest that lets go.
+//! Dry friction that a law knows: given back in motion, a play at rest that lets go, learnt where no hand is.
 
 mod near;
 
-use forcefeel_model::known_friction::FRICTION_NUMBERS;
+use forcefeel_model::known_friction::{FRICTION_NUMBERS, LEVEL_FROM_END, Recalled};
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED, Says};
 use near::assert_within;
 
@@ -10,6 +10,12 @@ use near::assert_within;
 const LEVEL: f64 = 3.5;
 const MARGIN: f64 = 0.7;
 const SLOW: f64 = 1e-3;
+/// `g_-`, `g_+` in N m, `a`, `q` in N m, `c`.
+const LEAST: f64 = -0.4;
+const MOST: f64 = 0.6;
+const GAIN: f64 = 0.01;
+const HAND: f64 = 3.0;
+const BLUR: f64 = 0.05;
 /// Length of `[xi; y; delta; delta']`.
 const KNOWN: usize = MOST_STATES + SAMPLED + 2;
 const TORQUE: usize = NUMBERS - FRICTION_NUMBERS - MOST_STATES * (SAMPLED + 1) - KNOWN;
@@ -21,14 +27,16 @@ fn law(level: f64, leak: f64) -> Observer<f64> {
     numbers[TORQUE] = 1.0;
     numbers[RATE + 1] = 1.0;
     numbers[RATE + KNOWN] = -0.25;
-    numbers[NUMBERS - 4..].copy_from_slice(&[level, MARGIN, SLOW, leak]);
+    let learning = [LEAST, MOST, GAIN, HAND, BLUR];
+    let known = [[level, MARGIN, SLOW, leak].as_slice(), &learning].concat();
+    numbers[NUMBERS - LEVEL_FROM_END..].copy_from_slice(&known);
     Observer::from_numbers(&numbers)
 }
 
 fn says(law: &Observer<f64>, torque: f64, rate: f64, heard: f64) -> Says<f64> {
     let mut xi = [0.0; MOST_STATES];
     (xi[0], xi[1]) = (torque, rate);
-    law.says(&xi, &[0.0; SAMPLED], [0.0; 2], Some(heard))
+    law.says(&xi, &[0.0; SAMPLED], [0.0; 2], Some(Recalled::afresh(heard)))
 }
 
 #[test]
@@ -77,4 +85,49 @@ fn law_without_friction_beside_one_with_it_hears_all() {
         assert!(found.friction.abs() < f64::MIN_POSITIVE);
         assert_within(found.torque, 1.7, 0.0);
     }
+}
+
+/// What was learnt after so many samples at a torque and a rate, from what was recalled.
+fn learnt(from: Recalled<f64>, samples: usize, torque: impl Fn(f64) -> f64, rate: f64) -> Recalled<f64> {
+    let law = law(LEVEL, 0.0);
+    let mut recalled = from;
+    let mut xi = [0.0; MOST_STATES];
+    for _ in 0..samples {
+        (xi[0], xi[1]) = (torque(recalled.learnt), rate);
+        recalled = law.says(&xi, &[0.0; SAMPLED], [0.0; 2], Some(recalled)).recalled;
+    }
+    recalled
+}
+
+#[test]
+fn what_is_left_of_a_hand_that_is_off_is_learnt_whichever_way_it_moves() {
+    let afresh = Recalled::afresh(0.0);
+    for (off, rate) in [(0.3, 1.0), (0.3, -1.0), (-0.2, 1.0), (-0.2, -1.0)] {
+        // T_o = (F + g - F_true) sgn v
+        let found = learnt(afresh, 2000, |learnt| (learnt - off) * rate.signum(), rate);
+        assert_within(found.learnt, off, 1e-5);
+        let short = learnt(afresh, 100, |learnt| (learnt - off) * rate.signum(), rate);
+        assert!(0.0 < short.learnt / off && short.learnt / off < 1.0);
+    }
+}
+
+#[test]
+fn it_stays_within_its_bounds() {
+    for (torque, bound) in [(-2.0, MOST), (2.0, LEAST)] {
+        assert_within(learnt(Recalled::afresh(0.0), 2000, |_| torque, 1.0).learnt, bound, 1e-14);
+    }
+}
+
+#[test]
+fn nothing_is_learnt_at_rest_or_under_a_hand() {
+    let afresh = Recalled::afresh(0.0);
+    for (torque, rate) in [(1.0, 0.0), (1.0, 0.5 * SLOW), (-1.0, -SLOW)] {
+        assert_within(learnt(afresh, 500, |_| torque, rate).learnt, 0.0, 0.0);
+    }
+    // A hand that has pushed for a while; until then it may have been the friction.
+    let pushed = learnt(Recalled::afresh(2.0 * HAND), 1, |_| 2.0 * HAND, 1.0);
+    assert_within(learnt(pushed, 500, |_| 2.0 * HAND, 1.0).learnt, pushed.learnt, 0.0);
+    // One that has turned round has to go on for a while.
+    let forth = learnt(afresh, 500, |_| 0.0, 1.0);
+    assert_within(learnt(forth, 20, |_| 1.0, -1.0).learnt, 0.0, 0.0);
 }

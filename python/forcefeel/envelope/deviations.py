@@ -27,18 +27,21 @@ from forcefeel.loader.parameters import (
     has,
     is_switch,
 )
-from forcefeel.loader.tolerances import Distribution, Tolerance, beyond
+from forcefeel.loader.tolerances import ASSUMED, Distribution, Tolerance, beyond
 from forcefeel.units import show
 
-USUAL_CHANGE, VALVE_GAIN_CHANGE = 0.2, 0.3
+USUAL_CHANGE, VALVE_GAIN_CHANGE = ASSUMED, 0.3
+
+FRICTION = "column.coulomb_friction"
+"""What a law gives back, and an error of it costs: it counts where the loader has it."""
 
 CHANGES: Mapping[str, float] = MappingProxyType(
-    {key: VALVE_GAIN_CHANGE if key == "valve.current_gain" else USUAL_CHANGE for key in PLANT_PARAMETERS}
+    {key: VALVE_GAIN_CHANGE if key == "valve.current_gain" else USUAL_CHANGE for key in (*PLANT_PARAMETERS, FRICTION)}
 )
 """How far each parameter of the plant is assumed to be off, to either side. Not the sensors' gains, which are calibrated, nor those
 of the feel computer, which are numbers in a program."""
 
-MOTOR_CHANGES: Mapping[str, float] = MappingProxyType(dict.fromkeys(MOTOR_PARAMETERS, USUAL_CHANGE))
+MOTOR_CHANGES: Mapping[str, float] = MappingProxyType(dict.fromkeys((*MOTOR_PARAMETERS, FRICTION), USUAL_CHANGE))
 """Those of an electric loader."""
 
 _ORIFICE = {"valve.current_gain": "valve.rated_flow", "valve.pressure_gain": "valve.supply_pressure"}

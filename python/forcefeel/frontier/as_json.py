@@ -35,6 +35,7 @@ def frontier_json(found: Frontier, units: UnitSystem) -> dict[str, Json]:
         "smallest_in_every_case": json_value(found.smallest, units),
         "largest_stiffness_in_every_case": quantity(found.largest_stiffness, PERCENT, units),
         "friction": json_value(found.friction, units),
+        "friction_bound": _friction_bound(found, units),
         "hardware": json_value(found.hardware, units),
     }
 
@@ -67,6 +68,19 @@ def _bound(found: Frontier, units: UnitSystem) -> dict[str, Json]:
         "possible": [quantity(share, PERCENT, units) for share in bound.shares],
         "possible_if_exact_nominally": [quantity(share, PERCENT, units) for share in bound.centred_shares],
         "rendered_beyond_it": quantity(found.beyond_bound, PERCENT, units),
+    }
+
+
+def _friction_bound(found: Frontier, units: UnitSystem) -> Json:
+    bound = found.friction_bound
+    if bound is None:
+        return None
+    return {
+        "friction": quantity(bound.friction_n, FORCE, units),
+        "tolerance": quantity(bound.tolerance, PERCENT, units),
+        "force_off_by": quantity(bound.off_n, FORCE, units),
+        "friction_known_to": [quantity(error, PERCENT, units) for error in bound.errors],
+        "possible": [quantity(share, PERCENT, units) for share in bound.shares],
     }
 
 

@@ -42,7 +42,8 @@ def frontier_conclusions(found: Frontier, units: UnitSystem) -> Conclusions:
         _hardware(found),
         _drive(found, units),
     ]
-    lines += [_smallest(found, units), _friction(found, units), _sensor(found), *caveats(found.envelope, units)]
+    lines += [_smallest(found, units), _friction(found, units), _friction_bound(found, units), _sensor(found)]
+    lines += caveats(found.envelope, units)
     return Conclusions(good, verdict, tuple(line for line in lines if line))
 
 
@@ -251,6 +252,19 @@ def _friction(found: Frontier, units: UnitSystem) -> str:
     return (
         f"With no friction programmed the hand feels {felt} of friction, play and lag at the loader's own setting{own}; what is "
         f"less than {noise}, r.m.s., is lost in the noise."
+    )
+
+
+def _friction_bound(found: Frontier, units: UnitSystem) -> str:
+    bound = found.friction_bound
+    if bound is None:
+        return ""
+    known = f"{_force(bound.friction_n, units)} known to {tolerance_text(bound.tolerance)}"
+    return (
+        f"With the column's dry friction of {known}, {share_text(bound.share)} of the settings are left to a law that must be "
+        "right for a hand that drags as steadily as friction, and the force at the hand is off by "
+        f"{_force(bound.off_n, units)} or more in one of the two machines at the tolerance's ends. A law that learns the friction "
+        "with the hand off may get beyond that; such a hand is then felt the less."
     )
 
 

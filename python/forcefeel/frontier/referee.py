@@ -44,23 +44,30 @@ class Referee:
             trial: The trial responses, a row for each setting, without the arm.
             arm: The arm that both carry.
         """
-        if arm not in self._ideal:
-            self._ideal[arm] = self._measured(self._carrying(self.feel, arm))
-        carried = self._carrying(trial, arm)
+        carried = self.carrying(trial, arm)
         heavy = carried[:, 0] > 0
         found = np.zeros(len(trial), dtype=bool)
         if heavy.any():
             # What has no inertia is not released at all: the setting's own stands in its row and is not counted.
-            released = self._measured(np.where(heavy[:, None], carried, self._carrying(self.feel, arm)))
-            verdicts = judge_releases(released, self._ideal[arm], self.plan.test, travel=self.plan.throw.travel_rad)
-            found = verdicts.passed & heavy
+            there = np.where(heavy[:, None], carried, self.carrying(self.feel, arm))
+            found = self.judged(self._released(there), arm) & heavy
         return found
 
-    def _carrying(self, feel: NDArray[np.float64], arm: PilotArm | None) -> NDArray[np.float64]:
+    def judged(self, angles: NDArray[np.float64], arm: PilotArm | None = None) -> NDArray[np.bool_]:
+        """Whether each setting's column angles over the record pass as its release."""
+        if arm not in self._ideal:
+            self._ideal[arm] = self._measured(self._released(self.carrying(self.feel, arm)))
+        found = self._measured(angles)
+        return judge_releases(found, self._ideal[arm], self.plan.test, travel=self.plan.throw.travel_rad).passed
+
+    def carrying(self, feel: NDArray[np.float64], arm: PilotArm | None) -> NDArray[np.float64]:
+        """I, B, G, a row each, with an arm."""
         return carrying(self.plan.loader, feel, arm)
 
-    def _measured(self, feel: NDArray[np.float64]) -> ReleaseBatch:
-        angles = ideal_releases(feel, self.plan.release_rad, self.record.step_s, self.record.samples)
+    def _released(self, feel: NDArray[np.float64]) -> NDArray[np.float64]:
+        return ideal_releases(feel, self.plan.release_rad, self.record.step_s, self.record.samples)
+
+    def _measured(self, angles: NDArray[np.float64]) -> ReleaseBatch:
         return measured(self.plan, self.record, angles, self.threads)
 
 

@@ -12,6 +12,7 @@ from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.result import Envelope, Smallest
 from forcefeel.frontier.bound import Bound
 from forcefeel.frontier.friction import SmallestFriction
+from forcefeel.frontier.friction_bound import FrictionBound
 from forcefeel.frontier.hardware import Gain
 from forcefeel.frontier.motor_limits import MotorLimits
 from forcefeel.frontier.rungs import Rungs
@@ -41,6 +42,7 @@ class Frontier:
         tightening: How the shares move with the tolerances.
         drive: What the valve, or the motor, forbids.
         friction: The smallest friction.
+        friction_bound: What the column's dry friction leaves, over its error; ``None`` where there is none.
         hardware: What changes of the hardware give, the largest gain first.
 
     Example:
@@ -56,6 +58,7 @@ class Frontier:
     tightening: Tightening
     drive: ValveLimits | MotorLimits
     friction: SmallestFriction
+    friction_bound: FrictionBound | None
     hardware: tuple[Gain, ...]
 
     def __repr__(self) -> str:

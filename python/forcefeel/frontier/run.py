@@ -7,6 +7,7 @@ from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.errors import InputError, expect
 from forcefeel.frontier.bound import ERRORS, inertia_bound
 from forcefeel.frontier.friction import smallest_friction
+from forcefeel.frontier.friction_bound import friction_bound
 from forcefeel.frontier.hardware import hardware, hardware_releases
 from forcefeel.frontier.motor_limits import motor_limits
 from forcefeel.frontier.result import Frontier
@@ -106,6 +107,7 @@ def compute_frontier(
         tightening=tightening(rungs),
         drive=(motor_limits if plan.loader.drive == ELECTRIC else valve_limits)(plan, threads=threads),
         friction=smallest_friction(plan),
+        friction_bound=friction_bound(plan, threads=threads),
         hardware=gains,
     )
 

@@ -47,6 +47,8 @@ _CANCELLATION_UNITS = {
     "per_travel_rad_per_m": "rad/m",
     "lead_s": "s",
     "cogging": ["A", "periods per turn of the motor", "rad"],
+    "friction_a": "A",
+    "slow_rad_per_s": "rad/s",
 }
 _AT_GRIP = "force at the grip in N"
 
@@ -56,12 +58,13 @@ def _sampled_units(law: SampledCompensator) -> dict[str, object]:
     on = [*_ON, _AT_GRIP] if law.sampled == SAMPLED_AT_GRIP else _ON
     feel = ["feel displacement in rad", "its rate in rad/s"]
     known = ["xi on friction in N m", "friction in N m", "margin in N m", "slow rate in rad/s", "leak"]
+    learnt = ["least learnt in N m", "most learnt in N m", "learning gain", "torque of a hand in N m", "blur"]
     return {
         "transition": "xi on xi",
         "input": ["xi on", *on[1:], "command in V"],
         "command": ["V on", *on, *feel],
         "torque": ["N m on", *on, *feel],
-        "friction": ["rad/s on", *on, *feel, *known],
+        "friction": ["rad/s on", *on, *feel, *known, *learnt],
     }
 
 
@@ -169,7 +172,9 @@ def _cancellation(keys: "_Keys | None") -> Cancellation | None:
     if keys is None:
         return None
     cogging = tuple(tuple(row) for row in keys.array("cogging", 2).tolist())
-    return Cancellation(keys.get("per_travel_rad_per_m", float), keys.get("lead_s", float), cogging)
+    numbers = (keys.get(name, float) for name in ("per_travel_rad_per_m", "lead_s"))
+    friction = (keys.get(name, float) for name in ("friction_a", "slow_rad_per_s"))
+    return Cancellation(*numbers, cogging, *friction)
 
 
 def _feel(settings: "_Keys", numbers: Numbers) -> NDArray[np.float64]:

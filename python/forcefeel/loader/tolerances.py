@@ -27,6 +27,9 @@ _WIDEST_DEVIATION = 100.0
 ENDS_AT = 2.0
 """Standard deviations from the mean at which a normal tolerance is said to end: 95.4 % of a normal distribution lie within."""
 
+ASSUMED = 0.2
+"""Share to either side by which a value is assumed to be off where no tolerance is stated."""
+
 ZERO = "expected bounds as values with their unit, got shares of a value that is zero"
 
 

@@ -169,7 +169,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
                 pilot_force,
             ])
         };
-        let e = cancellation.map_or(e, |known| e + known.command(y[1], zero));
+        let e = cancellation.map_or(e, |known| e + known.command(y[1], zero, zero));
         let left_over = self.drive.left_over(effects, e, (x_p, effort));
         (left_over, Equilibrium { base: x_b, position: x_p, delta, neutral, effort, command: e, pilot_force })
     }

@@ -30,6 +30,7 @@ def frontier_page(found: Frontier, units: UnitSystem, *, command: str = "") -> s
         conclusions=frontier_conclusions(found, units),
         curves=drawing(frontier_plots.shares(found), "shares"),
         tolerances=frontier_tables.tolerances(found),
+        friction=frontier_tables.friction(found, units),
         panels=frontier_maps.panels(found, units),
         legend=frontier_maps.legend(found),
         spans=frontier_maps.spans(found, units),

@@ -43,6 +43,22 @@ _SAME = 1e-6
 """Relative; tolerances that are the same but for rounding."""
 
 
+def friction(found: Frontier, system: UnitSystem) -> Table | None:
+    """What an error of the column's dry friction leaves; nothing for a column without."""
+    bound = found.friction_bound
+    if bound is None:
+        return None
+    rows = tuple(
+        (
+            words(f"±{tolerance_text(error)}{', its tolerance' if error == bound.tolerance else ''}"),
+            number(quantity_text(error * bound.friction_n, FORCE, system, 2)),
+            number(share_text(share)),
+        )
+        for error, share in zip(bound.errors, bound.shares, strict=True)
+    )
+    return Table(heads("Friction known to", "Force at the hand off by at least", "Bound"), rows)
+
+
 def costs(found: Frontier) -> Table:
     """What each tolerance and each arm costs by itself."""
     rows = []

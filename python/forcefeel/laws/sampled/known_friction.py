@@ -1,14 +1,16 @@
-"""The column's dry friction as part of a sampled law: what the loader file says of it, given back.
+"""The column's dry friction as part of a sampled law: what the loader file says of it, given back, and learnt within its tolerance.
 
 To the load cell and the encoder the friction between hand and load cell looks like a hand that pulls. The observer's plant is told
 of it, so that what it estimates is the hand's torque alone, and the feel computer hears that through a play, which holds still what
-friction may hold. ``crates/model/src/known_friction.rs`` has the equations; here are its numbers.
+friction may hold. Where the hand is off, what is still estimated of it in motion is an error of the friction, and teaches it.
+``crates/model/src/known_friction.rs`` has the equations; here are its numbers.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.laws.sampled.plant import SampledPlant
+from forcefeel.laws.sampled.sampled_compensator import OF_FRICTION, SAMPLED
 
 MARGIN = 0.5
 """M, a share of the friction: room at the edges of the play for the noise of what is estimated. Shares rendered change by less than
@@ -21,12 +23,21 @@ a hundred; the noise of the estimated rate, some 1e-3 to 1e-2 rad/s r.m.s., smoo
 LET_GO_S = 0.02
 """1 / l in time. Long beside the time in which a column that turns round rests, short beside a hand that pushes."""
 
-_OTHERS = 9
-"""y, delta, delta', and the four numbers."""
+LEARNS_S = 0.05
+"""1 / a in time: learnt within a swing. Twice as slow serves little friction better and much worse."""
+
+BLUR_S = 0.01
+"""1 / c in time: how long the column must have moved one way, and the hand have been off."""
+
+HAND = 1.0
+"""q, as a share of the friction: a hand that pushes with more stops the learning. Shares rendered are the same at three."""
+
+_OTHERS = SAMPLED + 2 + OF_FRICTION
+"""y, delta, delta', and the single numbers."""
 
 
 def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The numbers of the friction, (settings, 2 m + 9) for an observer of m states; zeros where there is none.
+    """The numbers of the friction, (settings, 2 m + 14) for an observer of m states; zeros where there is none.
 
     Args:
         plant: The plant, with its friction.
@@ -39,5 +50,7 @@ def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArra
     rate = np.concatenate([estimate[:, places.base_rate] / scale.time_s, of_feel], axis=1)
     enters = np.zeros((settings, places.observed))
     enters[:, : places.count] = -plant.by_torque / scale.torque_n_m
-    numbers = (friction, MARGIN * friction, SLOW_RAD_PER_S, plant.period_s / LET_GO_S)
+    given = (friction, MARGIN * friction, SLOW_RAD_PER_S, plant.period_s / LET_GO_S)
+    gain, blur = (min(plant.period_s / time, 1.0) for time in (LEARNS_S, BLUR_S))
+    numbers = (*given, *plant.friction_off_n_m, gain, HAND * friction, blur)
     return np.hstack([rate, enters, np.tile(numbers, (settings, 1))])

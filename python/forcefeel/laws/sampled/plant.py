@@ -28,6 +28,7 @@ from forcefeel.linear.models import INPUTS, Linkage, loader_model
 from forcefeel.linear.sampled_feel import delayed
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
+from forcefeel.loader.tolerances import ASSUMED
 from forcefeel.units import SECONDS, to_text
 
 PLANT_STATES = (
@@ -172,6 +173,7 @@ class SampledPlant:
         by_command: Gamma_1, (n,).
         by_torque: Gamma_p, (n,).
         friction_n_m: Dry friction of the moving column, as torque on it.
+        friction_off_n_m: By how much it may be off, its least and most: the file's tolerance, or an assumed one.
     """
 
     period_s: Annotated[float, SECONDS]
@@ -183,10 +185,11 @@ class SampledPlant:
     by_command: NDArray[np.float64] = field(repr=False)
     by_torque: NDArray[np.float64] = field(repr=False)
     friction_n_m: float
+    friction_off_n_m: tuple[float, float]
 
     @classmethod
     def of(cls, loader: Loader) -> "SampledPlant":
-        """The plant of a loader: its linear model alone, without limits, friction, lags of sensors or an arm at the grip.
+        """The plant of a loader: its linear model and the column's viscous friction, without limits, lags of sensors or an arm.
 
         Raises:
             InputError: If the loader has no ``controller.period``, or its delay is longer than that.
@@ -197,8 +200,10 @@ class SampledPlant:
         phi, by_held, by_command = delayed(a, b[:, 1:], *timing)
         _, whole = _core.discretize(a, b, timing[0])
         places = _OF_MOTOR if loader.drive == ELECTRIC else _OF_SERVO
-        friction = loader["column.coulomb_friction"] * loader["column.grip_arm"]
-        return cls(*timing, scale, places, phi, by_held[:, 0], by_command[:, 0], whole[:, 0], friction)
+        least, most = _friction_off(loader)
+        arm = loader["column.grip_arm"]
+        known = loader[_FRICTION] * arm, (least * arm, most * arm)
+        return cls(*timing, scale, places, phi, by_held[:, 0], by_command[:, 0], whole[:, 0], *known)
 
     @property
     def periods_per_time(self) -> float:
@@ -262,6 +267,7 @@ _Plant = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 def _motor(loader: Loader) -> _Plant:
     """Of an electric drive, with the force for the rotor's velocity."""
     a, b, c, _ = _core.electric_plant(loader.values)
+    a[-1, -1] -= _drag(loader)
     to = np.eye(_OF_MOTOR.count)  # from x_m, x_m', i, x_b, x_b'
     to[_OF_MOTOR.effort] = c[_FORCE_OUTPUT]
     return to @ np.linalg.solve(to.T, a.T).T, *(to @ b).T
@@ -273,4 +279,29 @@ def _servo(loader: Loader) -> _Plant:
     model = loader_model(loader, Compensator.none(loader.values), Linkage.COMPLIANT)
     kept = [model.state_labels.index(name) for name in PLANT_STATES]
     force, signal = (model.B[kept, INPUTS.index(name)] for name in INPUTS)
-    return model.A[np.ix_(kept, kept)], force, signal
+    a = model.A[np.ix_(kept, kept)]
+    a[_OF_SERVO.base_rate, _OF_SERVO.base_rate] -= _drag(loader)
+    return a, force, signal
+
+
+def _drag(loader: Loader) -> float:
+    """What viscous friction takes of the base's velocity: ``B_c / J``."""
+    return loader["column.viscous_friction"] / loader["column.inertia"]
+
+
+_FRICTION = "column.coulomb_friction"
+
+
+def _friction_off(loader: Loader) -> tuple[float, float]:
+    """By how much the column's dry friction may be off, N at the grip: by its tolerance, or by a share that is assumed."""
+    stated = loader[_FRICTION]
+    low, high = (
+        loader.tolerances[_FRICTION].ends
+        if _FRICTION in loader.tolerances
+        else (
+            (1 - ASSUMED) * stated,
+            (1 + ASSUMED) * stated,
+        )
+    )
+    # Bounds that stand by themselves need not hold the value.
+    return min(low - stated, 0.0), max(high - stated, 0.0)

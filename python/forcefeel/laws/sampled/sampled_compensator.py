@@ -35,8 +35,8 @@ SAMPLED_AT_GRIP = SAMPLED + 1
 _FEEL = 2
 """delta, delta'."""
 
-OF_FRICTION = 4
-"""F, M, v_s, l."""
+OF_FRICTION = 9
+"""F, M, v_s, l, and of learning g_-, g_+, a, q, c."""
 
 _AT_ONE = 1e-11
 """A pole of the law, left to itself, that is nearer to 1 may be one: rounding moves poles by 1e-13."""
@@ -53,8 +53,9 @@ class SampledCompensator:
         input: (settings, n, 4), columns F_c, x_p, theta, e; with the grip's sensor (settings, n, 5), F_g before e, and so below.
         command: (settings, n + 5), in V on xi, F_c, x_p, theta, delta, delta'.
         torque: (settings, n + 5), in N m on the same.
-        friction: (settings, 2 n + 9), the dry friction that it knows: r, the column's rate in rad/s on the same as command; b, by
-            which xi moves per N m of friction; F and M in N m, v_s in rad/s, l. Zeros where it is not given: it knows of none.
+        friction: (settings, 2 n + 14), the dry friction that it knows: r, the column's rate in rad/s on the same as command; b, by
+            which xi moves per N m of friction; F and M in N m, v_s in rad/s, l; and how it learns: g_-, g_+ in N m, a, q in N m, c.
+            Zeros where it is not given: it knows of none.
         settled: (settings, n, 4), the state at rest per F_c, x_p, theta, delta; see ``_settled``.
 
     Arrays are read-only.
@@ -143,7 +144,7 @@ class SampledCompensator:
     def rows(self) -> NDArray[np.float64]:
         """A row of ``_core.OBSERVER_NUMBERS`` numbers for each setting, as the engine takes them.
 
-        transition (9 by 9), input (9 by 5), command (15), torque (15), settled (9 by 5) and friction (28), row by row, with zeros
+        transition (9 by 9), input (9 by 5), command (15), torque (15), settled (9 by 5) and friction (33), row by row, with zeros
         for the states, and for the force at the grip, that the law has not.
         """
         n, spare = self.states, MOST_STATES - self.states

@@ -1,0 +1,185 @@
+"""Ways to compensate the column's dry friction, side by side: what they render where the friction is known, and where it is off.
+
+    python benchmarks/friction_compensation.py [loader] [pounds ...]
+
+Each row is the law ``robust`` with another compensation; each column the machine's friction, breakaway with it, off what the law
+was told by a share. A cell is the share of settings whose release is within the rule's tolerances, and behind the stroke that of
+those that swing on: which in the last two programmed periods of the record, where the ideal is below 0.1 % of the deflection,
+still swing so far that the feel's spring has more than ``SWINGS`` of the friction.
+
+* none: the law of a loader without friction. Its observer has the disturbance at the command and the hand's torque as states: that
+  alone is a disturbance observer, to which friction is the hand's.
+* servo: no observer; position loop and load cell (``load-cell``).
+* dither: none, and a triangle of 30 Hz on the command, of the amplitude in V that is named.
+* feed-forward: the friction along the smoothed sign of the rate, nothing held at rest. The usual tanh(v / v_s).
+* friction observer: nothing known, the level learnt from zero to twice the true one (Friedland, Park 1992).
+* given back: known, at rest a play.
+* lower end: the same with the share that no machine of the tolerance is given too much by.
+* learnt: known, and learnt within 20 %. What the laws of a loader file do whose tolerance is 20 %.
+* learnt, from the lower end: the same, begun there.
+
+Sources: B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138; H. Olsson, K. J. Astrom, C. Canudas de
+Wit, M. Gafvert, P. Lischinsky, Friction models and friction compensation, European J. Control 4 (1998) 176-195; B. Friedland, Y.-J.
+Park, On adaptive friction compensation, IEEE Trans. Automatic Control 37 (1992) 1609-1612.
+"""
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import sys
+from dataclasses import replace
+
+import numpy as np
+
+import forcefeel as ff
+from forcefeel.choice.score import COARSE
+from forcefeel.envelope.cases import NOMINAL, Case, Kind
+from forcefeel.envelope.ideal import ideal_releases
+from forcefeel.envelope.machines import full_rows
+from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.releases import measured, pieces, released
+from forcefeel.laws.law import Law
+from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.sampled_compensator import OF_FRICTION
+from forcefeel.loader.parameters import HYDRAULIC
+from forcefeel.qualification.batch_verdicts import judge_releases
+from forcefeel.simulation import Scenario, simulate_batch
+from forcefeel.simulation.inputs import Release, Schedule
+
+OFF = (-0.2, -0.1, 0.0, 0.1, 0.2)
+BREAKS_AWAY = 1.2
+SWINGS = 0.25
+DITHER_HZ, DITHER_V = 30.0, (0.02, 0.1, 0.5)
+LEVEL, MARGIN, SLOW, LEAK, LEAST, MOST, GAIN, HAND, BLUR = range(-OF_FRICTION, 0)
+ROWS = ("column.coulomb_friction", "column.static_friction")
+LOADERS = {"elevator-2khz": (0.5, 1.0, 2.0), "elevator-electric": (0.5, 1.0)}
+
+
+def case(off):
+    """Friction and breakaway off by a share."""
+    return Case(f"{off:+.0%}", Kind.PLANT, dict.fromkeys(ROWS, off)) if off else NOMINAL
+
+
+def law(change=lambda known: None, name="robust", known=True):
+    """A design whose numbers of the friction are changed in place."""
+
+    def design(loader, feel):
+        made = METHODS[name].design(loader if known else loader.replace(dict.fromkeys(ROWS)), feel)
+        numbers = made.friction.copy()
+        change(numbers)
+        return replace(made, friction=numbers)
+
+    return design
+
+
+def unlearnt(numbers):
+    numbers[:, GAIN] = 0.0
+
+
+def fed_forward(numbers):
+    unlearnt(numbers)
+    numbers[:, MARGIN], numbers[:, LEAK] = 0.0, 1.0
+
+
+def lower(numbers):
+    """Begun at the least friction of the tolerance."""
+    numbers[:, LEVEL] += numbers[:, LEAST]
+    numbers[:, MOST] -= numbers[:, LEAST]
+    numbers[:, LEAST] = 0.0
+
+
+def fixed_lower(numbers):
+    lower(numbers)
+    unlearnt(numbers)
+
+
+def from_nothing(numbers):
+    level = numbers[:, LEVEL].copy()
+    numbers[:, LEVEL], numbers[:, LEAST], numbers[:, MOST] = 1e-6 * level, 0.0, 2 * level
+
+
+WAYS = {
+    "none": law(known=False),
+    "servo": law(name="load-cell", known=False),
+    "feed-forward": law(fed_forward),
+    "friction observer": law(from_nothing),
+    "given back": law(unlearnt),
+    "lower end": law(fixed_lower),
+    "learnt": law(),
+    "learnt, from the lower end": law(lower),
+}
+
+
+def judged(plan, record, which, feel, angles):
+    """Share that passes, and that does not come to rest, of each case."""
+    ideal = measured(plan, record, ideal_releases(feel, plan.release_rad, record.step_s, record.samples), 1)
+    period = 2 * np.pi / plan.settings.rows[which[0], 1]
+    end = angles[:, :, -round(2 * period / record.step_s) :]
+    torque = SWINGS * plan.loader[ROWS[0]] * plan.loader["column.grip_arm"]
+    swings = ~(np.ptp(end, axis=2) / 2 * feel[:, 2] <= torque)  # what diverged is no number
+    passes = [
+        judge_releases(measured(plan, record, one, 1), ideal, plan.test, travel=plan.throw.travel_rad).passed
+        for one in angles
+    ]
+    return np.array(passes), swings
+
+
+def tried(loader, design, release=None):
+    """Passes and swings, (cases, settings), of a design; ``release`` runs the machines of a piece if not the envelope's own."""
+    plan = make_plan(loader, ["robust"], COARSE, changes={}, arms=())
+    feel, cases = plan.settings.feel(loader), [case(off) for off in OFF]
+    passes, swings = np.zeros((2, len(cases), len(feel)), dtype=bool)
+    for which, record in pieces(plan):
+        made = Law.of(design(plan.loader, feel[which]), plan.loader, name="way")
+        made = replace(made, feel=feel[which])
+        _, angles = (release or released)(plan, cases, feel[which], made, record, 1)
+        angles = angles.reshape(len(cases), len(which), -1)
+        passes[:, which], swings[:, which] = judged(plan, record, which, feel[which], angles)
+    return passes, swings
+
+
+def shaken(volts):
+    """Runs as ``released``, with dither."""
+
+    def run(plan, cases, feel, law, record, threads):
+        quarters = np.arange(0, record.duration_s + 1 / DITHER_HZ, 0.25 / DITHER_HZ)
+        wave = Schedule(quarters, volts * np.sin(np.pi / 2 * np.arange(len(quarters))))
+        step = plan.loader["controller.period"]
+        scenario = Scenario(Release(plan.release_rad), record.duration_s, step, record.step_s, command_signal_v=wave)
+        rows = np.vstack([full_rows(plan.loader, case, feel, law) for case in cases])
+        each = law.some(np.tile(np.arange(len(feel)), len(cases)))
+        runs = simulate_batch(plan.loader, scenario, rows, each, keep=["column_angle_rad"], threads=threads)
+        return None, runs["column_angle_rad"].values
+
+    return run
+
+
+def show(name, passes, swings):
+    cells = "".join(
+        f"{f'{100 * a:.0f} / {100 * b:.0f}':>10}" for a, b in zip(passes.mean(1), swings.mean(1), strict=True)
+    )
+    within = {0.1: [1, 2, 3], 0.2: slice(None)}
+    worst = "".join(f"{100 * passes[rows].all(axis=0).mean():>8.0f}" for rows in within.values())
+    print(f"{name:<28}{cells}{worst}", flush=True)
+
+
+def main():
+    name, *pounds = sys.argv[1:] or ["elevator-2khz"]
+    loader = ff.digital_elevator() if name == "elevator-2khz" else ff.loader.electric(name)
+    for pound in map(float, pounds or LOADERS[name]):
+        values = {ROWS[0]: f"{pound} lb", ROWS[1]: f"{BREAKS_AWAY * pound} lb"}
+        rubbed = loader.replace(values)
+        print(f"{name}, {pound:g} lb: within tolerance / swings on, %; in all within 10 %, within 20 %")
+        print(" " * 28 + "".join(f"{f'{off:+.0%}':>10}" for off in OFF) + f"{'10 %':>8}{'20 %':>8}")
+        for way, design in WAYS.items():
+            show(way, *tried(rubbed, design))
+        for volts in DITHER_V:
+            show(
+                f"dither, {volts:g} {'V' if rubbed.drive == HYDRAULIC else 'A'}",
+                *tried(rubbed, WAYS["none"], shaken(volts)),
+            )
+
+
+if __name__ == "__main__":
+    main()
