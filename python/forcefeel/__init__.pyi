@@ -2,6 +2,7 @@
 
 from forcefeel import bench as bench
 from forcefeel import choice as choice
+from forcefeel import commission as commission
 from forcefeel import design as design
 from forcefeel import envelope as envelope
 from forcefeel import flight_schedule as flight_schedule

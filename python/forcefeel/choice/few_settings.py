@@ -89,7 +89,7 @@ def best_law(
             rule, tested = _qualified(loader, REPORT, units)
         plan = make_plan(loader, names_for(loader), grid)
         progress(STEPS[1])
-        scores, refused = _at_own_setting(plan, threads)
+        scores, refused = at_own_setting(plan, threads)
         progress(STEPS[2])
         scored, shares = _over_envelope(plan, scores, threads)
     except InputError as error:
@@ -106,7 +106,7 @@ def best_law(
     return LawsTried(report, best, remarks, rule, plan.settings.count, "", called)
 
 
-def _at_own_setting(plan: Plan, threads: int) -> tuple[list[Score], list[str]]:
+def at_own_setting(plan: Plan, threads: int) -> tuple[list[Score], list[str]]:
     """A score for each law, without the envelope; and a sentence for each that cannot be designed."""
     scores, refused = [], []
     for name, law in plan.compensators.items():

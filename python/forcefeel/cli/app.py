@@ -36,6 +36,7 @@ _COMMANDS = {
     "identify": f"{_LOADER} --data FILE --fit PARAMETERS",
     "resonance": f"{_LOADER} --data FILE",
     "excite": f"{_LOADER} --fit PARAMETERS",
+    "commission": f"{_LOADER} --data FILE",
     "reproduce": "",
 }
 """The commands in the order of the work, and what each takes and needs."""

@@ -1,0 +1,204 @@
+"""``forcefeel commission``."""
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Group
+from rich.table import Table
+
+from forcefeel.cli.bench_data import DATA, BenchOptions
+from forcefeel.cli.exit_status import BAD_ANSWER, INTERRUPTED
+from forcefeel.cli.options import (
+    EDITION,
+    OUTPUT,
+    FolderOptions,
+    LoaderFile,
+    LoaderOptions,
+    OutputOptions,
+    ThreadOptions,
+    option,
+)
+from forcefeel.cli.progress import Bar
+from forcefeel.cli.scenario_text import value
+from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.errors import InputError
+
+if TYPE_CHECKING:
+    from forcefeel.bench.records import BenchRecord
+    from forcefeel.bench.responses import Response
+    from forcefeel.commission import Commission, CommissionPlan
+
+BENCH = Group("Simulated bench", sort_key=20)
+ASKED = Group("What is asked", sort_key=30)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOptions, OutputOptions):
+    """The options of ``forcefeel commission``."""
+
+    data: Annotated[
+        tuple[Path, ...],
+        option(
+            "A file of bench data, as identify reads it: a record in time, or a frequency response. May be given again.",
+            DATA,
+            metavar="FILE",
+        ),
+    ] = ()
+    own_instruments: Annotated[
+        bool,
+        option(
+            "The records come from fast instruments of the bench, and not through the loader's own sensors, whose lag is otherwise "
+            "taken out of them.",
+            DATA,
+        ),
+    ] = False
+    bench: Annotated[
+        Path | None,
+        option("A loader file of a machine that is simulated in place of a bench.", BENCH, metavar="TRUTH.toml"),
+    ] = None
+    time_s: Annotated[float, option("Length of the simulated record in s.", BENCH, "--time")] = 60.0
+    rate_hz: Annotated[float, option("Samples per second of it.", BENCH, "--rate")] = 1000.0
+    seed: Annotated[int, option("Of the noise of its sensors.", BENCH)] = 1974
+    share: Annotated[
+        str,
+        option(
+            "Share of the settings, spaced in proportion, that the law is to render: of the identified loader, and on average of "
+            "machines with all its tolerances at once.",
+            ASKED,
+        ),
+    ] = "95 %"
+    fit: Annotated[
+        str,
+        option(
+            "Identify these parameters alone, such as k,c,J,C_i.",
+            ASKED,
+            default="all that the data determine",
+            metavar="PARAMETERS",
+        ),
+    ] = ""
+    starts: Annotated[int, option("Places at which the search begins.", ASKED)] = 1
+    rule: Annotated[str, option("Edition of the rule whose tests are made.", ASKED, metavar="EDITION")] = EDITION
+    grid: Annotated[
+        tuple[str, ...],
+        option(
+            "Settings along an axis: 'stiffness=1..100 %:6:log' (of G_max), 'frequency=0.5..4 Hz:4:log', "
+            "'damping=0.1, 0.3, 0.7, 1.5', which are the defaults. May be given again.",
+            ASKED,
+            metavar="AXIS=VALUES",
+        ),
+    ] = ()
+    draws: Annotated[int, option("Machines drawn with all tolerances at once.", ASKED)] = 12
+    out: Annotated[
+        Path, option("Folder for commission.html, loader.toml, the law and a folder for each step.", OUTPUT)
+    ] = Path("forcefeel-commission")
+
+    def plan(self) -> "CommissionPlan":
+        """What is asked.
+
+        Raises:
+            InputError: If an option is bad.
+        """
+        from forcefeel.choice.score import COARSE
+        from forcefeel.commission import CommissionPlan
+        from forcefeel.sweep import text
+
+        return CommissionPlan(
+            share=value("--share", self.share, "", "95 %"),
+            fit=tuple(one.strip() for one in self.fit.split(",") if one.strip()),
+            starts=self.starts,
+            rule=self.rule,
+            grid={**COARSE, **text.assignments("--grid", self.grid, "stiffness=1..100 %:6:log")},
+            draws=self.draws,
+            own_instruments=self.own_instruments,
+            units=self.units,
+            threads=self.threads,
+        )
+
+    def measured(self) -> "list[Response | BenchRecord]":
+        """The bench data that are given.
+
+        Raises:
+            InputError: If there are none and no machine to simulate, or both, or a file is bad.
+        """
+        if bool(self.data) is (self.bench is not None):
+            raise InputError(
+                "--data: expected bench data, or with --bench a machine to simulate in their place, and not both; "
+                + ("leave one out" if self.data else "give one")
+            )
+        return self.read(self.data)
+
+
+def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOptions()) -> None:
+    """Set a loader up: identify it from its bench, choose the law, check it over the envelope, make the rule's tests.
+
+    A folder for each step, and one page with the result. Interrupted, it goes on where it was when it is called again. Exit status
+    1 if something that is needed is not determined, or the law does not reach the share or the tests: it is then written as
+    law-not-good.json.
+
+    Example: forcefeel commission my.toml --data bench.csv --out commissioned
+    """
+    from forcefeel.commission import commission_loader, write_commission
+    from forcefeel.commission.as_json import commission_json
+    from forcefeel.commission.page.folder import check_folder
+    from forcefeel.commission.simulated_bench import BenchTime
+    from forcefeel.loader.built_in import open_loader
+
+    inputs = [one for one in (path, options.bench, *options.data) if one is not None and one.exists()]
+    command = options.command_line(path)
+    check_folder(options.out, command, replace=options.replace, inputs=inputs)  # before the work, not after it
+    loader, data, plan = options.loader(path), options.measured(), options.plan()
+    truth = None if options.bench is None else open_loader(options.bench)
+    with Bar("commission", "steps", silent=options.json, even=False) as bar:
+
+        def told(step: str, what: str) -> None:
+            bar.describe(f"{step}: {what}")
+            bar.show(int(step[0]), 5)
+
+        try:
+            found = commission_loader(
+                loader,
+                data,
+                options.out,
+                plan,
+                bench=truth,
+                bench_time=BenchTime(options.time_s, options.rate_hz, options.seed),
+                progress=told,
+            )
+        except KeyboardInterrupt:
+            bar.stop()
+            print(f"\nforcefeel: interrupted; the same command goes on in {options.out}", file=sys.stderr)
+            raise SystemExit(INTERRUPTED) from None
+        bar.describe("report")
+        page = write_commission(found, options.out, command=command)
+    answer(
+        {"page": page, "loader_file": _there(options.out, "loader.toml"), "law_file": law_file(options.out)},
+        lambda: commission_json(found),
+        lambda terminal: _show(terminal, found),
+        as_json=options.json,
+    )
+    if not found.good:
+        raise SystemExit(BAD_ANSWER)
+
+
+def _there(out: Path, name: str) -> Path | None:
+    return out / name if (out / name).exists() else None
+
+
+def law_file(out: Path) -> Path | None:
+    """The law that was written, good or not."""
+    return _there(out, "law.json") or _there(out, "law-not-good.json")
+
+
+def _show(console: Terminal, found: "Commission") -> None:
+    from forcefeel.commission.findings import commission_conclusions, glance
+
+    table = Table(
+        "step", "result", title=f"{found.before.name}, commissioned", title_justify="left", title_style="bold"
+    )
+    table.add_column("good")
+    for row in glance(found):
+        table.add_row(row.title, row.result, row.good)
+    console.show(table)
+    console.conclude(commission_conclusions(found))

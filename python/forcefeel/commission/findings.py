@@ -1,0 +1,165 @@
+"""What a commissioning came to, in sentences."""
+
+from dataclasses import dataclass
+
+from forcefeel.commission.result import CARRIED, IDENTIFIED, UNSEEN, Commission
+from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, TESTS
+from forcefeel.conclusions import Conclusions, of_result, share_text
+
+GOOD_LAW, OTHER_LAW = "law.json", "law-not-good.json"
+"""Name of the law's file: one that may be handed over, and one that is there to be looked at."""
+
+_MOST = 3
+"""What-ifs that are named."""
+
+
+@of_result
+def commission_conclusions(found: Commission) -> Conclusions:
+    """The result in a sentence or two: what was found, which law, which tests it passes; and what would make it pass more."""
+    lines = [*found.identified.wanting, *(f"The next experiment: {one}" for one in found.identified.advice)]
+    if found.loader is not None:
+        lines += [_sorted(found, CARRIED), _sorted(found, UNSEEN)]
+    if found.checked is not None:
+        lines += [_envelope(found), *_more(found)]
+    if found.tested is not None and not found.tested.fulfilled:
+        lines += found.tested.reasons
+    if found.chosen is not None:
+        lines += found.chosen.findings[:1]
+    lines.append(_handed(found))
+    return Conclusions(found.good, _verdict(found), tuple(line for line in lines if line))
+
+
+def _verdict(found: Commission) -> str:
+    name = found.before.name
+    if found.loader is None:
+        return f"{name} is not set up: {_small(found.identified.verdict)}"
+    known = [one for one in found.identified.parameters if one.state == IDENTIFIED]
+    said = f"{len(known)} parameter{'s'[: len(known) - 1]} of {name} {'is' if len(known) == 1 else 'are'} identified"
+    if found.chosen is None or not found.chosen.name or found.checked is None or found.tested is None:
+        return f"{said}, and no law is eligible: {_small(found.chosen.verdict) if found.chosen else ''}"
+    law, checked = found.chosen.name, found.checked
+    renders = (
+        f"the law {law} renders {share_text(checked.passes)} of the settings on the identified loader and "
+        f"{share_text(checked.drawn)} on average of machines with all its tolerances at once"
+    )
+    asked = "" if found.reaches else f", less than the {share_text(found.plan.share)} that are asked for"
+    tests = "passes the rule's tests" if found.tested.fulfilled else "does not pass the rule's tests"
+    end = (
+        ""
+        if found.good or not found.identified.wanting
+        else " It is not to be handed over: something that it needs is not known."
+    )
+    joint = "and" if found.tested.fulfilled is found.reaches else "but"
+    return f"{said}; {renders}{asked}, {joint} it {tests}.{end}"
+
+
+def _small(text: str) -> str:
+    """A sentence after a colon."""
+    first = text.partition(" ")[0]
+    return text if first.isupper() or "." in first or not first[1:].islower() else text[:1].lower() + text[1:]
+
+
+def _sorted(found: Commission, state: str) -> str:
+    keys = [one.key for one in found.identified.parameters if one.state == state]
+    if not keys:
+        return ""
+    named = f"{', '.join(keys[:-1])} and {keys[-1]}" if len(keys) > 1 else keys[0]
+    if state == CARRIED:
+        return (
+            f"Of {named} the records show only products or ratios with what is identified: the file's "
+            f"{'values stand' if len(keys) > 1 else 'value stands'}, and the others' estimates make the same machine with "
+            f"{'them' if len(keys) > 1 else 'it'}."
+        )
+    return f"The records hardly show {named}: the file's value and tolerance stand, and count in the envelope."
+
+
+def _envelope(found: Commission) -> str:
+    one = found.checked
+    if one is None:
+        return ""
+    return (
+        f"Over {one.settings} settings, equal steps in proportion counting the same: {share_text(one.passes)} nominally, "
+        f"{share_text(one.every_case)} in every case, pilots' arms included; of {one.machines} machines with all tolerances at "
+        f"once the worst renders {share_text(one.drawn_least)}."
+    )
+
+
+def _more(found: Commission) -> list[str]:
+    """What would make it pass more."""
+    if found.checked is None or found.reaches:
+        return []
+    if not found.checked.what_ifs:
+        return [
+            "Nothing of what was tried of the hardware (friction, sensors, controller, limits of the drive) would render more."
+        ]
+    parts = [f"{one.change}: {share_text(one.passes)}" for one in found.checked.what_ifs[:_MOST]]
+    return [
+        f"What would make it pass more, one thing at a time, a law of the same design made for it: {'; '.join(parts)}."
+    ]
+
+
+def _handed(found: Commission) -> str:
+    if found.law is None:
+        return "No law is handed over."
+    if found.good:
+        return f"Handed over: loader.toml and {GOOD_LAW}, the law for the loader's own setting and those of the grid."
+    return f"No law is handed over as good; the one that comes nearest is in {OTHER_LAW}, to be looked at."
+
+
+@dataclass(frozen=True)
+class Row:
+    """One step at a glance.
+
+    Attributes:
+        title: Which step.
+        result: What it came to.
+        good: Yes or no.
+        page: Its page, within the whole folder; empty if it has none.
+    """
+
+    title: str
+    result: str
+    good: str
+    page: str = ""
+
+
+@of_result
+def glance(found: Commission) -> tuple[Row, ...]:
+    """Each step in a line."""
+    rows = (
+        [Row("bench, simulated", "a record of the machine that is simulated", "yes", f"{BENCH}/bench.csv")]
+        if BENCH in found.folders
+        else []
+    )
+    determined = [one for one in found.identified.parameters if one.state == IDENTIFIED]
+    what = (
+        f"{len(determined)} parameters, to {_percent(max(one.error for one in determined))} at worst"
+        if determined
+        else "no loader"
+    )
+    wanting = f"; {len(found.identified.wanting)} wanting" if found.identified.wanting else ""
+    rows.append(
+        Row("identification", what + wanting, _yes(found.identified.good), f"{IDENTIFICATION}/identification.html")
+    )
+    if found.chosen is not None:
+        rows.append(
+            Row("law", found.chosen.name or "none is eligible", _yes(bool(found.chosen.name)), f"{LAW}/compensate.html")
+        )
+    if found.checked is not None:
+        shares = (
+            f"{share_text(found.checked.passes)} nominal, {share_text(found.checked.drawn)} with all tolerances at once"
+        )
+        rows.append(Row("envelope", shares, _yes(found.reaches), f"{ENVELOPE}/envelope.html"))
+    if found.tested is not None:
+        passed = sum(one == "passed" for one in found.tested.outcomes.values())
+        result = f"{passed} of {len(found.tested.outcomes)} passed"
+        rows.append(Row("tests of the rule", result, _yes(found.tested.fulfilled), f"{TESTS}/qualification.html"))
+    return tuple(rows)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %"
+
+
+def _yes(good: bool) -> str:
+    return "yes" if good else "no"

@@ -1,0 +1,82 @@
+"""The whole folder of a commissioning: its page, the loader file and the law beside the steps' folders."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from forcefeel.commission.as_json import commission_json
+from forcefeel.commission.findings import GOOD_LAW, OTHER_LAW
+from forcefeel.commission.page.page import commission_page
+from forcefeel.commission.result import Commission
+from forcefeel.commission.steps import ENVELOPE, IDENTIFICATION, LAW, STATE, TESTS
+from forcefeel.errors import InputError
+from forcefeel.json_values import json_text
+from forcefeel.page.folder import OutputFolder
+
+PAGE, RESULTS, LOADER = "commission.html", "results.json", "loader.toml"
+"""Names in the folder, beside those of the law."""
+
+FOLDER = OutputFolder("the commissioning", (PAGE, RESULTS, LOADER, GOOD_LAW, OTHER_LAW))
+"""Checked before the work, written after it."""
+
+_STEPS = (IDENTIFICATION, LAW, ENVELOPE, TESTS)
+
+
+def check_folder(out: Path, command: str, *, replace: bool = False, inputs: Sequence[Path] = ()) -> None:
+    """Refuses what would fail halfway. A folder of the same command, whole or interrupted, is taken up again.
+
+    Args:
+        out: The folder.
+        command: The command that is asked.
+        replace: Whether results may be replaced.
+        inputs: Files that the work is made from.
+
+    Raises:
+        InputError: If it holds results of another command that are not to be replaced, or a file where a folder is wanted.
+    """
+    same = _asked(out) == command
+    FOLDER.check(out, replace=replace or same, inputs=inputs)
+    for name in _STEPS:
+        folder = out / name
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"{folder}: is a file; expected a folder of that name; move the file away")
+        if any(given.resolve().is_relative_to(folder.resolve()) for given in inputs):
+            raise InputError(f"{folder}: holds what the commissioning is made from; name another folder with --out")
+        if folder.exists() and not (replace or same or (out / STATE).exists()):
+            raise InputError(f"{out}: holds {name} already; name another folder with --out, or --replace to replace it")
+
+
+def _asked(out: Path) -> str | None:
+    """The command whose results a folder holds."""
+    try:
+        return str(json.loads((out / RESULTS).read_text(encoding="utf-8"))["command"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def write_commission(found: Commission, out: str | Path, *, command: str = "") -> Path:
+    """Writes ``loader.toml``, the law, ``results.json`` and ``commission.html``, the page last.
+
+    The law is ``law.json`` if it may be handed over, else ``law-not-good.json``; one of an earlier run goes.
+
+    Args:
+        found: What came of it.
+        out: The folder that it was made in.
+        command: The command that asked for it, to stand on the page.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        InputError: If the folder cannot be written.
+    """
+    out = Path(out)
+    contents: dict[str, str | bytes] = {}
+    if found.loader is not None:
+        contents[LOADER] = (out / IDENTIFICATION / LOADER).read_bytes()
+    if found.law is not None:
+        contents[GOOD_LAW if found.good else OTHER_LAW] = (out / LAW / GOOD_LAW).read_bytes()
+    contents[RESULTS] = json_text({"command": command, **commission_json(found)})
+    contents[PAGE] = commission_page(found, command=command)
+    FOLDER.write(out, contents)
+    return out / PAGE

@@ -1,0 +1,122 @@
+"""Which parameters of a loader a set of records sees, before anything is fitted.
+
+``s_j`` derivative of all samples by parameter j, in shares of its value, over 1 % of each channel's r.m.s. (points,)
+
+Parameters are taken one after the other, what a law needs most first. One is fitted if what of ``s_j`` no parameter before it
+can do too, ``r_j = s_j - S (S^+ s_j)``, would tell it: white noise of 1 % leaves a standard error of ``1 / |r_j|``. Where ``s_j``
+is large and ``r_j`` is not, its share in the data is another's: with the value of the file, the other one's estimate makes the
+same machine.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.bench.identification.linear import LinearModel
+from forcefeel.bench.identification.record_observation import RecordObservation
+from forcefeel.bench.identification.record_run import COARSE_STEP_S, RecordRun
+from forcefeel.bench.identification.response_observation import ResponseObservation
+from forcefeel.bench.records import BenchRecord
+from forcefeel.bench.responses import Response
+from forcefeel.envelope.deviations import deviations_of
+from forcefeel.laws.law import Law
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC, OFF
+
+DRY, BREAKAWAY = "column.coulomb_friction", "column.static_friction"
+
+_LAST = ("actuator.area", "actuator.bulk_modulus", "column.base_arm", "column.grip_arm")
+"""Rows whose share in the data others carry where they can: measured by tape, or by the maker."""
+
+_MOTOR_FRICTION = ("motor.coulomb_friction", "motor.viscous_friction", "motor.cogging_torque")
+"""Of a motor, fitted where the file states them."""
+
+_LEAST_SEEN = 4.0
+"""|r_j|: 95 % of an estimate's errors within half of its value, beyond which an identification gives no number."""
+
+_OWN = 3e-3
+"""|r_j| / |s_j| below which it is rounding that tells a parameter from the others."""
+
+_FRICTION_AT_RAD = radians(1.0)
+"""The feel's spring at this angle is a usual dry friction: where the search for it begins."""
+
+_BREAKAWAY_SHARE = 1.2
+"""Breakaway in the dry friction, where the search begins."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What records see.
+
+    Attributes:
+        fitted: Rows to be fitted.
+        carried: Rows whose share in the data the fitted ones carry.
+        unseen: Rows that hardly show.
+    """
+
+    fitted: tuple[str, ...]
+    carried: tuple[str, ...]
+    unseen: tuple[str, ...]
+
+
+def with_friction(loader: Loader) -> Loader:
+    """The loader with a dry friction to begin from, where its file states none; tolerances that only bound a search are left out.
+
+    A parameter's estimate carries the share of others that cannot be told from it, and may so lie beyond its own tolerance.
+    """
+    bounds = [key for key, it in loader.tolerances.items() if it.deviation is None]
+    bare = loader.with_tolerances(dict.fromkeys(bounds))
+    dry = bare[DRY] or bare["feel.stiffness"] * _FRICTION_AT_RAD / bare["column.grip_arm"]
+    given = {DRY: dry} if not bare[DRY] else {}
+    return bare.replace(given | ({BREAKAWAY: _BREAKAWAY_SHARE * dry} if bare[BREAKAWAY] == OFF[BREAKAWAY] else {}))
+
+
+def candidates(loader: Loader) -> tuple[str, ...]:
+    """What may be fitted of a loader with friction, what a law needs most first."""
+    plant = [key for key in deviations_of(loader) if loader[key] and not key.startswith(("load_cell", "potentiometer"))]
+    more = [key for key in _MOTOR_FRICTION if loader.drive == ELECTRIC and loader[key]]
+    first = [key for key in plant if key not in _LAST and key not in more]
+    return (DRY, *first, *more, BREAKAWAY, *(key for key in _LAST if key in plant))
+
+
+def seen_by(
+    loader: Loader, data: Sequence[Response | BenchRecord], keys: Sequence[str], law: Law | None = None
+) -> Seen:
+    """Sorts parameters by what the data see of them at the file's values, the bench under a law."""
+    slopes = sensitivities(loader, data, keys, law)
+    found: dict[str, list[str]] = {"fitted": [], "carried": [], "unseen": []}
+    basis: list[NDArray[np.float64]] = []
+    for key, column in zip(keys, slopes, strict=True):
+        left, size = column.copy(), float(np.linalg.norm(column))
+        for _ in range(2):  # twice, for rounding
+            for one in basis:
+                left -= (one @ left) * one
+        rest = float(np.linalg.norm(left))
+        if not size > _LEAST_SEEN:
+            found["unseen"].append(key)
+        elif rest > max(_LEAST_SEEN, _OWN * size):
+            found["fitted"].append(key)
+            basis.append(left / rest)
+        else:
+            found["carried"].append(key)
+    return Seen(*(tuple(found[name]) for name in ("fitted", "carried", "unseen")))
+
+
+def sensitivities(
+    loader: Loader, data: Sequence[Response | BenchRecord], keys: Sequence[str], law: Law | None = None
+) -> NDArray[np.float64]:
+    """Derivative of all points by each parameter in shares of its value, over 1 % of what each should be, (keys, points)."""
+    values = np.array([loader[key] for key in keys])
+    rows = []
+    for one in data:
+        observed = (
+            ResponseObservation(one, LinearModel(loader, one.experiment.loop, law), keys)
+            if isinstance(one, Response)
+            else RecordObservation(RecordRun(one, loader, law, COARSE_STEP_S), keys)
+        )
+        found = observed.compare(values, observed.own).slopes[:, : len(keys)]
+        rows.append(np.where(np.isfinite(found), found, 0.0).T * values[:, np.newaxis])
+    return np.hstack(rows)

@@ -1,0 +1,41 @@
+"""What the lag of the loader's sensors took from a record, given back.
+
+A sensor of bandwidth w shows f of what is, x:  ``f' = w (x - f)``,  so  ``x = f + f' / w``.
+
+The rate is that of a cubic spline through the samples. White noise of a record at 1 kHz through sensors of 500 Hz grows by a
+quarter.
+"""
+
+from dataclasses import replace
+from math import isfinite
+
+from scipy.interpolate import CubicSpline
+
+from forcefeel.bench.experiments import Drive
+from forcefeel.bench.records import BenchRecord
+from forcefeel.loader.loader import Loader
+
+SENSOR_OF = {
+    "column_angle": "column_sensor",
+    "piston_position": "potentiometer",
+    "drive_position": "potentiometer",
+    "load_cell_force": "load_cell",
+}
+"""Which of the loader's sensors measures a channel; the other channels are of the bench's own instruments."""
+
+_SLOWEST = 0.1
+"""Bandwidth of a sensor in the rate of its record, below which noise would grow more than it is worth: what is left of the lag is
+then the bench's."""
+
+
+def without_lag(record: BenchRecord, loader: Loader) -> BenchRecord:
+    """The record as it was before the sensors' lags; a release, whose time of letting go is fitted, stays as it is."""
+    if record.experiment.drive is Drive.RELEASE:
+        return record
+    channels = dict(record.channels)
+    rate = (len(record.time_s) - 1) / float(record.time_s[-1] - record.time_s[0])
+    for name, sensor in SENSOR_OF.items():
+        bandwidth = loader[f"{sensor}.bandwidth"]
+        if name in channels and isfinite(bandwidth) and bandwidth > _SLOWEST * rate:
+            channels[name] = channels[name] + CubicSpline(record.time_s, channels[name])(record.time_s, 1) / bandwidth
+    return replace(record, channels=channels)

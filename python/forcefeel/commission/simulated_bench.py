@@ -1,0 +1,167 @@
+"""Records of a simulated machine, as a bench would make them of a real one: ``--bench TRUTH.toml``."""
+
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.signal import lfilter
+
+from forcefeel.bench.channels import channel_unit
+from forcefeel.bench.excitation import Excitation, ExcitationPlan, excite
+from forcefeel.bench.experiments import Experiment
+from forcefeel.bench.identification.bench_of import check_bench
+from forcefeel.bench.identification.record_run import RecordRun
+from forcefeel.bench.records import BenchRecord
+from forcefeel.commission.sensor_lag import SENSOR_OF
+from forcefeel.errors import InputError
+from forcefeel.laws.law import Law
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC, a_drive
+from forcefeel.units import UnitSystem
+
+MEASURED: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        HYDRAULIC: ("column_angle", "piston_position", "load_cell_force", "load_pressure", "valve_current"),
+        ELECTRIC: ("column_angle", "drive_position", "load_cell_force", "motor_current"),
+    }
+)
+"""What is recorded, by drive: what the laws' sensors measure, and what the drive's amplifier and manifold show."""
+
+_FIT = MappingProxyType(
+    {
+        HYDRAULIC: (
+            "amplifier.admittance",
+            "valve.natural_frequency",
+            "linkage.stiffness",
+            "linkage.damping",
+            "column.inertia",
+        ),
+        ELECTRIC: ("motor.torque_constant", "motor.inertia", "linkage.stiffness", "linkage.damping", "column.inertia"),
+    }
+)
+"""What the signal is designed for; the rest shows in it too."""
+
+_EXPERIMENT = MappingProxyType({HYDRAULIC: "servo-closed", ELECTRIC: "loader command_current"})
+
+_INSTRUMENT = 0.003
+"""Noise of the bench's own instruments, pressure and current, in the channel's r.m.s."""
+
+_FINER = 8
+"""Pieces of the time between two samples in which a sensor's lag is followed."""
+
+_TO_HZ = 60.0
+"""Highest line: the link's resonance and the valve's lag lie below."""
+
+
+@dataclass(frozen=True)
+class BenchTime:
+    """How long a simulated bench records, and how.
+
+    Attributes:
+        time_s: Length of the record.
+        rate_hz: Samples per second.
+        seed: Of the sensors' noise.
+    """
+
+    time_s: float = 60.0
+    rate_hz: float = 1000.0
+    seed: int = 1974
+
+
+def bench_signal(loader: Loader, asked: BenchTime) -> Excitation:
+    """The signal for the bench of a loader as its file has it, within the limits of its drive.
+
+    Raises:
+        InputError: If the time is too short.
+    """
+    plan = ExcitationPlan(time_s=asked.time_s, rate_hz=asked.rate_hz, to_hz=_TO_HZ, measured=MEASURED[loader.drive])
+    return excite(loader, _FIT[loader.drive], _EXPERIMENT[loader.drive], plan)
+
+
+def simulated_records(loader: Loader, truth: Loader, asked: BenchTime | None = None) -> list[BenchRecord]:
+    """What a bench records of a machine under the signal that is designed for its loader file.
+
+    The signal knows the file alone, the record the machine: its sensors' lag, noise and steps;
+    pressure and current with 0.3 % of noise.
+
+    Args:
+        loader: The loader as its file has it.
+        truth: The machine.
+        asked: Length, rate and seed.
+
+    Raises:
+        InputError: If the machine has another drive, or runs away under the signal.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from forcefeel.commission.simulated_bench import BenchTime
+        >>> loader = ff.digital_elevator()
+        >>> truth = loader.replace({"column.inertia": "41 lb in s^2/rad"})
+        >>> (record,) = ff.commission.simulated_records(loader, truth, BenchTime(time_s=4.0, rate_hz=500.0))
+        >>> len(record.time_s)
+        2000
+    """
+    asked = asked or BenchTime()
+    if loader.drive != truth.drive:
+        raise InputError(
+            f"bench: {truth.name} has {a_drive(truth.drive)}, and {loader.name} {a_drive(loader.drive)}; expected a machine of "
+            "this loader: its file with other numbers"
+        )
+    signal = bench_signal(loader, asked)
+    experiment = Experiment.read(_EXPERIMENT[loader.drive])
+    blank = dict.fromkeys(MEASURED[loader.drive], np.zeros_like(signal.signal))
+    drive = {str(experiment.drive): signal.signal}
+    asked_of = BenchRecord("bench", experiment, signal.time_s, {**drive, **blank})
+    # The law on the bench is that of the file: nobody knows a better one yet.
+    run = RecordRun(asked_of, truth, Law.of(None, loader) if loader.drive == ELECTRIC else None)
+    exact = dict(zip(run.channels, run.at(truth.values, ()).value, strict=True))
+    if not all(np.isfinite(values).all() for values in exact.values()):
+        raise InputError(
+            f"bench: {truth.name} runs away under {experiment}; expected a machine that its file's loop holds"
+        )
+    random = np.random.default_rng(asked.seed)
+    shown = {name: _shown(truth, name, values, asked.rate_hz, random) for name, values in exact.items()}
+    record = BenchRecord("bench", experiment, signal.time_s, {**drive, **shown})
+    check_bench(loader, [record])
+    return [record]
+
+
+def _shown(
+    truth: Loader, channel: str, values: NDArray[np.float64], rate_hz: float, random: np.random.Generator
+) -> NDArray[np.float64]:
+    """What a sensor shows of a channel: behind its lag, with noise and in steps."""
+    normal = random.standard_normal(len(values))
+    if channel not in SENSOR_OF:
+        return values + _INSTRUMENT * float(values.std()) * normal
+    sensor = SENSOR_OF[channel]
+    noise, step = truth[f"{sensor}.noise"], truth[f"{sensor}.resolution"]
+    at = np.arange((len(values) - 1) * _FINER + 1) / _FINER
+    fine = CubicSpline(np.arange(len(values)), values)(at)
+    seen = lagged(fine, truth[f"{sensor}.bandwidth"] / rate_hz / _FINER)[::_FINER] + noise * normal
+    return np.round(seen / step) * step if step else seen
+
+
+def lagged(values: NDArray[np.float64], turn: float) -> NDArray[np.float64]:
+    """A first-order lag of values that run straight between samples; ``turn`` its bandwidth times the time between two.
+
+    With ``x`` straight from ``x_0`` to ``x_1``:  ``f_1 = x_1 - s + (f_0 - x_0 + s) exp(-w h)``,  ``s = (x_1 - x_0) / w h``.
+    """
+    if not np.isfinite(turn):
+        return values
+    slope, decay = np.diff(values) / turn, np.exp(-turn)
+    behind = lfilter([1.0], [1.0, -decay], np.concatenate([[0.0], -slope * (1 - decay)]))  # f - x
+    return np.asarray(values + behind)
+
+
+def record_csv(record: BenchRecord) -> str:
+    """A record as a file for ``identify``, SI units, ten digits."""
+    columns = {name: channel_unit(name) for name in record.channels}
+    head = ",".join(("time (s)", *(f"{name} ({unit.shown(UnitSystem.SI)})" for name, unit in columns.items())))
+    values = [unit.from_si(1.0, UnitSystem.SI) * record.channels[name] for name, unit in columns.items()]
+    rows = io.StringIO()
+    np.savetxt(rows, np.column_stack([record.time_s, *values]), "%.10g", ",")
+    return f"# experiment: {record.experiment}\n{head}\n{rows.getvalue()}"

@@ -1,0 +1,89 @@
+"""The steps, their folders, and which of them an interrupted run had done: ``steps.json``.
+
+A step is done if what it was made from is what it would be made from now, by the SHA-256 of both, and all files that it wrote are
+there as it wrote them. Its outcome is then read, and not computed again.
+"""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from forcefeel.files import write_whole
+
+BENCH, IDENTIFICATION, LAW, ENVELOPE, TESTS = "0-bench", "1-identification", "2-law", "3-envelope", "4-tests"
+"""Folder of each step; the first where a machine is simulated."""
+
+STEPS = (IDENTIFICATION, LAW, ENVELOPE, TESTS)
+
+STATE = "steps.json"
+"""Which steps are done."""
+
+Outcome = TypeVar("Outcome")
+
+
+def digest(*parts: object) -> str:
+    """SHA-256 of values that JSON or text can hold, and of the program's version."""
+    text = json.dumps([version("forcefeel"), *parts], sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+@dataclass
+class State:
+    """The state of a folder.
+
+    Attributes:
+        out: The folder.
+        done: By step: the hash of its inputs, of each file that it wrote, and its outcome.
+        resumed: Steps that were not made again.
+    """
+
+    out: Path
+    done: dict[str, dict[str, Any]] = field(default_factory=dict)
+    resumed: list[str] = field(default_factory=list)
+
+    @classmethod
+    def of(cls, out: Path) -> "State":
+        """The state that a folder holds; none where the file is not there or is none."""
+        try:
+            read = json.loads((out / STATE).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            read = {}
+        return cls(out, read if isinstance(read, dict) else {})
+
+    def step(self, name: str, inputs: str, kind: type[Outcome], make: Callable[[Path], Outcome]) -> Outcome:
+        """The outcome of a step: that of an earlier run where it is whole, else made now and noted.
+
+        Args:
+            name: The step, and its folder.
+            inputs: Hash of what it is made from.
+            kind: The dataclass of its outcome.
+            make: Makes it: writes its folder, returns the outcome.
+        """
+        adapter = TypeAdapter(kind)
+        known = self.done.get(name)
+        if isinstance(known, dict) and known.get("inputs") == inputs and known.get("files") == self._files(name):
+            try:
+                found = adapter.validate_python(known.get("outcome"))
+            except ValidationError:
+                pass
+            else:
+                self.resumed.append(name)
+                return found
+        found = make(self.out / name)
+        self.done = {key: it for key, it in self.done.items() if key < name}  # what follows was made from another
+        outcome = adapter.dump_python(found, mode="json")
+        self.done[name] = {"inputs": inputs, "files": self._files(name), "outcome": outcome}
+        write_whole(self.out / STATE, json.dumps(self.done, indent=1) + "\n")
+        return found
+
+    def _files(self, name: str) -> Mapping[str, str]:
+        """SHA-256 of every file of a step's folder."""
+        folder = self.out / name
+        paths = sorted(path for path in folder.rglob("*") if path.is_file()) if folder.is_dir() else []
+        return {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in paths}

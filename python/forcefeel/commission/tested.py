@@ -1,0 +1,26 @@
+"""The fourth step: the tests of the rule, on the identified loader under the law."""
+
+from forcefeel.commission.plan import CommissionPlan
+from forcefeel.commission.result import Tested
+from forcefeel.laws.law import Law
+from forcefeel.loader.loader import Loader
+from forcefeel.qualification.programme.result import Qualification
+from forcefeel.qualification.programme.run import QualificationSetup, qualify_loader
+from forcefeel.qualification.programme.sentences import caveats, reasons, rule_text, standing_text
+
+
+def run_tests(loader: Loader, name: str, law: Law, plan: CommissionPlan) -> tuple[Tested, Qualification]:
+    """What the tests of a rule come to at the loader's own setting.
+
+    Args:
+        loader: The identified loader.
+        name: The law's name.
+        law: The law of the loader's own setting.
+        plan: What is asked.
+    """
+    setup = QualificationSetup(laws={name: law}, rule=plan.rule, system=plan.units)
+    found = qualify_loader(loader, setup)
+    (section,) = found.sections
+    outcomes = {one.trial.key: str(one.outcome) for one in section.results}
+    why = tuple(reasons(section, found))
+    return Tested(section.fulfilled, rule_text(found), standing_text(section), outcomes, why, caveats(found)), found

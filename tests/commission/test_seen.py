@@ -1,0 +1,77 @@
+"""Which parameters a record sees, which it sees only in a product with others, and which not at all."""
+
+from pathlib import Path
+
+import pytest
+
+import forcefeel as ff
+from forcefeel.bench.records import BenchRecord
+from forcefeel.commission.identified import identify_loader
+from forcefeel.commission.plan import CommissionPlan
+from forcefeel.commission.seen import DRY, candidates, seen_by, with_friction
+from forcefeel.commission.simulated_bench import BenchTime, simulated_records
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "bench"
+FILE = ff.digital_elevator()
+TIME = BenchTime(time_s=4.0, rate_hz=500.0)
+
+
+@pytest.fixture(scope="module")
+def records():
+    truth = FILE.replace({"column.inertia": "41 lb in s^2/rad", DRY: "1.5 lb", "column.static_friction": "1.8 lb"})
+    return simulated_records(FILE, truth, TIME)
+
+
+def test_a_multisine_with_pressure_and_current_sees_all_but_products(records):
+    begun = with_friction(FILE)
+    seen = seen_by(begun, records, candidates(begun))
+    assert set(seen.carried) == {"actuator.bulk_modulus", "column.base_arm", "column.grip_arm"}
+    assert {DRY, "column.inertia", "amplifier.admittance", "actuator.area", "linkage.ratio"} <= set(seen.fitted)
+
+
+def test_without_the_pressure_the_area_shows_only_with_flow_and_oil(records):
+    (one,) = records
+    channels = {name: it for name, it in one.channels.items() if name != "load_pressure"}
+    begun = with_friction(FILE)
+    fewer = BenchRecord(one.name, one.experiment, one.time_s, channels)
+    seen = seen_by(begun, [fewer], candidates(begun))
+    assert "actuator.area" in seen.carried
+    assert "valve.rated_flow" in seen.fitted
+
+
+def test_bounds_of_a_search_are_left_out_and_knowledge_stays():
+    known = FILE.with_tolerances({"column.grip_arm": "1 %"})
+    assert with_friction(known)[DRY] > 0
+    assert "linkage.stiffness" not in with_friction(known).tolerances
+
+
+def test_a_column_that_never_breaks_away_does_not_show_its_friction(records):
+    (one,) = records
+    time_s = one.time_s[:500]
+    held = BenchRecord("held", one.experiment, time_s, {name: 1e-4 * it[:500] for name, it in one.channels.items()})
+    assert DRY in seen_by(with_friction(FILE), [held], candidates(with_friction(FILE))).unseen
+
+
+def test_frequency_responses_alone_leave_the_friction_wanting():
+    response = ff.read_bench_data(EXAMPLE / "servo-closed.csv")
+    found = identify_loader(ff.load(EXAMPLE / "loader.toml"), [response], CommissionPlan()).outcome
+    assert not found.good
+    assert found.wanting[0].startswith("The data do not determine the dry friction of the column")
+    assert "slow sweep of force both ways" in found.advice[-1]
+
+
+def test_noise_that_is_declared_as_zero_is_wanting_with_what_the_record_shows(records):
+    quiet = FILE.replace({"column_sensor.noise": None, "column_sensor.resolution": None})
+    found = identify_loader(quiet, records, CommissionPlan(fit=("column.inertia", "amplifier.admittance")))
+    (sentence,) = found.outcome.wanting
+    assert sentence.startswith("column_sensor.noise is declared as zero, and the records show ")
+    assert not found.outcome.good
+
+
+def test_the_tolerance_of_what_others_carry_is_none(records):
+    found = identify_loader(FILE, records, CommissionPlan())
+    assert found.loader is not None
+    assert found.loader["column.inertia"] / FILE["column.inertia"] == pytest.approx(41 / 37.4, rel=2e-3)
+    low, high = found.loader.tolerances["column.base_arm"].ends
+    assert high - low < 1e-5 * high
+    assert found.outcome.good, found.outcome
