@@ -12,7 +12,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
-PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.pyi' -o -name '*.toml' -o -name '*.txt' -o -name '*.csv')
+PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.pyi' -o -name '*.toml' -o -name '*.txt' -o -name '*.csv' -o -name '*.html' -o -name '*.css' -o -name '*.js')
 
 .PHONY: report test lint bench docs site links wheel clean
 
@@ -45,6 +45,7 @@ bench: $(VENV)/built
 	$(BIN)/python benchmarks/sampled_laws.py
 	$(BIN)/python benchmarks/identification.py
 	$(BIN)/python benchmarks/tolerances.py
+	$(BIN)/python benchmarks/live.py
 
 docs: $(VENV)/built
 	$(BIN)/python docs/make.py

@@ -9,6 +9,7 @@ from forcefeel import flight_schedule as flight_schedule
 from forcefeel import frontier as frontier
 from forcefeel import laws as laws
 from forcefeel import linear as linear
+from forcefeel import live as live
 from forcefeel import loader as loader
 from forcefeel import loops as loops
 from forcefeel import qualification as qualification

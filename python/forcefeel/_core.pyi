@@ -5,6 +5,7 @@ other row's stead. Matrices come as `(A, B, C, D)` of eqs. (14a), (14b).
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Literal, Self, TypeAlias, final
 
 import numpy as np
@@ -19,6 +20,9 @@ __all__ = [
     "PERIOD_SHOWN",
     "ArgumentError",
     "Compensator",
+    "LiveLoop",
+    "LiveMachine",
+    "LiveSetup",
     "Loops",
     "Parameter",
     "Recursion",
@@ -39,6 +43,11 @@ __all__ = [
     "ideal_feel",
     "linear_slopes",
     "linkage_from_resonance",
+    "live_columns",
+    "live_record",
+    "live_replay",
+    "live_states",
+    "live_trips",
     "orifice_flow",
     "parameters",
     "parts",
@@ -341,3 +350,64 @@ def release_feature_groups() -> list[tuple[str, int, str]]: ...
 def simulation_outputs(drive: str = "hydraulic") -> list[tuple[str, str]]: ...
 def simulation_measures(drive: str = "hydraulic") -> list[tuple[str, str]]: ...
 def simulation_measure(outputs: _Array, dt: float) -> _Array: ...
+
+@final
+class LiveSetup:
+    """What a loop is made of: a loader's values, its law, when the controller acts."""
+
+    def __new__(
+        cls,
+        values: _Array,
+        step_s: float,
+        timing: tuple[int, int],
+        *,
+        law: _Law | None = None,
+        gains: _Array | None = None,
+        observers: _Array | None = None,
+        curve: tuple[_Array, _Array] | None = None,
+        cancellation: Sequence[float] | None = None,
+        supervised: bool = True,
+    ) -> Self: ...
+
+_Script: TypeAlias = tuple[dict[str, _Array], float, tuple[float, int] | None, int]
+_Wished: TypeAlias = tuple[int, str, list[float]]
+
+@final
+class LiveLoop:
+    """A loop under way: over UDP where there is an address, else with the machine simulated."""
+
+    def __new__(
+        cls,
+        setup: LiveSetup,
+        *,
+        script: _Script | None = None,
+        address: str | None = None,
+        real_time: bool = True,
+        cycles: int | None = None,
+        wishes: Sequence[_Wished] = ...,
+        record: tuple[Path, int, dict[str, str]] | None = None,
+        history: int = 120_000,
+    ) -> Self: ...
+    def wish(self, name: str, numbers: Sequence[float]) -> bool: ...
+    def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> bool: ...
+    def status(self) -> tuple[int, int, int, int, int, int, int, bool]: ...
+    def recorded(self) -> tuple[int, str | None]: ...
+    def history(self, since: float, most: int) -> _Array: ...
+    def timing(self) -> tuple[list[int], list[int], list[int]]: ...
+    def granted(self) -> tuple[int | None, str, bool, str] | None: ...
+    def end(self) -> None: ...
+
+@final
+class LiveMachine:
+    """The nonlinear machine of a loader on its own, for another process to drive."""
+
+    def __new__(cls, setup: LiveSetup, *, script: _Script | None = None) -> Self: ...
+    def read(self) -> list[float] | None: ...
+    def write(self, command: float, enable: bool) -> None: ...
+    def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None: ...
+
+def live_columns() -> list[str]: ...
+def live_states() -> list[str]: ...
+def live_trips() -> list[tuple[str, str]]: ...
+def live_record(data: bytes) -> tuple[dict[str, str], list[str], _Array, list[_Wished], bool]: ...
+def live_replay(data: bytes) -> tuple[int, tuple[int, str, float, float] | None, int | None]: ...

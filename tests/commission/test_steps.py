@@ -8,7 +8,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.commission.page.folder import check_folder, write_commission
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, ParameterFound, Tested, WhatIf
+from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, ParameterFound, RuleTests, WhatIf
 from forcefeel.commission.steps import STATE, State, digest
 
 
@@ -94,7 +94,7 @@ def commissioned(tmp_path):
         LawChosen("robust", "Take robust."),
         law,
         Checked(96, 0.97, 0.6, 12, 0.96, 0.93),
-        Tested(True, "a rule", "It qualifies.", {"static": "passed"}),
+        RuleTests(True, "a rule", "It qualifies.", {"static": "passed"}),
     )
 
 
@@ -116,8 +116,14 @@ def test_a_good_law_is_handed_over(commissioned, tmp_path):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"checked": Checked(96, 0.9, 0.5, 12, 0.89, 0.8, (), (WhatIf("no dry friction", 0.99),))}, "less than the 95 %"),
-        ({"tested": Tested(False, "a rule", "It does not.", {"fast": "failed"}, ("Too slow.",))}, "does not pass the rule"),
+        (
+            {"checked": Checked(96, 0.9, 0.5, 12, 0.89, 0.8, (), (WhatIf("no dry friction", 0.99),))},
+            "less than the 95 %",
+        ),
+        (
+            {"tested": RuleTests(False, "a rule", "It does not.", {"fast": "failed"}, ("Too slow.",))},
+            "does not pass the rule",
+        ),
         ({"identified": Identified(False, "One.", (), (INERTIA,), ("Noise is zero.",))}, "not to be handed over"),
     ],
 )

@@ -180,21 +180,21 @@ impl<S: Scalar> Control<S> {
     #[inline(always)]
     pub fn remember(&self, [force, position, base, grip]: [S; SENSORS], delta: S) -> Remembered<S> {
         let y = [force, position, base * self.per_base, grip];
-        self.remembered(y, base, delta)
-    }
-
-    #[inline(always)]
-    pub(crate) fn remembered(&self, y: [S; SAMPLED], base: S, delta: S) -> Remembered<S> {
         let estimate = self.observer.at_rest(&y, delta);
         let recalled = self.observer.says(&estimate, &y, [delta, base.zero()], None).recalled;
         Remembered { base, position: y[1], estimate, recalled }
     }
 
-    /// The feel at rest where the column stands, trimmed to there.
+    /// The feel at rest at the programmed displacement `delta`, its neutral in the same unit.
     #[inline(always)]
-    pub fn resting(&self, base: S, neutral: S) -> Feeling<S> {
-        let delta = base * self.per_base * self.feel.per_angle;
-        Feeling { motion: FeelMotion::resting(&self.feel, delta), neutral: neutral * self.feel.per_angle }
+    pub fn resting(&self, delta: S, neutral: S) -> Feeling<S> {
+        Feeling { motion: FeelMotion::resting(&self.feel, delta), neutral }
+    }
+
+    /// Programmed displacement where feel and column, its base at `base`, stand alike.
+    #[inline(always)]
+    pub fn delta_at(&self, base: S) -> S {
+        base * self.per_base * self.feel.per_angle
     }
 
     /// Programmed angle in rad per programmed displacement.
@@ -207,6 +207,16 @@ impl<S: Scalar> Control<S> {
     #[inline(always)]
     pub fn per_base(&self) -> S {
         self.per_base
+    }
+
+    /// Acceleration in rad/s² that the feel would give the programmed control if no hand were on it, its dry friction left out.
+    #[inline(always)]
+    pub fn free_acceleration(&self, shared: &Shared, feeling: &Feeling<S>, inputs: &Inputs) -> S {
+        let [delta, rate] = feeling.motion.at;
+        let at = (feeling.neutral, feeling.motion.slider, delta);
+        let around = self.around(&shared.effects, at, inputs, (Moment::Start, delta.zero()));
+        self.feel_computer(shared, inputs.fade[0]).acceleration((delta, rate), delta.zero(), &around)
+            / self.feel.per_angle
     }
 
     /// Whether the law feeds the pilot's force back, which few loaders measure.

@@ -32,6 +32,8 @@
 //! | what it adds against a known disturbance of the drive | [`cancellation`] |
 //! | which of these are in play | [`effects`] |
 //! | what a bench measures of it | [`channels`] |
+//! | what keeps a live loader safe | [`supervisor`] |
+//! | what an aircraft simulator sends and gets | [`host`] |
 //!
 //! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
 //! No allocation, no input or output, no standard library.
@@ -54,6 +56,7 @@ pub mod effects;
 pub mod feel;
 pub mod feel_computer;
 pub mod grip_sensor;
+pub mod host;
 pub mod known_friction;
 pub mod linkage;
 pub mod load_cell;
@@ -63,6 +66,7 @@ pub mod observer;
 pub mod parameters;
 pub mod potentiometer;
 pub mod scalar;
+pub mod supervisor;
 pub mod transducers;
 pub mod units;
 

@@ -400,6 +400,41 @@ parameter_table! {
         arm_stiffness: "k_a", "spring rate of the pilot's arm at the grip", STIFFNESS, 0.3, 0.0..1e4, off 0.0;
     }
     alternative to [] {}
+
+    /// What the supervisor of a loader that runs live allows; each row has a default, see the guide to safety.
+    safety: Safety {}
+    optional {
+        force_limit: "F_1", "force at the grip that stops the loader once it lasts; 14 CFR 25.143(d), pitch, for a short time", FORCE, 75.0, 0.1..1e4, off 75.0;
+        force_time: "t_1", "how long such a force may last", TIME, 5000.0, 1.0..1e5, off 5000.0;
+        absolute_force: "F_2", "force at the grip that stops the loader at once; 14 CFR 25.397(c), largest at a wheel's rim or on pedals", FORCE, 300.0, 0.1..1e4, off 300.0;
+        force_rate: "F'_max", "largest change of the force at the grip in time", FORCE_RATE, 20000.0, 1.0..1e7, off f64::INFINITY;
+        speed_limit: "theta'_max", "largest angular velocity of the column", ANGULAR_VELOCITY, 600.0, 1.0..1e4, off 600.0;
+        travel_margin: "theta_m", "angle by which the column may press beyond its end stops", ANGLE, 2.0, 1e-3..30.0, off 2.0;
+        force_range: "F_r", "largest force that the load cell can show", FORCE, 2500.0, 0.1..1e6, off 2500.0;
+        position_range: "x_r", "largest displacement that the drive's sensor can show", LENGTH, 12.0, 1e-2..1e3, off 12.0;
+        angle_range: "theta_r", "largest angle that the column's sensor can show", ANGLE, 180.0, 0.1..3600.0, off 180.0;
+        jump_speed: "theta'_j", "angular velocity of the column that no change from sample to sample can stand for", ANGULAR_VELOCITY, 3000.0, 10.0..1e6, off 3000.0;
+        agreement: "d_theta", "angle within which drive, load cell and column agree by the link's spring", ANGLE, 0.5, 1e-3..30.0, off 0.5;
+        agreement_time: "t_a", "how long they may disagree", TIME, 10.0, 0.1..1e4, off 10.0;
+        stuck_time: "t_s", "how long a sensor may show the same number while the others show motion", TIME, 50.0, 1.0..1e4, off 50.0;
+        silence_time: "t_q", "how long drive and sensors may be silent", TIME, 20.0, 1.0..1e3, off 20.0;
+        host_time: "t_h", "how long the host's last values hold when it is silent", TIME, 100.0, 1.0..1e5, off 100.0;
+        host_fade: "t_d", "how long the change from the host's feel to the default one takes, and back", TIME, 500.0, 1.0..1e5, off 500.0;
+        overrun_time: "t_o", "how long each cycle of the loop may be late, one after another", TIME, 20.0, 0.1..1e3, off 20.0;
+        saturation_time: "t_i", "how long current or flow may stay at its limit", TIME, 500.0, 1.0..1e5, off 500.0;
+        hand_force: "F_n", "force at the grip below which there is no hand on it", FORCE, 2.0, 0.0..1e3, off 2.0;
+        runaway_power: "P_r", "power that the feel would take from a moving column, below which it is not watched for running away", POWER, 5.0, 1e-3..1e5, off 5.0;
+        runaway_time: "t_r", "how long a column may move against its feel with no hand on it", TIME, 50.0, 1.0..1e4, off 50.0;
+        fade_time: "t_f", "how long the feel takes to come and to go", TIME, 500.0, 1.0..1e5, off 500.0;
+        stop_time: "t_z", "how long the command takes to zero when the loader is stopped", TIME, 20.0, 0.0..1e3, off 20.0;
+        start_share: "s_0", "share of the largest command that there is when the feel begins to come", RATIO, 0.2, 1e-3..1.0, off 0.2;
+        command_share: "s_e", "share of the drive's largest command that is allowed", RATIO, 1.0, 1e-3..1.0, off 1.0;
+        command_rate: "s'_e", "largest change of the command in time, as a share of the largest", RATE, 1000.0, 1.0..1e6, off 1000.0;
+        travel_search: "search", "whether the column is led to both end stops before it is used", SWITCH, 1.0, 0.0..1.0, off 0.0;
+        search_speed: "theta'_s", "angular velocity of that", ANGULAR_VELOCITY, 5.0, 0.1..90.0, off 5.0;
+        search_force: "F_s0", "force at the grip at which an end stop is found", FORCE, 20.0, 0.1..1e3, off 20.0;
+    }
+    alternative to [] {}
 }
 
 /// What moves the linkage.

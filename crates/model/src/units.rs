@@ -54,6 +54,10 @@ pub const ANGULAR_FREQUENCY: Unit = unit("rad/s", "rad/s", "rad/s", 1.0);
 pub const FREQUENCY: Unit = unit("rad/s", "Hz", "Hz", core::f64::consts::TAU);
 /// Force.
 pub const FORCE: Unit = unit("N", "N", "lb", LB);
+/// Change of a force in time.
+pub const FORCE_RATE: Unit = unit("N/s", "N/s", "lb/s", LB);
+/// Power.
+pub const POWER: Unit = unit("W", "W", "W", 1.0);
 /// Torque of a motor per current.
 pub const TORQUE_PER_CURRENT: Unit = unit("N m/A", "N m/A", "lb in/A", LB * IN);
 /// Electric current of a motor.

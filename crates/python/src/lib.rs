@@ -5,6 +5,7 @@ mod arrays;
 mod errors;
 mod laws;
 mod limits;
+mod live;
 mod loops;
 mod model;
 mod release;
@@ -60,5 +61,13 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solve::schedule, module)?)?;
     module.add_function(wrap_pyfunction!(solve::feel_transitions, module)?)?;
     module.add_function(wrap_pyfunction!(solve::feel_steps, module)?)?;
+    module.add_class::<live::LiveSetup>()?;
+    module.add_class::<live::LiveLoop>()?;
+    module.add_class::<live::LiveMachine>()?;
+    module.add_function(wrap_pyfunction!(live::live_columns, module)?)?;
+    module.add_function(wrap_pyfunction!(live::live_states, module)?)?;
+    module.add_function(wrap_pyfunction!(live::live_trips, module)?)?;
+    module.add_function(wrap_pyfunction!(live::live_record, module)?)?;
+    module.add_function(wrap_pyfunction!(live::live_replay, module)?)?;
     Ok(())
 }

@@ -296,7 +296,7 @@ pub fn sampled_loops<'py>(
 }
 
 /// The inputs of each step.
-fn steps(given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>) -> PyResult<Vec<Inputs>> {
+pub(crate) fn steps(given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>) -> PyResult<Vec<Inputs>> {
     let count = given.values().next().map_or(0, |input| input.as_array().nrows());
     if count == 0 {
         return Err(refused("inputs: expected an input and a step at least"));
@@ -321,7 +321,10 @@ fn steps(given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>) -> PyResult<Vec<In
     Ok(steps)
 }
 
-fn spring_curve(knots: &PyReadonlyArray1<'_, f64>, coefficients: &PyReadonlyArray2<'_, f64>) -> PyResult<Curve> {
+pub(crate) fn spring_curve(
+    knots: &PyReadonlyArray1<'_, f64>,
+    coefficients: &PyReadonlyArray2<'_, f64>,
+) -> PyResult<Curve> {
     let knots: Vec<f64> = knots.as_array().iter().copied().collect();
     rising("curve", &knots)?;
     let coefficients = rows::<4>("curve", coefficients)?;

@@ -37,6 +37,7 @@ _COMMANDS = {
     "resonance": f"{_LOADER} --data FILE",
     "excite": f"{_LOADER} --fit PARAMETERS",
     "commission": f"{_LOADER} --data FILE",
+    "run": _LOADER,
     "reproduce": "",
 }
 """The commands in the order of the work, and what each takes and needs."""

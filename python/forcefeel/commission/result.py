@@ -106,7 +106,7 @@ class Checked:
 
 
 @dataclass(frozen=True)
-class Tested:
+class RuleTests:
     """The rule's tests.
 
     Attributes:
@@ -157,7 +157,7 @@ class Commission:
     chosen: LawChosen | None = None
     law: Law | None = field(default=None, repr=False)
     checked: Checked | None = None
-    tested: Tested | None = None
+    tested: RuleTests | None = None
     folders: Mapping[str, str] = field(default_factory=dict)
     resumed: tuple[str, ...] = ()
 

@@ -15,7 +15,7 @@ from forcefeel.commission.checked import check_law
 from forcefeel.commission.identified import identify_loader
 from forcefeel.commission.law_for import choose_law
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, Tested
+from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, RuleTests
 from forcefeel.commission.simulated_bench import BenchTime, record_csv, simulated_records
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, STEPS, TESTS, State, digest
 from forcefeel.commission.tested import run_tests
@@ -64,6 +64,14 @@ def commission_loader(
 
     Raises:
         InputError: If the data are not of this loader or not what they are said to be, or there are none.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> try:
+        ...     ff.commission.commission_loader(ff.digital_elevator(), [], "commissioned")
+        ... except ff.InputError as error:
+        ...     print(str(error).partition(":")[0])
+        data
     """
     check_loader(loader)
     plan, out = plan or CommissionPlan(), Path(out)
@@ -97,7 +105,7 @@ def commission_loader(
     )
     text = digest(text, (out / LAW / LAW_FILE_NAME).read_text(encoding="utf-8"))
     checked = state.step(ENVELOPE, text, Checked, lambda folder: _check(folder, found, law, plan, progress))
-    tested = state.step(TESTS, text, Tested, lambda folder: _test(folder, found, law, plan, progress))
+    tested = state.step(TESTS, text, RuleTests, lambda folder: _test(folder, found, law, plan, progress))
     return replace(told, law=law, checked=checked, tested=tested, resumed=tuple(state.resumed))
 
 
@@ -158,7 +166,7 @@ def _check(folder: Path, loader: Loader, law: Law, plan: CommissionPlan, progres
     return outcome
 
 
-def _test(folder: Path, loader: Loader, law: Law, plan: CommissionPlan, progress: Progress) -> Tested:
+def _test(folder: Path, loader: Loader, law: Law, plan: CommissionPlan, progress: Progress) -> RuleTests:
     progress(TESTS, "tests of the rule")
     outcome, found = run_tests(loader, law.name, law.at(own_feel(loader)), plan)
     write_qualification(found, folder)

@@ -1,7 +1,7 @@
 """The fourth step: the tests of the rule, on the identified loader under the law."""
 
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.result import Tested
+from forcefeel.commission.result import RuleTests
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification.programme.result import Qualification
@@ -9,7 +9,7 @@ from forcefeel.qualification.programme.run import QualificationSetup, qualify_lo
 from forcefeel.qualification.programme.sentences import caveats, reasons, rule_text, standing_text
 
 
-def run_tests(loader: Loader, name: str, law: Law, plan: CommissionPlan) -> tuple[Tested, Qualification]:
+def run_tests(loader: Loader, name: str, law: Law, plan: CommissionPlan) -> tuple[RuleTests, Qualification]:
     """What the tests of a rule come to at the loader's own setting.
 
     Args:
@@ -23,4 +23,4 @@ def run_tests(loader: Loader, name: str, law: Law, plan: CommissionPlan) -> tupl
     (section,) = found.sections
     outcomes = {one.trial.key: str(one.outcome) for one in section.results}
     why = tuple(reasons(section, found))
-    return Tested(section.fulfilled, rule_text(found), standing_text(section), outcomes, why, caveats(found)), found
+    return RuleTests(section.fulfilled, rule_text(found), standing_text(section), outcomes, why, caveats(found)), found

@@ -186,11 +186,18 @@ def prepared(loader: Loader, scenario: Scenario, keep: Sequence[int] = (), law: 
         timing=steps.timing,
         curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
         cancellation=None if law is None or law.cancellation is None else law.cancellation.numbers,
-        changes=[
-            (*change, None if law is None else _next_law(loader, law, way.compensator))
-            for change, way in zip(steps.changes, scenario.feel_changes, strict=True)
-        ],
+        changes=engine_changes(loader, scenario, steps, law),
     )
+
+
+def engine_changes(
+    loader: Loader, scenario: Scenario, steps: Steps, law: Law | None
+) -> list[tuple[int, int, NDArray[np.float64], NDArray[np.float64] | None]]:
+    """The changes of the feel: first step, step at which it is done, values and law afterwards."""
+    return [
+        (*change, None if law is None else _next_law(loader, law, way.compensator))
+        for change, way in zip(steps.changes, scenario.feel_changes, strict=True)
+    ]
 
 
 def _next_law(loader: Loader, law: Law, following: LawLike) -> NDArray[np.float64] | None:

@@ -6,18 +6,19 @@ from forcefeel.errors import InputError
 from forcefeel.files import read_input
 from forcefeel.tables.csv_table import read_csv
 from forcefeel.tables.matlab_table import read_matlab
+from forcefeel.tables.mcap_table import read_mcap
 from forcefeel.tables.parquet_table import read_parquet
 from forcefeel.tables.table import MOST_BYTES, Table
 from forcefeel.units import show
 
-_READERS = {".csv": read_csv, ".parquet": read_parquet, ".mat": read_matlab}
+_READERS = {".csv": read_csv, ".parquet": read_parquet, ".mat": read_matlab, ".mcap": read_mcap}
 
 ENDINGS = tuple(_READERS)
 """Endings of files that are read."""
 
 
 def open_table(path: str | Path, example: str) -> Table:
-    """The header and the notes of a ``.csv``, ``.parquet`` or ``.mat`` file.
+    """The header and the notes of a ``.csv``, ``.parquet`` or ``.mat`` file, or of a live run's record, ``.mcap``.
 
     Args:
         path: The file.

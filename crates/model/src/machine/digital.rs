@@ -22,12 +22,11 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// What a digital controller remembers of the equilibrium.
     #[inline(always)]
     pub fn remember(&self, shared: &Shared, equilibrium: &Equilibrium<S>) -> Memory<S> {
-        let base = equilibrium.base + self.transducers.offset[2];
-        let y = self.sampled_at_rest(&shared.effects, equilibrium.base, equilibrium.position, equilibrium.effort);
+        let shown = self.shown_at_rest(&shared.effects, equilibrium);
         Memory {
             under_way: UnderWay::holding(equilibrium.command),
-            control: self.control.remembered(y, base, equilibrium.delta),
-            command_signal: base.zero(),
+            control: self.control.remember(shown, equilibrium.delta),
+            command_signal: equilibrium.delta.zero(),
         }
     }
 

@@ -21,7 +21,7 @@ use crate::effects::Effects;
 use crate::feel::Surroundings;
 use crate::machine::slow::Slow;
 use crate::observer::SAMPLED;
-use crate::transducers::Seen;
+use crate::transducers::{SENSORS, Seen};
 
 /// Numbers of a [`Equilibrium`].
 pub const EQUILIBRIUM_NUMBERS: usize = 7;
@@ -51,6 +51,11 @@ impl<S: Scalar> Equilibrium<S> {
     fn or(self, other: &Self, mask: S::Mask) -> Self {
         let (mine, others) = (self.numbers(), other.numbers());
         Self::from_numbers(&core::array::from_fn(|k| S::select(mask, mine[k], others[k])))
+    }
+
+    /// Command that holds it.
+    pub fn command(&self) -> S {
+        self.command
     }
 
     /// What makes it out.
@@ -205,11 +210,24 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// What the sensors show in equilibrium.
     #[inline(always)]
-    pub(super) fn sampled_at_rest(&self, effects: &Effects, x_b: S, x_p: S, effort: S) -> [S; SAMPLED] {
+    pub fn shown_at_rest(&self, effects: &Effects, equilibrium: &Equilibrium<S>) -> [S; SENSORS] {
+        let &Equilibrium { base, position, effort, .. } = equilibrium;
+        self.shown_there(effects, [base, position, effort])
+    }
+
+    #[inline(always)]
+    fn shown_there(&self, effects: &Effects, [x_b, x_p, effort]: [S; 3]) -> [S; SENSORS] {
         let [force, piston, base, grip] = self.transducers.offset;
         let on_cell = self.drive.force_per_effort() * effort;
         let at_grip = self.grip_at_rest(effects, x_b, on_cell);
-        [on_cell + force, x_p + piston, (x_b + base) * self.control.per_base, at_grip + grip]
+        [on_cell + force, x_p + piston, x_b + base, at_grip + grip]
+    }
+
+    /// The same as the law takes it, the column's as an angle.
+    #[inline(always)]
+    fn sampled_at_rest(&self, effects: &Effects, x_b: S, x_p: S, effort: S) -> [S; SAMPLED] {
+        let [force, piston, base, grip] = self.shown_there(effects, [x_b, x_p, effort]);
+        [force, piston, base * self.control.per_base, grip]
     }
 
     /// Force at the grip that holds the column against a force on the load cell.

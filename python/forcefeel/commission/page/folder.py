@@ -69,6 +69,14 @@ def write_commission(found: Commission, out: str | Path, *, command: str = "") -
 
     Raises:
         InputError: If the folder cannot be written.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from forcefeel.commission.result import Identified
+        >>> nothing = Identified(False, "nothing was measured")
+        >>> found = ff.commission.Commission(ff.commission.CommissionPlan(), ff.elevator(), nothing)
+        >>> ff.commission.write_commission(found, "commissioned").name
+        'commission.html'
     """
     out = Path(out)
     contents: dict[str, str | bytes] = {}

@@ -1,0 +1,52 @@
+//! Many cases over the cores.
+
+use crate::case::Case;
+use crate::oracle::{Outcome, judge};
+use crate::run::{LawOf, Moving, run};
+use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
+use forcefeel_model::observer::NUMBERS;
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_solve::threads::{NoThreads, pool};
+use rayon::prelude::*;
+
+/// Loaders with a law each: one with an observer, or none for the original loop.
+#[derive(Debug, Clone, Copy)]
+pub struct Loaders<'a> {
+    /// Values, in the order of the parameter table.
+    pub values: &'a [[f64; COUNT]],
+    /// Numbers of the laws.
+    pub observers: Option<&'a [[f64; NUMBERS]]>,
+}
+
+impl Loaders<'_> {
+    /// The case of a number; nothing where the loader cannot be supervised.
+    pub fn outcome(&self, seed: (u64, u64), pairs: bool) -> Option<Outcome> {
+        let case = Case::drawn(self.values, seed, pairs);
+        let law = self.observers.map(|laws| &laws[case.loader]);
+        match DriveKind::of(&case.values) {
+            DriveKind::Hydraulic => of_drive::<OfHydraulic>(&case, law, DriveKind::Hydraulic),
+            DriveKind::Electric => of_drive::<OfElectric>(&case, law, DriveKind::Electric),
+        }
+    }
+
+    /// The outcomes of the cases `first..first + count`.
+    ///
+    /// # Errors
+    /// If the system gives no threads.
+    pub fn outcomes(
+        &self,
+        seed: u64,
+        (first, count): (u64, u64),
+        pairs: bool,
+        threads: usize,
+    ) -> Result<Vec<Option<Outcome>>, NoThreads> {
+        let each = |number| self.outcome((seed, number), pairs);
+        Ok(pool(threads)?.install(|| (first..first + count).into_par_iter().map(each).collect()))
+    }
+}
+
+fn of_drive<K: Kind>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Option<Outcome> {
+    let (limits, rows) = run::<K::Of<f64>>(case, law, kind)?;
+    let moving = Moving::of(&Parameters::from_values(&case.values), kind, &limits);
+    Some(judge(case, &limits, &moving, &rows))
+}

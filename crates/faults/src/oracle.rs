@@ -1,0 +1,269 @@
+//! When the supervisor had to act in a record, and what it never may do.
+//!
+//! Each condition is looked for in the whole record, row by row, from the definitions of the table of safety functions; nothing here is
+//! shared with the supervisor but the limits. What the machine really did stands in the record beside what the sensors showed.
+
+use crate::case::Case;
+use crate::fault::Kind;
+use crate::run::{Moving, Row, safe_from};
+use forcefeel_model::supervisor::{Function, Limits, State};
+
+/// What came of a case.
+#[derive(Debug, Clone, Copy)]
+pub struct Outcome {
+    /// Kinds of its faults, by their place.
+    pub kinds: [usize; 2],
+    /// Sample at which the supervisor had to have stopped the loader at the latest.
+    pub due: Option<usize>,
+    /// Function for which.
+    pub due_to: Option<Function>,
+    /// Sample at which it did.
+    pub stopped: Option<usize>,
+    /// Sample at which the loader was safe.
+    pub safe: Option<usize>,
+    /// State when the first fault came.
+    pub state: State,
+    /// What went wrong.
+    pub wrong: Wrong,
+    /// Energy given to the hand from the fault on until the loader is safe, in J; and its bound.
+    pub energy: [f64; 2],
+    /// What the supervisor names as the cause.
+    pub cause: Option<Function>,
+}
+
+/// What went wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "each may go wrong by itself")]
+pub struct Wrong {
+    /// Stopped too late or not at all.
+    pub late: bool,
+    /// Safe too late or not at all.
+    pub unsafe_: bool,
+    /// A command beyond the limit.
+    pub beyond: bool,
+    /// A command that changed too fast.
+    pub fast: bool,
+    /// A command or a share that is no number.
+    pub not_a_number: bool,
+    /// More energy to the hand than the bound.
+    pub energy: bool,
+    /// Stopped without a fault.
+    pub false_alarm: bool,
+    /// The default feel did not come, or a silent host stopped the loader.
+    pub host: bool,
+}
+
+impl Wrong {
+    /// As bits, in that order.
+    pub fn bits(self) -> u32 {
+        let all = [
+            self.late,
+            self.unsafe_,
+            self.beyond,
+            self.fast,
+            self.not_a_number,
+            self.energy,
+            self.false_alarm,
+            self.host,
+        ];
+        all.iter().enumerate().fold(0, |bits, (k, &wrong)| bits | u32::from(wrong) << k)
+    }
+}
+
+/// Relative, of sums in another order.
+const ROUNDING: f64 = 1e-9;
+
+/// Judges a record.
+pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Outcome {
+    let onset = case.faults.iter().filter(|fault| fault.kind != Kind::None).map(|fault| fault.from).min();
+    let due = due(case, limits, rows);
+    let stopped = rows.iter().position(|row| row.allowed.state == State::Tripped);
+    let safe = stopped.and_then(|from| safe_from(rows, from));
+    let mut wrong = Wrong::default();
+    let cuts = |k: usize| rows[k].told.emergency_stop;
+    if let Some((function, by)) = due {
+        wrong.late = stopped.is_none_or(|at| at > by);
+        let way = if function == Function::EmergencyStop { 0 } else { limits.stop as usize - 1 };
+        wrong.unsafe_ = safe.is_none_or(|at| at > by + way) && by + way < rows.len();
+    }
+    // Once safe, it stays so.
+    wrong.unsafe_ |=
+        safe.is_some_and(|at| rows[at..].iter().any(|row| row.allowed.command != 0.0 || row.allowed.enable));
+    for (k, row) in rows.iter().enumerate() {
+        let e = row.allowed.command;
+        wrong.not_a_number |= !e.is_finite() || !row.allowed.share.is_finite() || !row.allowed.host_share.is_finite();
+        wrong.beyond |= e.abs() > limits.command * (1.0 + ROUNDING);
+        let most = limits.command_step.max(limits.stop_step) * (1.0 + 1e-3) + limits.command * ROUNDING;
+        wrong.fast |= k > 0 && !cuts(k) && (e - rows[k - 1].allowed.command).abs() > most;
+    }
+    let kinds = case.faults.map(|fault| Kind::ALL.iter().position(|&kind| kind == fault.kind).unwrap_or(0));
+    let only = |kind: Kind| case.faults.iter().all(|fault| fault.kind == kind || fault.kind == Kind::None);
+    wrong.false_alarm = only(Kind::None) && stopped.is_some();
+    if only(Kind::HostSilent) && onset.is_some() {
+        wrong.false_alarm |= stopped.is_some();
+        let by = onset.unwrap_or(0) + limits.host as usize + samples(1.0 / limits.host_step) + 1;
+        wrong.host = rows.get(by).is_some_and(|row| row.allowed.host_share > 0.0);
+    }
+    let from = onset.unwrap_or(0).min(rows.len() - 1);
+    let until = safe.unwrap_or(from).max(from);
+    #[expect(clippy::cast_precision_loss, reason = "a number of samples")]
+    let time = (until - from + 2) as f64 * limits.period;
+    // The row that stands for a sample is from before its step: one more on both sides.
+    let given = rows[until].given - rows[from].given;
+    let bound = rows[from].stored + moving.power * time;
+    wrong.energy = given > bound;
+    Outcome {
+        kinds,
+        due: due.map(|(_, by)| by),
+        due_to: due.map(|(function, _)| function),
+        stopped,
+        safe,
+        state: rows[from].allowed.state,
+        wrong,
+        energy: [given, bound],
+        cause: rows.last().and_then(|row| row.allowed.cause),
+    }
+}
+
+/// The first sample at which some function had to have stopped the loader.
+fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> {
+    let mut first: Option<(Function, usize)> = None;
+    let mut see = |function: Function, at: Option<usize>| {
+        if let Some(at) = at
+            && first.is_none_or(|(_, before)| at < before)
+        {
+            first = Some((function, at));
+        }
+    };
+    // Off there is nothing to stop: only from the second sample on is the loader on, and it does not start while something is wrong.
+    let on = |k: usize| k > 0 && !matches!(rows[k - 1].allowed.state, State::Off);
+    let run_of = |function: Function, holds: &dyn Fn(usize) -> bool| {
+        let needed = function.samples(limits) as usize;
+        (0..rows.len()).find(|&k| on(k) && k + 1 >= needed && (k + 1 - needed..=k).all(holds))
+    };
+    let heard = |k: usize| rows[k].told.missed == 0;
+    let sensed = |k: usize| heard(k) && rows[k].told.sensed.iter().all(|value| value.is_finite());
+    let grip = |k: usize| rows[k].told.sensed[0] * limits.lever / limits.grip_arm;
+    let angle = |k: usize| rows[k].told.sensed[2] / limits.base_arm;
+    see(Function::EmergencyStop, run_of(Function::EmergencyStop, &|k| rows[k].told.emergency_stop));
+    see(Function::DriveFault, run_of(Function::DriveFault, &|k| rows[k].told.drive_fault));
+    see(
+        Function::NotANumber,
+        run_of(Function::NotANumber, &|k| {
+            let told = &rows[k].told;
+            (heard(k) && !sensed(k)) || !told.command.is_finite() || !told.feel_acceleration.is_finite()
+        }),
+    );
+    see(
+        Function::OutOfRange,
+        run_of(Function::OutOfRange, &|k| {
+            let [force, position, base] = rows[k].told.sensed;
+            let beyond =
+                [force, position, base / limits.base_arm].iter().zip(limits.range).any(|(x, most)| x.abs() > most);
+            sensed(k) && beyond
+        }),
+    );
+    see(
+        Function::Jump,
+        run_of(Function::Jump, &|k| {
+            // Only beside a sample that was heard right before: else the machine had more time. A new start forgets.
+            let neighbours = k > 1 && sensed(k) && sensed(k - 1) && on(k - 1);
+            neighbours
+                && (0..3).any(|i| {
+                    let scale = if i == 2 { limits.base_arm } else { 1.0 };
+                    (rows[k].told.sensed[i] - rows[k - 1].told.sensed[i]).abs()
+                        > limits.jump[i] * scale * (1.0 + ROUNDING)
+                })
+        }),
+    );
+    see(Function::Silence, run_of(Function::Silence, &|k| rows[k].told.missed > 0));
+    see(Function::Overrun, run_of(Function::Overrun, &|k| rows[k].told.late > 0));
+    let runs = |k: usize| sensed(k) && on(k);
+    see(
+        Function::AbsoluteForce,
+        run_of(Function::AbsoluteForce, &|k| runs(k) && grip(k).abs() > limits.absolute_force),
+    );
+    see(Function::Force, run_of(Function::Force, &|k| runs(k) && grip(k).abs() > limits.force_limit));
+    see(
+        Function::Travel,
+        run_of(Function::Travel, &|k| runs(k) && (angle(k) < limits.travel[0] || angle(k) > limits.travel[1])),
+    );
+    see(
+        Function::Speed,
+        run_of(Function::Speed, &|k| {
+            runs(k) && k > 1 && runs(k - 1) && (angle(k) - angle(k - 1)).abs() > limits.speed_step * (1.0 + ROUNDING)
+        }),
+    );
+    see(
+        Function::Saturation,
+        run_of(Function::Saturation, &|k| {
+            // The command of the sample before, at the whole limit and so at any.
+            k > 1 && rows[k - 1].allowed.follows && on(k - 1) && rows[k - 1].allowed.command.abs() >= limits.command
+        }),
+    );
+    see(
+        Function::Disagreement,
+        run_of(Function::Disagreement, &|k| k > 1 && runs(k) && runs(k - 1) && disagree(limits, rows, k)),
+    );
+    see(Function::Stuck, stuck(case, limits, rows));
+    see(
+        Function::Runaway,
+        run_of(Function::Runaway, &|k| {
+            // As the machine really moves, and clear of the border by a half.
+            let Row { rate, force, hand, told, allowed, .. } = rows[k];
+            let (power, feel) = (force * limits.lever * rate, limits.inertia * told.feel_acceleration * rate);
+            runs(k)
+                && allowed.follows
+                && hand == 0.0
+                && feel < -1.5 * limits.runaway_power
+                && power > 0.25 * feel
+                && (rows[k].told.sensed[0] - force).abs() < limits.hand_torque / limits.lever * 0.1
+                && steady(limits, rows, k)
+        }),
+    );
+    first
+}
+
+/// The column's own equation leaves little for a hand to have done: what friction and stops do is taken for one.
+fn steady(limits: &Limits, rows: &[Row], k: usize) -> bool {
+    k > 0 && {
+        let acceleration = (rows[k].rate - rows[k - 1].rate) / limits.period;
+        (limits.inertia * acceleration - rows[k].force * limits.lever).abs() < 0.3 * limits.hand_torque
+    }
+}
+
+/// Eq. (9) with what the sensors show, in newtons in place of metres.
+fn disagree(limits: &Limits, rows: &[Row], k: usize) -> bool {
+    let [per_stiffness, half_play, damping_time] = limits.link;
+    let stretch = |k: usize| rows[k].told.sensed[1] - rows[k].told.sensed[2] / limits.base_arm * limits.lever;
+    let rate = (stretch(k) - stretch(k - 1)) / limits.period;
+    let of_link = (stretch(k) + damping_time * rate) / per_stiffness;
+    let allowed = (half_play + limits.agreement_m) / per_stiffness;
+    (of_link - rows[k].told.sensed[0]).abs() > allowed * (1.0 + 1e-6)
+}
+
+/// A sensor that was made to stick, once the machine has moved on by clearly more than it may.
+fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
+    let single = case.faults.iter().filter(|fault| fault.kind != Kind::None).count() == 1;
+    let fault = case.faults.iter().find(|fault| fault.kind == Kind::Stuck && single)?;
+    let from = fault.from + limits.stuck as usize;
+    let [per_stiffness, half_play, _] = limits.link;
+    (from..rows.len()).find(|&k| {
+        let told = |k: usize| rows[k].told.sensed;
+        let expected = |k: usize| match fault.sensor {
+            0 => told(k)[1] - told(k)[2] / limits.base_arm * limits.lever,
+            1 => told(k)[2] / limits.base_arm * limits.lever + told(k)[0] * per_stiffness,
+            _ => told(k)[1] - told(k)[0] * per_stiffness,
+        };
+        let started = |k: usize| !matches!(rows[k].allowed.state, State::Off);
+        // What a new start, or the last change of the sensor, begins from is no later than the fault.
+        fault.from > 2
+            && started(fault.from - 1)
+            && (expected(k) - expected(fault.from)).abs() > 2.0 * (2.0 * half_play + limits.agreement_m)
+    })
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]
+fn samples(number: f64) -> usize {
+    number.ceil() as usize
+}

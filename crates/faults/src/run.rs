@@ -1,0 +1,206 @@
+//! A case in virtual time: machine, digital controller and supervisor, as a live loop puts them together.
+
+use crate::case::Case;
+use crate::fault::Before;
+use forcefeel_model::compensator::Compensator;
+use forcefeel_model::control::Sample;
+use forcefeel_model::controller::{Timing, UnderWay};
+use forcefeel_model::drive::Drive;
+use forcefeel_model::effects::Effects;
+use forcefeel_model::machine::{Inputs, Machine, Shared};
+use forcefeel_model::observer::{NUMBERS, Observer};
+use forcefeel_model::parameters::{DriveKind, Parameters};
+use forcefeel_model::supervisor::{Allowed, Limits, State, Supervisor, Told, Wish};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// What was recorded of a sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Row {
+    /// What the supervisor was told.
+    pub told: Told<f64>,
+    /// What it allowed.
+    pub allowed: Allowed<f64>,
+    /// Column's rate in rad/s, as it is.
+    pub rate: f64,
+    /// Load cell's force in N, as it is.
+    pub force: f64,
+    /// Force of the hand in N.
+    pub hand: f64,
+    /// Energy that was given to the hand so far, in J.
+    pub given: f64,
+    /// Energy in the column, the link and what moves it, in J.
+    pub stored: f64,
+}
+
+/// A law: with an observer, or the loader's original loop.
+pub type LawOf<'a> = Option<&'a [f64; NUMBERS]>;
+
+/// Steps of the machine in a period, and how long one may be at most.
+const LONGEST_STEP_S: f64 = 5e-4;
+
+/// What was recorded of a case; nothing where the loader cannot be supervised.
+pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Option<(Limits, Vec<Row>)> {
+    let parameters = Parameters::from_values(&case.values);
+    let period = parameters.controller.period;
+    let limits = Limits::new(&parameters, kind, period).ok()?;
+    let steps = whole((period / LONGEST_STEP_S).ceil().max(1.0));
+    #[expect(clippy::cast_precision_loss, reason = "a few steps")]
+    let step_s = period / steps as f64;
+    let delay = whole((parameters.controller.delay / step_s).round());
+    let timing = Timing { period: steps, delay };
+    let effects = Effects { observer: law.is_some(), sampled: true, surroundings: true, ..Effects::of(&case.values) };
+    let shared = Shared { effects, step_s, timing: Some(timing), curve: None, cancellation: None };
+    let compensator = if law.is_some() {
+        Compensator::state_feedback(&parameters, [0.0; 7])
+    } else {
+        Compensator::original(&parameters)
+    };
+    let mut machine = Machine::<f64, D>::new(&parameters, compensator, &shared);
+    if let Some(numbers) = law {
+        machine = machine.with_observer(Observer::from_numbers(numbers));
+    }
+    let equilibrium = machine.held_at(&shared, 0.0, 0.0, 1.0);
+    let mut state = machine.start(&shared, &equilibrium);
+    let mut noise = ChaCha8Rng::seed_from_u64(case.seed);
+    let mut supervisor = Supervisor::new(limits, 0.0);
+    let control = *machine.control();
+    let mut under_way = UnderWay::holding(0.0);
+    let mut feeling = control.resting(0.0, 0.0);
+    let mut remembered = *machine.remember(&equilibrium).control();
+    let mut rows = Vec::<Row>::with_capacity(case.samples);
+    let mut before = [Before::default(); 2];
+    let mut given = 0.0;
+    let column = parameters.column;
+    let moving = Moving::of(&parameters, kind, &limits);
+    for sample in 0..case.samples {
+        let pushed: f64 = case.faults.iter().map(|fault| fault.force(&limits, sample)).sum();
+        let last = rows.last().map(|row| row.allowed);
+        let share = last.map_or(0.0, |allowed| allowed.share);
+        // A person pushes as the feel comes.
+        let hand = case.hand.at(sample, period) * share + pushed;
+        let neutral = last.map_or(0.0, |allowed| allowed.neutral(0.0));
+        let inputs = Inputs { force: [hand; 2], trim: [neutral; 2], ..Inputs::NONE };
+        for step in 0..steps {
+            let arrived = machine.arrive(&shared, &mut state, &inputs);
+            if step == 0 {
+                let now = arrived.now;
+                let sensors =
+                    machine.sampled(&shared, &state, || core::array::from_fn(|_| StandardNormal.sample(&mut noise)));
+                let mut told = Told {
+                    sensed: sensors,
+                    missed: 0,
+                    late: 0,
+                    host_age: Some(0),
+                    command: 0.0,
+                    feel_acceleration: control.free_acceleration(&shared, &feeling, &inputs),
+                    emergency_stop: false,
+                    drive_fault: false,
+                    wish: if sample == 0 { Wish::Off } else { Wish::Active },
+                    acknowledge: false,
+                };
+                for (fault, before) in case.faults.iter().zip(&mut before) {
+                    fault.spoil_sensed(before, &limits, sample, &mut told);
+                    before.shown = sensors;
+                }
+                let idle = told.missed > 0 || told.late > 0;
+                let follows = last.is_some_and(|allowed| allowed.follows);
+                let sensed = told.sensed;
+                let mut allowed = None;
+                let mut decide = |command: f64, follows: bool| {
+                    told.command = if follows { command } else { 0.0 };
+                    for fault in &case.faults {
+                        fault.spoil_command(&limits, sample, &mut told);
+                    }
+                    let found = supervisor.step(&told);
+                    allowed = Some(found);
+                    found.command
+                };
+                let whole = sensed.iter().all(|value| value.is_finite());
+                let e = if !idle && (follows || whole) {
+                    // Followed or not, the observer is told what is sent, so that it knows the machine when it is followed.
+                    let of = Sample { sensors: sensed, pilot_force: now.pilot_force };
+                    let law = (&mut feeling, &mut remembered);
+                    control.command(&shared, law, &inputs, &of, |answer| Some(decide(answer.command, follows)))
+                } else {
+                    decide(last.map_or(0.0, |allowed| allowed.command), follows)
+                };
+                let allowed = allowed?;
+                if !allowed.follows && whole {
+                    let delta = control.delta_at(sensed[2]);
+                    feeling = control.resting(delta, delta);
+                }
+                // The converter's step may round the command up; without power there is none.
+                under_way.send(sample, if allowed.enable { e } else { 0.0 });
+                let rate = now.base_rate / column.base_arm;
+                let stored = moving.stored(rate, now.force);
+                rows.push(Row { told, allowed, rate, force: now.force, hand, given, stored });
+            }
+            if let Some(arriving) = timing.arriving_at(state.steps()) {
+                state.command(under_way.arriving(arriving));
+            }
+            let begun = machine.set_out(&shared, &mut state, &inputs, arrived);
+            given -= hand * begun.now.base_rate / column.base_arm * column.grip_arm * step_s;
+            machine.advance(&shared, &mut state, &inputs, &begun);
+        }
+    }
+    Some((limits, rows))
+}
+
+/// What can hold energy, and how much power the drive has.
+///
+/// `J` column, `J_m` rotor · `F^2 / k` link · `V / beta` oil: `E = 1/2 J v^2 + 1/2 J_m (alpha R_b v / r)^2 + 1/2 F^2 / k + 1/2 (V / beta) p^2`
+#[derive(Debug, Clone, Copy)]
+pub struct Moving {
+    inertia: f64,
+    softness: f64,
+    /// Largest power of the drive in W.
+    pub power: f64,
+}
+
+impl Moving {
+    /// That of a loader.
+    pub fn of(parameters: &Parameters<f64>, kind: DriveKind, limits: &Limits) -> Self {
+        let Parameters { column, actuator, valve, amplifier, motor, transmission, .. } = parameters;
+        let [per_stiffness, ..] = limits.link;
+        match kind {
+            DriveKind::Hydraulic => {
+                let current = limits.command * amplifier.admittance;
+                // p (C_i i - C_p p) is largest at p = C_i i / 2 C_p; no more than the pump's pressure at the largest flow of eq. (1).
+                let linear = (valve.current_gain * current).powi(2) / (4.0 * valve.pressure_gain);
+                let orifice = valve.supply_pressure * valve.rated_flow * core::f64::consts::SQRT_2;
+                Self {
+                    inertia: column.inertia,
+                    softness: per_stiffness + actuator.oil_volume / actuator.bulk_modulus / actuator.area.powi(2),
+                    power: if valve.orifice != 0.0 { orifice.max(linear) } else { linear },
+                }
+            }
+            DriveKind::Electric => {
+                let per_travel = limits.lever / transmission.travel;
+                let inertia = column.inertia + motor.inertia * per_travel.powi(2);
+                // The fastest that it can be: the speed limit, and what the motor adds until the loader is stopped.
+                let torque = motor.torque_constant * limits.command;
+                let late = f64::from(limits.stop + 4) * limits.period;
+                let rate = limits.speed_step / limits.period * per_travel + torque / motor.inertia * late;
+                Self { inertia, softness: per_stiffness, power: torque * rate }
+            }
+        }
+    }
+
+    /// Energy in J at a rate of the column and a force of the link.
+    pub fn stored(&self, rate: f64, force: f64) -> f64 {
+        0.5 * self.inertia * rate * rate + 0.5 * self.softness * force * force
+    }
+}
+
+/// First sample at which the loader is safe from `from` on: command zero, drive disabled.
+pub fn safe_from(rows: &[Row], from: usize) -> Option<usize> {
+    let safe = |row: &Row| row.allowed.command == 0.0 && !row.allowed.enable;
+    (from..rows.len()).find(|&k| safe(&rows[k]) && rows[k].allowed.state == State::Tripped)
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]
+fn whole(number: f64) -> usize {
+    number as usize
+}

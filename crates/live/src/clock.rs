@@ -1,0 +1,140 @@
+//! When a cycle begins: at the beat of an absolute clock, or at once.
+
+use std::time::{Duration, Instant};
+
+/// What makes a loop wait.
+pub trait Clock {
+    /// Waits for the next beat.
+    fn wait(&mut self) -> Woken;
+    /// Nanoseconds since the start.
+    fn now_ns(&self) -> u64;
+}
+
+/// How a wait ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Woken {
+    /// How late, in ns.
+    pub late_ns: u64,
+    /// Whole beats that went by meanwhile: they are counted, and not made up for.
+    pub missed: u64,
+}
+
+/// Virtual time: every beat is there at once.
+#[derive(Debug, Clone, Copy)]
+pub struct AtOnce {
+    beats: u64,
+    period_ns: u64,
+}
+
+impl AtOnce {
+    /// Beats `period_s` apart.
+    pub fn new(period_s: f64) -> Self {
+        Self { beats: 0, period_ns: nanoseconds(period_s) }
+    }
+}
+
+impl Clock for AtOnce {
+    fn wait(&mut self) -> Woken {
+        self.beats += 1;
+        Woken { late_ns: 0, missed: 0 }
+    }
+
+    fn now_ns(&self) -> u64 {
+        self.beats * self.period_ns
+    }
+}
+
+/// Real time: the monotonic clock of the machine.
+#[derive(Debug)]
+pub struct Monotonic {
+    start: Instant,
+    period_ns: u64,
+    /// Beat that is waited for next, in ns from the start.
+    next_ns: u64,
+    wait: wait::Wait,
+}
+
+impl Monotonic {
+    /// Beats `period_s` apart, from now on.
+    pub fn new(period_s: f64) -> Self {
+        let period_ns = nanoseconds(period_s);
+        Self { start: Instant::now(), period_ns, next_ns: period_ns, wait: wait::Wait::from_now() }
+    }
+}
+
+impl Clock for Monotonic {
+    fn wait(&mut self) -> Woken {
+        self.wait.until(self.start, self.next_ns);
+        let late_ns = self.now_ns().saturating_sub(self.next_ns);
+        let missed = late_ns / self.period_ns;
+        self.next_ns += (missed + 1) * self.period_ns;
+        Woken { late_ns, missed }
+    }
+
+    fn now_ns(&self) -> u64 {
+        whole(self.start.elapsed())
+    }
+}
+
+/// Nanoseconds of a period.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a period of 1 us to 1 s")]
+fn nanoseconds(period_s: f64) -> u64 {
+    ((period_s * 1e9).round() as u64).max(1)
+}
+
+/// Nanoseconds of a duration of less than 500 years.
+fn whole(duration: Duration) -> u64 {
+    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
+}
+
+#[cfg(target_os = "linux")]
+mod wait {
+    use rustix::thread::{ClockId, clock_nanosleep_absolute};
+    use rustix::time::{Timespec, clock_gettime};
+    use std::time::Instant;
+
+    /// Sleeps until an absolute time, so that no error adds up.
+    #[derive(Debug)]
+    pub struct Wait {
+        start: Timespec,
+    }
+
+    impl Wait {
+        pub fn from_now() -> Self {
+            Self { start: clock_gettime(rustix::time::ClockId::Monotonic) }
+        }
+
+        pub fn until(&self, _: Instant, ns: u64) {
+            let (s, ns) = (i64::try_from(ns / SECOND).unwrap_or(i64::MAX), i64::try_from(ns % SECOND).unwrap_or(0));
+            let sum = self.start.tv_nsec + ns;
+            let carry = i64::from(sum >= SECOND_I);
+            let then = Timespec { tv_sec: self.start.tv_sec + s + carry, tv_nsec: sum - carry * SECOND_I };
+            // A signal ends the sleep early; the time is absolute, so it is slept on.
+            while clock_nanosleep_absolute(ClockId::Monotonic, &then)
+                .is_err_and(|error| error == rustix::io::Errno::INTR)
+            {}
+        }
+    }
+
+    const SECOND: u64 = 1_000_000_000;
+    const SECOND_I: i64 = 1_000_000_000;
+}
+
+#[cfg(not(target_os = "linux"))]
+mod wait {
+    use std::time::{Duration, Instant};
+
+    /// Sleeps; other systems than Linux are for trying out.
+    #[derive(Debug)]
+    pub struct Wait;
+
+    impl Wait {
+        pub fn from_now() -> Self {
+            Self
+        }
+
+        pub fn until(&self, start: Instant, ns: u64) {
+            std::thread::sleep((start + Duration::from_nanos(ns)).saturating_duration_since(Instant::now()));
+        }
+    }
+}

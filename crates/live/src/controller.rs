@@ -1,0 +1,302 @@
+//! A period without a clock: what a sample and the wishes before it come to. Live, in virtual time and in a replay it is this.
+//!
+//! `s` share of a change of the feel that is over · its fade is `3 s^2 - 2 s^3`, so that neither the force nor its rate jumps
+
+use crate::input_output::{Command, Sampled};
+use crate::row::Row;
+use crate::setup::{Beginning, Setup};
+use crate::supervision::{Asked, Seen, Supervision, Verdict};
+use crate::wish::{Around, FeelWish, Wish};
+use forcefeel_model::control::{Answer, Control, Feeling, Remembered, Sample};
+use forcefeel_model::effects::Effects;
+use forcefeel_model::machine::{Inputs, Shared};
+use forcefeel_model::observer::Observer;
+use forcefeel_model::parameters::Parameters;
+use forcefeel_model::supervisor::Wish as Mode;
+use forcefeel_model::transducers::SENSORS;
+
+/// Fastest change of the commanded neutral, in rad/s, where the feel itself sets no limit; full travel in some seconds.
+const TRIM_RATE: f64 = 0.1;
+/// Fastest change of the factor on the spring, in 1/s.
+const STIFFNESS_FACTOR_RATE: f64 = 1.0;
+/// Fastest change of the shaker's share, in 1/s.
+const SHAKER_RATE: f64 = 5.0;
+
+/// An angle that is not zero: what the sensors show at rest is straight between the two.
+const ELSEWHERE_RAD: f64 = 0.1;
+
+/// Law, feel and supervisor of a running loop.
+#[derive(Debug, Clone)]
+pub struct Controller {
+    parameters: Parameters<f64>,
+    shared: Shared,
+    control: Control<f64>,
+    period_s: f64,
+    remembered: Remembered<f64>,
+    feeling: Feeling<f64>,
+    /// Whether law and feel know where the column stands.
+    placed: bool,
+    /// What the sensors show in equilibrium with the column at zero and at another angle.
+    at_rest: [[f64; SENSORS]; 2],
+    sensors: [f64; SENSORS],
+    supervision: Supervision,
+    asked: Asked,
+    around: Around,
+    wanted: Around,
+    change: Option<Change>,
+    waiting: Option<FeelWish>,
+    cycle: u64,
+    beats: u64,
+    command: f64,
+    answer: Answer<f64>,
+}
+
+/// A change of the feel under way.
+#[derive(Debug, Clone, Copy)]
+struct Change {
+    begin: u64,
+    cycles: u64,
+}
+
+impl Controller {
+    /// The controller of a loader, before its first sample.
+    ///
+    /// # Errors
+    /// If the loader has no limits that a supervisor could hold it to.
+    pub fn new(setup: &Setup) -> Result<Self, &'static str> {
+        let (shared, control, parameters) = (setup.shared(), setup.control(), setup.parameters());
+        let effects = Effects { surroundings: true, test_signal: false, ..shared.effects };
+        let placed = setup.beginning.is_some();
+        let beginning = setup.beginning.unwrap_or(Beginning { sensors: [0.0; SENSORS], delta: 0.0, neutral: 0.0 });
+        let trim_rad = beginning.neutral * control.per_delta();
+        let around = Around { trim_rad, ..Around::NONE };
+        Ok(Self {
+            parameters,
+            shared: Shared { effects, ..shared },
+            control,
+            period_s: setup.period_s(),
+            remembered: control.remember(beginning.sensors, beginning.delta),
+            feeling: control.resting(beginning.delta, beginning.neutral),
+            placed,
+            sensors: beginning.sensors,
+            at_rest: [0.0, ELSEWHERE_RAD].map(|angle| setup.at_rest(angle)),
+            supervision: Supervision::new(setup)?,
+            asked: Asked { wish: Mode::Off, acknowledge: false, stop: false },
+            around,
+            wanted: around,
+            change: None,
+            waiting: None,
+            cycle: 0,
+            beats: 0,
+            command: 0.0,
+            answer: Answer { command: 0.0, torque: 0.0, base_rate: 0.0 },
+        })
+    }
+
+    /// Period of the loop in s.
+    pub fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    /// The cycle that comes next.
+    pub fn cycle(&self) -> u64 {
+        self.cycle
+    }
+
+    /// Takes a wish, which counts from the next cycle on. Of two feels that wait, the newer stays.
+    pub fn take(&mut self, wish: &Wish) {
+        match wish {
+            Wish::Feel(feel) => self.waiting = Some(*feel),
+            Wish::Around(around) => self.wanted = *around,
+            Wish::On => self.asked.wish = Mode::Active,
+            Wish::Passive => self.asked.wish = Mode::Passive,
+            Wish::Off => self.asked.wish = Mode::Off,
+            Wish::Acknowledge => self.asked.acknowledge = true,
+            Wish::Stop => self.asked.stop = true,
+        }
+    }
+
+    /// A cycle: the command, and what there is to see; `missed` beats went by before it.
+    pub fn step(&mut self, sampled: Option<&Sampled>, missed: u64) -> (Command, Row) {
+        self.beats += missed;
+        let fade = self.change_feel();
+        let inputs = self.inputs(fade);
+        let seen = Seen {
+            sensors: sampled.map_or(self.sensors, |sampled| sampled.sample.sensors),
+            fresh: sampled.is_some(),
+            feel_acceleration: self.control.free_acceleration(&self.shared, &self.feeling, &inputs),
+            emergency_stop: sampled.is_some_and(|sampled| sampled.emergency_stop),
+            missed,
+            // A supervisor wants to have been asked for nothing before it is asked for something.
+            asked: if self.cycle == 0 { Asked { wish: Mode::Off, ..self.asked } } else { self.asked },
+        };
+        (self.asked.acknowledge, self.asked.stop) = (false, false);
+        self.sensors = seen.sensors;
+        let finite = seen.sensors.iter().all(|value| value.is_finite());
+        let verdict = match sampled {
+            Some(sampled) if finite => self.act(&sampled.sample, &inputs, &seen),
+            _ => self.hold(&seen),
+        };
+        self.command = verdict.command;
+        let command =
+            Command { cycle: self.cycle, command: verdict.command, enable: verdict.enable, state: verdict.state };
+        let row = self.row(sampled, &verdict, (fade, missed));
+        self.cycle += 1;
+        self.beats += 1;
+        (command, row)
+    }
+
+    /// Law, feel and supervisor at a sample.
+    fn act(&mut self, sample: &Sample<f64>, inputs: &Inputs, seen: &Seen) -> Verdict {
+        self.place();
+        let (supervision, answer) = (&mut self.supervision, &mut self.answer);
+        let mut verdict = None;
+        let law = (&mut self.feeling, &mut self.remembered);
+        let written = self.control.command(&self.shared, law, inputs, sample, |found| {
+            *answer = *found;
+            let looked = supervision.look(seen, found);
+            verdict = Some(looked);
+            // Where nothing is changed, the law goes on to the very bit.
+            (looked.command.to_bits() != found.command.to_bits()).then_some(looked.command)
+        });
+        // The model asks once, always.
+        let verdict = verdict.unwrap_or_else(|| self.supervision.look(seen, &self.answer));
+        if !self.answer.command.is_finite() {
+            // What the law remembers is lost.
+            self.placed = false;
+        }
+        if !verdict.follows {
+            // The law looks on, told of the command that goes out; the feel waits where the column stands.
+            self.rest();
+            return verdict;
+        }
+        // The converter's step may round the command up; without power there is none.
+        Verdict { command: if verdict.enable { written } else { 0.0 }, ..verdict }
+    }
+
+    /// Nothing was sampled that a law could use: the command holds, as far as the supervisor allows.
+    fn hold(&mut self, seen: &Seen) -> Verdict {
+        let answer = Answer { command: self.command, ..self.answer };
+        self.supervision.look(seen, &answer)
+    }
+
+    /// The law begins in the equilibrium where the column stands. What the drive's sensor and the load cell show besides is not taken for
+    /// rest: a law that integrates would make volts of their noise, and take long to forget it.
+    fn place(&mut self) {
+        if self.placed {
+            return;
+        }
+        self.placed = true;
+        let [zero, there] = &self.at_rest;
+        let share = (self.sensors[2] - zero[2]) / (there[2] - zero[2]);
+        let sensors = core::array::from_fn(|k| zero[k] + (there[k] - zero[k]) * share);
+        self.remembered = self.control.remember(sensors, self.control.delta_at(self.sensors[2]));
+        self.rest();
+    }
+
+    /// The feel rests where the column stands, its neutral there too.
+    fn rest(&mut self) {
+        let delta = self.control.delta_at(self.sensors[2]);
+        if delta.is_finite() {
+            self.feeling = self.control.resting(delta, delta);
+        }
+    }
+
+    /// Begins and ends changes of the feel; how far the present one is.
+    fn change_feel(&mut self) -> f64 {
+        if self.change.is_some_and(|change| self.cycle >= change.begin + change.cycles) {
+            self.control.faded();
+            self.change = None;
+        }
+        if self.change.is_none()
+            && let Some(FeelWish { values, observer, cycles }) = self.waiting.take()
+        {
+            let parameters = Parameters { feel: Parameters::from_values(&values).feel, ..self.parameters };
+            let effects = Effects::of(&values);
+            let observer = observer.map(|numbers| Observer::from_numbers(&numbers));
+            self.control.fade_to(&parameters, observer.as_ref());
+            let of_feel = Effects {
+                feel_friction: effects.feel_friction,
+                feel_spring: effects.feel_spring,
+                feel_damping_and_stops: effects.feel_damping_and_stops,
+                feel_limits: effects.feel_limits,
+                ..Effects::default()
+            };
+            self.shared.effects = self.shared.effects.or(of_feel);
+            self.parameters = parameters;
+            self.change = Some(Change { begin: self.cycle, cycles: u64::from(cycles.max(1)) });
+        }
+        self.change.map_or(0.0, |Change { begin, cycles }| {
+            let share = count(self.cycle - begin) / count(cycles);
+            share * share * (3.0 - 2.0 * share)
+        })
+    }
+
+    /// What the feel is told from outside in this cycle.
+    fn inputs(&mut self, fade: f64) -> Inputs {
+        let towards = |now: f64, wanted: f64, rate: f64| {
+            let most = rate * self.period_s;
+            now + (wanted - now).clamp(-most, most)
+        };
+        let (now, wanted) = (self.around, self.wanted);
+        let trim_rate = self.parameters.feel.trim_rate.min(TRIM_RATE);
+        self.around = Around {
+            trim_rad: towards(now.trim_rad, wanted.trim_rad, trim_rate),
+            stiffness_factor: towards(now.stiffness_factor, wanted.stiffness_factor, STIFFNESS_FACTOR_RATE),
+            shaker: towards(now.shaker, wanted.shaker, SHAKER_RATE),
+        };
+        let Around { trim_rad, stiffness_factor, shaker } = self.around;
+        let swing = if shaker == 0.0 {
+            0.0
+        } else {
+            let turns =
+                self.parameters.feel.shaker_frequency / core::f64::consts::TAU * count(self.cycle) * self.period_s;
+            shaker * forcefeel_model::Scalar::sin(turns.fract() * core::f64::consts::TAU)
+        };
+        Inputs {
+            trim: [self.supervision.neutral(trim_rad); 2],
+            stiffness_factor: [stiffness_factor; 2],
+            shaker: [swing; 2],
+            fade: [fade; 2],
+            ..Inputs::NONE
+        }
+    }
+
+    fn row(&self, sampled: Option<&Sampled>, verdict: &Verdict, (fade, missed): (f64, u64)) -> Row {
+        let [force, position, base, grip] = self.sensors;
+        let per_delta = self.control.per_delta();
+        let [delta, rate] = self.feeling.motion.at;
+        Row {
+            time_s: count(self.beats) * self.period_s,
+            cycle: count(self.cycle),
+            column_angle_rad: base * self.control.per_base(),
+            pilot_force_n: sampled.map_or(f64::NAN, |sampled| sampled.sample.pilot_force),
+            load_cell_force_n: force,
+            drive_position_m: position,
+            column_base_m: base,
+            grip_force_n: grip,
+            feel_angle_rad: delta * per_delta,
+            feel_rate_rad_per_s: rate * per_delta,
+            feel_torque_n_m: self.answer.torque,
+            neutral_rad: self.feeling.neutral * per_delta,
+            fade,
+            law_command: self.answer.command,
+            command: verdict.command,
+            enable: f64::from(u8::from(verdict.enable)),
+            state: f64::from(verdict.state),
+            trips: f64::from(verdict.trips),
+            acting: f64::from(verdict.acting),
+            hand_force_n: verdict.hand_force,
+            sampled: f64::from(u8::from(sampled.is_some())),
+            emergency_stop: f64::from(u8::from(sampled.is_some_and(|sampled| sampled.emergency_stop))),
+            missed: count(missed),
+            late_s: 0.0,
+            work_s: 0.0,
+        }
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a number of cycles, below 2^52 for a hundred thousand years")]
+fn count(cycles: u64) -> f64 {
+    cycles as f64
+}

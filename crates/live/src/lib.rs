@@ -1,0 +1,31 @@
+//! A loader live: one thread that samples, asks the model's controller, lets the supervisor pass on, and writes, once a period.
+//!
+//! | question | file |
+//! |---|---|
+//! | what is at the other end: the machine simulated, or over the network | [`input_output`], [`simulated`], [`udp`] |
+//! | a period, without a clock: law, feel, changes of the feel, supervisor | [`controller`], [`supervision`] |
+//! | what is asked of a running loop | [`wish`] |
+//! | the thread: waits, counts, never catches up | [`cycle`], [`clock`], [`priority`] |
+//! | what the rest of the process sees of it | [`row`], [`status`], [`running`] |
+//! | records that stay whole, and their replay | [`record`], [`replay`] |
+//!
+//! The thread makes no allocation, takes no lock and calls the system for the wait, the input and the output alone; rings carry wishes to
+//! it and rows from it. The same [`controller::Controller`] runs live, in virtual time and in a replay: the same samples and
+//! wishes give the same bits.
+#![forbid(unsafe_code)]
+
+pub mod clock;
+pub mod controller;
+pub mod cycle;
+pub mod input_output;
+pub mod priority;
+pub mod record;
+pub mod replay;
+pub mod row;
+pub mod running;
+pub mod setup;
+pub mod simulated;
+pub mod status;
+pub mod supervision;
+pub mod udp;
+pub mod wish;

@@ -1,0 +1,265 @@
+//! A loop under way: its thread, the one that keeps what it tells, and what others see and ask of it.
+
+use crate::clock::{AtOnce, Monotonic};
+use crate::controller::Controller;
+use crate::cycle::Cycles;
+use crate::input_output::{Disturbance, InputOutput};
+use crate::priority::{Granted, ask, give_back};
+use crate::record::Record;
+use crate::row::{COLUMNS, Row};
+use crate::status::Status;
+use crate::wish::Wish;
+use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use mcap::McapResult;
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::collections::VecDeque;
+use std::io;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// How a loop is to run.
+pub struct Plan {
+    /// Law, feel and supervisor.
+    pub controller: Controller,
+    /// The machine.
+    pub machine: Box<dyn InputOutput>,
+    /// Wishes with the cycle before which each is taken.
+    pub wishes: Vec<(u64, Wish)>,
+    /// By the clock, or as fast as it goes.
+    pub real_time: bool,
+    /// Cycles after which it ends by itself.
+    pub cycles: u64,
+    /// Where what it tells is kept.
+    pub record: Option<Record>,
+    /// Rows that are kept in memory.
+    pub history: usize,
+}
+
+/// A loop under way.
+pub struct Running {
+    asks: Mutex<(Producer<Wish>, Producer<Disturbance>)>,
+    status: Arc<Status>,
+    kept: Arc<Kept>,
+    granted: Arc<OnceLock<Granted>>,
+    threads: Mutex<Vec<JoinHandle<()>>>,
+}
+
+/// What is kept of it.
+#[derive(Default)]
+struct Kept {
+    rows: Mutex<VecDeque<Row>>,
+    recorded: AtomicU64,
+    /// Why the record ended before the loop.
+    record_ended: OnceLock<String>,
+}
+
+/// Rows for which the ring has room: 3 s of a loop at 5 kHz.
+const ROWS: usize = 1 << 14;
+/// Wishes and disturbances for which it has.
+const WISHES: usize = 64;
+/// How often a record is brought to its file.
+const FLUSH: Duration = Duration::from_millis(250);
+
+impl Running {
+    /// Begins.
+    ///
+    /// # Errors
+    /// If the system gives no threads.
+    pub fn start(plan: Plan) -> io::Result<Self> {
+        let (wishes, taken_wishes) = RingBuffer::new(WISHES);
+        let (disturbances, taken_disturbances) = RingBuffer::new(WISHES);
+        let (rows, told_rows) = RingBuffer::new(ROWS);
+        let (taken, told_wishes) = RingBuffer::new(WISHES);
+        let status = Arc::new(Status::default());
+        let (kept, granted) = (Arc::new(Kept::default()), Arc::new(OnceLock::new()));
+        let Plan { controller, machine, wishes: planned, real_time, cycles, record, history } = plan;
+        let period_s = controller.period_s();
+        let mut run = Cycles {
+            controller,
+            machine,
+            plan: planned,
+            wishes: taken_wishes,
+            disturbances: taken_disturbances,
+            rows,
+            taken,
+            status: Arc::clone(&status),
+            planned: 0,
+            patient: !real_time,
+        };
+        let given = Arc::clone(&granted);
+        let ends = Ended(Arc::clone(&status));
+        let looper = thread::Builder::new().name("forcefeel-loop".into()).spawn(move || {
+            let _ends = ends;
+            if real_time {
+                let _ = given.set(ask());
+                run.run(&mut Monotonic::new(period_s), cycles);
+                give_back();
+            } else {
+                run.run(&mut AtOnce::new(period_s), cycles);
+            }
+        })?;
+        let keeper = Keeper {
+            rows: told_rows,
+            wishes: told_wishes,
+            record,
+            kept: Arc::clone(&kept),
+            history,
+            nap: if real_time { Duration::from_millis(5) } else { Duration::from_micros(200) },
+            time_s: 0.0,
+        };
+        let looks_on = Arc::clone(&status);
+        let keeping = thread::Builder::new().name("forcefeel-record".into()).spawn(move || keeper.keep(&looks_on));
+        let keeping = match keeping {
+            Ok(keeping) => keeping,
+            Err(error) => {
+                status.end.store(true, Relaxed);
+                let _ = looper.join();
+                return Err(error);
+            }
+        };
+        let threads = Mutex::new(vec![looper, keeping]);
+        Ok(Self { asks: Mutex::new((wishes, disturbances)), status, kept, granted, threads })
+    }
+
+    /// Asks something of the loop; whether there was room for it.
+    pub fn wish(&self, wish: Wish) -> bool {
+        locked(&self.asks).0.push(wish).is_ok()
+    }
+
+    /// Does something to a simulated machine; whether there was room for it.
+    pub fn disturb(&self, disturbance: Disturbance) -> bool {
+        locked(&self.asks).1.push(disturbance).is_ok()
+    }
+
+    /// How it does.
+    pub fn status(&self) -> &Status {
+        &self.status
+    }
+
+    /// What the system gave its thread; nothing in virtual time, or before it began.
+    pub fn granted(&self) -> Option<&Granted> {
+        self.granted.get()
+    }
+
+    /// Bytes in the rows of the record, and why it ended before the loop, if it did.
+    pub fn recorded(&self) -> (u64, Option<&str>) {
+        (self.kept.recorded.load(Relaxed), self.kept.record_ended.get().map(String::as_str))
+    }
+
+    /// The numbers of the newest `most` rows of cycles after `since`, one row after the other.
+    pub fn history(&self, since: f64, most: usize) -> Vec<f64> {
+        let rows = locked(&self.kept.rows);
+        let first = rows.partition_point(|row| row.cycle <= since).max(rows.len().saturating_sub(most));
+        let mut numbers = Vec::with_capacity((rows.len() - first) * COLUMNS);
+        rows.range(first..).for_each(|row| numbers.extend(row.numbers()));
+        numbers
+    }
+
+    /// Ends the loop, its drive off, and waits until its record is closed.
+    pub fn end(&self) {
+        self.status.end.store(true, Relaxed);
+        self.join();
+    }
+
+    /// Waits until it has ended by itself.
+    pub fn join(&self) {
+        let threads: Vec<_> = locked(&self.threads).drain(..).collect();
+        for thread in threads {
+            // A thread that panicked has said why, and is over.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Says that the loop has ended, however it did.
+struct Ended(Arc<Status>);
+
+impl Drop for Ended {
+    fn drop(&mut self) {
+        self.0.ended.store(true, Relaxed);
+    }
+}
+
+/// What is in a lock; nobody leaves it half-written.
+fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Takes what the loop tells, for memory and disk.
+struct Keeper {
+    rows: Consumer<Row>,
+    wishes: Consumer<(u64, Wish)>,
+    record: Option<Record>,
+    kept: Arc<Kept>,
+    history: usize,
+    nap: Duration,
+    time_s: f64,
+}
+
+impl Keeper {
+    fn keep(mut self, status: &Status) {
+        let mut flushed = Instant::now();
+        loop {
+            // Looked at first: what was told before the end is taken below.
+            let ended = status.ended.load(Relaxed);
+            self.take();
+            if flushed.elapsed() >= FLUSH {
+                self.write(Record::flush);
+                flushed = Instant::now();
+            }
+            if ended && self.rows.is_empty() && self.wishes.is_empty() {
+                break;
+            }
+            thread::sleep(self.nap);
+        }
+        if let Some(record) = self.record.take()
+            && let Err(error) = record.finish()
+        {
+            let _ = self.kept.record_ended.set(error.to_string());
+        }
+    }
+
+    fn take(&mut self) {
+        // A wish stands in the record before the row that it counts from: that row is told after it.
+        let rows: usize = self.rows.slots();
+        while let Ok((cycle, wish)) = self.wishes.pop() {
+            let (name, numbers) = wish.numbers();
+            let time_s = self.time_s;
+            self.write(|record| record.list(name, cycle, time_s, &numbers));
+        }
+        for _ in 0..rows {
+            let Ok(row) = self.rows.pop() else { break };
+            self.time_s = row.time_s;
+            self.write(|record| record.row(&row));
+            let mut kept = locked(&self.kept.rows);
+            if kept.len() >= self.history {
+                kept.pop_front();
+            }
+            kept.push_back(row);
+        }
+    }
+
+    /// Writes to the record, and ends it where that fails or it is full.
+    fn write(&mut self, write: impl FnOnce(&mut Record) -> McapResult<()>) {
+        let Some(record) = &mut self.record else { return };
+        let written = write(record);
+        self.kept.recorded.store(record.bytes(), Relaxed);
+        let reason = match written {
+            Err(error) => error.to_string(),
+            Ok(()) if record.is_full() => "full".to_string(),
+            Ok(()) => return,
+        };
+        let ended = self.record.take().map(Record::finish);
+        let _ = self.kept.record_ended.set(match ended {
+            Some(Err(error)) => error.to_string(),
+            _ => reason,
+        });
+    }
+}

@@ -1,0 +1,183 @@
+//! What a loop is made of, as numbers: what a record begins with, and a replay is built from.
+
+use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
+use forcefeel_model::compensator::{Compensator, Displacement};
+use forcefeel_model::control::Control;
+use forcefeel_model::controller::{MOST_UNDER_WAY, Timing};
+use forcefeel_model::curve::Curve;
+use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
+use forcefeel_model::effects::Effects;
+use forcefeel_model::machine::{Machine, Shared};
+use forcefeel_model::observer::{NUMBERS, Observer};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::transducers::SENSORS;
+use forcefeel_solve::law::Law;
+
+/// A loader, its law, and when the controller acts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// Values of the parameter table.
+    pub values: [f64; COUNT],
+    /// Gains, and the load cell's scale.
+    pub gains: Compensator<f64>,
+    /// A law with an observer, in place of gains.
+    pub observer: Option<[f64; NUMBERS]>,
+    /// Step of a simulated machine in s.
+    pub step_s: f64,
+    /// Steps in a period and in its delay.
+    pub timing: Timing,
+    /// Knots and coefficients of the feel's spring.
+    pub curve: Option<(Vec<f64>, Vec<[f64; 4]>)>,
+    /// What the controller adds to its command.
+    pub cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
+    /// Where it begins; from the first sample if nothing is known.
+    pub beginning: Option<Beginning>,
+    /// Whether the supervisor looks on; without it the law drives from the first sample to the last.
+    pub supervised: bool,
+}
+
+/// Where a loop begins: what the sensors show at rest, the programmed displacement and its neutral.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beginning {
+    /// As in a sample.
+    pub sensors: [f64; SENSORS],
+    /// In the feel's own unit.
+    pub delta: f64,
+    /// In the same.
+    pub neutral: f64,
+}
+
+impl Setup {
+    /// Period of the controller in s.
+    pub fn period_s(&self) -> f64 {
+        self.step_s * count(self.timing.period)
+    }
+
+    /// The loader's numbers.
+    pub fn parameters(&self) -> Parameters<f64> {
+        Parameters::from_values(&self.values)
+    }
+
+    /// The law.
+    pub fn law(&self) -> Law<'_> {
+        self.observer.as_ref().map_or(Law::Fixed(self.gains), |one| Law::Observers(core::slice::from_ref(one)))
+    }
+
+    /// What controller and simulated machine share.
+    pub fn shared(&self) -> Shared {
+        let law = self.law();
+        let effects = Effects {
+            feedback: law.feeds_back(),
+            observer: self.observer.is_some(),
+            known_friction: law.knows_friction(),
+            ..Effects::of(&self.values)
+        };
+        Shared {
+            effects,
+            step_s: self.step_s,
+            timing: Some(self.timing),
+            curve: self.curve.as_ref().and_then(|(knots, coefficients)| Curve::new(knots, coefficients)),
+            cancellation: self.cancellation.as_ref().map(Cancellation::from_numbers),
+        }
+    }
+
+    /// The machine, ready to run.
+    pub fn machine<K: Kind>(&self) -> Machine<f64, K::Of<f64>> {
+        let machine = Machine::new(&self.parameters(), self.gains, &self.shared());
+        self.observer.as_ref().map_or(machine, |numbers| machine.with_observer(Observer::from_numbers(numbers)))
+    }
+
+    /// The controller's own share of it.
+    pub fn control(&self) -> Control<f64> {
+        match self.drive() {
+            DriveKind::Hydraulic => *self.machine::<OfHydraulic>().control(),
+            DriveKind::Electric => *self.machine::<OfElectric>().control(),
+        }
+    }
+
+    /// What the sensors show where the column rests, untouched, with its neutral at an angle.
+    pub fn at_rest(&self, angle: f64) -> [f64; SENSORS] {
+        match self.drive() {
+            DriveKind::Hydraulic => self.shown_at_rest::<OfHydraulic>(angle),
+            DriveKind::Electric => self.shown_at_rest::<OfElectric>(angle),
+        }
+    }
+
+    fn shown_at_rest<K: Kind>(&self, angle: f64) -> [f64; SENSORS] {
+        let machine = self.machine::<K>();
+        let shared = self.shared();
+        machine.shown_at_rest(&shared.effects, &machine.held_at(&shared, angle, angle, 1.0))
+    }
+
+    /// What drives it.
+    pub fn drive(&self) -> DriveKind {
+        DriveKind::of(&self.values)
+    }
+
+    /// Named lists of numbers that make it out.
+    pub fn numbers(&self) -> Vec<(&'static str, Vec<f64>)> {
+        let Compensator { gains, load_cell_arm, displacement } = &self.gains;
+        let volts = f64::from(u8::from(*displacement == Displacement::Volts));
+        let mut found = vec![
+            ("values", self.values.to_vec()),
+            ("gains", gains.iter().chain([load_cell_arm, &volts]).copied().collect()),
+            ("timing", vec![self.step_s, count(self.timing.period), count(self.timing.delay)]),
+            ("supervised", vec![f64::from(u8::from(self.supervised))]),
+        ];
+        found.extend(self.observer.map(|numbers| ("observer", numbers.to_vec())));
+        found.extend(self.cancellation.map(|numbers| ("cancellation", numbers.to_vec())));
+        if let Some((knots, coefficients)) = &self.curve {
+            found.push(("curve_knots", knots.clone()));
+            found.push(("curve_coefficients", coefficients.as_flattened().to_vec()));
+        }
+        if let Some(Beginning { sensors: [force, position, base, grip], delta, neutral }) = self.beginning {
+            found.push(("beginning", vec![force, position, base, grip, delta, neutral]));
+        }
+        found
+    }
+
+    /// The setup that named lists make out, if they make one.
+    pub fn of(lists: &[(String, Vec<f64>)]) -> Option<Self> {
+        let list = |name: &str| lists.iter().find(|(its, _)| its == name).map(|(_, numbers)| numbers.as_slice());
+        let (gains, law) = list("gains")?.split_first_chunk::<7>()?;
+        let &[load_cell_arm, volts] = law else { return None };
+        let displacement = if volts == 0.0 { Displacement::Radians } else { Displacement::Volts };
+        let &[step_s, period, delay] = list("timing")? else { return None };
+        let timing = Timing { period: whole(period)?, delay: whole(delay)? };
+        if timing.period == 0 || timing.delay >= MOST_UNDER_WAY * timing.period {
+            return None;
+        }
+        let curve = match (list("curve_knots"), list("curve_coefficients")) {
+            (Some(knots), Some(coefficients)) => Some((knots.to_vec(), coefficients.as_chunks::<4>().0.to_vec())),
+            _ => None,
+        };
+        let beginning = match list("beginning") {
+            Some(&[force, position, base, grip, delta, neutral]) => {
+                Some(Beginning { sensors: [force, position, base, grip], delta, neutral })
+            }
+            Some(_) => return None,
+            None => None,
+        };
+        Some(Self {
+            values: list("values")?.try_into().ok()?,
+            gains: Compensator { gains: *gains, load_cell_arm, displacement },
+            observer: list("observer").map(TryInto::try_into).transpose().ok()?,
+            step_s,
+            timing,
+            curve,
+            cancellation: list("cancellation").map(TryInto::try_into).transpose().ok()?,
+            beginning,
+            supervised: list("supervised")? != [0.0],
+        })
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a number of steps in a period, far below 2^52")]
+fn count(steps: usize) -> f64 {
+    steps as f64
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number within bounds")]
+fn whole(number: f64) -> Option<usize> {
+    (number.fract() == 0.0 && (0.0..1e6).contains(&number)).then_some(number as usize)
+}

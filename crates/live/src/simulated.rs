@@ -1,0 +1,251 @@
+//! The nonlinear machine in the loop's own thread, under a hand, with faults on demand.
+//!
+//! The machine goes on to the next sample when that is read; the command of the sample before is on its way meanwhile, with the delay of the
+//! loader's controller. So a live run takes the steps of a simulation, and gives its bits.
+//!
+//! `F` force of a hand that holds the grip at the angle `theta_h` · `K` its stiffness, as a torque · `C` its damping · `R_p` arm of the grip
+//!
+//! `R_p F = K (theta_h - theta) + K / t_i int (theta_h - theta) dt - C theta'`, within `R_p` times 400 N: an arm, and a person who looks.
+
+use crate::input_output::{Command, Disturbance, Fault, InputOutput, Sampled};
+use crate::setup::{Beginning, Setup};
+use forcefeel_model::control::Sample;
+use forcefeel_model::controller::UnderWay;
+use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
+use forcefeel_model::machine::{Arrived, Inputs, Machine, Shared, State};
+use forcefeel_model::parameters::{DriveKind, Parameters};
+use forcefeel_model::transducers::SENSORS;
+use forcefeel_solve::start::Start;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+
+/// What is done to a simulated machine from its beginning on.
+#[derive(Debug, Clone)]
+pub struct Script {
+    /// Where it begins.
+    pub start: Start,
+    /// Inputs of its first steps; after them what the last one ends with stays.
+    pub inputs: Vec<Inputs>,
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+}
+
+impl Script {
+    /// At rest at neutral, nothing done.
+    pub const NONE: Self = Self { start: Start::Under(0.0), inputs: vec![], seed: 0 };
+}
+
+/// The machine of a loader, and where it begins: the controller is to begin there too.
+pub fn simulated(setup: &Setup, script: Script) -> (Box<dyn InputOutput>, Beginning) {
+    match setup.drive() {
+        DriveKind::Hydraulic => begun::<OfHydraulic>(setup, script),
+        DriveKind::Electric => begun::<OfElectric>(setup, script),
+    }
+}
+
+fn begun<K: Kind>(setup: &Setup, script: Script) -> (Box<dyn InputOutput>, Beginning)
+where
+    Simulated<K::Of<f64>>: InputOutput + 'static,
+{
+    let (machine, beginning) = Simulated::new(setup, setup.machine::<K>(), script);
+    (Box::new(machine), beginning)
+}
+
+/// A machine that is simulated.
+struct Simulated<D: Drive<f64>> {
+    machine: Machine<f64, D>,
+    shared: Shared,
+    state: State<f64, D>,
+    under_way: UnderWay<f64>,
+    script: Script,
+    held_until: usize,
+    noise: ChaCha8Rng,
+    hand: Hand,
+    fault: Option<Fault>,
+    /// What the sensors showed when a fault began.
+    frozen: [f64; SENSORS],
+    shown: [f64; SENSORS],
+    command: f64,
+    /// A step that waits for its command.
+    begun: Option<(Arrived<f64, D>, Inputs)>,
+}
+
+impl<D: Drive<f64>> Simulated<D> {
+    fn new(setup: &Setup, machine: Machine<f64, D>, script: Script) -> (Self, Beginning) {
+        let shared = setup.shared();
+        let start = script.start.of(&machine, &shared, &script.inputs);
+        let equilibrium = &start.equilibrium;
+        let mut state = machine.start(&shared, equilibrium);
+        let feeling = state.feeling();
+        let beginning = Beginning {
+            sensors: machine.shown_at_rest(&shared.effects, equilibrium),
+            delta: feeling.motion.at[0],
+            neutral: feeling.neutral,
+        };
+        Machine::<f64, D>::hold(&mut state, equilibrium);
+        if start.held_until == 0 {
+            Machine::<f64, D>::let_go(&mut state);
+        }
+        let mut noise = ChaCha8Rng::seed_from_u64(script.seed);
+        noise.set_stream(0);
+        let made = Self {
+            machine,
+            shared,
+            state,
+            under_way: UnderWay::holding(equilibrium.command()),
+            script,
+            held_until: start.held_until,
+            noise,
+            hand: Hand::of(&setup.parameters()),
+            fault: None,
+            frozen: beginning.sensors,
+            shown: beginning.sensors,
+            command: equilibrium.command(),
+            begun: None,
+        };
+        (made, beginning)
+    }
+
+    /// The rest of a step that began.
+    fn go_on(&mut self, arrived: Arrived<f64, D>, inputs: &Inputs) {
+        let step = self.state.steps();
+        if let Some(sample) = self.shared.timing.and_then(|timing| timing.arriving_at(step)) {
+            self.state.command(self.under_way.arriving(sample));
+        }
+        let begun = self.machine.set_out(&self.shared, &mut self.state, inputs, arrived);
+        self.machine.advance(&self.shared, &mut self.state, inputs, &begun);
+        let to_rad = self.machine.per_base();
+        self.hand.see(begun.now.base * to_rad, begun.now.base_rate * to_rad, self.shared.step_s);
+        if step + 1 == self.held_until {
+            Machine::<f64, D>::let_go(&mut self.state);
+        }
+    }
+
+    fn inputs(&self) -> Inputs {
+        let script = &self.script.inputs;
+        let last = || script.last().map_or(Inputs::NONE, Inputs::end);
+        let mut inputs = script.get(self.state.steps()).copied().unwrap_or_else(last);
+        // Nothing is added where there is no hand, or the bits of a simulation would not be met.
+        if self.hand.is_there() {
+            inputs.force = inputs.force.map(|force| force + self.hand.force);
+        }
+        inputs
+    }
+
+    /// What the sensors give where something may be broken.
+    fn measured(&mut self) -> Option<[f64; SENSORS]> {
+        let noise = &mut self.noise;
+        let mut sensors =
+            self.machine.sampled(&self.shared, &self.state, || core::array::from_fn(|_| StandardNormal.sample(noise)));
+        match self.fault {
+            Some(Fault::Silent) => return None,
+            Some(Fault::Stuck(sensor)) => sensors[sensor] = self.frozen[sensor],
+            Some(Fault::NotANumber(sensor)) => sensors[sensor] = f64::NAN,
+            Some(Fault::Jump(sensor, by)) => sensors[sensor] += by,
+            Some(Fault::Deaf) | None => {}
+        }
+        self.shown = sensors;
+        Some(sensors)
+    }
+}
+
+impl<D: Drive<f64>> InputOutput for Simulated<D>
+where
+    Self: Send,
+{
+    fn read(&mut self) -> Option<Sampled> {
+        if let Some((arrived, inputs)) = self.begun.take() {
+            self.go_on(arrived, &inputs);
+        }
+        loop {
+            let inputs = self.inputs();
+            let arrived = self.machine.arrive(&self.shared, &mut self.state, &inputs);
+            let sample = self.shared.timing.and_then(|timing| timing.sample_at(self.state.steps()));
+            let Some(sample) = sample else {
+                self.go_on(arrived, &inputs);
+                continue;
+            };
+            let pilot_force = arrived.now.pilot_force;
+            self.begun = Some((arrived, inputs));
+            // Where nothing is written in time, the drive holds what it has.
+            self.under_way.send(sample, self.command + inputs.command_signal[0]);
+            let sensors = self.measured()?;
+            return Some(Sampled { sample: Sample { sensors, pilot_force }, emergency_stop: false });
+        }
+    }
+
+    fn write(&mut self, command: &Command) {
+        if self.fault == Some(Fault::Deaf) {
+            return;
+        }
+        // A drive without power makes nothing of its command.
+        self.command = if command.enable { command.command } else { 0.0 };
+        let step = self.state.steps();
+        if let (Some(sample), Some((_, inputs))) = (self.shared.timing.and_then(|it| it.sample_at(step)), &self.begun) {
+            self.under_way.send(sample, self.command + inputs.command_signal[0]);
+        }
+    }
+
+    fn disturb(&mut self, disturbance: Disturbance) {
+        match disturbance {
+            Disturbance::Force(force) => self.hand.pushes = force,
+            Disturbance::HoldAt(angle) => self.hand.take_to(angle),
+            Disturbance::Fault(fault) => {
+                self.frozen = self.shown;
+                self.fault = Some(fault);
+            }
+            Disturbance::Repair => self.fault = None,
+        }
+    }
+}
+
+/// The hand at the grip.
+#[derive(Debug, Clone, Copy)]
+struct Hand {
+    pushes: f64,
+    angle: Option<f64>,
+    /// Force through the next step.
+    force: f64,
+    integral: f64,
+    stiffness: f64,
+    damping: f64,
+    arm: f64,
+}
+
+impl Hand {
+    /// `t_i` in s.
+    const INTEGRATES_S: f64 = 0.15;
+    /// Most force of an arm in N.
+    const MOST_N: f64 = 400.0;
+    /// Stiffness of an arm that holds tight, in N/m.
+    const ARM_N_PER_M: f64 = 1000.0;
+    /// Damping ratio of arm and column together.
+    const DAMPING: f64 = 0.7;
+
+    fn of(parameters: &Parameters<f64>) -> Self {
+        let arm = parameters.column.grip_arm;
+        let stiffness = 2.0 * parameters.feel.stiffness + Self::ARM_N_PER_M * arm * arm;
+        let damping = 2.0 * Self::DAMPING * (stiffness * parameters.feel.inertia.max(parameters.column.inertia)).sqrt();
+        Self { pushes: 0.0, angle: None, force: 0.0, integral: 0.0, stiffness, damping, arm }
+    }
+
+    fn is_there(&self) -> bool {
+        self.pushes != 0.0 || self.angle.is_some() || self.force != 0.0
+    }
+
+    fn take_to(&mut self, angle: Option<f64>) {
+        (self.angle, self.integral) = (angle, if self.angle.is_some() { self.integral } else { 0.0 });
+    }
+
+    /// Works out the force of the next step from where the column is.
+    fn see(&mut self, angle: f64, rate: f64, step_s: f64) {
+        let holds = self.angle.map_or(0.0, |wanted| {
+            let off = wanted - angle;
+            let most = Self::MOST_N * self.arm;
+            self.integral = (self.integral + self.stiffness * off * step_s / Self::INTEGRATES_S).clamp(-most, most);
+            (self.stiffness * off + self.integral - self.damping * rate).clamp(-most, most) / self.arm
+        });
+        self.force = self.pushes + holds;
+    }
+}

@@ -1,0 +1,130 @@
+//! The supervisor between law and output: what is seen of a cycle, as the supervisor is told; what it allows, as the loop takes it.
+
+use crate::setup::Setup;
+use forcefeel_model::control::Answer;
+use forcefeel_model::supervisor::{Allowed, Function, Limits, State, Supervisor, Told, Wish};
+use forcefeel_model::transducers::SENSORS;
+
+/// States, in the order of a row's numbers.
+pub const STATES: [State; 6] =
+    [State::Off, State::Initialising, State::Passive, State::Active, State::Fading, State::Tripped];
+
+/// Name and sentence of each safety function, by the bit that it has in a row.
+pub fn trips() -> Vec<(&'static str, &'static str)> {
+    Function::ALL.iter().map(|function| (function.name(), function.sentence())).collect()
+}
+
+/// What the person wants of the supervisor, up to the next cycle.
+#[derive(Debug, Clone, Copy)]
+pub struct Asked {
+    /// Off, passive, active.
+    pub wish: Wish,
+    /// What is latched is to be cleared.
+    pub acknowledge: bool,
+    /// Stop, now.
+    pub stop: bool,
+}
+
+/// What is seen of a cycle.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen {
+    /// Load cell (N), drive (m), base of the column (m); those of before where none came.
+    pub sensors: [f64; SENSORS],
+    /// Whether they are of this cycle.
+    pub fresh: bool,
+    /// Acceleration that the feel would give with no hand on it, in rad/s².
+    pub feel_acceleration: f64,
+    /// Whether the emergency stop is pressed.
+    pub emergency_stop: bool,
+    /// Beats that were missed before.
+    pub missed: u64,
+    /// What is asked for.
+    pub asked: Asked,
+}
+
+/// What is allowed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Verdict {
+    /// A place in [`STATES`].
+    pub state: u8,
+    /// The command that may go out.
+    pub command: f64,
+    /// Whether the drive is to be powered.
+    pub enable: bool,
+    /// Whether the law is followed; else the feel begins anew where the column stands.
+    pub follows: bool,
+    /// Functions that acted since they were acknowledged, a bit each.
+    pub trips: u32,
+    /// Functions that act now.
+    pub acting: u32,
+    /// Force of the hand in N, estimated; not a number where nobody looks on.
+    pub hand_force: f64,
+}
+
+/// The supervisor of a loop, or nobody.
+#[derive(Debug, Clone)]
+pub struct Supervision {
+    supervisor: Option<Supervisor<f64>>,
+    last: Option<Allowed<f64>>,
+    silent: u32,
+    late: u32,
+}
+
+impl Supervision {
+    /// A loader that is off; without supervision the law drives.
+    ///
+    /// # Errors
+    /// If the loader has no limits that it could be held to.
+    pub fn new(setup: &Setup) -> Result<Self, &'static str> {
+        let limits = || Limits::new(&setup.parameters(), setup.drive(), setup.period_s());
+        let supervisor = if setup.supervised {
+            Some(Supervisor::new(limits().map_err(forcefeel_model::supervisor::Refusal::text)?, 0.0))
+        } else {
+            None
+        };
+        Ok(Self { supervisor, last: None, silent: 0, late: 0 })
+    }
+
+    /// The feel's neutral in rad where trim has it at `wanted`.
+    pub fn neutral(&self, wanted: f64) -> f64 {
+        self.last.map_or(wanted, |allowed| allowed.neutral(wanted))
+    }
+
+    /// What is allowed where the law asks for this.
+    pub fn look(&mut self, seen: &Seen, answer: &Answer<f64>) -> Verdict {
+        let command = answer.command;
+        let Some(supervisor) = &mut self.supervisor else {
+            let hand_force = f64::NAN;
+            return Verdict { state: ACTIVE, command, enable: true, follows: true, trips: 0, acting: 0, hand_force };
+        };
+        self.silent = if seen.fresh { 0 } else { self.silent.saturating_add(1) };
+        self.late = if seen.missed == 0 { 0 } else { self.late.saturating_add(1) };
+        let Asked { wish, acknowledge, stop } = seen.asked;
+        let allowed = supervisor.step(&Told {
+            sensed: seen.sensors,
+            missed: self.silent,
+            late: self.late,
+            host_age: None,
+            command,
+            feel_acceleration: seen.feel_acceleration,
+            emergency_stop: seen.emergency_stop || stop,
+            drive_fault: false,
+            wish,
+            acknowledge,
+        });
+        self.last = Some(allowed);
+        let place = STATES.iter().position(|state| *state == allowed.state).and_then(|place| u8::try_from(place).ok());
+        Verdict {
+            state: place.unwrap_or(0),
+            command: allowed.command,
+            enable: allowed.enable,
+            follows: allowed.follows,
+            trips: allowed.tripped.bits(),
+            acting: allowed.acting.bits(),
+            hand_force: allowed.grip.hand_force,
+        }
+    }
+}
+
+/// Place of [`State::Active`].
+const ACTIVE: u8 = 3;

@@ -1,0 +1,215 @@
+//! A machine over the network: packets of fixed layout, little-endian, each with version, sequence number and check sum.
+//!
+//! | sample, 72 bytes | | command, 48 bytes | |
+//! |---|---|---|---|
+//! | 0 | `FFLV` | 0 | `FFLV` |
+//! | 4 | version, u16 | 4 | version, u16 |
+//! | 6 | kind 1, u16 | 6 | kind 2; 3 asks for samples, u16 |
+//! | 8 | sequence number, u64 | 8 | sequence number: the loop's cycle, u64 |
+//! | 16 | clock of the machine in ns, u64 | 16 | sequence number of the sample that it answers, u64 |
+//! | 24 | load cell in N, f64 | 24 | command in V or A, f64 |
+//! | 32 | position of the drive's end in m, f64 | 32 | bit 0: power the drive, u32 |
+//! | 40 | displacement of the column's base in m, f64 | 36 | the supervisor's state, u32 |
+//! | 48 | pilot's force in N or not a number, f64 | 40 | zero, u32 |
+//! | 56 | force sensor at the grip in N, zero where there is none, f64 | 44 | CRC-32 of bytes 0 to 43, u32 |
+//! | 64 | bit 0: emergency stop, u32 | | |
+//! | 68 | CRC-32 of bytes 0 to 67, u32 | | |
+//!
+//! The machine sends a sample to whoever asked last, once a period or whenever a command comes. A sample that is not newer than the last one,
+//! damaged or of another version is counted and dropped.
+
+use crate::input_output::{Command, InputOutput, Sampled};
+use forcefeel_model::control::Sample;
+use std::io;
+use std::net::{SocketAddr, UdpSocket};
+use std::time::Duration;
+
+/// Version of the packets.
+pub const VERSION: u16 = 1;
+/// Bytes of a sample.
+pub const SAMPLE_BYTES: usize = 72;
+/// Bytes of a command.
+pub const COMMAND_BYTES: usize = 48;
+
+const MAGIC: [u8; 4] = *b"FFLV";
+const SAMPLE: u16 = 1;
+const COMMAND: u16 = 2;
+const ASK: u16 = 3;
+
+/// How long a sample is waited for in virtual time.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Cycles without a sample after which the machine is asked again.
+const ASK_AGAIN: u32 = 16;
+
+/// A sample with its sequence number and the machine's clock in ns.
+#[derive(Debug, Clone, Copy)]
+pub struct Stamped {
+    /// Sequence number.
+    pub sequence: u64,
+    /// Clock of the machine.
+    pub clock_ns: u64,
+    /// What it measured.
+    pub sampled: Sampled,
+}
+
+/// What came from a loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Request {
+    /// Samples are to be sent here.
+    Ask,
+    /// A command.
+    Command(Command),
+}
+
+/// The bytes of a sample.
+pub fn sample_bytes(stamped: &Stamped) -> [u8; SAMPLE_BYTES] {
+    let Stamped { sequence, clock_ns, sampled: Sampled { sample, emergency_stop } } = stamped;
+    let [force, position, base, grip] = sample.sensors;
+    let mut bytes = headed(SAMPLE, *sequence);
+    bytes[16..24].copy_from_slice(&clock_ns.to_le_bytes());
+    for (k, number) in [force, position, base, sample.pilot_force, grip].into_iter().enumerate() {
+        bytes[24 + 8 * k..32 + 8 * k].copy_from_slice(&number.to_le_bytes());
+    }
+    bytes[64..68].copy_from_slice(&u32::from(*emergency_stop).to_le_bytes());
+    summed(bytes)
+}
+
+/// The sample of these bytes, if they are one.
+pub fn sample_of(bytes: &[u8]) -> Option<Stamped> {
+    let bytes = checked::<SAMPLE_BYTES>(bytes, &[SAMPLE])?;
+    let number = |at: usize| f64::from_le_bytes(part(bytes, at));
+    let sample = Sample { sensors: [number(24), number(32), number(40), number(56)], pilot_force: number(48) };
+    let emergency_stop = u32::from_le_bytes(part(bytes, 64)) & 1 != 0;
+    Some(Stamped {
+        sequence: u64::from_le_bytes(part(bytes, 8)),
+        clock_ns: u64::from_le_bytes(part(bytes, 16)),
+        sampled: Sampled { sample, emergency_stop },
+    })
+}
+
+/// The bytes of a command that answers a sample.
+pub fn command_bytes(command: &Command, answers: u64) -> [u8; COMMAND_BYTES] {
+    let mut bytes = headed(COMMAND, command.cycle);
+    bytes[16..24].copy_from_slice(&answers.to_le_bytes());
+    bytes[24..32].copy_from_slice(&command.command.to_le_bytes());
+    bytes[32..36].copy_from_slice(&u32::from(command.enable).to_le_bytes());
+    bytes[36..40].copy_from_slice(&u32::from(command.state).to_le_bytes());
+    summed(bytes)
+}
+
+/// The bytes that ask for samples.
+pub fn ask_bytes() -> [u8; COMMAND_BYTES] {
+    summed(headed(ASK, 0))
+}
+
+/// What a loop wants of a machine, if these bytes say it.
+pub fn request_of(bytes: &[u8]) -> Option<Request> {
+    let bytes = checked::<COMMAND_BYTES>(bytes, &[COMMAND, ASK])?;
+    if u16::from_le_bytes(part(bytes, 6)) == ASK {
+        return Some(Request::Ask);
+    }
+    Some(Request::Command(Command {
+        cycle: u64::from_le_bytes(part(bytes, 8)),
+        command: f64::from_le_bytes(part(bytes, 24)),
+        enable: u32::from_le_bytes(part(bytes, 32)) & 1 != 0,
+        state: u8::try_from(u32::from_le_bytes(part(bytes, 36))).ok()?,
+    }))
+}
+
+fn headed<const N: usize>(kind: u16, sequence: u64) -> [u8; N] {
+    let mut bytes = [0; N];
+    bytes[..4].copy_from_slice(&MAGIC);
+    bytes[4..6].copy_from_slice(&VERSION.to_le_bytes());
+    bytes[6..8].copy_from_slice(&kind.to_le_bytes());
+    bytes[8..16].copy_from_slice(&sequence.to_le_bytes());
+    bytes
+}
+
+fn summed<const N: usize>(mut bytes: [u8; N]) -> [u8; N] {
+    let sum = crc32fast::hash(&bytes[..N - 4]);
+    bytes[N - 4..].copy_from_slice(&sum.to_le_bytes());
+    bytes
+}
+
+fn checked<'a, const N: usize>(bytes: &'a [u8], kinds: &[u16]) -> Option<&'a [u8; N]> {
+    let bytes: &[u8; N] = bytes.try_into().ok()?;
+    let head = bytes[..4] == MAGIC && u16::from_le_bytes(part(bytes, 4)) == VERSION;
+    let good = head && kinds.contains(&u16::from_le_bytes(part(bytes, 6)));
+    (good && crc32fast::hash(&bytes[..N - 4]) == u32::from_le_bytes(part(bytes, N - 4))).then_some(bytes)
+}
+
+/// So many bytes from a place on that is within.
+fn part<const N: usize, const M: usize>(bytes: &[u8; N], at: usize) -> [u8; M] {
+    core::array::from_fn(|k| bytes[at + k])
+}
+
+/// The loop's end.
+#[derive(Debug)]
+pub struct Udp {
+    socket: UdpSocket,
+    waits: bool,
+    last: Option<u64>,
+    silent: u32,
+}
+
+impl Udp {
+    /// Asks a machine for its samples; `waits` in virtual time, where a cycle begins when its sample is there.
+    ///
+    /// # Errors
+    /// If the address cannot be reached.
+    pub fn connect(address: SocketAddr, waits: bool) -> io::Result<Self> {
+        let any = if address.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" };
+        let socket = UdpSocket::bind(any)?;
+        socket.connect(address)?;
+        socket.set_nonblocking(!waits)?;
+        if waits {
+            socket.set_read_timeout(Some(PATIENCE))?;
+        }
+        socket.send(&ask_bytes())?;
+        Ok(Self { socket, waits, last: None, silent: 0 })
+    }
+
+    /// The next sample in the socket that is newer than the last.
+    fn next(&mut self) -> Option<Sampled> {
+        let mut bytes = [0; SAMPLE_BYTES + 1];
+        loop {
+            let count = match self.socket.recv(&mut bytes) {
+                Ok(count) => count,
+                // Nobody listens there yet, or no more; the next one may come all the same.
+                Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => return None,
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+                Err(_) => return None,
+            };
+            if let Some(Stamped { sequence, sampled, .. }) = sample_of(&bytes[..count])
+                && self.last.is_none_or(|last| sequence > last)
+            {
+                self.last = Some(sequence);
+                return Some(sampled);
+            }
+        }
+    }
+}
+
+impl InputOutput for Udp {
+    fn read(&mut self) -> Option<Sampled> {
+        let mut newest = self.next();
+        while !self.waits
+            && let Some(newer) = if newest.is_some() { self.next() } else { None }
+        {
+            newest = Some(newer);
+        }
+        self.silent = if newest.is_some() { 0 } else { self.silent + 1 };
+        if self.silent >= ASK_AGAIN {
+            // A machine that was started anew counts from the beginning.
+            (self.silent, self.last) = (0, None);
+            let _ = self.socket.send(&ask_bytes());
+        }
+        newest
+    }
+
+    fn write(&mut self, command: &Command) {
+        // A packet that cannot be sent is one that is lost: the machine misses it, and acts.
+        let _ = self.socket.send(&command_bytes(command, self.last.unwrap_or(0)));
+    }
+}

@@ -1,0 +1,93 @@
+//! What is asked of a running loop. Wishes go through a ring, by value, and into the record with the cycle that took them.
+
+use forcefeel_model::observer::NUMBERS;
+use forcefeel_model::parameters::COUNT;
+
+/// A wish.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "a ring holds values: nothing is to be freed in the loop")]
+pub enum Wish {
+    /// Another feel, and the law that goes with it.
+    Feel(FeelWish),
+    /// Where trim, dynamic pressure and shaker are to go.
+    Around(Around),
+    /// The feel is to come.
+    On,
+    /// Power without feel.
+    Passive,
+    /// No power.
+    Off,
+    /// What is latched is to be cleared.
+    Acknowledge,
+    /// Stop, now.
+    Stop,
+}
+
+/// Another feel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeelWish {
+    /// Values of the parameter table, of which those of the feel count.
+    pub values: [f64; COUNT],
+    /// The law with an observer that goes with it; the one of before if there is none.
+    pub observer: Option<[f64; NUMBERS]>,
+    /// Cycles over which it is faded in, one at least.
+    pub cycles: u32,
+}
+
+/// What the feel is told from outside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Around {
+    /// Commanded neutral in rad.
+    pub trim_rad: f64,
+    /// Factor on the feel's spring.
+    pub stiffness_factor: f64,
+    /// How far the stick shaker is on, 0 to 1.
+    pub shaker: f64,
+}
+
+impl Around {
+    /// Nothing: the spring as it is.
+    pub const NONE: Self = Self { trim_rad: 0.0, stiffness_factor: 1.0, shaker: 0.0 };
+}
+
+impl Wish {
+    /// The wish as a name and numbers.
+    pub fn numbers(&self) -> (&'static str, Vec<f64>) {
+        match self {
+            Self::Feel(FeelWish { values, observer, cycles }) => {
+                let law = observer.iter().flatten();
+                ("feel", [f64::from(*cycles)].iter().chain(values).chain(law).copied().collect())
+            }
+            Self::Around(Around { trim_rad, stiffness_factor, shaker }) => {
+                ("around", vec![*trim_rad, *stiffness_factor, *shaker])
+            }
+            Self::On => ("on", vec![]),
+            Self::Passive => ("passive", vec![]),
+            Self::Off => ("off", vec![]),
+            Self::Acknowledge => ("acknowledge", vec![]),
+            Self::Stop => ("stop", vec![]),
+        }
+    }
+
+    /// The wish that a name and numbers make out, if they make one.
+    pub fn of(name: &str, numbers: &[f64]) -> Option<Self> {
+        Some(match (name, numbers) {
+            ("feel", [cycles, rest @ ..]) => {
+                let (values, law) = rest.split_first_chunk::<COUNT>()?;
+                let observer = if law.is_empty() { None } else { Some(law.try_into().ok()?) };
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it was a u32")]
+                let cycles = *cycles as u32;
+                Self::Feel(FeelWish { values: *values, observer, cycles })
+            }
+            ("around", &[trim_rad, stiffness_factor, shaker]) => {
+                Self::Around(Around { trim_rad, stiffness_factor, shaker })
+            }
+            ("on", []) => Self::On,
+            ("passive", []) => Self::Passive,
+            ("off", []) => Self::Off,
+            ("acknowledge", []) => Self::Acknowledge,
+            ("stop", []) => Self::Stop,
+            _ => return None,
+        })
+    }
+}

@@ -1,0 +1,110 @@
+//! A cycle allocates nothing: with the machine simulated, over UDP, while the feel changes, while it trips.
+
+use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use forcefeel_live::clock::{AtOnce, Clock, Woken};
+use forcefeel_live::controller::Controller;
+use forcefeel_live::cycle::Cycles;
+use forcefeel_live::input_output::{Disturbance, Fault, InputOutput};
+use forcefeel_live::setup::Setup;
+use forcefeel_live::simulated::{Script, simulated};
+use forcefeel_live::status::Status;
+use forcefeel_live::udp::Udp;
+use forcefeel_live::wish::{Around, FeelWish, Wish};
+use forcefeel_model::compensator::Compensator;
+use forcefeel_model::controller::Timing;
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
+use rtrb::RingBuffer;
+use std::sync::Arc;
+
+#[global_allocator]
+static ALLOCATOR: AllocDisabler = AllocDisabler;
+
+/// The report's loader in its own position loop, under a digital controller at 2 kHz.
+fn setup(supervised: bool) -> Setup {
+    let values: [f64; COUNT] = core::array::from_fn(|k| match (TABLE[k].part, TABLE[k].name) {
+        ("controller", "period") => 5e-4,
+        // Rows of the other drive are off, or zero.
+        _ if TABLE[k].drive() == Some(DriveKind::Electric) => TABLE[k].off_si().unwrap_or(0.0),
+        _ => TABLE[k].off_si().unwrap_or_else(|| TABLE[k].default_si()),
+    });
+    let gains = Compensator::original(&Parameters::from_values(&values));
+    Setup {
+        values,
+        gains,
+        observer: None,
+        step_s: 5e-4,
+        timing: Timing { period: 1, delay: 1 },
+        curve: None,
+        cancellation: None,
+        beginning: None,
+        supervised,
+    }
+}
+
+fn cycles(setup: &Setup, machine: Box<dyn InputOutput>, wishes: &[Wish], disturbances: &[Disturbance]) -> Cycles {
+    let (mut asks, wishes_taken) = RingBuffer::new(64);
+    let (mut disturbs, disturbances_taken) = RingBuffer::new(64);
+    for wish in wishes {
+        asks.push(*wish).expect("there is room");
+    }
+    for one in disturbances {
+        disturbs.push(*one).expect("there is room");
+    }
+    // Nobody takes what is told: the rings run full, which costs no allocation either.
+    let (rows, _) = RingBuffer::new(128);
+    let (taken, _) = RingBuffer::new(4);
+    Cycles {
+        controller: Controller::new(setup).expect("it has limits"),
+        machine,
+        plan: vec![(3, Wish::On)],
+        wishes: wishes_taken,
+        disturbances: disturbances_taken,
+        rows,
+        taken,
+        status: Arc::new(Status::default()),
+        planned: 0,
+        patient: false,
+    }
+}
+
+fn run(cycles: &mut Cycles, count: u64, clock: &mut AtOnce) {
+    assert_no_alloc(|| {
+        for k in 0..count {
+            clock.wait();
+            cycles.cycle(Woken { late_ns: 1000, missed: u64::from(k == 70) });
+        }
+    });
+}
+
+#[test]
+fn a_cycle_allocates_nothing() {
+    for supervised in [true, false] {
+        let mut setup = setup(supervised);
+        let (machine, beginning) = simulated(&setup, Script::NONE);
+        setup.beginning = Some(beginning);
+        let mut softer = setup.values;
+        let place = TABLE.iter().position(|row| (row.part, row.name) == ("feel", "breakout")).expect("it is there");
+        softer[place] = 20.0;
+        let feel = FeelWish { values: softer, observer: None, cycles: 50 };
+        let around = Around { trim_rad: 0.05, stiffness_factor: 1.5, shaker: 1.0 };
+        let wishes = [Wish::Feel(feel), Wish::Around(around)];
+        let disturbances = [Disturbance::Force(30.0), Disturbance::HoldAt(Some(0.05))];
+        let mut clock = AtOnce::new(setup.period_s());
+        let mut loop_ = cycles(&setup, machine, &wishes, &disturbances);
+        run(&mut loop_, 2000, &mut clock);
+        loop_.machine.disturb(Disturbance::Fault(Fault::NotANumber(1)));
+        run(&mut loop_, 100, &mut clock);
+        loop_.machine.disturb(Disturbance::Fault(Fault::Silent));
+        run(&mut loop_, 100, &mut clock);
+    }
+}
+
+#[test]
+fn a_cycle_over_udp_allocates_nothing() {
+    let setup = setup(true);
+    let other = std::net::UdpSocket::bind("127.0.0.1:0").expect("a socket");
+    let address = other.local_addr().expect("an address");
+    let machine = Udp::connect(address, false).expect("a socket");
+    let mut loop_ = cycles(&setup, Box::new(machine), &[Wish::On], &[]);
+    run(&mut loop_, 200, &mut AtOnce::new(setup.period_s()));
+}

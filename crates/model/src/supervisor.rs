@@ -1,0 +1,225 @@
+//! What keeps a live loader safe: between law and output, once a sample. Pure, without a clock of its own; no more than a Linux process
+//! can be, so emergency stop and dump valve, or torque off, are hard-wired beside it.
+//!
+//! | part | file |
+//! |---|---|
+//! | the safety functions: what each does, after how many samples, its sentence | [`function`] |
+//! | limits in SI units and samples | [`limits`] |
+//! | sensors that are silent, stuck, jumping, in disagreement | `sensors` |
+//! | force, speed, travel, runaway | [`grip`] |
+//! | limits of the command, its way to zero | `command` |
+//! | off, initialising, passive, active, fading, tripped | [`sequence`] |
+//! | finding the travel | `search` |
+//!
+//! A loop calls [`Supervisor::step`] in each period, with what was sampled and what the law makes of it, and does what is
+//! [`Allowed`]:
+//!
+//! - it sends `command`, and drives the enable line with `enable`;
+//! - where `follows` is false, it keeps the feel computer and its neutral at the column's angle and at rest, the law in equilibrium there,
+//!   so that nothing jumps when the law is followed again;
+//! - where it is true, the feel's neutral is [`Allowed::neutral`] of what it would be: it comes from where the column stood, so the spring is
+//!   whole from the first sample on and pulls at nothing;
+//! - it multiplies what the host adds to the feel by `share`, and leads the host's values to the default feel as `host_share` goes from
+//!   one to zero.
+//!
+//! To fade the spring itself in would leave a hand with a control that nothing holds.
+//!
+//! Passive is what the drive does with a command of zero. A valve's spool is centred: the ports are closed and the oil holds the piston;
+//! the grip gives by no more than the link's spring. It is free only when the enable line falls and opens the bypass. A motor without
+//! current is free: the hand moves column and rotor against friction and cogging.
+
+mod command;
+pub mod function;
+pub mod grip;
+mod lasting;
+pub mod limits;
+mod search;
+mod sensors;
+pub mod sequence;
+
+pub use function::{Action, Function, Functions};
+pub use grip::Grip;
+pub use limits::{Limits, Refusal};
+pub use sequence::{State, Wish};
+
+use crate::Scalar;
+use crate::transducers::SENSORS;
+use command::Command;
+use grip::Watch;
+use sensors::{Sensors, finite};
+use sequence::Sequence;
+
+/// What the supervisor is told at a sample.
+#[derive(Debug, Clone, Copy)]
+pub struct Told<S> {
+    /// Load cell (N), position of the drive's end (m), displacement of the column's base (m), as the law gets them.
+    pub sensed: [S; SENSORS],
+    /// Samples in a row, this one included, for which the drive or a sensor gave nothing; `sensed` is then not looked at.
+    pub missed: u32,
+    /// Cycles in a row, this one included, that the loop was late.
+    pub late: u32,
+    /// Samples since the host's last packet; nothing where there is no host.
+    pub host_age: Option<u32>,
+    /// The law's command, in V or A.
+    pub command: S,
+    /// Acceleration that the feel would give the programmed control now if no hand were on it, in rad/s²: see
+    /// [`Control::free_acceleration`](crate::control::Control::free_acceleration).
+    pub feel_acceleration: S,
+    /// The emergency stop is pressed.
+    pub emergency_stop: bool,
+    /// The drive reports a fault.
+    pub drive_fault: bool,
+    /// What the person wants.
+    pub wish: Wish,
+    /// The person has read the sentence.
+    pub acknowledge: bool,
+}
+
+/// What a loop may do in this period.
+#[derive(Debug, Clone, Copy)]
+pub struct Allowed<S> {
+    /// State of the loader.
+    pub state: State,
+    /// Command that is sent, in V or A.
+    pub command: S,
+    /// The enable line: the drive has power, a valve's bypass is closed.
+    pub enable: bool,
+    /// Whether the law is followed.
+    pub follows: bool,
+    /// Share of the feel that is there, 0 to 1.
+    pub share: S,
+    /// Column's angle in rad where the feel began to come or to go.
+    pub anchor: S,
+    /// Share of the host's values, 0 to 1; the default feel has the rest.
+    pub host_share: S,
+    /// The feel's neutral in rad that leads the column while the travel is found.
+    pub leads: Option<S>,
+    /// What is known of the grip.
+    pub grip: Grip<S>,
+    /// Functions that act now.
+    pub acting: Functions,
+    /// Functions that acted since they were acknowledged.
+    pub tripped: Functions,
+    /// The one that stopped the loader.
+    pub cause: Option<Function>,
+}
+
+impl<S: Scalar> Allowed<S> {
+    /// The feel's neutral in rad, where host and trim have it at `wanted`.
+    #[inline(always)]
+    pub fn neutral(&self, wanted: S) -> S {
+        self.leads.unwrap_or(self.anchor + self.share * (wanted - self.anchor))
+    }
+}
+
+/// A loader's supervisor.
+#[derive(Debug, Clone, Copy)]
+pub struct Supervisor<S> {
+    limits: Limits,
+    sensors: Sensors<S>,
+    watch: Watch<S>,
+    command: Command<S>,
+    sequence: Sequence<S>,
+    host_share: S,
+    /// The column's angle as sampled last.
+    angle: S,
+}
+
+impl<S: Scalar> Supervisor<S> {
+    /// A loader that is off; `like`: any number of the kind. Numbers that stand for several runs at once have no one state.
+    pub fn new(limits: Limits, like: S) -> Self {
+        Self {
+            limits,
+            sensors: Sensors::new(like),
+            watch: Watch::new(like),
+            command: Command::new(like),
+            sequence: Sequence::new(like),
+            host_share: like.constant(1.0),
+            angle: like.zero(),
+        }
+    }
+
+    /// The limits.
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// End stops in rad as the search found them; nothing before.
+    pub fn found_stops(&self) -> Option<[S; 2]> {
+        self.sequence.found_stops()
+    }
+
+    /// One sample.
+    #[inline]
+    pub fn step(&mut self, told: &Told<S>) -> Allowed<S> {
+        let limits = self.limits;
+        let mut found = Functions::NONE
+            .with(Function::EmergencyStop, told.emergency_stop)
+            .with(Function::DriveFault, told.drive_fault)
+            .with(Function::Overrun, told.late >= limits.overrun)
+            .with(Function::NotANumber, !(finite(told.command) && finite(told.feel_acceleration)));
+        let follows = self.sequence.follows();
+        if let Some(fresh) = self.sensors.watch(&limits, told, &mut found) {
+            self.angle = fresh.sensed[2];
+            let known = finite(told.feel_acceleration);
+            let of_feel = if known { told.feel_acceleration } else { self.angle.zero() };
+            self.watch.watch(&limits, fresh, (follows, of_feel), &mut found);
+        }
+        let saturated = self.command.saturated(&limits, self.sequence.state == State::Active);
+        found = found.with(Function::Saturation, saturated);
+        self.host(&limits, told.host_age, &mut found);
+        if self.sequence.step(&limits, told, (self.angle, self.watch.grip.force), &mut found) {
+            // A new start: nothing of before counts.
+            self.sensors = Sensors::new(self.angle);
+            self.watch = Watch::new(self.angle);
+        }
+        self.act(&limits, told, found)
+    }
+
+    /// What comes of the state.
+    #[inline(always)]
+    fn act(&mut self, limits: &Limits, told: &Told<S>, mut found: Functions) -> Allowed<S> {
+        let follows = self.sequence.follows();
+        if self.sequence.is_cut() {
+            self.command.cut();
+            self.sequence.disabled();
+        } else if follows {
+            // While nothing is sampled or the loop is late, the law knows nothing new: the last command holds.
+            let holds = told.missed > 0 || told.late > 0;
+            let e = if holds { self.command.last } else { told.command };
+            self.command.follow(limits, e, self.sequence.share, &mut found);
+        } else if self.command.stop(limits) {
+            self.sequence.stopped();
+        }
+        Allowed {
+            state: self.sequence.state,
+            command: self.command.last,
+            enable: self.sequence.enable,
+            follows,
+            share: self.sequence.share,
+            host_share: self.host_share,
+            anchor: self.sequence.anchor,
+            leads: self.sequence.leads(),
+            grip: self.watch.grip,
+            acting: found,
+            tripped: self.sequence.tripped,
+            cause: self.sequence.cause,
+        }
+    }
+
+    /// Holds the host's values, then leads to the default feel, and back when the host speaks again.
+    #[inline(always)]
+    fn host(&mut self, limits: &Limits, age: Option<u32>, found: &mut Functions) {
+        let silent = age.is_some_and(|samples| samples >= limits.host);
+        *found = found.with(Function::HostSilent, silent);
+        let step = self.host_share.constant(limits.host_step);
+        let moved = if silent { self.host_share - step } else { self.host_share + step };
+        self.host_share = moved.clamp(step.zero(), step.constant(1.0));
+    }
+}
+
+/// Whether one number is below another.
+#[inline(always)]
+fn below<S: Scalar>(a: S, b: S) -> bool {
+    S::any(a.less(b))
+}

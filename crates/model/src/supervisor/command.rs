@@ -1,0 +1,76 @@
+//! The command: held to its limits, or led to zero.
+//!
+//! `e` command of the law · `e_max` the largest · `s` share of the feel, `s_0` share with which it begins
+//!
+//! While the feel comes, the command has `s_0 + (1 - s_0) s` of its limit: a valve that much of its speed, a motor that much of its torque.
+
+use super::below;
+use super::function::{Function, Functions};
+use super::lasting::Lasting;
+use super::limits::Limits;
+use super::sensors::finite;
+use crate::Scalar;
+
+/// Share of the limit at which a command is at it.
+const AT_LIMIT: f64 = 0.99;
+
+/// What was commanded last.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Command<S> {
+    pub(super) last: S,
+    saturated: Lasting,
+}
+
+impl<S: Scalar> Command<S> {
+    #[inline(always)]
+    pub(super) fn new(like: S) -> Self {
+        Self { last: like.zero(), saturated: Lasting::default() }
+    }
+
+    /// Whether the command that was given last has been at its limit for too long; while the feel comes it may be.
+    #[inline(always)]
+    pub(super) fn saturated(&mut self, limits: &Limits, active: bool) -> bool {
+        let at = self.last.constant(AT_LIMIT * limits.command);
+        self.saturated.holds(active && !below(self.last.abs(), at), limits.saturation)
+    }
+
+    /// The law's command as far as it is allowed.
+    #[inline(always)]
+    pub(super) fn follow(&mut self, limits: &Limits, e: S, share: S, found: &mut Functions) -> S {
+        let most = Self::largest(limits, share);
+        let e = if finite(e) { e } else { self.last };
+        let held = e.within(most);
+        let slowed = self.last + (held - self.last).within(e.constant(limits.command_step));
+        let differs = |a: S, b: S| below(a.zero(), (a - b).abs());
+        *found =
+            found.with(Function::CommandLimit, differs(held, e)).with(Function::CommandRate, differs(slowed, held));
+        // The limit comes first: it may shrink faster than the command may change.
+        self.last = slowed.within(most);
+        self.last
+    }
+
+    /// A sample nearer to zero; whether it is there.
+    #[inline(always)]
+    pub(super) fn stop(&mut self, limits: &Limits) -> bool {
+        let step = self.last.constant(limits.stop_step);
+        // What rounding leaves of the last step goes with it.
+        let there = below(self.last.abs(), step.times(1.0 + STEP_ROUNDING));
+        self.last = if there { step.zero() } else { self.last - self.last.within(step) };
+        there
+    }
+
+    /// Zero now.
+    #[inline(always)]
+    pub(super) fn cut(&mut self) {
+        self.last = self.last.zero();
+    }
+
+    #[inline(always)]
+    fn largest(limits: &Limits, share: S) -> S {
+        let one = share.constant(1.0);
+        (one.times(limits.start_share) + share.times(1.0 - limits.start_share)).within(one).times(limits.command)
+    }
+}
+
+/// Relative, of a sum of some hundred steps in single precision.
+const STEP_ROUNDING: f64 = 1e-4;

@@ -1,0 +1,199 @@
+//! THE table of safety functions: a row each. What acts, how, after how many samples, and what a person reads.
+//!
+//! A function acts in the last of so many samples in a row that show its condition: 1 is the first sample that shows it.
+
+use super::limits::Limits;
+
+/// What a function does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Action {
+    /// The command is zero and the drive disabled in the same sample.
+    Cut,
+    /// The command goes evenly to zero over the stop time, then the drive is disabled.
+    Stop,
+    /// The host's values give way to the default feel.
+    Fade,
+    /// The command is held to its limit.
+    Limit,
+}
+
+impl Action {
+    /// What it does, for a person.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Cut => "command zero and drive disabled at once",
+            Self::Stop => "command to zero over the stop time, then drive disabled",
+            Self::Fade => "the host's last values hold, then the default feel comes",
+            Self::Limit => "command held to the limit",
+        }
+    }
+
+    /// Whether the loader is stopped by it.
+    pub const fn stops(self) -> bool {
+        matches!(self, Self::Cut | Self::Stop)
+    }
+}
+
+macro_rules! functions {
+    ($( $(#[doc = $doc:literal])+ $Name:ident: $name:literal, $action:ident, $samples:expr, $sentence:literal; )*) => {
+        /// A safety function.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub enum Function { $( $(#[doc = $doc])+ $Name, )* }
+
+        impl Function {
+            /// All functions, in the order of the table.
+            pub const ALL: &[Self] = &[ $( Self::$Name, )* ];
+
+            /// Its name.
+            pub const fn name(self) -> &'static str {
+                match self { $( Self::$Name => $name, )* }
+            }
+
+            /// What it does.
+            pub const fn action(self) -> Action {
+                match self { $( Self::$Name => Action::$action, )* }
+            }
+
+            /// Samples in a row that show its condition when it acts.
+            pub fn samples(self, limits: &Limits) -> u32 {
+                let of: fn(&Limits) -> u32 = match self { $( Self::$Name => $samples, )* };
+                of(limits)
+            }
+
+            /// What happened and what to do, for the person at the loader.
+            pub const fn sentence(self) -> &'static str {
+                match self { $( Self::$Name => $sentence, )* }
+            }
+        }
+    };
+}
+
+functions! {
+    /// The emergency stop is pressed.
+    EmergencyStop: "emergency stop", Cut, |_| 1,
+        "The emergency stop is pressed. Find out why, release it, then acknowledge.";
+    /// The drive reports a fault of its own.
+    DriveFault: "drive fault", Stop, |_| 1,
+        "The drive reports a fault. Read its own display or log, then acknowledge.";
+    /// A sensor's value, the feel's torque or the law's command is no finite number.
+    NotANumber: "not a number", Stop, |_| 1,
+        "A sensor, the feel or the law gave no finite number. Look at the last record, then at that sensor's wiring.";
+    /// A sensor shows more than it can measure.
+    OutOfRange: "out of range", Stop, |_| 1,
+        "A sensor shows more than its range. Look for a broken wire or a short circuit.";
+    /// A sensor changed by more from one sample to the next than the machine can move.
+    Jump: "jump", Stop, |_| 1,
+        "A sensor jumped by more than the machine can move in a sample. Look at its cable, screen and counter.";
+    /// Drive and sensors give nothing.
+    Silence: "sensors silent", Stop, |limits| limits.silence,
+        "The drive and its sensors sent nothing. Look at the cable to the drive and its power.";
+    /// A sensor shows the same number while the others show motion.
+    Stuck: "sensor stuck", Stop, |limits| limits.stuck,
+        "A sensor stays at one number while the others move. Look at its coupling and its electronics.";
+    /// Drive position, load cell and column angle do not go together.
+    Disagreement: "sensors disagree", Stop, |limits| limits.agreement,
+        "Drive position, load cell and column angle contradict one another. Check their zeros, their scales and the link.";
+    /// The force at the grip lasts.
+    Force: "force at the grip", Stop, |limits| limits.force,
+        "The force at the grip stayed above its limit. Let go; if nobody pushed, look at the load cell's zero.";
+    /// The force at the grip is beyond what the controls are made for.
+    AbsoluteForce: "largest force", Stop, |_| CONFIRMED,
+        "The force at the grip came to its absolute limit. Check linkage and stops before going on.";
+    /// The force at the grip changes too fast.
+    ForceRate: "rate of force", Stop, |_| CONFIRMED,
+        "The force at the grip changed faster than its limit. Look for a hard stop, a collision or a law too quick.";
+    /// The column moves too fast.
+    Speed: "speed", Stop, |_| CONFIRMED,
+        "The column moved faster than its limit. If nobody threw it, check law and feel in a simulation first.";
+    /// The column is beyond its end stops.
+    Travel: "travel", Stop, |_| CONFIRMED,
+        "The column is beyond its end stops. Check the stops, and the zero of the column's sensor.";
+    /// The column moves against its feel with no hand on it.
+    Runaway: "runaway", Stop, |limits| limits.runaway,
+        "The column moved against its feel with no hand on it. Do not start again before law and valve or motor are checked.";
+    /// The command stays at its limit.
+    Saturation: "limit too long", Stop, |limits| limits.saturation,
+        "Current or flow stayed at its limit. The feel asks for more than the drive has, or something blocks it.";
+    /// The loop misses its cycles.
+    Overrun: "cycles late", Stop, |limits| limits.overrun,
+        "The loop was late cycle after cycle. Give it a real-time kernel, a core of its own, or a longer period.";
+    /// The end stops are not where the loader has them.
+    TravelSearch: "travel search", Stop, |_| 1,
+        "The end stops were not found where the loader file has them. Clear what blocks the column, or correct the file.";
+    /// The host sends nothing.
+    HostSilent: "host silent", Fade, |limits| limits.host,
+        "The simulator sends nothing; the default feel is on. The loader goes back to it when it sends again.";
+    /// The law asks for more than the largest command.
+    CommandLimit: "command limit", Limit, |_| 1,
+        "The law asks for more than the drive may give.";
+    /// The law asks for a quicker change of the command than is allowed.
+    CommandRate: "rate of command", Limit, |_| 1,
+        "The law asks for a quicker change than the drive may make.";
+}
+
+/// One sample may be noise; two are not.
+pub(super) const CONFIRMED: u32 = 2;
+
+impl Function {
+    /// Whether it stays until somebody acknowledges it.
+    pub const fn latched(self) -> bool {
+        self.action().stops()
+    }
+}
+
+/// A set of functions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Functions(u32);
+
+impl Functions {
+    /// None of them.
+    pub const NONE: Self = Self(0);
+
+    /// As bits, in the order of the table.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
+    /// Whether there is none.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Whether `function` is one of them.
+    pub const fn has(self, function: Function) -> bool {
+        self.0 & (1 << function as u32) != 0
+    }
+
+    /// With `function` where `holds`.
+    #[inline(always)]
+    pub const fn with(self, function: Function, holds: bool) -> Self {
+        Self(self.0 | (holds as u32) << function as u32)
+    }
+
+    /// Those of both.
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Those that do so.
+    pub const fn that(self, action: Action) -> Self {
+        let (mut mask, mut k) = (0, 0);
+        while k < Function::ALL.len() {
+            if Function::ALL[k].action() as u32 == action as u32 {
+                mask |= 1 << k;
+            }
+            k += 1;
+        }
+        Self(self.0 & mask)
+    }
+
+    /// Those that stop the loader.
+    pub const fn stopping(self) -> Self {
+        self.that(Action::Cut).and(self.that(Action::Stop))
+    }
+
+    /// The first of them in the table.
+    pub fn first(self) -> Option<Function> {
+        Function::ALL.iter().copied().find(|&function| self.has(function))
+    }
+}

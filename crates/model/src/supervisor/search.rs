@@ -1,0 +1,82 @@
+//! Finding the travel: the feel's neutral leads the column to one end stop, to the other, and back.
+//!
+//! `n` neutral · `F_g` force of the drive at the grip
+//!
+//! The law is what moves the column, with the share of its command that it starts with, so this serves every drive. A stop is where the
+//! drive presses the grip with the search force; if the column's stops are known, it must be one of them.
+
+use super::below;
+use super::lasting::Lasting;
+use super::limits::Limits;
+use crate::Scalar;
+
+/// Samples for which a stop must be pressed.
+const PRESSED: u32 = 10;
+/// How far neutral may go beyond an end that is known, or from the middle where none is, in rad.
+const FARTHEST_RAD: f64 = 1.6;
+
+/// How far a search is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Found {
+    /// It goes on.
+    Searching,
+    /// Both stops are found and the column is back.
+    Both,
+    /// There is something else.
+    Other,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Leg {
+    Low,
+    High,
+    Back,
+}
+
+/// A search under way.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Search<S> {
+    leg: Leg,
+    pub(super) neutral: S,
+    pub(super) stops: [S; 2],
+    pressed: Lasting,
+}
+
+impl<S: Scalar> Search<S> {
+    /// From where the column is.
+    #[inline(always)]
+    pub(super) fn from(angle: S) -> Self {
+        Self { leg: Leg::Low, neutral: angle, stops: [angle; 2], pressed: Lasting::default() }
+    }
+
+    /// A sample further.
+    #[inline(always)]
+    pub(super) fn step(&mut self, limits: &Limits, angle: S, grip_force: S) -> Found {
+        let step = angle.constant(limits.search_step);
+        let (end, way) = match self.leg {
+            Leg::Low => (0, -step),
+            Leg::High => (1, step),
+            Leg::Back => {
+                let home = angle.zero().clamp(self.stops[0], self.stops[1]);
+                let left = home - self.neutral;
+                self.neutral = self.neutral + left.within(step);
+                return if below(left.abs(), step) { Found::Both } else { Found::Searching };
+            }
+        };
+        self.neutral = self.neutral + way;
+        let pushes = below(angle.constant(limits.search_force), grip_force.times_sign(way));
+        if self.pressed.holds(pushes, PRESSED) {
+            let known = limits.stops[end];
+            if known.is_finite() && !below((angle - angle.constant(known)).abs(), angle.constant(limits.travel_margin))
+            {
+                return Found::Other;
+            }
+            self.stops[end] = angle;
+            self.pressed = Lasting::default();
+            self.neutral = angle;
+            self.leg = if self.leg == Leg::Low { Leg::High } else { Leg::Back };
+        }
+        let from = if limits.stops[end].is_finite() { limits.stops[end].abs() } else { 0.0 };
+        if below(angle.constant(from + FARTHEST_RAD), self.neutral.abs()) { Found::Other } else { Found::Searching }
+    }
+}

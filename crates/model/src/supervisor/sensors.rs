@@ -1,0 +1,124 @@
+//! Sensors: silent, not a number, out of range, jumping, stuck, or in disagreement.
+//!
+//! `F` load cell · `x` drive position · `theta` column angle · `s = x - alpha R_b theta` stretch of the link · `k`, `c` its spring and
+//! damping, `b` half its play
+//!
+//! Three sensors measure one link: `F = k (s -+ b) + c s'`, eq. (9). What is left over,
+//! `r = s + (c / k) s' - F / k`, within the play, needs no observer and no law, so it judges them too. It is as sharp as the link is soft:
+//! an error of the load cell shows once `F / k` comes to the allowed angle.
+
+use super::function::{Function, Functions};
+use super::lasting::Lasting;
+use super::limits::Limits;
+use super::{Told, below};
+use crate::Scalar;
+use crate::transducers::SENSORS;
+
+/// Those that measure the link: load cell (N), position of the drive (m), column (rad).
+pub(super) const OF_LINK: usize = 3;
+
+/// What is remembered of the sensors.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sensors<S> {
+    last: Option<[S; OF_LINK]>,
+    stretch: S,
+    /// Samples since `last`.
+    missed: u32,
+    still: [Still<S>; OF_LINK],
+    disagree: Lasting,
+}
+
+/// A sensor that shows the same number.
+#[derive(Debug, Clone, Copy)]
+struct Still<S> {
+    /// What the others made of it when it changed last, as drive travel in m.
+    expected: S,
+    samples: u32,
+}
+
+/// A sample that can be used, and how many periods it is younger than the one before.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fresh<S> {
+    pub(super) sensed: [S; OF_LINK],
+    pub(super) periods: u32,
+}
+
+impl<S: Scalar> Sensors<S> {
+    #[inline(always)]
+    pub(super) fn new(like: S) -> Self {
+        let zero = like.zero();
+        let still = Still { expected: zero, samples: 0 };
+        Self { last: None, stretch: zero, missed: 0, still: [still; OF_LINK], disagree: Lasting::default() }
+    }
+
+    /// What is wrong with a sample, and the sample if it can be used.
+    #[inline(always)]
+    pub(super) fn watch(&mut self, limits: &Limits, told: &Told<S>, found: &mut Functions) -> Option<Fresh<S>> {
+        if told.missed > 0 {
+            self.missed = told.missed;
+            *found = found.with(Function::Silence, told.missed >= limits.silence);
+            return None;
+        }
+        let [force, position, base, _]: [S; SENSORS] = told.sensed;
+        let y = [force, position, base.times(1.0 / limits.base_arm)];
+        // The sensor at the grip measures a hand, which may do anything; it must be a number.
+        if !told.sensed.iter().all(|&value| finite(value)) {
+            *found = found.with(Function::NotANumber, true);
+            self.missed = self.missed.saturating_add(1);
+            return None;
+        }
+        let beyond = |k: usize| below(y[k].constant(limits.range[k]), y[k].abs());
+        *found = found.with(Function::OutOfRange, beyond(0) || beyond(1) || beyond(2));
+        let periods = self.missed.saturating_add(1);
+        self.missed = 0;
+        self.jump(limits, &y, periods, found);
+        self.agree(limits, &y, periods, found);
+        self.last = Some(y);
+        Some(Fresh { sensed: y, periods })
+    }
+
+    #[inline(always)]
+    fn jump(&self, limits: &Limits, y: &[S; OF_LINK], periods: u32, found: &mut Functions) {
+        let Some(last) = &self.last else { return };
+        let jumped = |k: usize| below(y[k].constant(limits.jump[k] * f64::from(periods)), (y[k] - last[k]).abs());
+        *found = found.with(Function::Jump, jumped(0) || jumped(1) || jumped(2));
+    }
+
+    /// Eq. (9) against the three sensors, and each against what the other two make of it.
+    #[inline(always)]
+    fn agree(&mut self, limits: &Limits, y: &[S; OF_LINK], periods: u32, found: &mut Functions) {
+        let [per_stiffness, half_play, damping_time] = limits.link;
+        let [force, position, angle] = *y;
+        let (pulled, base) = (force.times(per_stiffness), angle.times(limits.lever));
+        let stretch = position - base;
+        let first = self.last.is_none();
+        let rate = (stretch - self.stretch).times(1.0 / (limits.period * f64::from(periods)));
+        let damped = if first { rate.zero() } else { rate.times(damping_time) };
+        self.stretch = stretch;
+        // |r| <= b + d_theta alpha R_b
+        let left = (stretch + damped - pulled).abs();
+        let wrong = below(left.constant(half_play + limits.agreement_m), left);
+        let disagree = self.disagree.holds(wrong, limits.agreement);
+        // k (x - alpha R_b theta), alpha R_b theta + F / k, x - F / k: all as travel of the drive
+        let expected = [stretch, base + pulled, position - pulled];
+        let most = stretch.constant(2.0 * half_play + limits.agreement_m);
+        let mut stuck = false;
+        for k in 0..OF_LINK {
+            let same = self.last.is_some_and(|last| !below((y[k] - last[k]).abs().zero(), (y[k] - last[k]).abs()));
+            if same {
+                let still = &mut self.still[k];
+                still.samples = still.samples.saturating_add(1);
+                stuck |= still.samples >= limits.stuck && below(most, (expected[k] - still.expected).abs());
+            } else {
+                self.still[k] = Still { expected: expected[k], samples: 0 };
+            }
+        }
+        *found = found.with(Function::Disagreement, disagree).with(Function::Stuck, stuck);
+    }
+}
+
+/// Whether a number is one, and finite.
+#[inline(always)]
+pub(super) fn finite<S: Scalar>(value: S) -> bool {
+    below(value.abs(), value.constant(f64::INFINITY))
+}

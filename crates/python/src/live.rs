@@ -1,0 +1,316 @@
+//! A loader live.
+
+use crate::arrays::{rows, vector};
+use crate::errors::{ThreadsError, refused};
+use crate::laws::{Laws, NamedLaw};
+use crate::limits::{step, timing as in_steps};
+use crate::simulate::{spring_curve, steps};
+use forcefeel_live::controller::Controller;
+use forcefeel_live::input_output::{Command, Disturbance, Fault, InputOutput};
+use forcefeel_live::record::Record;
+use forcefeel_live::replay::{Contents, read, replay};
+use forcefeel_live::row::{COLUMNS, NAMES};
+use forcefeel_live::running::{Plan, Running};
+use forcefeel_live::setup::Setup;
+use forcefeel_live::simulated::{Script, simulated};
+use forcefeel_live::status::{BUCKETS, Histogram};
+use forcefeel_live::supervision::{STATES, trips};
+use forcefeel_live::udp::Udp;
+use forcefeel_live::wish::Wish;
+use forcefeel_model::cancellation::CANCELLATION_NUMBERS;
+use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_model::supervisor::State;
+use forcefeel_model::transducers::SENSORS;
+use forcefeel_solve::start::Start;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::PyOSError;
+use pyo3::prelude::*;
+use std::collections::BTreeMap;
+use std::net::ToSocketAddrs;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::{Mutex, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+type Curve<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray2<'py, f64>);
+type Array<'py> = Bound<'py, PyArray2<f64>>;
+/// Name, cycle, numbers.
+type Wished = (u64, String, Vec<f64>);
+
+/// What a loop is made of: a loader's values, its law, when the controller acts.
+#[pyclass(frozen, module = "forcefeel._core")]
+pub struct LiveSetup {
+    setup: Setup,
+}
+
+#[pymethods]
+impl LiveSetup {
+    #[new]
+    #[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, curve = None, cancellation = None, supervised = true))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
+    fn new(
+        values: PyReadonlyArray1<'_, f64>,
+        step_s: f64,
+        timing: (usize, usize),
+        law: Option<NamedLaw>,
+        gains: Option<PyReadonlyArray2<'_, f64>>,
+        observers: Option<PyReadonlyArray2<'_, f64>>,
+        curve: Option<Curve<'_>>,
+        cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
+        supervised: bool,
+    ) -> PyResult<Self> {
+        let values = vector::<COUNT>("values", &values)?;
+        let laws = Laws::of(law, gains.as_ref(), observers.as_ref(), 1)?;
+        let parameters = Parameters::from_values(&values);
+        let observer = observers.as_ref().map(|numbers| rows("observers", numbers)).transpose()?;
+        let curve = match curve {
+            Some((knots, coefficients)) => {
+                spring_curve(&knots, &coefficients)?;
+                Some((knots.as_array().iter().copied().collect(), rows::<4>("curve", &coefficients)?))
+            }
+            None => None,
+        };
+        let setup = Setup {
+            values,
+            gains: laws.law().compensator(&parameters, |of| of(0)),
+            observer: observer.map(|numbers| numbers[0]),
+            step_s: step(step_s)?,
+            timing: in_steps(timing)?,
+            curve,
+            cancellation,
+            beginning: None,
+            supervised,
+        };
+        Ok(Self { setup })
+    }
+}
+
+/// What is done to a simulated machine: inputs by name, start force or held angle with its step, seed.
+#[derive(FromPyObject)]
+pub struct ScriptOf<'py>(BTreeMap<String, PyReadonlyArray2<'py, f64>>, f64, Option<(f64, usize)>, u64);
+
+impl ScriptOf<'_> {
+    fn script(&self) -> PyResult<Script> {
+        let Self(inputs, start_force, held, seed) = self;
+        let inputs = if inputs.is_empty() { vec![] } else { steps(inputs)? };
+        let start = held.map_or(Start::Under(*start_force), |(angle, until)| Start::Held(angle, until));
+        Ok(Script { start, inputs, seed: *seed })
+    }
+}
+
+/// A loop under way.
+#[pyclass(frozen, module = "forcefeel._core")]
+pub struct LiveLoop {
+    running: Running,
+}
+
+#[pymethods]
+impl LiveLoop {
+    /// Begins: over UDP where there is an address, else with the machine simulated.
+    ///
+    /// `record`: path, most bytes, and what is written about it.
+    #[new]
+    #[pyo3(signature = (setup, *, script = None, address = None, real_time = true, cycles = None, wishes = vec![], record = None, history = 120_000))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
+    fn new(
+        setup: &LiveSetup,
+        script: Option<ScriptOf<'_>>,
+        address: Option<String>,
+        real_time: bool,
+        cycles: Option<u64>,
+        wishes: Vec<Wished>,
+        record: Option<(PathBuf, u64, BTreeMap<String, String>)>,
+        history: usize,
+    ) -> PyResult<Self> {
+        let mut setup = setup.setup.clone();
+        let machine: Box<dyn InputOutput> = if let Some(address) = address {
+            let no = |why: String| PyOSError::new_err(format!("{address}: {why}"));
+            let found = address.to_socket_addrs().map_err(|error| no(error.to_string()))?.next();
+            let found = found.ok_or_else(|| no("is no address".to_string()))?;
+            Box::new(Udp::connect(found, !real_time).map_err(|error| no(error.to_string()))?)
+        } else {
+            let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
+            let (machine, beginning) = simulated(&setup, script);
+            setup.beginning = Some(beginning);
+            machine
+        };
+        let wishes = wishes.iter().map(|(cycle, name, numbers)| Ok((*cycle, wish_of(name, numbers)?)));
+        let wishes = wishes.collect::<PyResult<_>>()?;
+        let controller = Controller::new(&setup).map_err(refused)?;
+        let record = match record {
+            Some((path, most_bytes, about)) => {
+                let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
+                let now = u64::try_from(now).unwrap_or(0);
+                let made = Record::create(&path, most_bytes, now, &about, &setup.numbers());
+                Some(made.map_err(|error| PyOSError::new_err(format!("{}: {error}", path.display())))?)
+            }
+            None => None,
+        };
+        let cycles = cycles.unwrap_or(u64::MAX);
+        let plan = Plan { controller, machine, wishes, real_time, cycles, record, history };
+        let running = Running::start(plan).map_err(|error| ThreadsError::new_err(error.to_string()))?;
+        Ok(Self { running })
+    }
+
+    /// Asks something of the loop by name, with its numbers; whether there was room for it.
+    #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
+    fn wish(&self, name: &str, numbers: Vec<f64>) -> PyResult<bool> {
+        Ok(self.running.wish(wish_of(name, &numbers)?))
+    }
+
+    /// Does something to a simulated machine; whether there was room for it.
+    #[pyo3(signature = (name, sensor = 0, number = None))]
+    fn disturb(&self, name: &str, sensor: usize, number: Option<f64>) -> PyResult<bool> {
+        Ok(self.running.disturb(disturbance_of(name, sensor, number)?))
+    }
+
+    /// Cycles, beats, missed ones, cycles without a sample, rows that were lost, place of the state, bits of the trips, whether it has
+    /// ended.
+    fn status(&self) -> (u64, u64, u64, u64, u64, u32, u32, bool) {
+        let status = self.running.status();
+        let [cycles, beats, missed, silent, lost] =
+            [&status.cycles, &status.beats, &status.missed, &status.silent, &status.lost].map(|it| it.load(Relaxed));
+        let (state, trips) = (status.state.load(Relaxed), status.trips.load(Relaxed));
+        (cycles, beats, missed, silent, lost, state, trips, status.ended.load(Relaxed))
+    }
+
+    /// Bytes of the record, and why it ended before the loop, if it did.
+    fn recorded(&self) -> (u64, Option<String>) {
+        let (bytes, ended) = self.running.recorded();
+        (bytes, ended.map(str::to_string))
+    }
+
+    /// The newest `most` rows of cycles after `since`.
+    fn history<'py>(&self, py: Python<'py>, since: f64, most: usize) -> PyResult<Array<'py>> {
+        let numbers = py.detach(|| self.running.history(since, most));
+        PyArray1::from_slice(py, &numbers).reshape([numbers.len() / COLUMNS, COLUMNS])
+    }
+
+    /// Least durations of the steps in ns, with the end of the last; how often the thread woke so late; how often it worked so long.
+    fn timing(&self) -> (Vec<u64>, Vec<u64>, Vec<u64>) {
+        let status = self.running.status();
+        let edges = (0..=BUCKETS).map(Histogram::edge_ns).collect();
+        (edges, status.late.counts().to_vec(), status.work.counts().to_vec())
+    }
+
+    /// Priority and locked memory, each as it was given or why not; nothing in virtual time.
+    fn granted(&self) -> Option<(Option<u8>, String, bool, String)> {
+        self.running.granted().map(|given| {
+            let why = |refused: Option<&String>| refused.cloned().unwrap_or_default();
+            let (fifo, locked) = (&given.fifo, &given.locked);
+            (fifo.as_ref().ok().copied(), why(fifo.as_ref().err()), locked.is_ok(), why(locked.as_ref().err()))
+        })
+    }
+
+    /// Ends the loop, its drive off, and closes the record.
+    fn end(&self, py: Python<'_>) {
+        py.detach(|| self.running.end());
+    }
+}
+
+/// The nonlinear machine of a loader on its own, for another process to drive.
+#[pyclass(frozen, module = "forcefeel._core")]
+pub struct LiveMachine {
+    machine: Mutex<Box<dyn InputOutput>>,
+}
+
+#[pymethods]
+impl LiveMachine {
+    #[new]
+    #[pyo3(signature = (setup, *, script = None))]
+    fn new(setup: &LiveSetup, script: Option<ScriptOf<'_>>) -> PyResult<Self> {
+        let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
+        let (machine, _) = simulated(&setup.setup, script);
+        Ok(Self { machine: Mutex::new(machine) })
+    }
+
+    /// Goes on to the next sample: load cell, drive, base of the column, pilot's force, force sensor at the grip; nothing where the sensors are silent.
+    fn read(&self) -> Option<[f64; SENSORS + 1]> {
+        let sampled = self.machine.lock().unwrap_or_else(PoisonError::into_inner).read()?;
+        let [force, position, base, grip] = sampled.sample.sensors;
+        Some([force, position, base, sampled.sample.pilot_force, grip])
+    }
+
+    /// The command that answers the sample.
+    fn write(&self, command: f64, enable: bool) {
+        let command = Command { cycle: 0, command, enable, state: 0 };
+        self.machine.lock().unwrap_or_else(PoisonError::into_inner).write(&command);
+    }
+
+    /// Does something to it.
+    #[pyo3(signature = (name, sensor = 0, number = None))]
+    fn disturb(&self, name: &str, sensor: usize, number: Option<f64>) -> PyResult<()> {
+        let disturbance = disturbance_of(name, sensor, number)?;
+        self.machine.lock().unwrap_or_else(PoisonError::into_inner).disturb(disturbance);
+        Ok(())
+    }
+}
+
+fn wish_of(name: &str, numbers: &[f64]) -> PyResult<Wish> {
+    Wish::of(name, numbers).ok_or_else(|| refused(format!("wish: {name:?} with {} numbers is none", numbers.len())))
+}
+
+fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResult<Disturbance> {
+    if sensor >= SENSORS {
+        return Err(refused(format!("sensor: expected a place below {SENSORS}, got {sensor}")));
+    }
+    Ok(match name {
+        "force" => Disturbance::Force(number.unwrap_or(0.0)),
+        "hold_at" => Disturbance::HoldAt(number),
+        "silent" => Disturbance::Fault(Fault::Silent),
+        "stuck" => Disturbance::Fault(Fault::Stuck(sensor)),
+        "not_a_number" => Disturbance::Fault(Fault::NotANumber(sensor)),
+        "jump" => Disturbance::Fault(Fault::Jump(sensor, number.unwrap_or(0.0))),
+        "deaf" => Disturbance::Fault(Fault::Deaf),
+        "repair" => Disturbance::Repair,
+        other => {
+            return Err(refused(format!(
+                "name: expected force, hold_at, silent, stuck, not_a_number, jump, deaf or repair, got {other:?}"
+            )));
+        }
+    })
+}
+
+/// Names of the columns of a live run.
+#[pyfunction]
+pub fn live_columns() -> Vec<&'static str> {
+    NAMES.to_vec()
+}
+
+/// Names of the supervisor's states.
+#[pyfunction]
+pub fn live_states() -> Vec<&'static str> {
+    STATES.map(State::name).to_vec()
+}
+
+/// Name and sentence of each of the supervisor's trips.
+#[pyfunction]
+pub fn live_trips() -> Vec<(&'static str, &'static str)> {
+    trips()
+}
+
+/// A record: what was written about it, its columns, its rows, its wishes, whether the file broke off.
+#[pyfunction]
+#[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
+pub fn live_record<'py>(
+    py: Python<'py>,
+    data: &[u8],
+) -> PyResult<(BTreeMap<String, String>, Vec<String>, Array<'py>, Vec<Wished>, bool)> {
+    let Contents { about, columns, rows, wishes, broken, .. } = py.detach(|| read(data)).map_err(refused)?;
+    let shape = [rows.len() / columns.len().max(1), columns.len()];
+    let named = |(cycle, wish): &(u64, Wish)| {
+        let (name, numbers) = wish.numbers();
+        (*cycle, name.to_string(), numbers)
+    };
+    let wishes = wishes.iter().map(named).collect();
+    Ok((about, columns, PyArray1::from_vec(py, rows).reshape(shape)?, wishes, broken))
+}
+
+/// Cycles of a record that were run again, the first number that differs (cycle, column, as recorded, as replayed), the first cycle that is
+/// missing.
+#[pyfunction]
+#[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
+pub fn live_replay(py: Python<'_>, data: &[u8]) -> PyResult<(u64, Option<(u64, &'static str, f64, f64)>, Option<u64>)> {
+    let found = py.detach(|| read(data).and_then(|contents| replay(&contents))).map_err(refused)?;
+    Ok((found.cycles, found.difference, found.gap))
+}

@@ -1,0 +1,180 @@
+"""``forcefeel run``."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Group
+
+from forcefeel.cli.exit_status import BAD_ANSWER
+from forcefeel.cli.given_loader import given_law
+from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.scenario_text import seconds
+from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.errors import InputError
+
+if TYPE_CHECKING:
+    from forcefeel.live import Histogram, Running
+
+LIVE = Group("Live run", sort_key=10)
+CONSOLE = Group("Console", sort_key=20)
+
+RECORD = "record.mcap"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
+    """The options of ``forcefeel run``."""
+
+    law: LawOption = None
+    machine: Annotated[
+        str | None,
+        option("Machine over the network, such as 127.0.0.1:5005.", LIVE, default="simulated", metavar="HOST:PORT"),
+    ] = None
+    duration: Annotated[
+        str | None, option("How long it runs, such as '10 s'.", LIVE, default="until Ctrl-C", metavar="TIME")
+    ] = None
+    headless: Annotated[bool, option("Without the console in a browser: the law is switched on at once.", LIVE)] = False
+    port: Annotated[int, option("Where the console listens; 0 for any port that is free.", CONSOLE)] = 8731
+    bind: Annotated[
+        str, option("Address that the console listens at; only this machine reaches the usual one.", CONSOLE)
+    ] = "127.0.0.1"
+    no_token: Annotated[
+        bool, option("Everybody on this machine may move the column: its console asks for no token.", CONSOLE)
+    ] = False
+    out: Annotated[Path | None, option(f"Folder for {RECORD}, all that goes in and out.", OUTPUT)] = None
+
+
+def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> None:
+    """Run the loader live: a real-time loop on a machine, simulated or over the network.
+
+    It prints the address of its console, a page of this machine, with which whoever opens it holds control; Ctrl-C takes the feel away
+    and ends it. The loop runs in a thread of its own at the period of the loader's controller. A Linux process is no safety function: wire an
+    emergency stop that cuts the drive's power. Exit status 1 if the loader tripped.
+
+    Example: forcefeel run elevator-2khz --law robust --out run
+    """
+    from forcefeel.live import Simulated, Udp, start
+
+    lasts = float("inf") if options.duration is None else seconds("--duration", options.duration)
+    if not lasts > 0:
+        raise InputError(f"--duration: expected a time above 0, got {options.duration}")
+    loader = options.loader(path)
+    law = given_law(options.law, loader)
+    record = None if options.out is None else _record(options.out, replace=options.replace)
+    over = Simulated() if options.machine is None else Udp(options.machine)
+    with start(loader, law, over=over, record=record) as running, _console(running, options):
+        with suppress(KeyboardInterrupt):  # how a run without a duration ends
+            _wait(running, lasts)
+        running.off()
+        time.sleep(_OFF_S)
+    answer(
+        {} if record is None else {"record": record},
+        lambda: _json(running),
+        lambda terminal: _show(terminal, running),
+        as_json=options.json,
+    )
+    if running.trips:
+        raise SystemExit(BAD_ANSWER)
+
+
+_OFF_S = 0.3
+"""Time for the supervisor to take the feel away."""
+
+_LOOK_S = 0.05
+
+
+@contextmanager
+def _console(running: "Running", options: RunOptions) -> Iterator[None]:
+    """The console, where it is wanted; without one the law is switched on here.
+
+    Raises:
+        InputError: If it cannot listen there.
+    """
+    if options.headless:
+        running.wait(1)
+        running.on()
+        yield
+        return
+    from forcefeel.live.console.server import Console
+    from forcefeel.qualification.programme.run import QualificationSetup
+
+    setup = QualificationSetup(system=options.units)
+    with Console(running, port=options.port, bind=options.bind, token=not options.no_token, setup=setup) as console:
+        # Not to the output, which --json leaves to the result; at once, since whoever waits for it opens it.
+        print(f"console: {console.address}", file=sys.stderr, flush=True)
+        if not options.no_token:
+            print(f"to look on and stop: {console.watch_address}", file=sys.stderr, flush=True)
+        yield
+
+
+def _wait(running: "Running", lasts_s: float) -> None:
+    end = time.monotonic() + lasts_s
+    while (left := end - time.monotonic()) > 0 and not running.state.ended:
+        time.sleep(min(left, _LOOK_S))
+
+
+def _record(out: Path, *, replace: bool) -> Path:
+    """Where the record goes.
+
+    Raises:
+        InputError: If it cannot be there, or is there and not to be replaced.
+    """
+    from forcefeel.page.folder import OutputFolder
+
+    OutputFolder("the run", (RECORD,), plots=False).check(out, replace=replace)
+    out.mkdir(parents=True, exist_ok=True)
+    return out / RECORD
+
+
+def _json(running: "Running") -> dict[str, object]:
+    state, timing = running.state, running.timing
+    of = {"late_us": timing.late, "work_us": timing.work}
+    return {
+        "loader": running.loader.name,
+        "law": running.law.name,
+        "cycles": state.cycle,
+        "period_s": running.period_s,
+        "missed": state.missed,
+        "cycles_without_sample": state.silent,
+        "rows_lost": state.lost_rows,
+        "trips": [trip.name for trip in running.trips],
+        **{
+            name: {key: value if isfinite(value) else None for key, value in _quantiles(one).items()}
+            for name, one in of.items()
+        },
+        "granted": list(running.granted),
+    }
+
+
+def _quantiles(histogram: "Histogram") -> dict[str, float]:
+    return {
+        name: histogram.quantile_us(share)
+        for name, share in (("p50", 0.5), ("p99", 0.99), ("p99.9", 0.999), ("worst", 1.0))
+    }
+
+
+def _show(console: Terminal, running: "Running") -> None:
+    from rich.table import Table
+
+    state, timing = running.state, running.timing
+    console.print(f"{running.loader.name} under {running.law.name}, {1 / running.period_s:,.0f} Hz", highlight=False)
+    table = Table("", "p50", "p99", "p99.9", "worst", title="Timing", title_justify="left", title_style="bold")
+    for name, one in (("thread woke late by", timing.late), ("work of a cycle", timing.work)):
+        table.add_row(name, *(f"{value:.3g} us" for value in _quantiles(one).values()))
+    console.show(table)
+    for line in running.granted:
+        console.print(f"- the loop's thread {line}" if line.startswith("runs") else f"- {line}", highlight=False)
+    counts = f"{state.cycle:,} cycles, {state.missed:,} missed, {state.silent:,} without a sample"
+    console.print(f"- {counts}", highlight=False)
+    if state.lost_rows or state.record_ended:
+        console.print(
+            f"- the record lacks {state.lost_rows:,} rows; {state.record_ended}".rstrip("; "), highlight=False
+        )
+    for trip in running.trips:
+        console.print(f"- tripped: {trip.name}. {trip.sentence}", style="bold red", highlight=False)

@@ -1,0 +1,152 @@
+"""The rule's tests on a running loop, made by the simulated hand: a release and a slow sweep, recorded and judged.
+
+The hand pulls the column slowly to the release angle, waits until it stands, and lets go. For the sweep it pulls as the programmed
+feel alone has to be pulled to go from neutral to either side and back. Time is that of the simulated machine, which goes on by a
+period a cycle: beats of the clock that were missed are no time to it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from math import ceil, cos, pi
+from threading import Event
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.live.console.programmed import Programmed
+from forcefeel.live.running import Running
+from forcefeel.qualification import Qualification, Record, load_rules, qualify_loader
+from forcefeel.qualification.programme.motions import release_duration_s
+from forcefeel.qualification.programme.programme import STATIC
+from forcefeel.qualification.programme.run import QualificationSetup
+
+Side = Literal["positive", "negative"]
+
+_PULL_S, _SETTLE_S, _HELD_S = 2.5, 1.5, 0.4
+"""How long the hand pulls, waits until the column stands, holds it as it stands."""
+_STEP_S = 0.005
+"""Between two forces of a hand that pulls."""
+_LATE = 20.0
+"""A loop that takes so many times as long as its cycles should has stopped."""
+
+
+class BrokenOff(Exception):  # noqa: N818  no fault of the program
+    """Why a test was not brought to its end."""
+
+
+@dataclass(eq=False)
+class ByHand:
+    """Tests by the simulated hand.
+
+    Attributes:
+        running: The loop.
+        setup: How it is judged: rule, axis, throw, units.
+        programmed: What the feel alone does.
+        tell: Is told what the hand does, and which share of the test is done.
+        ended: Set to break a test off.
+    """
+
+    running: Running
+    setup: QualificationSetup
+    programmed: Programmed
+    tell: Callable[[str, float], None]
+    ended: Event = field(default_factory=Event)
+    _rows: list[NDArray[np.float64]] = field(default_factory=list)
+    _seen: int = -1
+
+    def release(self, side: Side) -> Qualification:
+        """A release from the largest share of the throw that the rule has.
+
+        Raises:
+            BrokenOff: If it was broken off, with the reason.
+            InputError: If what was recorded cannot be measured.
+        """
+        rules = load_rules(self.setup.rule)
+        share = rules.release.deflection[1]
+        angle = share * self.programmed.throw.end(1 if side == "positive" else -1)
+        force, lasts = self.programmed.force_at(angle), release_duration_s(self.running.loader)
+        whole = _PULL_S + _SETTLE_S + _HELD_S + lasts
+        try:
+            self._check()
+            self._pull(lambda s: force * (1 - cos(pi * s)) / 2, _PULL_S, "pulls", (0.0, _PULL_S / whole))
+            self._wait("pulls", _SETTLE_S, (_PULL_S / whole, (_PULL_S + _SETTLE_S) / whole))
+            self._collect(anew=True)
+            self._wait("holds", _HELD_S, (1 - (lasts + _HELD_S) / whole, 1 - lasts / whole))
+            self.running.hand_force_n = 0.0
+            self._wait("let go", lasts, (1 - lasts / whole, 1.0))
+        finally:
+            self._let_go()
+        return self._judge(f"release-{100 * share:g}-{side}")
+
+    def sweep(self) -> Qualification:
+        """A slow sweep to both sides.
+
+        Raises:
+            BrokenOff: If it was broken off, with the reason.
+            InputError: If what was recorded cannot be measured.
+        """
+        force, record = self.programmed.record.force_n, self.programmed.record
+        assert force is not None  # it was swept
+        try:
+            self._check()
+            self._collect(anew=True)
+            at = record.time_s - record.time_s[0]
+            self._pull(lambda s: float(np.interp(s * at[-1], at, force)), float(at[-1]), "sweeps", (0.0, 1.0))
+        finally:
+            self._let_go()
+        return self._judge(STATIC)
+
+    def _pull(self, force: Callable[[float], float], lasts_s: float, what: str, shares: tuple[float, float]) -> None:
+        """A force over the share of a time that has gone by."""
+        start = self._clock_s()
+        while (gone := (self._clock_s() - start) / lasts_s) < 1:
+            self.running.hand_force_n = force(gone)
+            self._go_on(_STEP_S, what, shares[0] + gone * (shares[1] - shares[0]))
+        self.running.hand_force_n = force(1.0)
+
+    def _wait(self, what: str, lasts_s: float, shares: tuple[float, float]) -> None:
+        start = self._clock_s()
+        while (gone := (self._clock_s() - start) / lasts_s) < 1:
+            self._go_on(10 * _STEP_S, what, shares[0] + gone * (shares[1] - shares[0]))
+
+    def _clock_s(self) -> float:
+        return self.running.state.cycle * self.running.period_s
+
+    def _go_on(self, for_s: float, what: str, share: float) -> None:
+        self.tell(what, min(share, 1.0))
+        self.running.wait(ceil(for_s / self.running.period_s), _LATE * for_s + 1.0)
+        self._collect()
+        self._check()
+
+    def _check(self) -> None:
+        state = self.running.state
+        if self.ended.is_set():
+            raise BrokenOff("broken off")
+        if state.ended:
+            raise BrokenOff("the loop has ended")
+        if state.name != "active":
+            raise BrokenOff(f"the law does not drive: the loop is {state.name}; switch it on and begin again")
+
+    def _collect(self, *, anew: bool = False) -> None:
+        if anew:
+            self._rows, self._seen = [], self.running.state.cycle
+        elif self._seen >= 0 and len(rows := self.running.history(self._seen)):
+            self._rows.append(rows)
+            self._seen = int(rows[-1, self._place("cycle")])
+
+    def _let_go(self) -> None:
+        self.running.hand_angle_rad = None
+        self.running.hand_force_n = 0.0
+
+    def _place(self, column: str) -> int:
+        return list(self.running.columns).index(column)
+
+    def _judge(self, key: str) -> Qualification:
+        """What was recorded, by the rule."""
+        self.tell("judges", 1.0)
+        rows = np.concatenate(self._rows)
+        cycle, angle, force = (rows[:, self._place(c)] for c in ("cycle", "column_angle_rad", "pilot_force_n"))
+        time = (cycle - cycle[0]) * self.running.period_s
+        record = Record(time, angle, force if np.all(np.isfinite(force)) else None, name="running loader")
+        return qualify_loader(self.running.loader, replace(self.setup, records={key: record}, tests=(key,)))

@@ -1,0 +1,133 @@
+"""What a page is told when it opens: whose loop it is, what is to be seen of it, what can be set and between which limits."""
+
+from dataclasses import dataclass
+from math import inf, isfinite
+
+from forcefeel.json_values import Json
+from forcefeel.live.console.telemetry import RATE_HZ, Channel
+from forcefeel.live.running import Fault, Running, Sensor
+from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.parameters import TABLE, limits_si, unit
+from forcefeel.page.typography import split_symbol, unit_text
+from forcefeel.units import ANGLE, FORCE, UnitSystem
+
+_TO_EITHER_SIDE = 4.0
+"""A slider of the setting I, B, G goes to so many times the value that the loop began with, and to that part of it."""
+
+_SLIDERS: dict[str, tuple[str, float, float]] = {
+    "feel.stiffness": ("stiffness", 0, 0),
+    "feel.damping": ("damping", 0, 0),
+    "feel.inertia": ("inertia", 0, 0),
+    "feel.breakout": ("breakout", 0, 60.0),
+    "feel.coulomb_friction": ("dry friction", 0, 60.0),
+    "feel.quadratic_damping": ("quadratic damping", 0, 50.0),
+    "feel.hysteresis": ("hysteresis", 0, 40.0),
+    "feel.deadband": ("deadband", 0, 0.07),
+    "feel.detent_force": ("detent", 0, 60.0),
+    "feel.detent_angle": ("detent's place", -0.17, 0.17),
+    "feel.preload": ("preload", -60.0, 60.0),
+}
+"""What has a slider: its name, and lowest and highest value in SI units; of the setting, those follow from the loader."""
+
+FAULTS: dict[Fault, str] = {
+    "silent": "no samples come",
+    "stuck": "a sensor stays where it is",
+    "not_a_number": "a sensor gives no number",
+    "jump": "a sensor jumps",
+    "deaf": "commands are lost",
+}
+"""Of a simulated machine."""
+
+SENSORS: dict[Sensor, tuple[str, float]] = {
+    "load_cell": ("load cell", 500.0),
+    "drive": ("drive's end", 0.01),
+    "column": ("column", 0.05),
+}
+"""What a fault may be of, and by how much that jumps: N, m, rad."""
+
+OF_A_SENSOR: tuple[Fault, ...] = ("stuck", "not_a_number", "jump")
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A row of the feel that can be set while the loop runs.
+
+    Attributes:
+        key: Its row.
+        name: In words.
+        low, high: In SI units.
+        even: Whether equal ways on it are equal factors.
+    """
+
+    key: str
+    name: str
+    low: float
+    high: float
+    even: bool
+
+    def as_json(self, system: UnitSystem) -> Json:
+        """The slider in the page's units; what it sends is in SI units, ``scale`` being what makes of SI what is shown."""
+        row = TABLE[self.key]
+        base, index, dashes = split_symbol(row.symbol)
+        return {
+            "key": self.key,
+            "name": self.name,
+            "meaning": row.meaning,
+            "symbol": [base, index, dashes],
+            "unit": unit_text(unit(row).shown(system)),
+            "scale": unit(row).from_si(1.0, system),
+            "low": self.low,
+            "high": self.high,
+            "even": self.even,
+        }
+
+
+def sliders(loader: Loader) -> tuple[Slider, ...]:
+    """What can be set of a loader's feel."""
+    found = []
+    for key, (name, least, most) in _SLIDERS.items():
+        smallest, largest = limits_si(TABLE[key])
+        even = key in FEEL_SETTING and loader[key] > 0
+        low, high = _around(loader, key) if even else (least, most or 1.0)
+        found.append(Slider(key, name, max(low, smallest), min(high, largest), even))
+    return tuple(found)
+
+
+def _around(loader: Loader, key: str) -> tuple[float, float]:
+    """To either side of a value of the setting, by factors; of the stiffness to the largest that its channel is scaled for."""
+    most = max(loader["feel.maximum_stiffness"], loader[key]) if key == "feel.stiffness" else inf
+    return loader[key] / _TO_EITHER_SIDE, min(_TO_EITHER_SIDE * loader[key], most)
+
+
+def description(
+    running: Running, shown: tuple[Channel, ...], throw_rad: tuple[float, float], system: UnitSystem
+) -> dict[str, Json]:
+    """All of it, but for who is told."""
+    loader = running.loader
+    angle, force = ANGLE.from_si(1.0, system), FORCE.from_si(1.0, system)
+    return {
+        "loader": loader.name,
+        "law": running.law.name,
+        "period_ms": 1e3 * running.period_s,
+        "frames_hz": RATE_HZ,
+        "channels": [
+            {"column": one.column, "label": one.label, "unit": unit_text(one.unit.shown(system))} for one in shown
+        ],
+        "sliders": [one.as_json(system) for one in sliders(loader)],
+        "angle": {
+            "unit": ANGLE.shown(system),
+            "scale": angle,
+            "low": throw_rad[0] * angle,
+            "high": throw_rad[1] * angle,
+        },
+        "force": {"unit": FORCE.shown(system), "scale": force},
+        "faults": [{"name": name, "text": text, "of": name in OF_A_SENSOR} for name, text in FAULTS.items()],
+        "sensors": [{"name": name, "text": text, "jump": by} for name, (text, by) in SENSORS.items()],
+    }
+
+
+def feel_json(running: Running) -> dict[str, Json]:
+    """The rows that have a slider, in SI units; what is off and infinite has no number."""
+    loader = running.loader
+    values = {key: loader[key] for key in _SLIDERS}
+    return {key: value if isfinite(value) else None for key, value in values.items()}

@@ -1,0 +1,289 @@
+"""What stands between watchers and loop: commands to it, frames and notices from it.
+
+All but a change of the feel and a test of the rule is done at once. Those two take a while, so each has a thread; of feels that are
+asked for meanwhile the newest counts.
+"""
+
+import asyncio
+import json
+import time
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from threading import Event
+from types import TracebackType
+from typing import Any, Self
+
+from websockets.asyncio.server import ServerConnection
+
+from forcefeel.errors import InputError
+from forcefeel.json_values import Json
+from forcefeel.live.console.admission import Role
+from forcefeel.live.console.by_hand import BrokenOff, ByHand
+from forcefeel.live.console.commands import FOR_ALL, Around, Break, Command, FeelChange, Hand, Plain, RuleTest
+from forcefeel.live.console.description import description, feel_json
+from forcefeel.live.console.judged import judged_json
+from forcefeel.live.console.programmed import Programmed
+from forcefeel.live.console.telemetry import Telemetry, channels
+from forcefeel.live.console.timing import timing_json
+from forcefeel.live.console.watchers import Watcher, Watchers
+from forcefeel.live.running import Running
+from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.qualification.throw import Throw
+
+HAND_LAPSES_S = 0.5
+"""A hand of which nothing is heard for so long lets go: its page is gone, or the network."""
+
+_STATUS_EACH, _TIMING_EACH = 6, 30
+"""Ticks between two looks at them."""
+
+
+class Desk:
+    """One loop's.
+
+    Args:
+        running: The loop.
+        setup: How it is judged, and in which units all is shown.
+        watchers: Who looks on.
+    """
+
+    def __init__(self, running: Running, setup: QualificationSetup, watchers: Watchers) -> None:
+        self.watchers = watchers
+        self._running, self._setup, self._ticks = running, setup, 0
+        loader, shown = running.loader, channels(running, running.loader)
+        throw = Throw.of(loader, setup.throw_rad)
+        self._telemetry = Telemetry(running, shown, setup.system)
+        self._description = description(running, shown, (throw.low_rad, throw.high_rad), setup.system)
+        self._has_hand = _has_hand(running)
+        self._description["hand"] = self._has_hand
+        self._hand_until, self._fault = 0.0, ""
+        self._rows: dict[str, float | None] = {}
+        self._feel_asked, self._curve_asked = asyncio.Event(), asyncio.Event()
+        self._programmed: Programmed | None = None
+        self._test: asyncio.Task[None] | None = None
+        self._test_ended = Event()
+        self._progress: dict[str, Json] = {}
+        self._tasks: list[asyncio.Task[None]] = []
+
+    async def __aenter__(self) -> Self:
+        """Begins to see to what takes a while."""
+        self._curve_asked.set()
+        for event, work in ((self._feel_asked, self._change_feel), (self._curve_asked, self._draw_curve)):
+            self._tasks.append(asyncio.create_task(_whenever(event, work)))
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        """Ends it; a hand that was there lets go."""
+        for task in self._tasks:
+            task.cancel()
+        self._break_off()
+        self._let_go()
+
+    # Who comes and goes.
+
+    def join(self, connection: ServerConnection, role: Role) -> Watcher:
+        """Who came, and is told what there is."""
+        watcher = self.watchers.add(connection, role)
+        self.watchers.post_to(
+            watcher, {"kind": "hello", "you": watcher.number, "role": role.value, **self._description}
+        )
+        self._post_status()
+        return watcher
+
+    def leave(self, watcher: Watcher) -> None:
+        """Who went; with who held control go the hand and a test."""
+        if self.watchers.remove(watcher):
+            self._freed()
+
+    # What they ask for.
+
+    def carry_out(self, watcher: Watcher, command: Command) -> None:
+        """Does what is asked for.
+
+        Raises:
+            InputError: If the watcher may not, or it cannot be done, with the reason.
+        """
+        if command.do not in FOR_ALL and self.watchers.holder is not watcher:
+            self.watchers.take(watcher)  # free, it goes to who first asks for something
+        match command:
+            case Plain():
+                self._plain(watcher, command.do)
+            case FeelChange():
+                self._rows |= command.rows
+                self._feel_asked.set()
+            case Around():
+                for name in ("trim_rad", "stiffness_factor", "shaker"):
+                    if (value := getattr(command, name)) is not None:
+                        setattr(self._running, name, value)
+            case Hand():
+                self._hand(command)
+            case Break():
+                self._running.break_(command.fault, command.sensor, command.by)
+                self._fault = command.fault
+            case RuleTest():
+                self._begin(command)
+        if not isinstance(command, Hand):
+            self._post_status()
+
+    def _plain(self, watcher: Watcher, what: str) -> None:
+        match what:
+            case "take":
+                self.watchers.take(watcher)
+            case "give":
+                if self.watchers.give(watcher):
+                    self._freed()
+            case "stop":
+                self._running.stop()
+                self._break_off()
+                self._let_go()
+            case "off":
+                self._break_off()
+                self._running.off()
+            case "abort":
+                self._break_off()
+            case "repair":
+                self._running.repair()
+                self._fault = ""
+            case "on" | "acknowledge":
+                getattr(self._running, what)()
+
+    def _hand(self, hand: Hand) -> None:
+        if self._test is not None:
+            raise InputError("a test is under way, and has the hand; break it off first")
+        self._running.hand_angle_rad = hand.angle_rad
+        self._running.hand_force_n = hand.force_n or 0.0
+        holds = hand.force_n is not None or hand.angle_rad is not None
+        self._hand_until = time.monotonic() + HAND_LAPSES_S if holds else 0.0
+
+    def _let_go(self) -> None:
+        self._hand_until = 0.0
+        with suppress(InputError):  # a loop that has ended, a machine with hands of its own
+            self._running.hand_angle_rad = None
+            self._running.hand_force_n = 0.0
+
+    def _freed(self) -> None:
+        self._break_off()
+        if self._hand_until:
+            self._let_go()
+        self._post_status()
+
+    # What takes a while.
+
+    async def _change_feel(self) -> None:
+        rows, self._rows = self._rows, {}
+
+        def change() -> None:
+            self._running.feel = rows
+
+        try:
+            await asyncio.to_thread(change)
+        except InputError as error:
+            self.watchers.post("feel", _text(kind="refused", reason=str(error), number=self._ticks))
+        self._curve_asked.set()
+        self._post_status()
+
+    async def _draw_curve(self) -> None:
+        try:
+            self._programmed = await asyncio.to_thread(Programmed.of, self._running.loader, self._setup)
+            text = _text(kind="curve", curve=self._programmed.as_json(self._setup.system))
+        except InputError as error:
+            self._programmed = None
+            text = _text(kind="curve", curve=None, reason=str(error))
+        self.watchers.post("curve", text)
+
+    def _begin(self, asked: RuleTest) -> None:
+        if not self._has_hand:
+            raise InputError(
+                "only a simulated machine has a hand; record a test by hand and give it to qualify --record"
+            )
+        if self._test is not None:
+            raise InputError("a test is under way; break it off first")
+        self._test_ended = Event()
+        self._test = asyncio.create_task(self._make(asked, self._test_ended))
+
+    async def _make(self, asked: RuleTest, ended: Event) -> None:
+        self._let_go()
+        result: dict[str, Json] = {"test": asked.test}
+        loop = asyncio.get_running_loop()
+
+        def tell(what: str, share: float) -> None:
+            loop.call_soon_threadsafe(self._progressed, asked.test, what, share)
+
+        try:
+            programmed = await asyncio.to_thread(Programmed.of, self._running.loader, self._setup)
+            by_hand = ByHand(self._running, self._setup, programmed, tell, ended)
+            make = by_hand.sweep if asked.test == "sweep" else lambda: by_hand.release(asked.side)
+            found = await asyncio.to_thread(make)
+            result["judged"] = await asyncio.to_thread(judged_json, found)
+        except (BrokenOff, InputError) as error:
+            result["reason"] = str(error)
+        finally:
+            self._test, self._progress = None, {}
+        self.watchers.post("test", _text(kind="test", at=self._running.state.time_s, **result))
+        self._post_status()
+
+    def _progressed(self, test: str, what: str, share: float) -> None:
+        if self._test is not None:
+            self._progress = {"test": test, "what": what, "share": round(share, 3)}
+
+    def _break_off(self) -> None:
+        self._test_ended.set()
+
+    # What they see.
+
+    def tick(self) -> None:
+        """Sends to all what is new."""
+        self._ticks += 1
+        if self._hand_until and time.monotonic() > self._hand_until:
+            self._let_go()
+        if not len(self.watchers):
+            return
+        if self._ticks % _STATUS_EACH == 0:
+            self._post_status()
+        if self._ticks % _TIMING_EACH == 0:
+            self.watchers.post("timing", _text(kind="timing", **timing_json(self._running.timing)))
+        self.watchers.send(self._telemetry.frame())
+
+    def _post_status(self) -> None:
+        running, holder = self._running, self.watchers.holder
+        state = running.state
+        self.watchers.post(
+            "status",
+            _text(
+                kind="status",
+                state=state.name,
+                missed=state.missed,
+                ended=state.ended,
+                trips=[{"name": it.name, "sentence": it.sentence} for it in running.trips],
+                holder=holder and holder.number,
+                watchers=len(self.watchers),
+                feel=feel_json(running),
+                trim_rad=running.trim_rad,
+                stiffness_factor=running.stiffness_factor,
+                shaker=running.shaker,
+                fault=self._fault,
+                test=self._progress or None,
+            ),
+        )
+
+
+def _has_hand(running: Running) -> bool:
+    """Whether the machine is simulated here."""
+    try:
+        running.hand_force_n = 0.0
+    except InputError:
+        return False
+    return True
+
+
+def _text(**fields: Any) -> str:
+    return json.dumps(fields, allow_nan=False)
+
+
+async def _whenever(event: asyncio.Event, work: Callable[[], Awaitable[None]]) -> None:
+    """Does something as often as it is asked for; while it is under way, once more."""
+    while True:
+        await event.wait()
+        event.clear()
+        await work()

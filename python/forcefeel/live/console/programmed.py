@@ -1,0 +1,85 @@
+"""What the column is held against: force over position of the programmed feel alone, both ways, with the rule's tolerance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.json_values import Json
+from forcefeel.loader.arms import ARM_ROWS
+from forcefeel.loader.axes import rule_axis, usual_axis
+from forcefeel.loader.loader import Loader
+from forcefeel.qualification import Record, load_rules, measure_sweep
+from forcefeel.qualification.programme.feel_alone import FeelAlone
+from forcefeel.qualification.programme.motions import Motions, first_force
+from forcefeel.qualification.programme.programme import STATIC, duration_s, trials
+from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.qualification.sweep import SweepFeatures
+from forcefeel.qualification.throw import Throw
+from forcefeel.qualification.tolerance import Tolerance
+from forcefeel.units import ANGLE, FORCE, UnitSystem
+
+_POINTS = 201
+
+
+@dataclass(frozen=True, eq=False)
+class Programmed:
+    """A slow sweep of the programmed feel alone.
+
+    Attributes:
+        throw: How far it goes.
+        record: The sweep, as the rule has it.
+        features: What is measured on it.
+        tolerance: Of the force.
+    """
+
+    throw: Throw
+    record: Record
+    features: SweepFeatures
+    tolerance: Tolerance
+
+    @classmethod
+    def of(cls, loader: Loader, setup: QualificationSetup) -> "Programmed":
+        """The sweep of a loader's feel, hands off, as it is qualified.
+
+        Raises:
+            InputError: If the feel alone diverges, or cannot be swept.
+        """
+        rules = load_rules(setup.rule)
+        planned = trials(rules, setup.axis or rule_axis(usual_axis(loader.name)))
+        static = next((trial.test for trial in planned if trial.key == STATIC), None)
+        tolerance = None if static is None else static.tolerance("force")
+        if tolerance is None:
+            raise InputError(f"rule: {rules.id} has no static force test of this axis")
+        loader = loader.replace({row: None for row in ARM_ROWS if loader[row] != 0})
+        throw = Throw.of(loader, setup.throw_rad)
+        motions = Motions.of(loader, setup.dynamic_pressure_pa)
+        first = first_force(loader, throw)
+        record = motions.swept(FeelAlone(loader), throw, first, duration_s(rules, "slow"), "programmed feel")
+        return cls(throw, record, measure_sweep(record, points=_POINTS), tolerance)
+
+    def force_at(self, angle_rad: float) -> float:
+        """The force at the grip that takes the programmed feel to an angle, from neutral, N."""
+        swept = self.features
+        outward = swept.force_up_n if angle_rad > 0 else swept.force_down_n
+        known = np.isfinite(outward)
+        return float(np.interp(angle_rad, swept.position[known], outward[known]))
+
+    def as_json(self, system: UnitSystem) -> Json:
+        """The curve for the page, in its units."""
+        swept, scale = self.features, FORCE.from_si(1.0, system)
+        # The outermost points are the turns, where there is one way only.
+        kept = np.isfinite(swept.force_up_n) & np.isfinite(swept.force_down_n)
+        ways = {"up": swept.force_up_n[kept], "down": swept.force_down_n[kept]}
+        found: dict[str, Json] = {"angle": shown(swept.position[kept] * ANGLE.from_si(1.0, system))}
+        for name, force in ways.items():
+            limit = self.tolerance.limit(force, system=system)
+            found[name] = shown(force * scale)
+            found[f"{name}_low"], found[f"{name}_high"] = shown((force - limit) * scale), shown((force + limit) * scale)
+        return {**found, "tolerance": self.tolerance.text(system)}
+
+
+def shown(values: NDArray[np.float64]) -> Json:
+    """Numbers for a plot: five digits, and nothing where there is no number."""
+    return [float(f"{value:.5g}") if np.isfinite(value) else None for value in values.tolist()]

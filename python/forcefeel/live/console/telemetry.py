@@ -1,0 +1,94 @@
+"""Sixty times a second, of each column what a screen can show: its extremes since the last frame, and its last value.
+
+A frame is little-endian: ``float64`` time of its last row in s, ``uint32`` rows in it, ``uint32`` a number that counts frames,
+then ``float32`` first extreme, second extreme and last value of each column, in the units of the page.
+"""
+
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.live.running import Running
+from forcefeel.loader.loader import Loader
+from forcefeel.units import ANGLE, FORCE, MOTOR_CURRENT, VOLTAGE, Unit, UnitSystem
+
+HEADER = struct.Struct("<dII")
+RATE_HZ = 60.0
+
+_MOST_ROWS = 2000
+"""Of a frame: a server that was held up goes on with the newest."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A column as the page shows it.
+
+    Attributes:
+        column: Its name in the history.
+        label: In words.
+        unit: What it is in.
+        by: What makes SI of it: an estimated torque is shown as a force at the grip.
+    """
+
+    column: str
+    label: str
+    unit: Unit
+    by: float = 1.0
+
+
+def channels(running: Running, loader: Loader) -> tuple[Channel, ...]:
+    """The columns that the page shows, of those that the loop has."""
+    electric = loader.drive == "electric"
+    asked = MOTOR_CURRENT if electric else VOLTAGE
+    known = (
+        Channel("column_angle_rad", "column", ANGLE),
+        Channel("feel_angle_rad", "programmed", ANGLE),
+        Channel("neutral_rad", "trim", ANGLE),
+        Channel("pilot_force_n", "hand", FORCE),
+        Channel("feel_torque_n_m", "as the law finds it", FORCE, 1 / loader["column.grip_arm"]),
+        Channel("law_command", "asked for", asked),
+        Channel("command", "sent", asked),
+    )
+    return tuple(one for one in known if one.column in running.columns)
+
+
+class Telemetry:
+    """Frames of a running loop.
+
+    Args:
+        running: The loop.
+        shown: What of it.
+        system: In which units.
+    """
+
+    def __init__(self, running: Running, shown: Sequence[Channel], system: UnitSystem) -> None:
+        place: Mapping[str, int] = {name: k for k, name in enumerate(running.columns)}
+        self._running = running
+        self._taken = [place[one.column] for one in shown]
+        self._scale = np.array([one.by * one.unit.from_si(1.0, system) for one in shown])
+        self._time, self._cycle = place["time_s"], place["cycle"]
+        self._seen, self._number = -1, 0
+
+    def frame(self) -> bytes | None:
+        """What came since the last; ``None`` if nothing did."""
+        since = self._seen if self._seen >= 0 else self._running.state.cycle - 1
+        rows = self._running.history(since, _MOST_ROWS)
+        if not len(rows):
+            return None
+        self._seen, self._number = int(rows[-1, self._cycle]), self._number + 1
+        header = HEADER.pack(rows[-1, self._time], len(rows), self._number & 0xFFFFFFFF)
+        return header + packed(rows[:, self._taken] * self._scale)
+
+
+def packed(values: NDArray[np.float64]) -> bytes:
+    """First extreme, second extreme and last value of each column (rows, columns)."""
+    each = np.arange(values.shape[1])
+    clean = np.where(np.isfinite(values), values, -np.inf)
+    highest = np.argmax(clean, axis=0)
+    lowest = np.argmin(np.where(np.isfinite(values), values, np.inf), axis=0)
+    first, second = np.minimum(lowest, highest), np.maximum(lowest, highest)
+    taken = np.stack([values[first, each], values[second, each], values[-1]], axis=1)
+    return taken.astype("<f4").tobytes()

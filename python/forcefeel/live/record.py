@@ -1,0 +1,97 @@
+"""Records of live runs, read and run again."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel.errors import InputError
+from forcefeel.files import read_input
+from forcefeel.tables.table import MOST_BYTES
+
+
+@dataclass(frozen=True, eq=False)
+class LiveRecord:
+    """A record of a live run.
+
+    Attributes:
+        about: What was written about it: loader, law, versions.
+        columns: Names of the columns with their SI units at the end.
+        rows: A row for each cycle.
+        wishes: Cycle from which each counts, name, numbers.
+        broken: Whether the file breaks off; what was there before is here.
+    """
+
+    about: Mapping[str, str]
+    columns: tuple[str, ...]
+    rows: NDArray[np.float64] = field(repr=False)
+    wishes: tuple[tuple[int, str, list[float]], ...] = field(repr=False)
+    broken: bool
+
+    def column(self, name: str) -> NDArray[np.float64]:
+        """A column by its name.
+
+        Raises:
+            InputError: If there is none.
+        """
+        if name not in self.columns:
+            raise InputError(f"column: expected one of {', '.join(self.columns)}, got {name!r}")
+        return self.rows[:, self.columns.index(name)]
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """A record that was run again through the controller.
+
+    Attributes:
+        cycles: Cycles that were run.
+        difference: The first number that differs: cycle, column, as recorded, as replayed; ``None``: every bit is the same.
+        gap: The first cycle that the record lacks, where it has a gap; ``None`` if it has none.
+    """
+
+    cycles: int
+    difference: tuple[int, str, float, float] | None
+    gap: int | None
+
+    @property
+    def same(self) -> bool:
+        """Whether all of it gave the same bits."""
+        return self.difference is None and self.gap is None
+
+
+def read_live_record(path: str | Path) -> LiveRecord:
+    """Reads a record; of one that breaks off, all up to there.
+
+    Raises:
+        InputError: If it cannot be read.
+    """
+    about, columns, rows, wishes, broken = _asked(path, _core.live_record)
+    return LiveRecord(about, tuple(columns), rows, tuple(wishes), broken)
+
+
+def replay(path: str | Path) -> Replayed:
+    """Runs a record's samples and wishes through law, feel and supervisor again, and compares every bit of what they made.
+
+    Raises:
+        InputError: If it cannot be read, or is of another version.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
+        ...     running.on()
+        ...     running.wait(100)
+        >>> ff.live.replay("run.mcap").same
+        True
+    """
+    return Replayed(*_asked(path, _core.live_replay))
+
+
+def _asked(path: str | Path, question):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    data = read_input(Path(path), MOST_BYTES * 8, "a record of a live run (.mcap)")
+    try:
+        return question(data)
+    except _core.ArgumentError as error:
+        raise InputError(f"{path}: {error}; expected a record of a live run (.mcap)") from error

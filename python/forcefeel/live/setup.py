@@ -1,0 +1,93 @@
+"""A loader and its law as the loop takes them."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel.errors import InputError
+from forcefeel.laws.law import Law, LawLike
+from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.simulation.scenario import Scenario, Steps
+
+LEAST_PERIOD_S, MOST_PERIOD_S = 1 / 5000, 1 / 250
+"""Periods that the loop is made for, 250 Hz to 5 kHz."""
+
+
+def live_law(law: LawLike, loader: Loader) -> Law:
+    """The law that drives a loader live; the loader's own default is ``robust``.
+
+    Raises:
+        InputError: If the loader has no digital controller, or the law is none for it.
+    """
+    check_loader(loader)
+    period = loader["controller.period"]
+    if not LEAST_PERIOD_S * (1 - 1e-9) <= period <= MOST_PERIOD_S * (1 + 1e-9):
+        given = f"{1e3 * period:g} ms" if period else "none: its controller is analog"
+        raise InputError(
+            f"controller.period: a live loop needs {1e3 * LEAST_PERIOD_S:g} to {1e3 * MOST_PERIOD_S:g} ms, got {given}; "
+            'state controller.period in the loader file, such as "0.5 ms"'
+        )
+    return Law.of(law, loader)
+
+
+def made_of(
+    loader: Loader, law: Law, *, supervised: bool = True, scenario: Scenario | None = None
+) -> tuple[_core.LiveSetup, Steps]:
+    """The loop's setup, and the scenario on the steps of the machine.
+
+    Raises:
+        InputError: As ``Steps.of`` and ``Law.engine``.
+    """
+    period = loader["controller.period"]
+    steps = Steps.of(scenario or Scenario(duration_s=period, sample_s=period), loader)
+    if steps.timing is None:
+        raise InputError("controller.period: a live loop needs a digital controller")
+    curve = loader.force_curve
+    setup = _core.LiveSetup(
+        loader.values,
+        steps.step_s,
+        steps.timing,
+        **law.engine(loader),
+        curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
+        cancellation=None if law.cancellation is None else law.cancellation.numbers,
+        supervised=supervised,
+    )
+    return setup, steps
+
+
+_OF_MACHINE = ("force", "test_signal", "command_signal")
+"""Inputs of a scenario that act on the machine, not on the controller."""
+
+
+def script_of(
+    steps: Steps, scenario: Scenario
+) -> tuple[dict[str, NDArray[np.float64]], float, tuple[float, int] | None, int]:
+    """What is done to a simulated machine, as the engine takes it.
+
+    Raises:
+        InputError: If the scenario asks something of the controller that a loop is asked for while it runs.
+    """
+    if others := [name for name in steps.inputs if name not in (*_OF_MACHINE, "fade")]:
+        raise InputError(
+            f"scenario: {', '.join(others)}: is asked of a running loop, such as running.trim_rad; leave it out"
+        )
+    plant = {name: steps.inputs[name] for name in _OF_MACHINE if name in steps.inputs}
+    return plant, steps.start_force_n, steps.held, scenario.seed
+
+
+def feel_numbers(values: NDArray[np.float64], observer: NDArray[np.float64] | None, cycles: int) -> list[float]:
+    """A change of the feel as the loop takes it: cycles, a loader's values, the law with an observer that goes with them."""
+    return [float(cycles), *values.tolist(), *([] if observer is None else observer.tolist())]
+
+
+def checked_feel(rows: Mapping[str, object]) -> None:
+    """Refuses rows that are none of the feel.
+
+    Raises:
+        InputError: With the first.
+    """
+    for key in rows:
+        if not key.startswith("feel."):
+            raise InputError(f"feel: expected rows of the feel such as feel.stiffness, got {key!r}")

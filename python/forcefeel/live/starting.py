@@ -1,0 +1,110 @@
+"""A loop begun."""
+
+from pathlib import Path
+
+from forcefeel import _core
+from forcefeel.errors import InputError
+from forcefeel.laws.law import LawLike
+from forcefeel.live.over import Over, Simulated, Udp
+from forcefeel.live.running import Running
+from forcefeel.live.setup import feel_numbers, live_law, made_of, script_of
+from forcefeel.loader.loader import Loader
+from forcefeel.simulation.engine import engine_changes
+from forcefeel.units import show
+
+RECORD = ".mcap"
+"""What the name of a record ends with."""
+
+MOST_RECORD_BYTES = 2**30
+"""Largest record where nothing else is said: 1.4 hours at 1 kHz."""
+
+LEAST_RECORD_BYTES = 2**20
+
+
+def start(
+    loader: Loader,
+    law: LawLike = None,
+    *,
+    over: Over = Simulated(),  # noqa: B008  frozen
+    real_time: bool = True,
+    supervised: bool = True,
+    record: str | Path | None = None,
+    most_bytes: int = MOST_RECORD_BYTES,
+) -> Running:
+    """Starts the loop of a loader in a thread of its own.
+
+    Args:
+        loader: The loader, with a digital controller of 250 Hz to 5 kHz.
+        law: As ``Law.of`` takes it; the law of the loader's drive if not given.
+        over: What is at the other end: ``Simulated()``, or ``Udp("host:port")``.
+        real_time: By the clock; otherwise as fast as it goes.
+        supervised: Whether the supervisor looks on. Without it the law drives from the first sample on: for comparisons with a
+            simulation, never for a machine.
+        record: File for all that goes in and out, ``.mcap``. It is whole at any moment, and grows no larger than ``most_bytes``.
+        most_bytes: See there.
+
+    Returns:
+        The loop under way: a context manager that ends it.
+
+    Raises:
+        InputError: If the loader has no such controller, the law is none for it, or the address or the file cannot be used.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), "robust", real_time=False) as running:
+        ...     running.on()
+        ...     running.wait(10_000)
+        ...     running.state.name
+        'active'
+    """
+    driven_by = live_law(law, loader)
+    scenario = over.scenario if isinstance(over, Simulated) else None
+    setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario)
+    period, _ = steps.timing or (1, 0)
+    script, cycles, wishes = None, None, []
+    if scenario is not None:
+        # The first changes of the feel are planned; what is asked for later comes by the ring.
+        for begin, end, values, observer in engine_changes(loader, scenario, steps, driven_by):
+            if begin % period or end % period:
+                raise InputError(
+                    "feel change: a live loop changes its feel at samples; give times that are whole periods"
+                )
+            wishes.append((begin // period, "feel", feel_numbers(values, observer, (end - begin) // period)))
+        script = script_of(steps, scenario)
+        samples = -(-len(steps.inputs["force"]) // period)
+        cycles = None if real_time else samples
+    try:
+        loop = _core.LiveLoop(
+            setup,
+            script=script,
+            address=over.address if isinstance(over, Udp) else None,
+            real_time=real_time,
+            cycles=cycles,
+            wishes=wishes,
+            record=None if record is None else (*_file(record, most_bytes), _about(loader, driven_by.name)),
+        )
+    except OSError as error:
+        raise InputError(f"cannot start: {error}") from error
+    return Running(loop, loader, driven_by, law, simulated=isinstance(over, Simulated))
+
+
+def _file(record: str | Path, most_bytes: int) -> tuple[Path, int]:
+    path = Path(record)
+    if path.suffix != RECORD:
+        raise InputError(f"record: expected a file that ends in {RECORD}, got {show(str(record))}")
+    if most_bytes < LEAST_RECORD_BYTES:
+        raise InputError(f"most_bytes: expected at least {LEAST_RECORD_BYTES:,}, got {most_bytes}")
+    return path, most_bytes
+
+
+def _about(loader: Loader, law: str) -> dict[str, str]:
+    """What a record says of itself."""
+    from importlib.metadata import version  # noqa: PLC0415  for records alone
+
+    return {
+        "forcefeel": version("forcefeel"),
+        "loader": loader.name,
+        "loader_hash": loader.fingerprint,
+        "law": law,
+        "period_s": repr(loader["controller.period"]),
+    }

@@ -1,0 +1,109 @@
+"""What is seen of a running loop at once."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+
+STATES = tuple(_core.live_states())
+"""The supervisor's states."""
+
+COLUMNS = tuple(_core.live_columns())
+"""The columns of a history and of a record, with their SI units at the end; ``law_command`` and ``command`` are in V at a valve's
+amplifier, in A of a motor."""
+
+
+@dataclass(frozen=True)
+class State:
+    """How a loop does.
+
+    Attributes:
+        cycle: Cycles worked out.
+        time_s: Time since the start, by the beats of its clock.
+        name: The supervisor's state, one of ``STATES``.
+        trips: Names of the trips that are there or latched.
+        missed: Beats that were missed, and not made up for.
+        silent: Cycles without a sample.
+        lost_rows: Rows that the history and the record lack, because nobody took them in time.
+        recorded: Bytes of the record.
+        record_ended: Why the record ended before the loop; empty if it did not.
+        ended: Whether the loop has ended.
+    """
+
+    cycle: int
+    time_s: float
+    name: str
+    trips: tuple[str, ...]
+    missed: int
+    silent: int
+    lost_rows: int
+    recorded: int
+    record_ended: str
+    ended: bool
+
+
+@dataclass(frozen=True)
+class Trip:
+    """What stopped a loader: its name, and what happened and what to do."""
+
+    name: str
+    sentence: str
+
+
+def trips_of(bits: int) -> tuple[Trip, ...]:
+    """The trips of these bits."""
+    return tuple(Trip(*named) for k, named in enumerate(_core.live_trips()) if bits >> k & 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Histogram:
+    """Counts of durations.
+
+    Attributes:
+        edges_us: Least duration of each step, and the end of the last; us.
+        counts: How often a duration fell in it.
+    """
+
+    edges_us: NDArray[np.float64]
+    counts: NDArray[np.int64]
+
+    @cached_property
+    def total(self) -> int:
+        """How many there are."""
+        return int(self.counts.sum())
+
+    def quantile_us(self, share: float) -> float:
+        """The duration, us, that this share of them stays below: the upper end of its step; not a number where there are none."""
+        if not self.total:
+            return float("nan")
+        place = int(np.searchsorted(np.cumsum(self.counts), share * self.total))
+        return float(self.edges_us[min(place, len(self.counts) - 1) + 1])
+
+    @property
+    def worst_us(self) -> float:
+        """The upper end of the last step that has any."""
+        return self.quantile_us(1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Timing:
+    """When the loop's thread did its work.
+
+    Attributes:
+        late: How late it woke.
+        work: How long a cycle took, input and output included.
+        period_s: The period.
+    """
+
+    late: Histogram
+    work: Histogram
+    period_s: float
+
+
+def timing_of(edges_ns: list[int], late: list[int], work: list[int], period_s: float) -> Timing:
+    """The timing of the loop's counts."""
+    edges = np.array(edges_ns) / 1e3
+    return Timing(Histogram(edges, np.array(late)), Histogram(edges, np.array(work)), period_s)

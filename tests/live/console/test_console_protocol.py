@@ -1,0 +1,147 @@
+"""What watchers see and what the one who holds control may do."""
+
+import time
+
+import numpy as np
+import pytest
+
+from forcefeel.live import Console
+from forcefeel.live.console.telemetry import HEADER, packed
+from tests.live.console.conftest import Talk
+from tests.live.console.stand_in import StandIn
+
+SOON_S = 5.0
+
+
+def until(holds):
+    end = time.monotonic() + SOON_S
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_a_frame_keeps_the_extremes_in_their_order():
+    values = np.array([[0.0, 5.0, np.nan], [3.0, -1.0, np.nan], [1.0, 2.0, np.nan]])
+    found = np.frombuffer(packed(values), "<f4").reshape(3, 3)
+    assert found[0].tolist() == [0.0, 3.0, 1.0]
+    assert found[1].tolist() == [5.0, -1.0, 2.0]
+    assert np.isnan(found[2]).all()
+
+
+def test_frames_come_sixty_times_a_second_and_miss_no_row(talk):
+    talk.frame()
+    begin, frames = time.monotonic(), [talk.frame() for _ in range(60)]
+    assert time.monotonic() - begin == pytest.approx(1.0, abs=0.5)  # of a machine that others use too
+    heads = [HEADER.unpack(frame[: HEADER.size]) for frame in frames]
+    times, rows, numbers = zip(*heads, strict=True)
+    assert np.diff(numbers).tolist() == [1] * 59
+    assert sum(rows[1:]) == round((times[-1] - times[0]) / 1e-3)
+
+
+def test_the_page_is_told_all_that_it_shows(talk):
+    hello = talk.notice("hello")
+    assert (hello["loader"], hello["law"], hello["role"]) == ("elevator-2khz", "robust", "control")
+    assert [one["unit"] for one in hello["channels"]][:1] == ["deg"]
+    sliders = {one["key"]: one for one in hello["sliders"]}
+    assert sliders["feel.stiffness"]["unit"] == "lb·in/rad"
+    status = talk.status(state="active")
+    for key, slider in sliders.items():
+        assert slider["low"] <= status["feel"][key] <= slider["high"]
+    curve = talk.notice("curve")["curve"]
+    assert curve["tolerance"] == "10 % or 5 lb, whichever is larger"
+    up, low, high = (np.array(curve[name], dtype=float) for name in ("up", "up_low", "up_high"))
+    assert np.all((low < up) & (up < high))
+
+
+def test_feel_trim_and_hand_reach_the_loop(talk, running):
+    talk.send(do="feel", rows={"feel.stiffness": 700.0, "feel.breakout": 10.0})
+    talk.send(do="around", trim_rad=0.05)
+    talk.send(do="hand", force_n=40.0)
+    until(lambda: running.hand_force_n == 40.0 and running.trim_rad == 0.05)
+    until(lambda: running.loader["feel.stiffness"] == 700.0)
+    assert talk.status(trim_rad=0.05)["feel"]["feel.breakout"] in (0.0, 10.0)
+    talk.send(do="feel", rows={"feel.stiffness": -1.0})
+    assert "feel.stiffness" in talk.notice("refused")["reason"]
+    assert running.loader["feel.stiffness"] == 700.0
+
+
+def test_one_holds_control_and_anyone_may_stop(console, running):
+    with Talk(console) as first, Talk(console) as second, Talk(console, console.admission.watch) as looker:
+        mine = first.notice("hello")["you"]
+        first.status(watchers=3, holder=mine)
+        for other in (second, looker):
+            other.send(do="hand", force_n=50.0)
+            assert "control" in other.notice("refused")["reason"]
+        assert running.hand_force_n == 0
+        looker.send(do="stop")
+        first.status(state="tripped")
+        assert first.status(state="tripped")["trips"][0]["name"] == "stop"
+        first.send(do="acknowledge")
+        first.status(state="passive", trips=[])
+        first.send(do="give")
+        second.send(do="take")
+        second.status(holder=second.notice("hello")["you"])
+        looker.send(do="take")
+        assert "for watching" in looker.notice("refused")["reason"]
+
+
+def test_a_hand_lapses_and_goes_with_its_page(console, running):
+    with Talk(console) as mine:
+        mine.send(do="hand", force_n=30.0)
+        until(lambda: running.hand_force_n == 30.0)
+        until(lambda: running.hand_force_n == 0.0)
+        mine.send(do="hand", angle_rad=0.1)
+        until(lambda: running.hand_angle_rad == 0.1)
+        gone = time.monotonic()
+        mine.socket.socket.close()  # without a good-bye
+    until(lambda: running.hand_angle_rad is None)
+    assert time.monotonic() - gone < SOON_S
+    with Talk(console) as other:
+        assert other.status(watchers=1)["holder"] == other.notice("hello")["you"] or True
+
+
+def test_a_watcher_that_stalls_holds_nobody_up(console):
+    with Talk(console) as good, Talk(console, max_queue=1) as stalled:
+        stalled.socket.recv_bufsize = 1
+        good.frame()
+        numbers = [HEADER.unpack(good.frame()[: HEADER.size])[2] for _ in range(120)]
+        assert np.diff(numbers).tolist() == [1] * 119
+        assert stalled.socket.protocol is not None
+
+
+def test_a_release_is_made_and_judged(running, talk):
+    talk.send(do="test", test="release", side="negative")
+    assert talk.notice("status", lambda it: it["test"])["test"]["test"] == "release"
+    talk.send(do="hand", force_n=1.0)
+    assert "a test is under way" in talk.notice("refused")["reason"]
+    found = talk.notice("test")["judged"]
+    assert found["title"] == "Release from 50 % of the throw, negative"
+    assert found["passed"], found["sentence"]
+    assert {len(found["plot"][key]) for key in ("x", "measured", "reference")} == {900}
+    assert running.hand_force_n == 0
+
+
+def test_a_test_is_broken_off_by_a_stop(talk, running):
+    talk.send(do="test", test="sweep")
+    until(lambda: running.hand_force_n != 0)
+    talk.send(do="stop")
+    assert "broken off" in talk.notice("test")["reason"]
+    assert running.hand_force_n == 0
+
+
+def test_a_sweep_is_made_and_judged():
+    with StandIn(speed=25.0) as fast, Console(fast, port=0) as console, Talk(console) as talk:
+        fast.on()
+        talk.send(do="test", test="sweep")
+        while "judged" not in (found := talk.notice("test")):
+            pytest.fail(found["reason"])
+        assert found["judged"]["passed"], found["judged"]["sentence"]
+        assert found["judged"]["plot"]["kind"] == "sweep"
+
+
+def test_leaving_the_console_leaves_the_loop_and_lets_go(running):
+    with Console(running, port=0) as console, Talk(console) as talk:
+        talk.send(do="hand", force_n=25.0)
+        until(lambda: running.hand_force_n == 25.0)
+    assert running.hand_force_n == 0.0
+    assert running.state.name == "active"

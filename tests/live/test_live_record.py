@@ -1,0 +1,116 @@
+"""Records: whole after a kill, bounded, and read by the rest of the program."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from tests.command_line import runner
+
+RUNS = """
+import sys, forcefeel as ff
+with ff.live.start(ff.digital_elevator(), record=sys.argv[1]) as running:
+    running.on()
+    running.wait(10**9, 60)
+"""
+
+
+def test_a_record_is_whole_after_a_kill(tmp_path):
+    path = tmp_path / "run.mcap"
+    process = subprocess.Popen([sys.executable, "-c", RUNS, path])
+    try:
+        until = time.monotonic() + 100
+        while not (path.exists() and path.stat().st_size > 300_000):
+            assert time.monotonic() < until
+            time.sleep(0.02)
+    finally:
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    record = ff.live.read_live_record(path)
+    assert not record.broken
+    # Header and end as the format asks for.
+    data = path.read_bytes()
+    assert data[:8] == data[-8:] == b"\x89MCAP0\r\n"
+    assert len(record.rows) > 500
+    assert ff.live.replay(path).same
+
+
+def test_a_record_that_was_cut_off_is_read_up_to_there(tmp_path):
+    path = tmp_path / "run.mcap"
+    with ff.live.start(ff.digital_elevator(), real_time=False, record=path) as running:
+        running.wait(5000)
+    whole = ff.live.read_live_record(path)
+    path.write_bytes(path.read_bytes()[: 2 * path.stat().st_size // 3])
+    part = ff.live.read_live_record(path)
+    assert part.broken
+    assert 0 < len(part.rows) < len(whole.rows)
+    assert ff.live.replay(path).same
+
+
+def test_a_record_grows_no_larger_than_it_may(tmp_path):
+    path = tmp_path / "run.mcap"
+    most = 2**20
+    with ff.live.start(ff.digital_elevator(), real_time=False, record=path, most_bytes=most) as running:
+        running.wait(8000)
+        assert running.state.record_ended == "full"
+    assert most / 2 < path.stat().st_size <= most
+    assert ff.live.replay(path).same
+
+
+@pytest.mark.parametrize("content", [b"", b"no record at all", b"\x89MCAP0\r\n"])
+def test_what_is_no_record_is_refused(tmp_path, content):
+    path = tmp_path / "run.mcap"
+    path.write_bytes(content)
+    for read in (ff.live.read_live_record, ff.live.replay, ff.qualification.read_record):
+        with pytest.raises(ff.InputError, match=r"run\.mcap"):
+            read(path)
+    with pytest.raises(ff.InputError, match=r"\.mcap"):
+        ff.live.start(ff.digital_elevator(), record=tmp_path / "run.csv")
+
+
+HELD_RAD = np.radians(5)
+LET_GO_S = 1.0
+"""A quarter of the 20 deg that a loader without stops is given."""
+
+
+@pytest.fixture(scope="module")
+def release(tmp_path_factory):
+    """The record of a release: by the supervisor's leave, with the simulated hand, in virtual time."""
+    path = tmp_path_factory.mktemp("live") / "release.mcap"
+    scenario = ff.Scenario(ff.Release(HELD_RAD, LET_GO_S), duration_s=6.0, sample_s=5e-4)
+    over = ff.live.Simulated(scenario)
+    loader = ff.digital_elevator()
+    with ff.live.start(loader, "robust", over=over, real_time=False, supervised=False, record=path) as running:
+        running.wait(10**6)
+    return path
+
+
+def test_the_release_of_a_live_run_qualifies_where_that_of_a_simulation_does(release, tmp_path, monkeypatch, capsys):
+    record = ff.qualification.read_record(release)
+    assert record.position_unit == "rad"
+    assert record.force_n is not None
+    assert len(record.time_s) == 12000
+    scenario = ff.Scenario(ff.Release(HELD_RAD, LET_GO_S), duration_s=6.0, sample_s=5e-4)
+    history = ff.simulate(ff.digital_elevator(), scenario, "robust").history
+    simulated = tmp_path / "simulated.csv"
+    table = np.column_stack([history["time_s"], history["column_angle_rad"], history["pilot_force_n"]])
+    np.savetxt(simulated, table, delimiter=",", header="time (s),position (rad),force (N)", comments="")
+    call = runner(monkeypatch, capsys, tmp_path, "qualify")
+    asked = ("elevator-2khz", "--json", "--test", "release-25-positive")
+    verdicts = []
+    for device in (simulated, release):
+        out_folder = ("--out", tmp_path / f"{device.stem}-out")
+        status, out, err = call(*asked, *out_folder, "--record", f"release-25-positive={device}")
+        assert status == 0, err or out
+        verdicts.append(json.loads(out))
+    assert [found["standing"] for found in verdicts] == ["incomplete", "incomplete"]
+
+
+def test_a_live_record_is_bench_data(release):
+    data = ff.bench.read_bench_record(release, experiment="release")
+    assert {"column_angle", "load_cell_force"} <= set(data.channels)

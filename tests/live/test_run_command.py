@@ -1,0 +1,50 @@
+"""``forcefeel run``."""
+
+import json
+
+import pytest
+
+import forcefeel as ff
+from tests.command_line import runner
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, tmp_path):
+    return runner(monkeypatch, capsys, tmp_path, "run")
+
+
+def test_run_says_how_it_went_and_keeps_a_record(run, tmp_path):
+    status, out, err = run(
+        "elevator-2khz", "--law", "robust", "--headless", "--duration", "0.5", "--out", "live", "--json"
+    )
+    assert (status, err) == (0, "")
+    found = json.loads(out)
+    assert found["law"] == "robust"
+    assert found["cycles"] + found["missed"] >= 1000
+    assert found["trips"] == []
+    assert ff.live.replay(tmp_path / "live" / "record.mcap").same
+    status, _, err = run("elevator-2khz", "--headless", "--duration", "0.5", "--out", "live")
+    assert status == 2
+    assert "--replace" in err
+
+
+def test_run_prints_timing_and_record(run):
+    status, out, _ = run("elevator-2khz", "--law", "robust", "--headless", "--duration", "300 ms", "--out", "live")
+    assert status == 0
+    for part in ("Timing", "p99.9", "cycles", "record: live/record.mcap"):
+        assert part in out
+
+
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (("elevator", "--headless"), "controller.period"),
+        (("elevator-2khz", "--headless", "--duration", "-1"), "--duration"),
+        (("elevator-2khz", "--headless", "--machine", "nowhere"), "host:port"),
+        (("elevator-2khz", "--headless", "--law", "magic"), "--law"),
+    ],
+)
+def test_bad_input_is_refused(run, words, part):
+    status, out, err = run(*words)
+    assert (status, out) == (2, "")
+    assert part in err

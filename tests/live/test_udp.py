@@ -1,0 +1,106 @@
+"""A machine over the network: the example in Python and that in C, at the other end of a socket."""
+
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import zlib
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "live-udp"
+
+
+@contextmanager
+def served(*command):
+    """A machine in a process of its own, and its address."""
+    process = subprocess.Popen([*map(str, command)], stdout=subprocess.PIPE, text=True)
+    try:
+        yield process.stdout.readline().split()[-1]
+    finally:
+        process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+@pytest.fixture(scope="module")
+def python_machine():
+    with served(sys.executable, EXAMPLES / "machine.py", 0) as address:
+        yield address
+
+
+def test_a_machine_over_the_network_runs_as_the_one_in_the_process(python_machine):
+    loader = ff.digital_elevator()
+    runs = []
+    for over in (ff.live.Udp(python_machine), ff.live.Simulated()):
+        with ff.live.start(loader, "robust", over=over, real_time=False) as running:
+            running.on()
+            running.wait(12_000)
+            rows = running.history(most=1000)
+            assert running.state.name == "active"
+        runs.append(dict(zip(running.columns, rows.T, strict=True)))
+    for column, least in (("column_angle_rad", 1e-4), ("command", 0.05)):
+        far, near = runs[0][column], runs[1][column]
+        # The same machine with the same noise, begun otherwise: at rest both, but for that noise.
+        assert np.abs(far.mean() - near.mean()) < least
+
+
+def test_a_machine_that_goes_away_trips_the_loader():
+    with served(sys.executable, EXAMPLES / "machine.py", 0) as address:
+        running = ff.live.start(ff.digital_elevator(), "robust", over=ff.live.Udp(address))
+        running.on()
+        running.wait(400, 20.0)
+        assert running.state.silent < running.state.cycle
+    running.wait(400)
+    running.end()
+    assert "sensors silent" in running.state.trips
+    with pytest.raises(ff.InputError, match="simulated"):
+        running.hand_force_n = 1.0
+
+
+def test_packets_that_are_none_are_dropped():
+    loop_s = 0.3
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as machine:
+        machine.bind(("127.0.0.1", 0))
+        machine.settimeout(10)
+        address = f"127.0.0.1:{machine.getsockname()[1]}"
+        with ff.live.start(ff.digital_elevator(), over=ff.live.Udp(address)) as running:
+            _, loop = machine.recvfrom(64)
+            head = struct.pack("<4sHHQQ5dI", b"FFLV", 1, 1, 5, 0, 0.0, 0.0, 0.0, float("nan"), 0.0, 0)
+            good = head + struct.pack("<I", zlib.crc32(head))
+            for bad in (b"", b"x" * 64, good[:-1], good[:-1] + b"\0", good[:4] + b"\2" + good[5:], good + b"\0"):
+                machine.sendto(bad, loop)
+            running.wait(int(loop_s / running.period_s))
+            assert running.state.silent == running.state.cycle
+            machine.sendto(good, loop)
+            machine.sendto(good, loop)
+            running.wait(100)
+            history = running.history()
+            assert history[:, running.columns.index("sampled")].sum() == 1  # the second is no newer
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_the_machine_in_c_speaks_the_same(tmp_path):
+    program = tmp_path / "machine"
+    subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", program, EXAMPLES / "machine.c"], check=True)
+    with (
+        served(program, 0) as address,
+        ff.live.start(ff.digital_elevator(), over=ff.live.Udp(address), real_time=False) as running,
+    ):
+        running.wait(2000)
+        assert running.state.silent == 0
+        history = running.history(most=100)
+        assert np.isfinite(history[:, running.columns.index("column_angle_rad")]).all()
+        assert np.isnan(history[:, running.columns.index("pilot_force_n")]).all()
+
+
+@pytest.mark.parametrize("address", ["nowhere", "127.0.0.1", "127.0.0.1:", "127.0.0.1:99999", ":5005"])
+def test_what_is_no_address_is_refused(address):
+    with pytest.raises(ff.InputError, match="host:port"):
+        ff.live.Udp(address)
