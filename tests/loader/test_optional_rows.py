@@ -115,8 +115,8 @@ def test_all_examples_go_together_with_the_hashes_taken_away(tmp_path: Path, dri
 
 
 OPTIONAL_PARTS = {
-    HYDRAULIC: {"column_sensor", "controller"},
-    ELECTRIC: {"thermal", "brake", "load_cell", "potentiometer", "column_sensor"},
+    HYDRAULIC: {"column_sensor", "grip_sensor", "controller"},
+    ELECTRIC: {"thermal", "brake", "load_cell", "potentiometer", "column_sensor", "grip_sensor"},
 }
 """Parts that a file may be without; the controller of an electric drive has optional rows only, and it needs one of them."""
 

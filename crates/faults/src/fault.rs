@@ -126,7 +126,7 @@ impl Fault {
             }
             Kind::Silence => {
                 before.missed += 1;
-                told.missed = before.missed;
+                told.missed = told.missed.max(before.missed);
             }
             Kind::Stuck => told.sensed[k] = *before.frozen.get_or_insert(before.shown[k]),
             Kind::Drift => {
@@ -139,11 +139,11 @@ impl Fault {
             }
             Kind::Overrun => {
                 before.late += 1;
-                told.late = before.late;
+                told.late = told.late.max(before.late);
             }
             Kind::HostSilent => {
                 before.host += 1;
-                told.host_age = Some(before.host);
+                told.host_age = told.host_age.max(Some(before.host));
             }
             _ => {}
         }

@@ -100,7 +100,7 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     let only = |kind: Kind| case.faults.iter().all(|fault| fault.kind == kind || fault.kind == Kind::None);
     wrong.false_alarm = only(Kind::None) && stopped.is_some();
     if only(Kind::HostSilent) && onset.is_some() {
-        wrong.false_alarm |= stopped.is_some();
+        wrong.false_alarm |= stopped.is_some() && due.is_none();
         let by = onset.unwrap_or(0) + limits.host as usize + samples(1.0 / limits.host_step) + 1;
         wrong.host = rows.get(by).is_some_and(|row| row.allowed.host_share > 0.0);
     }
@@ -157,7 +157,7 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
     see(
         Function::OutOfRange,
         run_of(Function::OutOfRange, &|k| {
-            let [force, position, base] = rows[k].told.sensed;
+            let [force, position, base, _] = rows[k].told.sensed;
             let beyond =
                 [force, position, base / limits.base_arm].iter().zip(limits.range).any(|(x, most)| x.abs() > most);
             sensed(k) && beyond

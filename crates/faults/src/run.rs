@@ -68,7 +68,7 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
     let control = *machine.control();
     let mut under_way = UnderWay::holding(0.0);
     let mut feeling = control.resting(0.0, 0.0);
-    let mut remembered = *machine.remember(&equilibrium).control();
+    let mut remembered = *machine.remember(&shared, &equilibrium).control();
     let mut rows = Vec::<Row>::with_capacity(case.samples);
     let mut before = [Before::default(); 2];
     let mut given = 0.0;

@@ -75,13 +75,13 @@ fn loader(bent: bool) -> Parameters<f64> {
 
 /// An observer's numbers: each a share of what makes its product one of the size of what it is for.
 fn random_law(draws: &mut Draws) -> [f64; NUMBERS] {
-    let signals = [1e3, 1e-2, 0.1, 1.0];
-    let known = |k: usize| if k < 9 { 1.0 } else { [1e3, 1e-2, 0.1, 0.1, 1.0][k - 9] };
+    let signals = [1e3, 1e-2, 0.1, 1e3, 1.0];
+    let known = |k: usize| if k < 9 { 1.0 } else { [1e3, 1e-2, 0.1, 1e3, 0.1, 1.0][k - 9] };
     core::array::from_fn(|k| match k {
         0..81 => 0.1 * draws.uniform(),
-        81..117 => 0.1 * draws.uniform() / signals[(k - 81) % 4],
-        117..131 => 0.1 * draws.uniform() / known(k - 117),
-        131..145 => 10.0 * draws.uniform() / known(k - 131),
+        81..126 => 0.1 * draws.uniform() / signals[(k - 81) % 5],
+        126..141 => 0.1 * draws.uniform() / known(k - 126),
+        141..156 => 10.0 * draws.uniform() / known(k - 141),
         _ => 0.0,
     })
 }

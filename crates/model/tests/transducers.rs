@@ -19,6 +19,7 @@ fn sensors(bandwidths: [f64; 3]) -> Transducers<f64> {
     parameters.load_cell.bandwidth = force;
     parameters.potentiometer.bandwidth = piston;
     parameters.column_sensor.bandwidth = column;
+    parameters.grip_sensor.bandwidth = column;
     Transducers::new(&parameters, H)
 }
 
@@ -52,7 +53,7 @@ fn lag_is_the_exponential_for_what_changes_evenly() {
 fn two_halves_are_a_whole() {
     let sensors = sensors([TAU * 80.0, TAU * 300.0, 5.0]);
     let before = Seen { measured: [1.0, 2.0, 3.0, 4.0], shown: [0.5, 2.5, 3.0, 4.5] };
-    let (middle, end) = ([1.5, 1.0, 3.5, 3.0], [2.0, 0.0, 4.0, 1.0]);
+    let (middle, end) = ([1.5, 1.0, 3.5, 3.0], [2.0, 0.0, 4.0, 2.0]);
     let half_way = Seen { measured: middle, shown: sensors.after_half(&before, middle) };
     let (twice, once) = (sensors.after_half(&half_way, end), sensors.after_whole(&before, end, 0.0));
     for (twice, once) in twice.into_iter().zip(once) {

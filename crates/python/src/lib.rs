@@ -3,6 +3,7 @@
 
 mod arrays;
 mod errors;
+mod faults;
 mod laws;
 mod limits;
 mod live;
@@ -42,6 +43,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(simulate::simulation_outputs, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measures, module)?)?;
     module.add_function(wrap_pyfunction!(simulate::simulation_measure, module)?)?;
+    module.add_function(wrap_pyfunction!(faults::safety_functions, module)?)?;
+    module.add_function(wrap_pyfunction!(faults::fault_kinds, module)?)?;
+    module.add_function(wrap_pyfunction!(faults::supervised_faults, module)?)?;
     module.add_function(wrap_pyfunction!(model::parameters, module)?)?;
     module.add_function(wrap_pyfunction!(model::parts, module)?)?;
     module.add_function(wrap_pyfunction!(model::rigid, module)?)?;

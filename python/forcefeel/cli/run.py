@@ -53,9 +53,9 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
 def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> None:
     """Run the loader live: a real-time loop on a machine, simulated or over the network.
 
-    It prints the address of its console, a page of this machine, with which whoever opens it holds control; Ctrl-C takes the feel away
-    and ends it. The loop runs in a thread of its own at the period of the loader's controller. A Linux process is no safety function: wire an
-    emergency stop that cuts the drive's power. Exit status 1 if the loader tripped.
+    It prints the address of its console, a page of this machine; whoever opens it first holds control. Ctrl-C takes the feel away
+    and ends it. The loop runs in a thread of its own at the period of the loader's controller. A Linux process is no safety
+    function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped.
 
     Example: forcefeel run elevator-2khz --law robust --out run
     """

@@ -1,7 +1,7 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
-from forcefeel.live.machine import Machine as Machine
 from forcefeel.live.console.server import Console as Console
+from forcefeel.live.machine import Machine as Machine
 from forcefeel.live.over import Simulated as Simulated
 from forcefeel.live.over import Udp as Udp
 from forcefeel.live.record import LiveRecord as LiveRecord

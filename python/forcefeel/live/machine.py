@@ -19,7 +19,7 @@ class Machine:
     Example:
         >>> import forcefeel as ff
         >>> machine = ff.live.Machine(ff.digital_elevator())
-        >>> force_n, position_m, base_m, pilot_force_n = machine.read()
+        >>> force_n, position_m, base_m, pilot_force_n, grip_force_n = machine.read()
         >>> machine.write(0.1, True)
     """
 
@@ -28,10 +28,10 @@ class Machine:
         script = None if scenario is None else script_of(steps, scenario)
         self._machine = _core.LiveMachine(setup, script=script)
 
-    def read(self) -> tuple[float, float, float, float]:
-        """Goes on to the next sample: load cell (N), drive's end (m), column's base (m), pilot's force (N)."""
-        force, position, base, pilot_force = self._machine.read() or [float("nan")] * 4
-        return force, position, base, pilot_force
+    def read(self) -> tuple[float, float, float, float, float]:
+        """Goes on to the next sample: load cell (N), drive's end (m), column's base (m), pilot's force (N), force sensor at the grip (N)."""
+        force, position, base, pilot_force, grip = self._machine.read() or [float("nan")] * 5
+        return force, position, base, pilot_force, grip
 
     def write(self, command: float, enable: bool) -> None:
         """Takes the command that answers the sample: V at a valve's amplifier, A of a motor; without power it is zero."""

@@ -18,8 +18,8 @@ from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE
 from forcefeel.units import show
 
-Sensor = Literal["load_cell", "drive", "column"]
-SENSORS: tuple[Sensor, ...] = ("load_cell", "drive", "column")
+Sensor = Literal["load_cell", "drive", "column", "grip"]
+SENSORS: tuple[Sensor, ...] = ("load_cell", "drive", "column", "grip")
 """The sensors, in the order of a sample."""
 
 Fault = Literal["silent", "stuck", "not_a_number", "jump", "deaf"]

@@ -19,15 +19,16 @@ class Talk:
         self.console = console
         shown = console.admission.control if token is None else token
         headers = {"Authorization": f"Bearer {shown}"} if shown else {}
-        self.socket = connect(
+        self._opening = connect(
             address(console, "ws") + "/live", additional_headers=headers, compression=None, proxy=None, **more
         )
 
     def __enter__(self):
+        self.socket = self._opening.__enter__()
         return self
 
-    def __exit__(self, *_):
-        self.socket.close()
+    def __exit__(self, *error):
+        self._opening.__exit__(*error)
 
     def send(self, **command):
         self.socket.send(json.dumps(command))

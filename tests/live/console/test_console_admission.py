@@ -75,27 +75,23 @@ def test_a_tunnel_may_have_another_port(host):
 
 @pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1"])
 def test_another_site_opens_no_connection(console, origin):
-    with pytest.raises(InvalidStatus, match="403"):
-        Talk(console, origin=origin)
+    with pytest.raises(InvalidStatus, match="403"), Talk(console, origin=origin):
+        pass
 
 
 def test_a_page_without_an_origin_needs_more_than_its_cookie(console):
     cookie = f"{console.admission.cookie}={console.admission.control}"
-    with pytest.raises(InvalidStatus, match="403"):
-        connect(address(console, "ws") + "/live", additional_headers={"Cookie": cookie}, proxy=None)
-    with connect(
-        address(console, "ws") + "/live",
-        additional_headers={"Cookie": cookie},
-        origin=address(console),
-        proxy=None,
-    ) as socket_:
+    url = address(console, "ws") + "/live"
+    with pytest.raises(InvalidStatus, match="403"), connect(url, additional_headers={"Cookie": cookie}, proxy=None):
+        pass
+    with connect(url, additional_headers={"Cookie": cookie}, origin=address(console), proxy=None) as socket_:
         assert json.loads(socket_.recv(timeout=10))["kind"] == "hello"
 
 
 def test_a_wrong_token_opens_no_connection(console):
     for token in ("", "wrong", console.admission.control[:-1]):
-        with pytest.raises(InvalidStatus, match="403"):
-            Talk(console, token)
+        with pytest.raises(InvalidStatus, match="403"), Talk(console, token):
+            pass
 
 
 def test_an_origin_of_digits_is_checked_too():
@@ -153,12 +149,16 @@ def test_an_oversized_message_ends_the_connection(talk):
     assert closed.value.rcvd.code == 1009
 
 
+def flooded(talk, message):
+    for _ in range(600):
+        talk.socket.send(message)
+    talk.notice("never")
+
+
 def test_rubbish_and_floods_end_the_connection(console, running):
     for message in ('{"do": "rubbish"}', '{"do": "hand"}'):
         with Talk(console) as bad, pytest.raises(ConnectionClosedError) as closed:
-            for _ in range(2000):
-                bad.socket.send(message)
-            bad.notice("never")
+            flooded(bad, message)
         assert closed.value.rcvd is None or closed.value.rcvd.code == 1008
     with Talk(console) as good:
         assert good.frame()

@@ -3,10 +3,11 @@
 from math import pi
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from forcefeel.errors import InputError
 from forcefeel.live.running import Fault, Sensor
+from forcefeel.loader.parameters import TABLE
 
 LARGEST_BYTES = 4096
 """Of a message."""
@@ -26,12 +27,18 @@ class Plain(_Message):
     do: Literal["take", "give", "stop", "acknowledge", "on", "off", "repair", "abort"]
 
 
+def _row_of_the_feel(key: str) -> str:
+    if key not in TABLE or not key.startswith("feel."):
+        raise ValueError("expected a row of the feel, such as feel.stiffness")
+    return key
+
+
 class FeelChange(_Message):
     """Rows of the feel in SI units; ``None`` switches an optional one off."""
 
     do: Literal["feel"]
     rows: Annotated[
-        dict[Annotated[str, Field(pattern=r"^feel\.[a-z_]{1,40}$")], float | None],
+        dict[Annotated[str, AfterValidator(_row_of_the_feel)], float | None],
         Field(min_length=1, max_length=_MOST_CHANGES),
     ]
 

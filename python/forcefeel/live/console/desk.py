@@ -66,7 +66,6 @@ class Desk:
 
     async def __aenter__(self) -> Self:
         """Begins to see to what takes a while."""
-        self._curve_asked.set()
         for event, work in ((self._feel_asked, self._change_feel), (self._curve_asked, self._draw_curve)):
             self._tasks.append(asyncio.create_task(_whenever(event, work)))
         return self
@@ -85,6 +84,8 @@ class Desk:
     def join(self, connection: ServerConnection, role: Role) -> Watcher:
         """Who came, and is told what there is."""
         watcher = self.watchers.add(connection, role)
+        if self._programmed is None:
+            self._curve_asked.set()
         self.watchers.post_to(
             watcher, {"kind": "hello", "you": watcher.number, "role": role.value, **self._description}
         )

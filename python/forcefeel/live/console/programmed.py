@@ -1,6 +1,7 @@
 """What the column is held against: force over position of the programmed feel alone, both ways, with the rule's tolerance."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,7 @@ class Programmed:
     tolerance: Tolerance
 
     @classmethod
+    @lru_cache(maxsize=8)  # it takes a second, and a test asks for what is already drawn
     def of(cls, loader: Loader, setup: QualificationSetup) -> "Programmed":
         """The sweep of a loader's feel, hands off, as it is qualified.
 

@@ -1,0 +1,79 @@
+//! Faults injected into supervised loaders, and the table of safety functions.
+
+use crate::arrays::rows;
+use crate::errors::{refused, threads as answered};
+use crate::model::drive_of;
+use forcefeel_faults::batch::Loaders;
+use forcefeel_faults::fault::Kind;
+use forcefeel_faults::oracle::Outcome;
+use forcefeel_model::observer::NUMBERS;
+use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_model::supervisor::{Function, Limits};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+/// Columns of the outcomes: numbers, -1 where there is none.
+const COLUMNS: usize = 10;
+
+/// Name, what it does, samples, whether it is latched, and sentence of each safety function of a loader with these values.
+#[pyfunction]
+pub fn safety_functions(
+    values: PyReadonlyArray1<'_, f64>,
+    drive: &str,
+    period_s: f64,
+) -> PyResult<Vec<(&'static str, &'static str, u32, bool, &'static str)>> {
+    let values = crate::arrays::vector::<COUNT>("values", &values)?;
+    let limits = Limits::new(&Parameters::from_values(&values), drive_of(drive)?, period_s)
+        .map_err(|refusal| refused(refusal.text().to_string()))?;
+    let row = |f: &Function| (f.name(), f.action().text(), f.samples(&limits), f.latched(), f.sentence());
+    Ok(Function::ALL.iter().map(row).collect())
+}
+
+/// Names of the kinds of fault.
+#[pyfunction]
+pub fn fault_kinds() -> Vec<String> {
+    Kind::ALL.iter().map(|kind| format!("{kind:?}")).collect()
+}
+
+/// Outcomes (cases, 10) of faults in supervised loaders with these values and laws: both kinds, the samples at which the loader had to be
+/// stopped, was stopped and was safe, what went wrong as bits, energy to the hand and its bound in J, the function that was due and the
+/// one that is named; -1 where there is none.
+#[pyfunction]
+#[pyo3(signature = (values, observers = None, *, seed = 0, first = 0, count = 1000, pairs = false, threads = 1))]
+#[expect(clippy::too_many_arguments, reason = "keywords of a Python function")]
+pub fn supervised_faults<'py>(
+    py: Python<'py>,
+    values: PyReadonlyArray2<'py, f64>,
+    observers: Option<PyReadonlyArray2<'py, f64>>,
+    seed: u64,
+    first: u64,
+    count: u64,
+    pairs: bool,
+    threads: usize,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let values = rows::<COUNT>("values", &values)?;
+    let observers = observers.map(|numbers| rows::<NUMBERS>("observers", &numbers)).transpose()?;
+    if values.is_empty() || observers.as_ref().is_some_and(|laws| laws.len() != values.len()) {
+        return Err(refused(format!(
+            "observers: expected {} rows, one for each loader, and one loader at least",
+            values.len()
+        )));
+    }
+    let loaders = Loaders { values: &values, observers: observers.as_deref() };
+    let outcomes = answered(py.detach(|| loaders.outcomes(seed, (first, count), pairs, threads)))?;
+    let numbers: Option<Vec<[f64; COLUMNS]>> = outcomes.iter().map(|outcome| outcome.as_ref().map(numbers)).collect();
+    let numbers = numbers
+        .ok_or_else(|| refused("values: a loader has no period, or its drive's largest command no end".to_string()))?;
+    PyArray1::from_vec(py, numbers.into_flattened()).reshape([outcomes.len(), COLUMNS])
+}
+
+#[expect(clippy::cast_precision_loss, reason = "numbers of samples")]
+fn numbers(outcome: &Outcome) -> [f64; COLUMNS] {
+    let at = |sample: Option<usize>| sample.map_or(-1.0, |k| k as f64);
+    let of = |function: Option<Function>| function.map_or(-1.0, |function| f64::from(function as u8));
+    let [first, second] = outcome.kinds.map(|kind| kind as f64);
+    let [given, bound] = outcome.energy;
+    let Outcome { due, stopped, safe, wrong, due_to, cause, .. } = *outcome;
+    let wrong = f64::from(wrong.bits());
+    [first, second, at(due), at(stopped), at(safe), wrong, given, bound, of(due_to), of(cause)]
+}
