@@ -18,6 +18,7 @@ from forcefeel.conclusions import share_text
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute_few
 from forcefeel.laws.sampled import robust_tuning
+from forcefeel.loader.built_in import open_loader
 
 BITS = (17, 20, 23)
 GRID = {"stiffness": "1..100 %:5:log", "frequency": "0.5..4 Hz:4:log", "damping": "0.1, 0.4, 1.5"}
@@ -30,7 +31,7 @@ def with_encoder(loader: ff.Loader, bits: int) -> ff.Loader:
 
 
 def main() -> None:
-    loader = ff.loader.open_loader(sys.argv[1] if len(sys.argv) > 1 else "elevator-2khz")
+    loader = open_loader(sys.argv[1] if len(sys.argv) > 1 else "elevator-2khz")
     loaders = {bits: with_encoder(loader, bits) for bits in BITS}
     own = [[loader[f"feel.{row}"] for row in ("inertia", "damping", "stiffness")]]
     for bits, one in loaders.items():

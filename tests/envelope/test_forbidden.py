@@ -17,6 +17,8 @@ from forcefeel.sizing.fastest import Fastest, Limit
 GRID = {"stiffness": "2, 20, 100 %", "frequency": "0.7, 4 Hz", "damping": "0.1, 1"}
 SLOW = ff.digital_elevator().replace({"valve.flow_limit": "18 in^3/s"})
 HALF = np.array([1 / 2])
+EXACT = 1e-9
+"""Of the integrator."""
 FINE = 1e-3
 """Relative; a fall is cut into some thousand moments."""
 
@@ -45,7 +47,7 @@ def test_the_fastest_fall_is_that_of_a_column_on_a_spring_whose_end_runs_away():
         return state[1], -k / g("column.inertia") * (state[0] - (theta - stiffness * theta / k - speed * t))
 
     high, low = (
-        solve_ivp(rates, (0, 1), (theta, 0), events=crosses(level), rtol=1e-9, atol=1e-12).t_events[0][0]
+        solve_ivp(rates, (0, 1), (theta, 0), events=crosses(level), rtol=EXACT, atol=EXACT).t_events[0][0]
         for level in (0.9, 0)
     )
     found, _ = Fastest.of(SLOW).fall_s(theta, np.array([stiffness]), 0.9, 0.0)

@@ -128,7 +128,7 @@ def test_dry_friction_of_the_motor_is_fed_forward(tmp_path):
     bare = BUILT_IN["elevator-electric"]().replace(QUIET)
     dry = bare.replace({"motor.coulomb_friction": 0.4, "motor.static_friction": 0.45})
     law = Law.of("robust", dry)
-    assert law.cancellation.friction_a == pytest.approx(0.4 / dry["motor.torque_constant"])
+    assert law.cancellation.friction_a == pytest.approx(0.8 * 0.4 / dry["motor.torque_constant"])
     law.save(tmp_path / "law.json")
     assert Law.of(tmp_path / "law.json", dry).cancellation == law.cancellation
     scenario = Scenario(Release(0.1), 2.0)
@@ -137,4 +137,4 @@ def test_dry_friction_of_the_motor_is_fed_forward(tmp_path):
         for loader, one in ((bare, "robust"), (dry, law), (dry, replace(law, cancellation=None)))
     )
     off, left = (np.sqrt(np.mean((one - smooth) ** 2)) for one in (unknown, known))
-    assert left < 0.4 * off  # r.m.s.; measured: 0.24
+    assert left < 0.6 * off  # r.m.s.

@@ -332,9 +332,8 @@ class Envelope:
     def allowed_shares(self, compensator: str) -> AllowedShares:
         """A compensator's shares of the settings that are not forbidden to every law."""
         allowed, passes = ~self.forbidden.settings, self.passes(compensator)
-        shares = (
-            float(which[allowed].mean()) if allowed.any() else np.nan for which in (passes[0], passes.all(axis=0))
-        )
+        both = np.stack([passes[0], passes.all(axis=0)])[:, allowed]
+        shares = both.mean(axis=1).tolist() if allowed.any() else [np.nan, np.nan]
         return AllowedShares(compensator, int(allowed.sum()), *shares)
 
     @property

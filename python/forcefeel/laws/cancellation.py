@@ -19,6 +19,7 @@ from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.loader.sensors import current_lag_s
+from forcefeel.loader.tolerances import ASSUMED
 from forcefeel.units import show
 
 Harmonic = tuple[float, float, float]
@@ -39,7 +40,7 @@ class Cancellation:
         per_travel_rad_per_m: Angle of the motor per travel of the drive's end.
         lead_s: From the sample to the middle of its current.
         cogging: Two harmonics: current that holds the cogging at its crest, in A, periods per turn, phase in rad.
-        friction_a: Current that overcomes the motor's dry friction.
+        friction_a: Current that overcomes the least dry friction that the motor may have: too much would drive it on.
         slow_rad_per_s: Rate of the column below which it is given back in proportion.
 
     Raises:
@@ -85,7 +86,7 @@ class Cancellation:
             per_travel_rad_per_m=1 / loader["transmission.travel"],
             lead_s=current_lag_s(loader),
             cogging=tuple((-torque / per_ampere, periods, phase) for torque, periods, phase in rows),
-            friction_a=loader["motor.coulomb_friction"] / per_ampere,
+            friction_a=_least_friction(loader) / per_ampere,
             slow_rad_per_s=SLOW_RAD_PER_S,
         )
 
@@ -94,3 +95,11 @@ class Cancellation:
         """As the engine takes them."""
         cogging = (number for one in self.cogging for number in one)
         return [self.per_travel_rad_per_m, self.lead_s, *cogging, self.friction_a, self.slow_rad_per_s]
+
+
+def _least_friction(loader: Loader) -> float:
+    """The motor's dry friction in N m at the lower end of its tolerance, stated or assumed."""
+    key = "motor.coulomb_friction"
+    if key in loader.tolerances:
+        return min(max(loader.tolerances[key].ends[0], 0.0), loader[key])
+    return (1 - ASSUMED) * loader[key]

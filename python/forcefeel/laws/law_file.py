@@ -172,9 +172,9 @@ def _cancellation(keys: "_Keys | None") -> Cancellation | None:
     if keys is None:
         return None
     cogging = tuple(tuple(row) for row in keys.array("cogging", 2).tolist())
-    numbers = (keys.get(name, float) for name in ("per_travel_rad_per_m", "lead_s"))
-    friction = (keys.get(name, float) for name in ("friction_a", "slow_rad_per_s"))
-    return Cancellation(*numbers, cogging, *friction)
+    names = ("per_travel_rad_per_m", "lead_s", "friction_a", "slow_rad_per_s")
+    per_travel, lead, friction, slow = (keys.get(name, float) for name in names)
+    return Cancellation(per_travel, lead, cogging, friction, slow)
 
 
 def _feel(settings: "_Keys", numbers: Numbers) -> NDArray[np.float64]:
