@@ -20,6 +20,8 @@ __all__ = [
     "PERIOD_SHOWN",
     "ArgumentError",
     "Compensator",
+    "ExportedLaw",
+    "LawSource",
     "LiveLoop",
     "LiveMachine",
     "LiveSetup",
@@ -202,6 +204,45 @@ class Recursion:
     def change(self) -> float: ...
     @property
     def status(self) -> str: ...
+
+@final
+class LawSource:
+    """The parts of C that follow from the trace of a controller's period."""
+
+    @property
+    def states(self) -> list[tuple[str, bool]]: ...
+    @property
+    def inputs(self) -> list[str]: ...
+    @property
+    def step(self) -> str: ...
+    @property
+    def between(self) -> str | None: ...
+    @property
+    def reset(self) -> str: ...
+    @property
+    def members(self) -> str: ...
+    @property
+    def settings(self) -> list[str]: ...
+    @property
+    def operations(self) -> tuple[int, int]: ...
+
+@final
+class ExportedLaw:
+    """A law with its feel on a digital controller, traced or run for reference."""
+
+    def __new__(
+        cls,
+        values: _Array,
+        observers: _Array,
+        *,
+        states: int,
+        period_s: float,
+        single: bool,
+        curve: tuple[_Array, _Array] | None = None,
+        cancellation: Sequence[float] | None = None,
+    ) -> Self: ...
+    def source(self) -> LawSource: ...
+    def answers(self, inputs: _Array, settings: Sequence[tuple[int, int]]) -> _Array: ...
 
 @final
 class ReleaseMeasuring:

@@ -36,13 +36,13 @@ pub struct Control<S> {
 #[derive(Debug, Clone, Copy)]
 pub struct Remembered<S> {
     /// Displacement of the base as sampled last.
-    pub(crate) base: S,
+    pub base: S,
     /// Position of the drive's end as sampled last.
-    pub(crate) position: S,
+    pub position: S,
     /// State of the observer.
-    pub(crate) estimate: Estimate<S>,
+    pub estimate: Estimate<S>,
     /// What the law recalls of the dry friction that it knows.
-    pub(crate) recalled: Recalled<S>,
+    pub recalled: Recalled<S>,
 }
 
 /// The programmed feel at a sample.

@@ -67,9 +67,9 @@ pub struct Recalled<S> {
     /// Friction that was learnt beyond what is stated.
     pub learnt: S,
     /// Torque that was estimated of late.
-    push: S,
+    pub push: S,
     /// Way of late.
-    way: S,
+    pub way: S,
 }
 
 impl<S: Scalar> Recalled<S> {

@@ -104,7 +104,9 @@ fn a_sensor_that_sticks_is_found_before_three_sensors_disagree() {
     let mut supervisor = Supervisor::new(of, 0.0);
     supervisor.step(&still(Wish::Off));
     let mut told = still(Wish::Active);
-    (0..2000).for_each(|_| drop(supervisor.step(&told)));
+    (0..2000).for_each(|_| {
+        let _ = supervisor.step(&told);
+    });
     for k in 1..400 {
         told.sensed[2] = f64::from(k) * 1e-4;
         let allowed = supervisor.step(&told);

@@ -3,6 +3,7 @@
 
 mod arrays;
 mod errors;
+mod export;
 mod faults;
 mod laws;
 mod limits;
@@ -30,6 +31,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<simulate::Simulation>()?;
     module.add_class::<release::ReleaseMeasuring>()?;
     module.add_function(wrap_pyfunction!(release::release_feature_groups, module)?)?;
+    module.add_class::<export::ExportedLaw>()?;
+    module.add_class::<export::LawSource>()?;
     module.add("BOUND_RAD", forcefeel_simulate::measures::BOUND_RAD)?;
     module.add_function(wrap_pyfunction!(simulate::sampled_loops, module)?)?;
     module.add("OBSERVER_NUMBERS", forcefeel_model::observer::NUMBERS)?;

@@ -38,6 +38,7 @@ _COMMANDS = {
     "excite": f"{_LOADER} --fit PARAMETERS",
     "commission": f"{_LOADER} --data FILE",
     "run": _LOADER,
+    "export": f"{_LOADER} --to TARGET",
     "reproduce": "",
 }
 """The commands in the order of the work, and what each takes and needs."""

@@ -1,0 +1,299 @@
+//! A controller's period and its start at rest, for any number type: let through by the tracing one, and run by the others for reference.
+
+use crate::trace::{Bank, Graph, Mask, Trace, input_as_f64, traced};
+use forcefeel_model::Scalar;
+use forcefeel_model::cancellation::Cancellation;
+use forcefeel_model::compensator::Compensator;
+use forcefeel_model::control::{Control, Feeling, Remembered, Sample};
+use forcefeel_model::controller::Timing;
+use forcefeel_model::curve::Curve;
+use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
+use forcefeel_model::dry_friction::Grip;
+use forcefeel_model::effects::Effects;
+use forcefeel_model::feel_computer::FeelMotion;
+use forcefeel_model::known_friction::{LEVEL_FROM_END, Recalled};
+use forcefeel_model::machine::{Inputs, Machine, Shared};
+use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+
+/// What a controller is given in a period, in this order; `share` is how far the feel has been changed.
+pub const INPUTS: [&str; 8] = ["force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "share"];
+
+const TRIM: usize = SAMPLED;
+const SHARE: usize = 7;
+
+/// What a controller remembers, in this order; estimates are `xi_0 ..`.
+const REMEMBERED: [&str; 14] = [
+    "base",
+    "position",
+    "heard",
+    "learnt",
+    "push",
+    "way",
+    "delta",
+    "delta_rate",
+    "neutral",
+    "slider",
+    "grip_drag",
+    "grip_velocity",
+    "grip_pull",
+    "grip_stuck",
+];
+
+const STUCK: usize = INPUTS.len() + REMEMBERED.len() - 1;
+const FIRST_XI: usize = INPUTS.len() + REMEMBERED.len();
+
+/// How many places there are: inputs, then states.
+pub const PLACES: usize = FIRST_XI + MOST_STATES;
+
+/// The name of a place.
+pub fn name_of(place: usize) -> String {
+    if place < INPUTS.len() {
+        INPUTS[place].to_owned()
+    } else if place < FIRST_XI {
+        REMEMBERED[place - INPUTS.len()].to_owned()
+    } else {
+        format!("xi_{}", place - FIRST_XI)
+    }
+}
+
+/// A law with its feel, for one setting or many.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// Values of the parameter table of each setting.
+    pub values: Vec<[f64; COUNT]>,
+    /// The law of each setting, and of how many states.
+    pub observers: Vec<[f64; NUMBERS]>,
+    /// States of the law; the others are zero.
+    pub states: usize,
+    /// Force over angle of the feel.
+    pub curve: Option<Curve>,
+    /// What is added to the command.
+    pub cancellation: Option<Cancellation>,
+    /// The controller's period in s.
+    pub period_s: f64,
+    /// Whether the target computes in single precision.
+    pub single: bool,
+}
+
+/// What was traced: the graph, and which nodes are wanted of it.
+#[derive(Debug, Clone)]
+pub struct Program {
+    /// The operations.
+    pub graph: Graph,
+    /// Command, torque that the feel hears.
+    pub outputs: Vec<(&'static str, u32)>,
+    /// The next state by its place.
+    pub next: Vec<(usize, u32)>,
+}
+
+/// One sample: what the controller is given, the setting that it has and the one that it goes to.
+#[derive(Debug, Clone, Copy)]
+pub struct Given {
+    /// In the order of [`INPUTS`].
+    pub inputs: [f64; INPUTS.len()],
+    /// The settings.
+    pub settings: (usize, usize),
+}
+
+/// Numbers of an [`answers`] row: command, torque, and the feel's displacement and rate after the period.
+pub const ANSWERS: usize = 4;
+
+impl Job {
+    fn kind(&self) -> DriveKind {
+        DriveKind::of(&self.values[0])
+    }
+
+    fn shared(&self) -> Shared {
+        let effects = self.values.iter().map(Effects::of).reduce(Effects::or).unwrap_or_default();
+        let known_friction = self.observers.iter().any(|law| law[NUMBERS - LEVEL_FROM_END] != 0.0);
+        Shared {
+            effects: Effects { observer: true, known_friction, ..effects },
+            step_s: self.period_s,
+            timing: Some(Timing { period: 1, delay: 0 }),
+            curve: self.curve,
+            cancellation: self.cancellation,
+        }
+    }
+
+    /// The parameters of a setting, or of all in one bank, made of numbers by `number`.
+    fn parameters<S: Scalar>(&self, number: impl Fn(&dyn Fn(usize) -> f64) -> S) -> Parameters<S> {
+        Parameters::from_values(&core::array::from_fn(|k| number(&|setting| self.values[setting][k])))
+    }
+
+    fn observer<S: Scalar>(&self, number: impl Fn(usize, &dyn Fn(usize) -> f64) -> S) -> Observer<S> {
+        Observer::from_numbers(&core::array::from_fn(|k| number(k, &|setting| self.observers[setting][k])))
+    }
+
+    /// Traces a period; `changing` while the feel is changed.
+    pub fn period(&self, changing: bool) -> Program {
+        self.traced(|shared, control| {
+            let mut inputs = Inputs::NONE;
+            for (k, input) in
+                [&mut inputs.trim, &mut inputs.stiffness_factor, &mut inputs.shaker].into_iter().enumerate()
+            {
+                *input = [input_as_f64(TRIM + k); 2];
+            }
+            if changing {
+                inputs.fade = [input_as_f64(SHARE); 2];
+            }
+            let (mut feeling, mut remembered) = state();
+            let zero = Trace::known(&vec![0.0; self.values.len()], Bank::All);
+            let sample = Sample { sensors: core::array::from_fn(Trace::input), pilot_force: zero };
+            // The place of a supervisor: it may put another command in place of the law's.
+            let e = control.command(shared, (&mut feeling, &mut remembered), &inputs, &sample, |_| None);
+            (vec![("command", e.0), ("torque", remembered.recalled.heard.0)], next(&feeling, &remembered))
+        })
+    }
+
+    /// Traces the start at rest where the column stands.
+    pub fn reset(&self) -> Program {
+        self.traced(|_, control| {
+            let (feeling, remembered) = resting(control, core::array::from_fn(Trace::input), Trace::input(TRIM));
+            (Vec::new(), next(&feeling, &remembered))
+        })
+    }
+
+    fn traced(
+        &self,
+        work: impl FnOnce(&Shared, &Control<Trace>) -> (Vec<(&'static str, u32)>, Vec<(usize, u32)>),
+    ) -> Program {
+        let ((outputs, next), graph) = traced(self.single, self.values.len(), || {
+            let shared = self.shared();
+            let control = match self.kind() {
+                DriveKind::Hydraulic => self.tracing::<OfHydraulic>(&shared),
+                DriveKind::Electric => self.tracing::<OfElectric>(&shared),
+            };
+            work(&shared, &control)
+        });
+        Program { graph, outputs, next }
+    }
+
+    fn tracing<K: Kind>(&self, shared: &Shared) -> Control<Trace> {
+        let all = |of: &dyn Fn(usize) -> f64| (0..self.values.len()).map(of).collect::<Vec<_>>();
+        let bank = |bank: Bank| {
+            let law = self.observer(|place, of| {
+                if self.is_of_matrices(place) { Trace::data(&all(of), bank) } else { Trace::known(&all(of), bank) }
+            });
+            (self.parameters(|of| Trace::known(&all(of), bank)), law)
+        };
+        let ((from, law), (to, next_law)) = (bank(Bank::From), bank(Bank::To));
+        let mut control = control::<_, K>(&from, law, shared);
+        control.fade_to(&to, Some(&next_law));
+        control
+    }
+
+    /// Whether a number of the law is one of its matrices' that the law has states for.
+    fn is_of_matrices(&self, place: usize) -> bool {
+        const KNOWN: usize = MOST_STATES + SAMPLED + 2;
+        const WIDE: usize = SAMPLED + 1;
+        let n = self.states;
+        let said = |k: usize| k < n || k >= MOST_STATES;
+        let parts =
+            [MOST_STATES * MOST_STATES, MOST_STATES * WIDE, KNOWN, KNOWN, MOST_STATES * WIDE, KNOWN, MOST_STATES];
+        let (mut part, mut k) = (0, place);
+        while part < parts.len() && k >= parts[part] {
+            k -= parts[part];
+            part += 1;
+        }
+        match part {
+            0 => k / MOST_STATES < n && k % MOST_STATES < n,
+            1 | 4 => k / WIDE < n,
+            2 | 3 | 5 => said(k),
+            6 => k < n,
+            _ => false,
+        }
+    }
+}
+
+/// Law, feel and converters of one loader.
+fn control<S: Scalar, K: Kind>(parameters: &Parameters<S>, law: Observer<S>, shared: &Shared) -> Control<S> {
+    let zero = parameters.column.inertia.zero();
+    let gains = Compensator::state_feedback(parameters, [zero; 7]);
+    *Machine::<S, K::Of<S>>::new(parameters, gains, shared).with_observer(law).control()
+}
+
+/// The controller at rest where the column stands, its neutral trimmed by an angle.
+fn resting<S: Scalar>(control: &Control<S>, sensors: [S; SAMPLED], trim: S) -> (Feeling<S>, Remembered<S>) {
+    let zero = trim.zero();
+    let mut feeling = control.resting(zero, zero);
+    // Under a law with an observer the feel's displacement is an angle.
+    let delta = sensors[2] * control.per_base();
+    (feeling.motion.at[0], feeling.motion.slider, feeling.neutral) = (delta, delta, trim);
+    (feeling, control.remember(sensors, delta))
+}
+
+/// The state, as inputs.
+fn state() -> (Feeling<Trace>, Remembered<Trace>) {
+    let one = |k: usize| Trace::input(INPUTS.len() + k);
+    let grip = Grip { stuck: Mask::flag(STUCK), drag: one(10), velocity: one(11), pull: one(12) };
+    let motion = FeelMotion { at: [one(6), one(7)], grip, slider: one(9) };
+    let estimate = core::array::from_fn(|k| Trace::input(FIRST_XI + k));
+    let recalled = Recalled { heard: one(2), learnt: one(3), push: one(4), way: one(5) };
+    (Feeling { motion, neutral: one(8) }, Remembered { base: one(0), position: one(1), estimate, recalled })
+}
+
+/// The state by places.
+fn next(feeling: &Feeling<Trace>, remembered: &Remembered<Trace>) -> Vec<(usize, u32)> {
+    let Feeling { motion: FeelMotion { at, grip, slider }, neutral } = feeling;
+    let Remembered { base, position, estimate, recalled: Recalled { heard, learnt, push, way } } = remembered;
+    let numbers = [
+        base,
+        position,
+        heard,
+        learnt,
+        push,
+        way,
+        &at[0],
+        &at[1],
+        neutral,
+        slider,
+        &grip.drag,
+        &grip.velocity,
+        &grip.pull,
+    ];
+    let numbers = numbers.into_iter().map(|number| number.0).chain([grip.stuck.0]);
+    numbers
+        .chain(estimate.iter().map(|number| number.0))
+        .enumerate()
+        .map(|(k, node)| (INPUTS.len() + k, node))
+        .collect()
+}
+
+/// What a controller answers sample by sample, from rest at the first sample's sensors: command, torque, displacement, rate.
+pub fn answers(job: &Job, given: &[Given]) -> Vec<[f64; ANSWERS]> {
+    match (job.kind(), job.single) {
+        (DriveKind::Hydraulic, false) => run::<f64, OfHydraulic>(job, 0.0, given),
+        (DriveKind::Hydraulic, true) => run::<f32, OfHydraulic>(job, 0.0, given),
+        (DriveKind::Electric, false) => run::<f64, OfElectric>(job, 0.0, given),
+        (DriveKind::Electric, true) => run::<f32, OfElectric>(job, 0.0, given),
+    }
+}
+
+fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> Vec<[f64; ANSWERS]> {
+    let shared = job.shared();
+    let parts: Vec<_> = (0..job.values.len())
+        .map(|setting| {
+            let parameters = job.parameters(|of| like.constant(of(setting)));
+            let law = job.observer(|_, of| like.constant(of(setting)));
+            (parameters, law, control::<S, K>(&parameters, law, &shared))
+        })
+        .collect();
+    let Some(first) = given.first() else { return Vec::new() };
+    let sensors = |given: &Given| core::array::from_fn(|k| like.constant(given.inputs[k]));
+    let start = &parts[first.settings.0].2;
+    let (mut feeling, mut remembered) = resting(start, sensors(first), like.constant(first.inputs[TRIM]));
+    let mut found = Vec::with_capacity(given.len());
+    for one in given {
+        let (from, to) = one.settings;
+        let mut control = parts[from].2;
+        control.fade_to(&parts[to].0, Some(&parts[to].1));
+        let [.., trim, stiffness_factor, shaker, fade] = one.inputs.map(|input| [input; 2]);
+        let inputs = Inputs { trim, stiffness_factor, shaker, fade, ..Inputs::NONE };
+        let sample = Sample { sensors: sensors(one), pilot_force: like.zero() };
+        let e = control.command(&shared, (&mut feeling, &mut remembered), &inputs, &sample, |_| None);
+        let [delta, rate] = feeling.motion.at;
+        found.push([e, remembered.recalled.heard, delta, rate].map(Into::into));
+    }
+    found
+}

@@ -1,0 +1,18 @@
+//! A law and its feel as C99, from the very lines of the model.
+//!
+//! The model is generic over its number type. [`trace::Trace`] is one that does not compute: it writes down each operation that it is asked
+//! for. [`controller`] lets it through the one function that simulation and real-time loop run in a period, and so gets every operation of
+//! that period in its order, and nothing else. [`emit`] writes them as C. No equation stands here.
+//!
+//! | file | is |
+//! |---|---|
+//! | [`trace`] | the number that writes down, and what it folds |
+//! | [`controller`] | the period and the start at rest, for any number type: traced, and run for reference |
+//! | [`dots`] | rows of a matrix found again among the operations, so that they become a loop over data |
+//! | [`emit`] | C |
+#![forbid(unsafe_code)]
+
+pub mod controller;
+pub mod dots;
+pub mod emit;
+pub mod trace;

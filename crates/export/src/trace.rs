@@ -1,0 +1,427 @@
+//! A number that writes down what is done with it.
+//!
+//! Each operation becomes a node of a graph, once: the same operation on the same nodes is the same node. What is known is computed at once,
+//! in the precision that the target has, so that folding is rounded as the target would have rounded it. A known number has a value for
+//! each setting of the feel; two banks of them, `from` and `to`, stand for the settings between which a feel is changed.
+//!
+//! Sensors and states are taken to be finite, for what is not is turned away before: `0 x` is zero, and a limit that is infinite limits
+//! nothing. The sign of a zero is not kept.
+
+use core::cell::RefCell;
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use forcefeel_model::Scalar;
+use std::collections::HashMap;
+
+/// Which settings a known number is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Bank {
+    /// The same for all.
+    All,
+    /// Of the setting that is left, or stays.
+    From,
+    /// Of the setting that is gone to.
+    To,
+}
+
+/// Operations on two numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "as their names say")]
+pub enum Two {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Min,
+    Max,
+    TimesSign,
+}
+
+/// Operations on one number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "as their names say")]
+pub enum One {
+    Neg,
+    Sqrt,
+    Abs,
+    Round,
+}
+
+/// A node: what it is made of.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// Known: the bits of its value in each setting.
+    Known(Vec<u64>, Bank),
+    /// Known too, and kept as data whatever it is: a number of the law's matrices.
+    Data(Vec<u64>, Bank),
+    /// An input or a state, by its place.
+    Input(usize),
+    /// A state that holds or not, by its place.
+    Flag(usize),
+    /// Of one number.
+    One(One, u32),
+    /// Of two numbers.
+    Two(Two, u32, u32),
+    /// Whether the first is less.
+    Less(u32, u32),
+    /// Both masks.
+    And(u32, u32),
+    /// Either mask.
+    Or(u32, u32),
+    /// Not the mask.
+    Not(u32),
+    /// Of a mask and two numbers.
+    Select(u32, u32, u32),
+    /// A mask that is known in each setting.
+    Holds(Vec<bool>, Bank),
+}
+
+/// What was written down.
+#[derive(Debug, Clone, Default)]
+pub struct Graph {
+    /// The nodes, each after those that it is made of.
+    pub nodes: Vec<Node>,
+    known: HashMap<Node, u32>,
+    single: bool,
+    settings: usize,
+}
+
+thread_local! {
+    static GRAPH: RefCell<Graph> = RefCell::default();
+}
+
+/// A number that writes down what is done with it: its node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Trace(pub u32);
+
+/// The outcome of a comparison: its node.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Mask(pub u32);
+
+/// What `work` gives, and the graph that it wrote; `single` where the target computes in single precision.
+pub fn traced<T>(single: bool, settings: usize, work: impl FnOnce() -> T) -> (T, Graph) {
+    GRAPH.with_borrow_mut(|graph| *graph = Graph { single, settings, ..Graph::default() });
+    let found = work();
+    (found, GRAPH.with_borrow_mut(core::mem::take))
+}
+
+/// The `f64` by which an input is told where the model takes none but `f64`: not a number, with the input's place in its last bits.
+pub fn input_as_f64(place: usize) -> f64 {
+    f64::from_bits(NAMED | place as u64)
+}
+
+const NAMED: u64 = 0x7ff8_f0ce_fee1_0000;
+const PLACE: u64 = 0xffff;
+
+impl Graph {
+    fn put(&mut self, node: Node) -> u32 {
+        if let Some(&there) = self.known.get(&node) {
+            return there;
+        }
+        let place = u32::try_from(self.nodes.len()).expect("a period has less than 2^32 operations");
+        self.known.insert(node.clone(), place);
+        self.nodes.push(node);
+        place
+    }
+
+    /// Values in all settings and the bank, of what may be folded.
+    fn value(&self, node: u32) -> Option<(Vec<f64>, Bank)> {
+        let Node::Known(bits, bank) = &self.nodes[node as usize] else { return None };
+        Some((bits.iter().map(|&bits| f64::from_bits(bits)).collect(), *bank))
+    }
+
+    /// Whether it is known and so in every setting.
+    fn is(&self, node: u32, so: impl Fn(f64) -> bool) -> bool {
+        self.value(node).is_some_and(|(values, _)| values.into_iter().all(so))
+    }
+
+    fn number(&mut self, values: &[f64], bank: Bank) -> u32 {
+        let rounded = values.iter().map(|&value| self.rounded(value).to_bits());
+        let bits: Vec<u64> = rounded.collect();
+        let same = bits.iter().all(|&one| one == bits[0]);
+        self.put(Node::Known(bits, if same { Bank::All } else { bank }))
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "rounding to single precision is what is asked")]
+    fn rounded(&self, value: f64) -> f64 {
+        if self.single { f64::from(value as f32) } else { value }
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "numbers of single precision, held in double")]
+    fn one(&mut self, operation: One, a: u32) -> u32 {
+        if let Some((values, bank)) = self.value(a) {
+            let single = self.single;
+            let of = |x: f64| if single { f64::from(apply_one(operation, x as f32)) } else { apply_one(operation, x) };
+            let found: Vec<f64> = values.into_iter().map(of).collect();
+            return self.number(&found, bank);
+        }
+        if let (One::Neg, &Node::One(One::Neg, inner)) = (operation, &self.nodes[a as usize]) {
+            return inner;
+        }
+        self.put(Node::One(operation, a))
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "numbers of single precision, held in double")]
+    fn two(&mut self, operation: Two, a: u32, b: u32) -> u32 {
+        if let (Some((x, bank_x)), Some((y, bank_y))) = (self.value(a), self.value(b))
+            && let Some(bank) = together(bank_x, bank_y)
+        {
+            let single = self.single;
+            let of = |x: f64, y: f64| {
+                if single { f64::from(apply(operation, x as f32, y as f32)) } else { apply(operation, x, y) }
+            };
+            let found: Vec<f64> = x.into_iter().zip(y).map(|(x, y)| of(x, y)).collect();
+            return self.number(&found, bank);
+        }
+        let (zero, one) = (|x: f64| x == 0.0, |x: f64| x.to_bits() == 1f64.to_bits());
+        let (most, least) = (|x: f64| x == f64::INFINITY, |x: f64| x == f64::NEG_INFINITY);
+        match operation {
+            Two::Add if self.is(a, zero) => return b,
+            Two::Add | Two::Sub if self.is(b, zero) => return a,
+            Two::Mul if self.is(a, one) => return b,
+            Two::Mul | Two::Div if self.is(b, one) => return a,
+            Two::Mul if self.is(a, zero) || self.is(b, zero) => {
+                return self.number(&vec![0.0; self.settings], Bank::All);
+            }
+            Two::Min if self.is(a, most) => return b,
+            Two::Max if self.is(a, least) => return b,
+            Two::Min if self.is(b, most) => return a,
+            Two::Max if self.is(b, least) => return a,
+            Two::Min => {
+                // Between limits that meet.
+                if let &Node::Two(Two::Max, _, low) = &self.nodes[a as usize]
+                    && let (Some((low, one)), Some((high, two))) = (self.value(low), self.value(b))
+                    && together(one, two).is_some()
+                    && low.iter().zip(&high).all(|(low, high)| low >= high)
+                {
+                    return b;
+                }
+            }
+            _ => {}
+        }
+        self.put(Node::Two(operation, a, b))
+    }
+
+    fn less(&mut self, a: u32, b: u32) -> u32 {
+        if let (Some((x, bank_x)), Some((y, bank_y))) = (self.value(a), self.value(b))
+            && let Some(bank) = together(bank_x, bank_y)
+        {
+            let found = x.iter().zip(&y).map(|(x, y)| x < y).collect();
+            return self.holds(found, bank);
+        }
+        let (most, least) = (|x: f64| x == f64::INFINITY, |x: f64| x == f64::NEG_INFINITY);
+        if a == b || self.is(a, most) || self.is(b, least) {
+            return self.holds(vec![false; self.settings], Bank::All);
+        }
+        if self.is(b, most) || self.is(a, least) {
+            return self.holds(vec![true; self.settings], Bank::All);
+        }
+        self.put(Node::Less(a, b))
+    }
+
+    fn holds(&mut self, values: Vec<bool>, bank: Bank) -> u32 {
+        let same = values.iter().all(|&one| one == values[0]);
+        self.put(Node::Holds(values, if same { Bank::All } else { bank }))
+    }
+
+    fn mask(&self, node: u32) -> Option<(&[bool], Bank)> {
+        if let Node::Holds(values, bank) = &self.nodes[node as usize] { Some((values, *bank)) } else { None }
+    }
+
+    /// Whether a mask is known, and the same in all settings.
+    fn always(&self, node: u32) -> Option<bool> {
+        self.mask(node).and_then(|(values, bank)| (bank == Bank::All).then_some(values[0]))
+    }
+
+    fn both(&mut self, a: u32, b: u32, and: bool) -> u32 {
+        // `and` of what holds is the other, `or` of what does not likewise.
+        for (one, other) in [(a, b), (b, a)] {
+            match self.always(one) {
+                Some(value) if value == and => return other,
+                Some(_) => return one,
+                None => {}
+            }
+        }
+        if let (Some((x, one)), Some((y, two))) = (self.mask(a), self.mask(b))
+            && let Some(bank) = together(one, two)
+        {
+            let found = x.iter().zip(y).map(|(&x, &y)| if and { x & y } else { x | y }).collect();
+            return self.holds(found, bank);
+        }
+        self.put(if and { Node::And(a, b) } else { Node::Or(a, b) })
+    }
+
+    fn not(&mut self, a: u32) -> u32 {
+        if let Some((values, bank)) = self.mask(a) {
+            let found = values.iter().map(|&one| !one).collect();
+            return self.holds(found, bank);
+        }
+        self.put(Node::Not(a))
+    }
+
+    fn select(&mut self, mask: u32, yes: u32, no: u32) -> u32 {
+        if yes == no {
+            return yes;
+        }
+        if let Some(value) = self.always(mask) {
+            return if value { yes } else { no };
+        }
+        if let (Some((masks, bank)), Some((x, one)), Some((y, two))) =
+            (self.mask(mask), self.value(yes), self.value(no))
+            && let Some(bank) = together(bank, one).and_then(|bank| together(bank, two))
+        {
+            let found: Vec<f64> =
+                masks.iter().zip(x.iter().zip(y)).map(|(&m, (&x, y))| if m { x } else { y }).collect();
+            return self.number(&found, bank);
+        }
+        self.put(Node::Select(mask, yes, no))
+    }
+}
+
+/// The bank of what is made of two; none where they are of different ones.
+fn together(a: Bank, b: Bank) -> Option<Bank> {
+    match (a, b) {
+        (Bank::All, other) | (other, Bank::All) => Some(other),
+        (a, b) => (a == b).then_some(a),
+    }
+}
+
+fn apply<S: Scalar>(operation: Two, x: S, y: S) -> S {
+    match operation {
+        Two::Add => x + y,
+        Two::Sub => x - y,
+        Two::Mul => x * y,
+        Two::Div => x / y,
+        Two::Min => x.min(y),
+        Two::Max => x.max(y),
+        Two::TimesSign => x.times_sign(y),
+    }
+}
+
+fn apply_one<S: Scalar>(operation: One, x: S) -> S {
+    match operation {
+        One::Neg => -x,
+        One::Sqrt => x.sqrt(),
+        One::Abs => Scalar::abs(x),
+        One::Round => x.round(),
+    }
+}
+
+fn put(work: impl FnOnce(&mut Graph) -> u32) -> Trace {
+    Trace(GRAPH.with_borrow_mut(work))
+}
+
+impl Trace {
+    /// A known number with its value in each setting.
+    pub fn known(values: &[f64], bank: Bank) -> Self {
+        put(|graph| graph.number(values, bank))
+    }
+
+    /// A number of the law's matrices, which stays data.
+    pub fn data(values: &[f64], bank: Bank) -> Self {
+        put(|graph| {
+            let bits = values.iter().map(|&value| graph.rounded(value).to_bits()).collect();
+            graph.put(Node::Data(bits, bank))
+        })
+    }
+
+    /// An input or a state.
+    pub fn input(place: usize) -> Self {
+        put(|graph| graph.put(Node::Input(place)))
+    }
+}
+
+impl Mask {
+    /// A state that holds or not.
+    pub fn flag(place: usize) -> Self {
+        Self(GRAPH.with_borrow_mut(|graph| graph.put(Node::Flag(place))))
+    }
+}
+
+macro_rules! operator {
+    ($Trait:ident, $method:ident) => {
+        impl $Trait for Trace {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                put(|graph| graph.two(Two::$Trait, self.0, other.0))
+            }
+        }
+    };
+}
+
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl Neg for Trace {
+    type Output = Self;
+    fn neg(self) -> Self {
+        put(|graph| graph.one(One::Neg, self.0))
+    }
+}
+
+impl BitAnd for Mask {
+    type Output = Self;
+    fn bitand(self, other: Self) -> Self {
+        Self(GRAPH.with_borrow_mut(|graph| graph.both(self.0, other.0, true)))
+    }
+}
+
+impl BitOr for Mask {
+    type Output = Self;
+    fn bitor(self, other: Self) -> Self {
+        Self(GRAPH.with_borrow_mut(|graph| graph.both(self.0, other.0, false)))
+    }
+}
+
+impl Not for Mask {
+    type Output = Self;
+    fn not(self) -> Self {
+        Self(GRAPH.with_borrow_mut(|graph| graph.not(self.0)))
+    }
+}
+
+impl Scalar for Trace {
+    type Mask = Mask;
+
+    fn constant(self, value: f64) -> Self {
+        if value.is_nan() && value.to_bits() & !PLACE == NAMED {
+            return Self::input((value.to_bits() & PLACE) as usize);
+        }
+        put(|graph| graph.number(&vec![value; graph.settings], Bank::All))
+    }
+    fn sqrt(self) -> Self {
+        put(|graph| graph.one(One::Sqrt, self.0))
+    }
+    fn abs(self) -> Self {
+        put(|graph| graph.one(One::Abs, self.0))
+    }
+    fn round(self) -> Self {
+        put(|graph| graph.one(One::Round, self.0))
+    }
+    fn min(self, other: Self) -> Self {
+        put(|graph| graph.two(Two::Min, self.0, other.0))
+    }
+    fn max(self, other: Self) -> Self {
+        put(|graph| graph.two(Two::Max, self.0, other.0))
+    }
+    fn times_sign(self, other: Self) -> Self {
+        put(|graph| graph.two(Two::TimesSign, self.0, other.0))
+    }
+    fn less(self, other: Self) -> Mask {
+        Mask(GRAPH.with_borrow_mut(|graph| graph.less(self.0, other.0)))
+    }
+    /// What may hold is computed.
+    fn any(mask: Mask) -> bool {
+        GRAPH.with_borrow(|graph| graph.mask(mask.0).is_none_or(|(values, _)| values.contains(&true)))
+    }
+    fn select(mask: Mask, yes: Self, no: Self) -> Self {
+        put(|graph| graph.select(mask.0, yes.0, no.0))
+    }
+    fn slope_times(self, by: Self) -> Self {
+        self * by
+    }
+    fn slope_over(self, by: Self) -> Self {
+        self / by
+    }
+}

@@ -1,0 +1,84 @@
+//! A law as C, and what it must answer.
+
+use crate::arrays::rows;
+use crate::errors::refused;
+use crate::simulate::spring_curve;
+use forcefeel_export::controller::{ANSWERS, Given, INPUTS, Job, answers};
+use forcefeel_export::emit::Source;
+use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
+use forcefeel_model::observer::{MOST_STATES, NUMBERS};
+use forcefeel_model::parameters::COUNT;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+/// The parts of C that follow from the trace of a controller's period.
+#[pyclass(frozen, get_all, module = "forcefeel._core")]
+pub struct LawSource {
+    /// Name of each state, and whether it is a flag.
+    states: Vec<(String, bool)>,
+    inputs: Vec<String>,
+    step: String,
+    between: Option<String>,
+    reset: String,
+    members: String,
+    settings: Vec<String>,
+    operations: (usize, usize),
+}
+
+/// A law with its feel on a digital controller, for one setting or many.
+#[pyclass(frozen, module = "forcefeel._core")]
+pub struct ExportedLaw(Job);
+
+#[pymethods]
+impl ExportedLaw {
+    /// Values of the parameter table and the law's numbers, a row each setting; a law has `states`, and runs every `period_s`.
+    #[new]
+    #[pyo3(signature = (values, observers, *, states, period_s, single, curve = None, cancellation = None))]
+    fn new(
+        values: PyReadonlyArray2<'_, f64>,
+        observers: PyReadonlyArray2<'_, f64>,
+        states: usize,
+        period_s: f64,
+        single: bool,
+        curve: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>)>,
+        cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
+    ) -> PyResult<Self> {
+        let (values, observers) = (rows::<COUNT>("values", &values)?, rows::<NUMBERS>("observers", &observers)?);
+        if values.is_empty() || values.len() != observers.len() {
+            return Err(refused(format!("observers: expected a row for each of {} settings", values.len())));
+        }
+        if !(1..=MOST_STATES).contains(&states) {
+            return Err(refused(format!("states: expected 1 to {MOST_STATES}, got {states}")));
+        }
+        let period_s = crate::limits::step(period_s)?;
+        let curve = curve.map(|(knots, coefficients)| spring_curve(&knots, &coefficients)).transpose()?;
+        let cancellation = cancellation.as_ref().map(Cancellation::from_numbers);
+        Ok(Self(Job { values, observers, states, curve, cancellation, period_s, single }))
+    }
+
+    /// The law as C.
+    fn source(&self, py: Python<'_>) -> LawSource {
+        let Source { states, inputs, step, between, reset, members, settings, operations } =
+            py.detach(|| Source::of(&self.0));
+        LawSource { states, inputs, step, between, reset, members, settings, operations }
+    }
+
+    /// Command, torque, displacement and rate of the feel (samples, 4) for `inputs` (samples, 8) in settings `from`, `to` (samples, 2),
+    /// from rest at the first sample.
+    fn answers<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: PyReadonlyArray2<'py, f64>,
+        settings: Vec<(usize, usize)>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let inputs = rows::<{ INPUTS.len() }>("inputs", &inputs)?;
+        let most = self.0.values.len();
+        if settings.len() != inputs.len() || settings.iter().any(|&(from, to)| from >= most || to >= most) {
+            return Err(refused(format!("settings: expected {} pairs of settings below {most}", inputs.len())));
+        }
+        let given: Vec<Given> =
+            inputs.into_iter().zip(settings).map(|(inputs, settings)| Given { inputs, settings }).collect();
+        let found = py.detach(|| answers(&self.0, &given));
+        PyArray1::from_vec(py, found.into_flattened()).reshape([given.len(), ANSWERS])
+    }
+}

@@ -1,0 +1,102 @@
+"""``forcefeel export``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.release_options import ASKED
+from forcefeel.cli.terminal import Terminal, answer
+from forcefeel.errors import InputError
+
+if TYPE_CHECKING:
+    from forcefeel.export import Exported
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportOptions(LoaderOptions, FolderOptions, OutputOptions):
+    """The options of ``forcefeel export``."""
+
+    to: Annotated[
+        Literal["c", "matlab", "table"],
+        option(
+            "Where it goes: c, C99 of law and feel for one axis, with golden vectors; matlab, matrices of law and plant as .mat "
+            "with scripts for python-control and for MATLAB or Octave, which close the loop and compare; table, the parameter "
+            "sheet of a drive or a PLC as CSV.",
+            ASKED,
+        ),
+    ]
+    law: LawOption = None
+    knots: Annotated[
+        Path | None,
+        option(
+            "CSV of settings, as forcefeel schedule takes it: the law is designed for each. Else for the loader's own.",
+            ASKED,
+            metavar="FILE",
+        ),
+    ] = None
+    name: Annotated[str, option("By what the names of files begin, and names in them: an identifier of C.", ASKED)] = (
+        "loader"
+    )
+    single: Annotated[bool, option("With --to c: for a target that computes in single precision.", ASKED)] = False
+    out: Annotated[Path, option("Folder for what is exported.", OUTPUT)] = Path("forcefeel-export")
+
+    def exported(self, path: Path | None) -> "Exported":
+        """The law with its loader.
+
+        Raises:
+            InputError: If an option, the loader or the law is bad, or the two do not go together.
+        """
+        from forcefeel.export import Exported
+        from forcefeel.flight_schedule import read_knots
+
+        loader = self.loader(path)
+        feel = None if self.knots is None else read_knots(self.knots).feel
+        try:
+            return Exported.of(self.law, loader, self.name, feel)
+        except InputError as error:
+            raise _spelled(error) from error
+
+
+def _spelled(error: InputError) -> InputError:
+    """What is wrong, told by the option that says it."""
+    text = str(error)
+    for argument, option_name in (("compensator: ", "--law: "), ("law: ", "--law: "), ("name: ", "--name: ")):
+        if text.startswith(argument):
+            return InputError(option_name + text.removeprefix(argument))
+    return error
+
+
+def run(path: LoaderFile = None, /, *, options: ExportOptions) -> None:
+    """Hand a law on to where it is to run, or to a colleague's tool, with what shows that it computes the same there.
+
+    Example: forcefeel export elevator-2khz --law robust --to matlab --name pitch --out pitch
+    """
+    from forcefeel.export import Target, write_export
+
+    exported = options.exported(path)
+    if options.single and options.to != "c":
+        raise InputError(f"--single: is for --to c, and --to is {options.to}; leave it out")
+    try:
+        files = write_export(exported, Target(options.to), options.out, replace=options.replace, single=options.single)
+    except InputError as error:
+        raise _spelled(error) from error
+    answer(
+        {"folder": options.out},
+        lambda: {"files": list(files), "law": exported.law.name, "loader": exported.loader.name, **_settings(exported)},
+        lambda terminal: _show(terminal, exported, list(files)),
+        as_json=options.json,
+    )
+
+
+def _settings(exported: "Exported") -> dict[str, int | str]:
+    return {"settings": len(exported.settings), "loader_sha256": exported.loader.fingerprint}
+
+
+def _show(console: Terminal, exported: "Exported", files: list[str]) -> None:
+    law, loader, settings = exported.law, exported.loader, len(exported.settings)
+    time = f"every {law.period_s * 1e3:.6g} ms" if law.period_s else "in continuous time"
+    console.print(f"{law.name} for {loader.name}, {time}", style="bold", highlight=False)
+    console.print(f"loader {loader.fingerprint[:12]}, settings of the feel: {settings}", highlight=False)
+    for name in files:
+        console.print(f"- {name}", highlight=False)

@@ -1,0 +1,5 @@
+"""Public names; ``__init__.py`` fetches them when first used."""
+
+from forcefeel.export.exported import Exported as Exported
+from forcefeel.export.folder import write_export as write_export
+from forcefeel.export.target import Target as Target

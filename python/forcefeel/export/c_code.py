@@ -1,0 +1,182 @@
+"""A law as C99, from the very operations that the simulated controller runs, with golden vectors that show it.
+
+``forcefeel._core.ExportedLaw`` traces the controller's period; here that becomes files, and the golden vectors' inputs are made.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel._core import ExportedLaw, LawSource
+from forcefeel.errors import InputError
+from forcefeel.export.exported import Exported
+from forcefeel.laws.law import Law
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.parameters import ELECTRIC
+from forcefeel.loader.sensors import has_grip_sensor
+from forcefeel.simulation.engine import simulate
+from forcefeel.simulation.inputs.signals import Chirp, Release
+from forcefeel.simulation.scenario import Scenario
+from forcefeel.templating import environment
+
+PART = 3334
+"""Samples of each of release, sweep and random input."""
+
+_SEED = 20
+_RELEASED_RAD = 0.1
+_FILES = {
+    "law.h": "{}_law.h",
+    "data.h": "{}_data.h",
+    "law.c": "{}_law.c",
+    "main.c": "{}_main.c",
+    "golden.h": "{}_golden.h",
+    "test.c": "{}_test.c",
+    "Makefile": "Makefile",
+    "README.md": "README.md",
+}
+
+
+def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
+    """The files by their names; ``single`` for a target that computes in single precision.
+
+    Raises:
+        InputError: If the law is no sampled one.
+    """
+    law, numbers = exported.law, _sampled(exported)
+    traced = traced_law(exported.loader, law, numbers, single=single)
+    source = traced.source()
+    given, pairs = golden_inputs(exported)
+    if single:
+        given = given.astype(np.float32).astype(np.float64)
+    answers = np.vstack([traced.answers(given[k : k + PART], pairs[k : k + PART]) for k in range(0, len(given), PART)])
+    fields = _about(exported, numbers, single=single) | _of_source(source)
+    settings = numbers.settings
+    fields |= {
+        "samples": len(given),
+        "part": PART,
+        "given": _rows(given if settings > 1 else given[:, :7], single=single),
+        "pairs": ",\n".join(f"    {{{a}, {b}}}" for a, b in pairs),
+        "answers": _rows(answers, single=single),
+    }
+    templates = environment(html=False)
+    return {
+        name.format(exported.name): templates.get_template(f"export/c/{template}.j2").render(fields)
+        for template, name in _FILES.items()
+    }
+
+
+def traced_law(loader: Loader, law: Law, numbers: SampledCompensator, *, single: bool) -> ExportedLaw:
+    """The law with its feel as the tracer takes it."""
+    feel = law.feel if law.feel is not None else np.array([[loader[key] for key in FEEL_SETTING]])
+    curve = loader.force_curve
+    return ExportedLaw(
+        loader.rows(FEEL_SETTING, feel),
+        numbers.rows(),
+        states=numbers.states,
+        period_s=numbers.period_s,
+        single=single,
+        curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
+        cancellation=None if law.cancellation is None else law.cancellation.numbers,
+    )
+
+
+def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[int, int]]]:
+    """Inputs (samples, 8) and settings of release, sweep and random input, as the loader's sensors show them in a run.
+
+    In the random part the settings change, and trim, spring factor and shaker stir.
+    """
+    loader = exported.loader
+    period = exported.law.period_s or 0.0
+    law = exported.law.some([0])
+    own = loader.replace(dict(zip(FEEL_SETTING, exported.settings[0].tolist(), strict=True)))
+    force = loader["pilot.force"]
+    duration = PART * period
+    parts = [
+        _recorded(own, law, Scenario(Release(_RELEASED_RAD), duration_s=duration, sample_s=period)),
+        _recorded(own, law, Scenario(Chirp(0.3 * force, 0.2, 20.0, duration), duration_s=duration, sample_s=period)),
+    ]
+    random = np.random.default_rng(_SEED)
+    size = np.abs(np.vstack(parts)[:, :3]).max(axis=0)
+    noise = np.zeros((PART, 8))
+    noise[:, :3] = size * random.standard_normal((PART, 3)).cumsum(axis=0) / 20
+    noise[:, 3] = has_grip_sensor(loader) * force * random.uniform(-1, 1, PART)
+    noise[:, 4:7] = [0.0, 1.0, 0.0] + [0.02, 0.2, 0.5] * random.uniform(-1, 1, (PART, 3))
+    pairs = [(0, 0)] * (2 * PART)
+    count = len(exported.settings)
+    for k in range(PART):
+        block, within = divmod(k, 200)  # a tenth of a second with shares, then one that stays
+        noise[k, 7] = within / 100 if count > 1 and within < 100 else 0.0
+        pairs.append((block % count, (block + 1) % count))
+    return np.vstack([*parts, noise]), pairs
+
+
+def _recorded(loader: Loader, law: Law, scenario: Scenario) -> NDArray[np.float64]:
+    """What the sensors show at each sample of a run; nothing else is given."""
+    history = simulate(loader, scenario, law).history
+    position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
+    found = np.zeros((PART, 8))
+    base = history.column_angle_rad.values * loader["column.base_arm"]
+    for column, values in enumerate((history.load_cell_force_n.values, history[position].values, base)):
+        found[:, column] = values[:PART]
+    found[:, 5] = 1.0
+    return found
+
+
+def _sampled(exported: Exported) -> SampledCompensator:
+    numbers = exported.law.sampled
+    if numbers is None:
+        exported.check_time()
+        raise InputError(
+            f"law: {exported.law.name} is an analog law, and C runs on a digital target; give the loader a controller.period, such "
+            "as --set 'controller.period=0.5 ms', and a sampled law such as robust"
+        )
+    return numbers
+
+
+def _about(exported: Exported, numbers: SampledCompensator, *, single: bool) -> dict[str, object]:
+    loader, law = exported.loader, exported.law
+    suffix = "F" if single else ""
+    limit = "current_loop.current_limit" if loader.drive == ELECTRIC else "amplifier.current_limit"
+    return {
+        "name": exported.name,
+        "law": law.name,
+        "law_states": numbers.states,
+        "friction": numbers.knows_friction,
+        "cancellation": law.cancellation is not None,
+        "loader": loader.name,
+        "sha256": loader.fingerprint,
+        "single": single,
+        "real": "float" if single else "double",
+        "zero": f"0.0{suffix}",
+        "one": f"1.0{suffix}",
+        "period_s": f"{numbers.period_s!r}{suffix}",
+        "delay_s": f"{numbers.delay_s!r}{suffix}",
+        "base_arm": f"{loader['column.base_arm']!r}{suffix}",
+        "settings": numbers.settings,
+        "feel": [", ".join(f"{value:.6g}" for value in row) for row in exported.settings],
+        "command_unit": "A" if loader.drive == ELECTRIC else "V",
+        "limits": f"{limit} of {loader[limit]:.6g} A",
+    }
+
+
+def _of_source(source: LawSource) -> dict[str, object]:
+    single, looped = source.operations
+    return {
+        "states": source.states,
+        "step": source.step,
+        "between": source.between,
+        "reset": source.reset,
+        "members": source.members,
+        "data": source.settings,
+        "code": "".join((source.step, source.between or "", source.reset, *source.settings)),
+        "operations": f"{single} as written, {looped} in loops over data",
+    }
+
+
+def _rows(numbers: NDArray[np.float64], *, single: bool) -> str:
+    """Numbers that C reads back to the last bit."""
+
+    def spelled(value: float) -> str:
+        return f"{np.float32(value)!s}F" if single else repr(value)
+
+    return ",\n".join(f"    {{{', '.join(map(spelled, row))}}}" for row in numbers.tolist())

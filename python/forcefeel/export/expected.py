@@ -1,0 +1,99 @@
+"""The numbers that must come out of an exported loop: found by the engine, and not from the matrices that are exported.
+
+Of a sampled law the loop from one period to the next as the machine's own step gives it (``sampled_loops``); of an analog one eq.
+(17), whose matrices are the Jacobian of the whole loader. Effects that the linear plant does not have are taken out.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+from forcefeel.export.exported import Exported
+from forcefeel.linear.models import Linkage, loader_model
+from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loops.sampled_loop import sampled_loops
+
+_NOT_IN_PLANT = {
+    "valve.orifice": False,
+    "column.viscous_friction": None,
+    "column.gravity_torque": None,
+    "pilot.arm_mass": None,
+    "pilot.arm_damping": None,
+    "pilot.arm_stiffness": None,
+}
+"""Rows that have a slope at rest, and that the plant is without."""
+
+SAMPLES = 2000
+"""Samples of the response."""
+
+ANALOG_STEP_S = 5e-4
+"""Between two of an analog loop."""
+
+
+@dataclass(frozen=True, eq=False)
+class Expected:
+    """What the closed loop does.
+
+    Attributes:
+        time_s: Times of the response, (samples,).
+        angle_rad: Column angle after a step of 1 N of the pilot's force, (settings, samples).
+        critical: The pole nearest to the edge, or beyond it: largest magnitude of a sampled loop, largest real part of an analog
+            one in 1/s; (settings,).
+    """
+
+    time_s: NDArray[np.float64] = field(repr=False)
+    angle_rad: NDArray[np.float64] = field(repr=False)
+    critical: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, exported: Exported) -> "Expected":
+        """What a loader does under its law, setting by setting."""
+        loader = linear_part(exported.loader)
+        return _sampled(exported, loader) if exported.law.period_s else _analog(exported, loader)
+
+
+def linear_part(loader: Loader) -> Loader:
+    """The loader without the effects that its linear plant does not have."""
+    return loader.replace({key: off for key, off in _NOT_IN_PLANT.items() if key in loader.given})
+
+
+def _sampled(exported: Exported, loader: Loader) -> Expected:
+    feel = exported.settings
+    loops = sampled_loops(loader, exported.law, loader.rows(FEEL_SETTING, feel))
+    angles = np.stack(
+        [
+            _response(matrix, force, loops.base) / loader["column.base_arm"]
+            for matrix, force in zip(loops.matrix, loops.by_force, strict=True)
+        ]
+    )
+    return Expected(_times(loops.period_s), angles, np.abs(loops.poles).max(axis=1))
+
+
+def _analog(exported: Exported, loader: Loader) -> Expected:
+    angles, critical = [], []
+    for setting, feel in enumerate(exported.settings):
+        here = loader.replace(dict(zip(FEEL_SETTING, feel.tolist(), strict=True)))
+        model = loader_model(here, exported.law.single(here, setting).fixed, Linkage.COMPLIANT)
+        n = len(model.A)
+        block = np.zeros((n + 1, n + 1))
+        block[:n, :n], block[:n, n] = model.A, model.B[:, 0]
+        over_step = expm(block * ANALOG_STEP_S)
+        base = model.state_labels.index("base_position_m")
+        angles.append(_response(over_step[:n, :n], over_step[:n, n], base) / loader["column.base_arm"])
+        critical.append(np.linalg.eigvals(model.A).real.max())
+    return Expected(_times(ANALOG_STEP_S), np.stack(angles), np.array(critical))
+
+
+def _times(between_s: float) -> NDArray[np.float64]:
+    return np.asarray(between_s * np.arange(1, SAMPLES + 1), dtype=np.float64)
+
+
+def _response(matrix: NDArray[np.float64], entry: NDArray[np.float64], state: int) -> NDArray[np.float64]:
+    """One state after each step under an input of one."""
+    x, found = np.zeros(len(matrix)), np.empty(SAMPLES)
+    for k in range(SAMPLES):
+        x = matrix @ x + entry
+        found[k] = x[state]
+    return found

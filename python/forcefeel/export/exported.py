@@ -1,0 +1,85 @@
+"""What is exported: a law, the loader that it was made for, and the name under which it goes."""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.errors import InputError
+from forcefeel.laws.law import Law, LawLike
+from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.loader.feel_settings import own_feel
+from forcefeel.loader.loader import Loader
+from forcefeel.units import show
+
+_IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_LONGEST_NAME = 20
+"""C99 tells names apart by 31 characters at least; suffixes such as ``_law_reset`` are added."""
+
+
+@dataclass(frozen=True, eq=False)
+class Exported:
+    """A law for one loader, checked.
+
+    Attributes:
+        loader: The loader.
+        law: Its law, for one setting of the feel or many.
+        name: By which files and names in them begin.
+
+    Raises:
+        InputError: If the law was made for another loader, rate or drive, or the name is no identifier of C.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> loader = ff.digital_elevator()
+        >>> ff.export.Exported.of("robust", loader, "pitch").settings.shape
+        (1, 3)
+    """
+
+    loader: Loader
+    law: Law
+    name: str = "loader"
+
+    def __post_init__(self) -> None:
+        if not _IDENTIFIER.fullmatch(self.name) or len(self.name) > _LONGEST_NAME:
+            raise InputError(
+                f"name: expected an identifier of C of at most {_LONGEST_NAME} letters, digits and _, such as pitch, "
+                f"got {show(self.name)}"
+            )
+        self.law.check(self.loader)
+        made_for = self.law.loader_hash
+        if made_for and made_for != self.loader.fingerprint:
+            raise InputError(
+                f"law: {self.law.name} was made for {self.law.loader} ({made_for[:12]}), and this is {self.loader.name} "
+                f"({self.loader.fingerprint[:12]}); give the loader file that it was made for, or design it anew for this one"
+            )
+
+    @classmethod
+    def of(
+        cls, given: LawLike, loader: Loader, name: str = "loader", feel: NDArray[np.float64] | None = None
+    ) -> "Exported":
+        """A law as ``Law.of`` makes it, for the settings I, B, G in ``feel`` (settings, 3), SI units; else the loader's own.
+
+        Raises:
+            InputError: As ``Law.of`` and ``Exported``.
+        """
+        return cls(loader, Law.of(given, loader, feel), name)
+
+    def check_time(self) -> None:
+        """Refuses gains on a digital controller, which are neither a sampled law nor a loop in continuous time.
+
+        Raises:
+            InputError: If so.
+        """
+        if self.law.period_s and self.law.sampled is None:
+            sampled = [name for name, method in METHODS.items() if self.loader.drive in method.drives]
+            raise InputError(
+                f"law: {self.law.name} is gains of an analog law, and {self.loader.name} has a digital controller; expected a "
+                f"sampled law, such as {' or '.join(sampled)}"
+            )
+
+    @property
+    def settings(self) -> NDArray[np.float64]:
+        """The settings I, B, G, (settings, 3): the law's, or where it holds for any, the loader's own."""
+        return own_feel(self.loader) if self.law.feel is None else self.law.feel

@@ -1,0 +1,77 @@
+"""``forcefeel export`` on the command line: what is written, and what is refused before anything is."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import forcefeel as ff
+from tests.command_line import runner
+
+KNOTS = Path(__file__).parents[2] / "examples" / "schedule" / "knots.csv"
+
+
+@pytest.fixture
+def export(monkeypatch, capsys, tmp_path):
+    return runner(monkeypatch, capsys, tmp_path, "export")
+
+
+def test_a_table_for_each_setting(export, tmp_path):
+    status, out, _ = export(
+        "elevator-2khz", "--law", "robust", "--to", "table", "--knots", KNOTS, "--name", "pitch", "--out", "sheet"
+    )
+    assert status == 0
+    assert "settings of the feel: 4" in out
+    assert {path.name for path in (tmp_path / "sheet").iterdir()} == {"pitch_parameters.csv"}
+
+
+def test_json_names_files_law_and_loader(export):
+    status, out, _ = export("elevator-electric", "--to", "table", "--json")
+    found = json.loads(out)
+    assert (status, found["files"], found["law"]) == (0, ["loader_parameters.csv"], "robust")
+    assert found["loader_sha256"] == ff.loader.electric("elevator-electric").fingerprint
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("--to", "table", "--name", "9x"), "--name: expected an identifier of C"),
+        (("--to", "table", "--name", "a-b"), "--name: expected an identifier of C"),
+        (("--to", "plc"), "--to: expected matlab"),
+        (
+            ("--to", "matlab", "--law", "original"),
+            "is gains of an analog law, and elevator-2khz has a digital controller",
+        ),
+        (("--to", "table", "--law", "torque-mode"), "--law: torque-mode is a law for a motor"),
+        (("--to", "matlab", "--law", "robust", "--knots", "none.csv"), "none.csv: cannot be read"),
+        ((), "--to: is needed, and not given"),
+    ],
+)
+def test_bad_input_is_named_and_nothing_is_written(export, tmp_path, words, expected):
+    status, out, error = export("elevator-2khz", *words)
+    assert (status, out) == (2, "")
+    assert expected in error
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_law_of_another_loader_or_rate_is_refused(export, tmp_path):
+    loader = ff.digital_elevator()
+    ff.Law.of("robust", loader).save(tmp_path / "law.json")
+    ff.Law.of("robust", loader.replace({"controller.period": "1 ms"})).save(tmp_path / "slow.json")
+    given = ("elevator-2khz", "--to", "matlab", "--law")
+    status, _, error = export(*given, "law.json", "--set", "column.inertia=50 lb in s^2/rad")
+    assert status == 2
+    assert "was made for elevator-2khz" in error
+    status, _, error = export(*given, "slow.json")
+    assert status == 2
+    assert "made for a controller.period of 1 ms, the loader has 0.5 ms" in error
+    assert export(*given, "law.json")[0] == 0
+
+
+def test_what_is_there_stays_unless_it_is_to_be_replaced(export):
+    given = ("elevator-2khz", "--law", "robust", "--to", "table", "--out", "sheet")
+    assert export(*given)[0] == 0
+    status, _, error = export(*given)
+    assert status == 2
+    assert "--replace" in error
+    assert export(*given, "--replace")[0] == 0

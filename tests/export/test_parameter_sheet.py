@@ -1,0 +1,78 @@
+"""The parameter sheet: every number of law, limits and filters, in both systems of units."""
+
+import csv
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.export.parameter_sheet import COLUMNS, parameter_sheet
+from forcefeel.units import factor
+
+FEEL = np.array([[6.8, 34.0, 1085.0], [4.0, 25.0, 800.0]])
+
+
+def rows(exported):
+    read = list(csv.reader(parameter_sheet(exported).splitlines()))
+    assert tuple(read[0]) == COLUMNS
+    return {(row[0], row[2]): row for row in read[1:]}
+
+
+@pytest.fixture(scope="module")
+def sampled():
+    loader = ff.digital_elevator().replace({"column.coulomb_friction": "1 lb", "feel.breakout": "2 lb"})
+    exported = ff.export.Exported.of("robust", loader, "pitch", FEEL)
+    return exported, rows(exported)
+
+
+def test_each_setting_has_all_numbers_of_its_law_to_the_last_bit(sampled):
+    exported, sheet = sampled
+    law = exported.law.sampled
+    n = law.states
+    for place in range(2):
+        setting = str(place + 1)
+        for name, array in (("command", law.command), ("torque", law.torque)):
+            found = [float(sheet[setting, f"law.{name}_{k + 1}"][4]) for k in range(n + 5)]
+            assert np.array_equal(found, array[place])
+        for name, array in (("transition", law.transition), ("input", law.input), ("settled", law.settled)):
+            shape = array[place].shape
+            found = [
+                [float(sheet[setting, f"law.{name}_{i + 1}_{j + 1}"][4]) for j in range(shape[1])] for i in range(n)
+            ]
+            assert np.array_equal(found, array[place])
+        assert float(sheet[setting, "law.friction_level"][4]) == law.friction[place, -4]
+        assert [float(sheet[setting, f"feel.{row}"][4]) for row in ("inertia", "damping", "stiffness")] == list(
+            FEEL[place]
+        )
+
+
+def test_both_systems_of_units_state_the_same(sampled):
+    for _, _, name, _, si, unit_si, us, unit_us in sampled[1].values():
+        if si == "off" or unit_si == unit_us:
+            assert us == "off" or float(us) == pytest.approx(float(si), rel=1e-9), name  # ten digits
+            continue
+        assert float(us) == pytest.approx(float(si) * factor(unit_si, unit_us), rel=1e-9), name  # ten digits
+
+
+def test_limits_filters_and_the_nonlinear_feel_are_there(sampled):
+    sheet = sampled[1]
+    assert sheet["", "controller.period"][4:6] == ["0.0005", "s"]
+    assert sheet["", "amplifier.current_limit"][4:] == ["0.015", "A", "15", "mA"]
+    assert sheet["", "feel.breakout"][6:] == ["2", "lb"]
+    assert sheet["", "load_cell.bandwidth"][4] == "off"
+
+
+def test_a_motor_has_its_own_limits_and_its_command_in_ampere():
+    sheet = rows(ff.export.Exported.of("robust", ff.loader.electric("elevator-electric"), "pitch"))
+    assert ("", "current_loop.current_limit") in sheet
+    assert ("", "valve.flow_limit") not in sheet
+    assert sheet["1", "law.command_9"][5] == "A/N"
+
+
+def test_gains_of_an_analog_law():
+    loader = ff.elevator()
+    exported = ff.export.Exported.of("converged", loader, "pitch")
+    sheet = rows(exported)
+    found = [float(sheet["1", f"law.c_{k}"][4]) for k in range(1, 8)]
+    assert found == list(exported.law.fixed.gains)
+    assert sheet["1", "law.c_1"][7] == "V/in"
