@@ -16,7 +16,11 @@ still swing so far that the feel's spring has more than ``SWINGS`` of the fricti
 * given back: known, at rest a play.
 * lower end: the same with the share that no machine of the tolerance is given too much by.
 * learnt: known, and learnt within 20 %. What the laws of a loader file do whose tolerance is 20 %.
+* learnt at once: the same, and trusted as soon as it is learnt.
 * learnt, from the lower end: the same, begun there.
+
+Behind them, on elevator-2khz, what learning costs a hand, the friction exactly as told: the share of it that a sinusoidal push of
+20 N feels beside the programmed feel, and the shares of settings with each pilot's arm.
 
 Sources: B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994) 1083-1138; H. Olsson, K. J. Astrom, C. Canudas de
 Wit, M. Gafvert, P. Lischinsky, Friction models and friction compensation, European J. Control 4 (1998) 176-195; B. Friedland, Y.-J.
@@ -38,20 +42,22 @@ from forcefeel.envelope.cases import NOMINAL, Case, Kind
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.machines import full_rows
 from forcefeel.envelope.plan import make_plan
-from forcefeel.envelope.releases import measured, pieces, released
+from forcefeel.envelope.releases import carrying, measured, pieces, released
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.laws.sampled.sampled_compensator import OF_FRICTION
+from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import HYDRAULIC
 from forcefeel.qualification.batch_verdicts import judge_releases
-from forcefeel.simulation import Scenario, simulate_batch
-from forcefeel.simulation.inputs import Release, Schedule
+from forcefeel.simulation import Scenario, simulate, simulate_batch
+from forcefeel.simulation.inputs import Recorded, Release, Schedule
 
 OFF = (-0.2, -0.1, 0.0, 0.1, 0.2)
 BREAKS_AWAY = 1.2
 SWINGS = 0.25
 DITHER_HZ, DITHER_V = 30.0, (0.02, 0.1, 0.5)
-LEVEL, MARGIN, SLOW, LEAK, LEAST, MOST, GAIN, HAND, BLUR = range(-OF_FRICTION, 0)
+LEVEL, MARGIN, SLOW, LEAK, LEAST, MOST, GAIN, HAND, BLUR, TRUST = range(-OF_FRICTION, 0)
+HANDS, HERTZ = ("given back", "learnt at once", "learnt"), (0.2, 0.5)
 ROWS = ("column.coulomb_friction", "column.static_friction")
 LOADERS = {"elevator-2khz": (0.5, 1.0, 2.0), "elevator-electric": (0.5, 1.0)}
 
@@ -94,6 +100,10 @@ def fixed_lower(numbers):
     unlearnt(numbers)
 
 
+def at_once(numbers):
+    numbers[:, TRUST] = 1.0
+
+
 def from_nothing(numbers):
     level = numbers[:, LEVEL].copy()
     numbers[:, LEVEL], numbers[:, LEAST], numbers[:, MOST] = 1e-6 * level, 0.0, 2 * level
@@ -107,6 +117,7 @@ WAYS = {
     "given back": law(unlearnt),
     "lower end": law(fixed_lower),
     "learnt": law(),
+    "learnt at once": law(at_once),
     "learnt, from the lower end": law(lower),
 }
 
@@ -155,6 +166,38 @@ def shaken(volts):
     return run
 
 
+def with_arms(loader, design):
+    """Passes of the nominal machine by the name of the pilot's arm."""
+    plan = make_plan(loader, ["robust"], COARSE, changes={})
+    cases, feel = [case for case in plan.cases if case.arm], plan.settings.feel(loader)
+    passes = np.zeros((len(cases), len(feel)), dtype=bool)
+    for which, record in pieces(plan):
+        made = replace(Law.of(design(plan.loader, feel[which]), plan.loader, name="way"), feel=feel[which])
+        _, angles = released(plan, cases, feel[which], made, record, 1)
+        for k, one in enumerate(angles.reshape(len(cases), len(which), -1)):
+            felt = carrying(loader, feel[which], cases[k].arm)
+            ideal = ideal_releases(felt, plan.release_rad, record.step_s, record.samples)
+            found = (measured(plan, record, it, 1) for it in (one, ideal))
+            passes[k, which] = judge_releases(*found, plan.test, travel=plan.throw.travel_rad).passed
+    return {case.name: passes[k].mean() for k, case in enumerate(cases)}
+
+
+def felt_by_hand(loader, design, newtons=20.0, hertz=0.2):
+    """Share of the friction that a sinusoidal push feels of it where the column moves."""
+    feel = np.array([[0.5, 3.0, 20.0]])
+    loader = loader.replace(dict(zip(FEEL_SETTING, feel[0], strict=True)))
+    time = np.linspace(0.0, 20.0, 4001)
+    force = newtons * np.sin(2 * np.pi * hertz * time)
+    made = Law.of(design(loader, feel), loader, name="way")
+    scenario = Scenario(Recorded(time, force), time[-1], loader["controller.period"], 5e-3)
+    history = simulate(loader, scenario, made).history
+    angle, rate = history.column_angle_rad.values, history.column_velocity_rad_per_s.values
+    torque = feel[0, 2] * angle + feel[0, 1] * rate
+    moving = (np.abs(rate) > 0.2 * np.abs(rate).max()) & (history.time_s.values > 10.0)
+    push = np.interp(history.time_s.values, time, force) - torque / loader["column.grip_arm"]
+    return np.mean(push * np.sign(rate), where=moving) / loader[ROWS[0]]
+
+
 def show(name, passes, swings):
     cells = "".join(
         f"{f'{100 * a:.0f} / {100 * b:.0f}':>10}" for a, b in zip(passes.mean(1), swings.mean(1), strict=True)
@@ -179,6 +222,10 @@ def main():
                 f"dither, {volts:g} {'V' if rubbed.drive == HYDRAULIC else 'A'}",
                 *tried(rubbed, WAYS["none"], shaken(volts)),
             )
+        for way in HANDS if name == "elevator-2khz" else ():
+            felt = ", ".join(f"{hertz:g} Hz {felt_by_hand(rubbed, WAYS[way], hertz=hertz):.0%}" for hertz in HERTZ)
+            arms = ", ".join(f"{name} {share:.0%}" for name, share in with_arms(rubbed, WAYS[way]).items())
+            print(f"{way:<28}a push of 20 N feels of the friction, at {felt}; within tolerance with {arms}", flush=True)
 
 
 if __name__ == "__main__":

@@ -147,7 +147,7 @@ def simulate(loader, law, pilot, duration, *, command=None, added=None, test=Non
         ]
     )
     step = expm(feel * period)
-    y, feels, rows, last, heard = np.zeros(10), np.zeros(2), [], 0.0, 0.0
+    y, feels, rows, last, memory = np.zeros(10), np.zeros(2), [], 0.0, np.zeros(5)
     xi, e = None if law is None else np.zeros(law.transition.shape[-1]), 0.0 if added is None else added(0.0, 0.0)
     y[2] = e
     for k in range(round(duration / period)):
@@ -162,9 +162,9 @@ def simulate(loader, law, pilot, duration, *, command=None, added=None, test=Non
             more = 0.0 if added is None else added(sample[1], (sample[1] - last) / period)
             last = sample[1]
             answered = min(max(own + more, -limit), limit) - more
-            heard, moved = hear(law.friction[0], known, torque, heard)
+            memory, moved = hear(law.friction[0], known, torque, memory)
             xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered) + moved
-            feels = (step @ np.append(feels, heard))[:2]
+            feels = (step @ np.append(feels, memory[0]))[:2]
             new += own + more
         for start, end, held in ((t, t + delay, e), (t + delay, t + period, new)):
             if end - start > 1e-12:  # s, far below any delay
@@ -176,20 +176,29 @@ def simulate(loader, law, pilot, duration, *, command=None, added=None, test=Non
     return found
 
 
-def hear(numbers, known, torque, heard):
-    """What the feel hears of an estimated torque, and how the friction that is known moves the law's state."""
-    level, margin, slow, leak = numbers[-4:]
-    by_rate, enters = np.split(numbers[:-4], [len(known)])
+def hear(numbers, known, torque, memory):
+    """What the feel hears of an estimated torque, first in the memory, and how the friction that is known moves the law's state."""
+    level, margin, slow, leak, low, high, gain, hand, blur, trust = numbers[-10:]
+    by_rate, enters = np.split(numbers[:-10], [len(known)])
+    heard, learnt, trusted, push, way_before = memory
     if not level:
-        return torque, 0.0
+        return np.array([torque, learnt, trusted, push, way_before]), 0.0
     rate = by_rate @ known
-    friction = level * rate / math.hypot(rate, slow)
+    way_now = rate / math.hypot(rate, slow)
+    level += learnt
+    friction = level * way_now
     # The torques of dry friction at this rate: all of them at rest, one in motion, in between within half a slow rate.
     least, most = (min(max(2 * (rate + way * slow) / slow, -1.0), 1.0) for way in (-1, 1))
     band = level + margin * (most - least) / 2
     rest = torque - friction
     heard += leak * (rest - heard)
-    return min(max(heard, rest + least * band), rest + most * band), enters * friction
+    heard = min(max(heard, rest + least * band), rest + most * band)
+    if abs(push) >= hand:  # what was learnt of late was the hand's
+        learnt += gain * (trusted - learnt)
+    elif way_now * way_before > 0.8:
+        learnt, trusted = min(max(learnt - gain * way_now * torque, low), high), trusted + trust * (learnt - trusted)
+    push, way_before = push + blur * (torque - push), way_before + blur * (way_now - way_before)
+    return np.array([heard, learnt, trusted, push, way_before]), enters * friction
 
 
 def _piece(plant, y, span, asked, pilot, rtol):

@@ -36,6 +36,7 @@ __all__ = [
     "design_plant",
     "discretize",
     "electric_plant",
+    "fault_kinds",
     "feel_frequencies",
     "feel_frequency",
     "feel_from_frequencies",
@@ -57,12 +58,14 @@ __all__ = [
     "release_feature_groups",
     "released",
     "rigid",
+    "safety_functions",
     "sampled_loops",
     "sampled_slopes",
     "schedule",
     "simulation_measure",
     "simulation_measures",
     "simulation_outputs",
+    "supervised_faults",
     "valve_gains",
 ]
 

@@ -54,6 +54,8 @@ _QUANTITIES = {
     "H": "an inductance",
     "degC": "a temperature",
     "1/K": "a share per difference of temperature",
+    "N/s": "a change of a force in time",
+    "W": "a power",
     "K/W": "a thermal resistance",
     "J/K": "a heat capacity",
     "A/V": "a current per voltage",

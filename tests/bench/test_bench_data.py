@@ -424,7 +424,9 @@ def test_either_kind_is_told_by_its_columns(tmp_path):
 
 
 def test_what_is_no_table_is_refused(tmp_path):
-    with pytest.raises(InputError, match=r"expected a file that ends in \.csv, \.parquet or \.mat, got 'run\.txt'"):
+    with pytest.raises(
+        InputError, match=r"expected a file that ends in \.csv, \.parquet, \.mat or \.mcap, got 'run\.txt'"
+    ):
         read_bench_data(tmp_path / "run.txt")
     with pytest.raises(InputError, match=r"none\.csv: cannot be read"):
         read_bench_data(tmp_path / "none.csv")

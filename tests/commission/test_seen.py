@@ -71,7 +71,9 @@ def test_noise_that_is_declared_as_zero_is_wanting_with_what_the_record_shows(re
 def test_the_tolerance_of_what_others_carry_is_none(records):
     found = identify_loader(FILE, records, CommissionPlan())
     assert found.loader is not None
-    assert found.loader["column.inertia"] / FILE["column.inertia"] == pytest.approx(41 / 37.4, rel=2e-3)
+    assert found.loader["column.inertia"] / FILE["column.inertia"] == pytest.approx(
+        41 / 37.4, rel=2e-3
+    )  # noise of the record
     low, high = found.loader.tolerances["column.base_arm"].ends
     assert high - low < 1e-5 * high
     assert found.outcome.good, found.outcome

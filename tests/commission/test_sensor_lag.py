@@ -28,7 +28,7 @@ def test_a_lag_is_the_exact_answer_to_a_ramp_and_follows_its_differential_equati
     ramp = np.arange(200.0)
     # f = x - h / turn (1 - e^-wt) for x = t / h
     expected = ramp - (1 - np.exp(-turn * np.arange(200))) / turn
-    assert lagged(ramp, turn) == pytest.approx(expected, abs=1e-12)
+    assert lagged(ramp, turn) == pytest.approx(expected, abs=1e-12)  # sums of 200
 
 
 def test_what_the_lag_took_is_given_back():

@@ -5,6 +5,7 @@ from math import radians
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
+from scipy.optimize import minimize
 
 import forcefeel as ff
 from forcefeel.envelope.as_json import envelope_json
@@ -12,6 +13,7 @@ from forcefeel.envelope.findings import envelope_conclusions
 from forcefeel.envelope.forbidden import COVERED, NOISE, angle_variance, forbidden, noise_floor
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute_few
+from forcefeel.loader.sensors import sample_variance
 from forcefeel.sizing.fastest import Fastest, Limit
 
 GRID = {"stiffness": "2, 20, 100 %", "frequency": "0.7, 4 Hz", "damping": "0.1, 1"}
@@ -20,6 +22,8 @@ HALF = np.array([1 / 2])
 EXACT = 1e-9
 """Of the integrator."""
 FINE = 1e-3
+COARSE = 0.02
+"""Of 60 frequencies, added up by trapezoids, from 0.01 of the feel's on."""
 """Relative; a fall is cut into some thousand moments."""
 
 
@@ -111,6 +115,35 @@ def test_the_noise_of_a_law_that_renders_is_that_of_its_transfer_function():
         area, _ = quad(density, 0, 2 * w, points=[w], limit=500)
         expected = angle_variance(plan.loader) * g("controller.period") / np.pi * area
         assert found[place] ** 2 == pytest.approx(expected, rel=FINE)
+
+
+def test_with_a_sensor_at_the_grip_it_is_the_least_of_all_laws_that_render():
+    """Over what angle and grip's force are each given, ``T_l = C (theta + n) + D (T_p - m s^2 theta + n_g)``, by a search."""
+    sensor = {"grip_sensor.gain": 0.9, "grip_sensor.noise": "0.05 lb", "grip_sensor.mass": "2 lbm"}
+    plan = planned(ff.digital_elevator().replace(sensor))
+    g, bare = plan.loader.__getitem__, angle_variance(plan.loader)
+    force = sample_variance(plan.loader)[-1] * (g("column.grip_arm") / g("grip_sensor.gain")) ** 2
+    outboard = g("grip_sensor.mass") * g("column.grip_arm") ** 2
+    inertia, damping, stiffness = plan.settings.feel(plan.loader)[7]
+    w = plan.settings.rows[7, 1]
+
+    def least(omega):
+        s = 1j * omega
+        ideal = 1 / (inertia * s**2 + damping * s + stiffness)
+
+        def density(parts):
+            hears = complex(*parts)
+            follows = g("column.inertia") * s**2 + hears * outboard * s**2 - (1 + hears) / ideal
+            moved = ideal / (1 + hears)
+            return abs(follows * moved) ** 2 * bare / scale + abs(hears * moved) ** 2 * force / scale
+
+        scale = abs(ideal) ** 2 * force
+        return min(minimize(density, start).fun for start in ([-0.5, 0.1], [1.0, 0.3])) * scale
+
+    omega = np.linspace(0.01, 2, 60) * w
+    expected = np.trapezoid([least(one) for one in omega], omega) * g("controller.period") / np.pi
+    assert noise_floor(plan)[7] ** 2 == pytest.approx(expected, rel=COARSE)
+    assert noise_floor(plan)[7] < noise_floor(planned(ff.digital_elevator()))[7]
 
 
 def test_noise_forbids_what_is_light_and_small_and_no_law_passes_it():

@@ -65,7 +65,7 @@ def test_it_goes_through_the_file_and_between_two_laws(tmp_path):
     again = Law.of(tmp_path / "law.json", loader)
     np.testing.assert_array_equal(again.sampled.rows(), law.sampled.rows())
     other = Law.of("robust", loader.replace({"column.coulomb_friction": "2 lb", "column.static_friction": None}))
-    level = law.sampled.between(other.sampled, 0.5).friction[0, -9]
+    level = law.sampled.between(other.sampled, 0.5).friction[0, -10]
     assert level == pytest.approx(1.5 * loader["column.coulomb_friction"] * loader["column.grip_arm"])
 
 
@@ -89,7 +89,9 @@ def test_it_is_learnt_within_the_tolerance_of_the_file():
     torque = loader["column.coulomb_friction"] * loader["column.grip_arm"]
     for stated, ends in ((None, (-0.2, 0.2)), ("5 %", (-0.05, 0.05)), ({"uniform": ["0.7 lb", "1.1 lb"]}, (-0.3, 0.1))):
         law = Law.of("robust", loader.with_tolerances({"column.coulomb_friction": stated}) if stated else loader)
-        np.testing.assert_allclose(law.sampled.friction[0, -5:-3], np.multiply(ends, torque), rtol=1e-9)
+        np.testing.assert_allclose(
+            law.sampled.friction[0, -6:-4], np.multiply(ends, torque), rtol=1e-9
+        )  # digits of a file
 
 
 def test_a_tolerance_of_the_friction_is_a_case_though_none_is_stated():
@@ -98,21 +100,22 @@ def test_a_tolerance_of_the_friction_is_a_case_though_none_is_stated():
     assert not [case for case in make_plan(ff.digital_elevator(), ["robust"], GRID).cases if "friction" in case.name]
 
 
-def test_a_hand_that_moves_the_column_teaches_nothing_beyond_the_tolerance():
-    """Slowly to and fro, friction 10 % off either way: it learns too little, so friction is felt and none is driven on."""
+def test_a_hand_that_moves_the_column_teaches_nothing_that_stays():
+    """Slowly to and fro, friction as told and 10 % off: it feels by how much it is off. Where its way through zero torque teaches
+    for good, the level goes to its lower end: 18 % more is felt of each."""
     feel = {"feel.inertia": 0.5, "feel.damping": 3.0, "feel.stiffness": 20.0}
     time = np.linspace(0.0, 10.0, 2001)
     force = 20.0 * np.sin(2 * np.pi * 0.2 * time)
     stated = ff.digital_elevator().replace(feel | FRICTION)
     law = Law.of("robust", stated)
-    for share in (0.9, 1.1):
-        loader = stated.replace({key: share * stated[key] for key in FRICTION})
+    for off in (-0.1, 0.0, 0.1):
+        loader = stated.replace({key: (1 + off) * stated[key] for key in FRICTION})
         history = ff.simulate(loader, ff.Scenario(Recorded(time, force), 10.0, 5e-4, 5e-3), law).history
         angle, rate = history.column_angle_rad.values, history.column_velocity_rad_per_s.values
         moving = (np.abs(rate) > 0.2 * np.abs(rate).max()) & (history.time_s.values > 5.0)
         push = np.interp(history.time_s.values, time, force) - (20.0 * angle + 3.0 * rate) / loader["column.grip_arm"]
-        width = np.mean(push * np.sign(rate), where=moving)
-        assert 0 < width < 0.35 * stated["column.coulomb_friction"]  # 0.1 off, and the tolerance of 0.2
+        width = np.mean(push * np.sign(rate), where=moving) / stated["column.coulomb_friction"]
+        assert width == pytest.approx(off, abs=0.05)  # measured: -0.08, 0.02, 0.12; 1 % of it without learning
 
 
 def test_viscous_friction_is_known_to_the_observer():

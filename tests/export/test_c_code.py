@@ -90,7 +90,7 @@ NO_NUMBER = """
 int main(void)
 {
     pitch_state state = { 0 };
-    pitch_input in = { 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0U, 1U };
+    pitch_input in = { 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0U, 1U };
     pitch_output out;
     int wrong = 0;
     wrong += pitch_law_step(&state, &in, &out) != pitch_NOT_READY || out.command != 0.0;

@@ -37,7 +37,7 @@ def test_json_names_files_law_and_loader(export):
     [
         (("--to", "table", "--name", "9x"), "--name: expected an identifier of C"),
         (("--to", "table", "--name", "a-b"), "--name: expected an identifier of C"),
-        (("--to", "plc"), "--to: expected matlab"),
+        (("--to", "plc"), "--to: expected c, matlab or table"),
         (
             ("--to", "matlab", "--law", "original"),
             "is gains of an analog law, and elevator-2khz has a digital controller",

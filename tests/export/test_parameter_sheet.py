@@ -40,7 +40,7 @@ def test_each_setting_has_all_numbers_of_its_law_to_the_last_bit(sampled):
                 [float(sheet[setting, f"law.{name}_{i + 1}_{j + 1}"][4]) for j in range(shape[1])] for i in range(n)
             ]
             assert np.array_equal(found, array[place])
-        assert float(sheet[setting, "law.friction_level"][4]) == law.friction[place, -4]
+        assert float(sheet[setting, "law.friction_level"][4]) == law.friction[place, -10]
         assert [float(sheet[setting, f"feel.{row}"][4]) for row in ("inertia", "damping", "stiffness")] == list(
             FEEL[place]
         )

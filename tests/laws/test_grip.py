@@ -8,10 +8,10 @@ import pytest
 import forcefeel as ff
 from forcefeel.choice.noise import noise_at_grip
 from forcefeel.envelope.plan import make_plan
-from forcefeel.frontier.bound import inertia_bound, unseen_inertia
+from forcefeel.frontier.bound import inertia_bound
 from forcefeel.laws.law import Law, names_for
 from forcefeel.loader.built_in import BUILT_IN
-from forcefeel.loader.sensors import SENSORS, sample_variance
+from forcefeel.loader.sensors import SENSORS, sample_variance, unseen_inertia
 from forcefeel.loops import sampled_loops
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import Recorded, Release
@@ -122,8 +122,14 @@ def test_the_bound_is_about_what_lies_outboard():
     [
         ({"grip_sensor.noise": 0.1}, "grip_sensor.noise: has no effect without grip_sensor.gain"),
         (SENSOR | {"grip_sensor.noise": 0.0}, "grip_sensor.noise: expected 1e-6 to"),
-        (SENSOR | {"grip_sensor.mass": "20 kg"}, "grip_sensor.mass: expected less than the whole column has"),
-        (SENSOR | {"grip_sensor.resolution": "200 lb"}, "grip_sensor.resolution: expected less than pilot.force"),
+        (
+            SENSOR | {"column.inertia": 1.0, "grip_sensor.mass": "4 kg"},
+            "grip_sensor.mass: expected less than the whole column has",
+        ),
+        (
+            SENSOR | {"pilot.force": "5 lb", "grip_sensor.resolution": "8 lb"},
+            "grip_sensor.resolution: expected less than pilot.force",
+        ),
         (SENSOR | {"controller.period": None, "controller.delay": None}, "grip_sensor.gain: has no effect without"),
     ],
 )

@@ -74,7 +74,7 @@ def test_trim_goes_there_at_its_rate(running):
     running.trim_rad = 0.05
     running.wait(2000)
     steps = np.diff(column(running, "neutral_rad"))
-    assert steps.max() == pytest.approx(0.1 * running.period_s, rel=1e-6)
+    assert steps.max() == pytest.approx(0.1 * running.period_s, rel=1e-6)  # differences of angles
     assert settled(running)["column_angle_rad"] == pytest.approx(0.05, abs=STEADY_RAD)
 
 
@@ -110,8 +110,10 @@ def test_a_fault_stops_the_loader(running, fault, trip):
 def test_stop_cuts_the_drive_in_a_cycle(running):
     running.stop()
     running.wait(200)
-    enabled, stopped = column(running, "enable"), column(running, "state") == ff.live.STATES.index("tripped")
-    assert not enabled[stopped].any()
+    history = dict(zip(running.columns, running.history().T, strict=True))
+    stopped = history["state"] == ff.live.STATES.index("tripped")
+    assert stopped.any()
+    assert not history["enable"][stopped].any()
     assert running.state.trips == ("emergency stop",)
 
 
@@ -155,7 +157,7 @@ def test_a_real_time_loop_keeps_its_period(loader):
         state = running.state
     # Beats that went by are counted, whether the machine was quick enough or not.
     time_s = column(running, "time_s")
-    assert state.time_s == pytest.approx((state.cycle + state.missed) * 5e-4, rel=0.1)
+    assert state.time_s == pytest.approx((state.cycle + state.missed) * 5e-4, rel=0.1)  # a clock that others share
     steps = np.diff(time_s) / 5e-4
     missed = column(running, "missed")[1:]
     assert np.allclose(steps, 1 + missed)

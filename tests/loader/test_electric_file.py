@@ -28,11 +28,12 @@ FINGERPRINTS = {
 OFF: Any = None
 """In a change: the key is taken out."""
 MOTOR_TABLES = (
-    "motor, winding, current_loop, transmission, thermal, brake, linkage, column, load_cell, potentiometer, column_sensor, grip_sensor, "
-    "controller, feel, pilot"
+    "motor, winding, current_loop, transmission, thermal, brake, linkage, column, load_cell, potentiometer, column_sensor, "
+    "grip_sensor, controller, feel, pilot, safety"
 )
 SERVO_TABLES = (
-    "amplifier, valve, actuator, linkage, column, load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, pilot"
+    "amplifier, valve, actuator, linkage, column, load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, pilot, "
+    "safety"
 )
 HEAT = {
     "winding_resistance": "1 K/W",

@@ -469,7 +469,7 @@ def test_zero_and_less_are_refused_where_the_physics_forbids_them(path: Path, ke
             [("[pilot]", '["a.b\\nc"]\n"d e" = 1\n[pilot]')],
             [
                 r"'a.b\nc': unknown key; known are name, source, drive, amplifier, valve, actuator, linkage, column, "
-                "load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, pilot, tolerances"
+                "load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, pilot, safety, tolerances"
             ],
         ),
         ([('name = "elevator"', "")], ['name: missing value; add name = "elevator"']),

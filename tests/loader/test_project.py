@@ -12,12 +12,15 @@ from tests.command_line import runner
 TAKE_A_PROJECT = ("qualify", "envelope", "size")
 TAKE_A_LOADER = {
     "analyze": (),
+    "commission": ("--data", "x.csv"),
     "compensate": (),
     "design": (),
+    "export": ("--to", "matlab"),
     "excite": ("--experiment", "servo-closed", "--fit", "k"),
     "frontier": (),
     "identify": ("--data", "x.csv", "--fit", "k"),
     "resonance": ("--data", "x.csv"),
+    "run": (),
     "schedule": ("--knots", "x.csv"),
     "simulate": (),
     "sweep": (),

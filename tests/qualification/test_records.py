@@ -113,7 +113,9 @@ def test_what_is_no_table_is_refused(tmp_path):
         read_record(tmp_path / "none.parquet")
     with pytest.raises(InputError, match=r"none\.csv: cannot be read"):
         read_record(tmp_path / "none.csv")
-    with pytest.raises(InputError, match=r"expected a file that ends in \.csv, \.parquet or \.mat, got 'run\.txt'"):
+    with pytest.raises(
+        InputError, match=r"expected a file that ends in \.csv, \.parquet, \.mat or \.mcap, got 'run\.txt'"
+    ):
         read_record(tmp_path / "run.txt")
     words = write_parquet(tmp_path / "words.parquet", {"time (s)": T, "position (deg)": np.array(["a"] * 100)})
     with pytest.raises(InputError, match="position: expected a column of numbers"):

@@ -23,11 +23,12 @@ const TRIM: usize = SAMPLED;
 const SHARE: usize = 7;
 
 /// What a controller remembers, in this order; estimates are `xi_0 ..`.
-const REMEMBERED: [&str; 14] = [
+const REMEMBERED: [&str; 15] = [
     "base",
     "position",
     "heard",
     "learnt",
+    "trusted",
     "push",
     "way",
     "delta",
@@ -226,22 +227,24 @@ fn resting<S: Scalar>(control: &Control<S>, sensors: [S; SAMPLED], trim: S) -> (
 /// The state, as inputs.
 fn state() -> (Feeling<Trace>, Remembered<Trace>) {
     let one = |k: usize| Trace::input(INPUTS.len() + k);
-    let grip = Grip { stuck: Mask::flag(STUCK), drag: one(10), velocity: one(11), pull: one(12) };
-    let motion = FeelMotion { at: [one(6), one(7)], grip, slider: one(9) };
+    let grip = Grip { stuck: Mask::flag(STUCK), drag: one(11), velocity: one(12), pull: one(13) };
+    let motion = FeelMotion { at: [one(7), one(8)], grip, slider: one(10) };
     let estimate = core::array::from_fn(|k| Trace::input(FIRST_XI + k));
-    let recalled = Recalled { heard: one(2), learnt: one(3), push: one(4), way: one(5) };
-    (Feeling { motion, neutral: one(8) }, Remembered { base: one(0), position: one(1), estimate, recalled })
+    let recalled = Recalled { heard: one(2), learnt: one(3), trusted: one(4), push: one(5), way: one(6) };
+    (Feeling { motion, neutral: one(9) }, Remembered { base: one(0), position: one(1), estimate, recalled })
 }
 
 /// The state by places.
 fn next(feeling: &Feeling<Trace>, remembered: &Remembered<Trace>) -> Vec<(usize, u32)> {
     let Feeling { motion: FeelMotion { at, grip, slider }, neutral } = feeling;
-    let Remembered { base, position, estimate, recalled: Recalled { heard, learnt, push, way } } = remembered;
+    let Remembered { base, position, estimate, recalled } = remembered;
+    let Recalled { heard, learnt, trusted, push, way } = recalled;
     let numbers = [
         base,
         position,
         heard,
         learnt,
+        trusted,
         push,
         way,
         &at[0],

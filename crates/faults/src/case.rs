@@ -4,7 +4,7 @@ use crate::fault::{Fault, Kind};
 use forcefeel_model::parameters::{COUNT, Parameters};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{Distribution, Uniform};
+use rand_distr::{Distribution, StandardUniform};
 
 /// One case.
 #[derive(Debug, Clone)]
@@ -49,12 +49,16 @@ const GOES_ON: usize = 300;
 
 impl Case {
     /// The case of a number, of the loaders with these values each; `pairs`: whether there are two faults.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small numbers above zero")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "small numbers above zero"
+    )]
     pub fn drawn(loaders: &[[f64; COUNT]], (seed, number): (u64, u64), pairs: bool) -> Self {
         let mut bits = ChaCha8Rng::seed_from_u64(seed);
         bits.set_stream(number);
-        let unit = Uniform::new(0.0, 1.0).expect("a range");
-        let mut draw = || unit.sample(&mut bits);
+        let mut draw = || -> f64 { StandardUniform.sample(&mut bits) };
         let mut between = |(low, high): (f64, f64)| low + (high - low) * draw();
         let mut choose = |count: usize| between((0.0, count as f64)) as usize;
         let loader = choose(loaders.len()).min(loaders.len() - 1);

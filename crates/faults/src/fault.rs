@@ -166,7 +166,7 @@ impl Fault {
                     reason = "a small number above zero"
                 )]
                 let half = 1 + (self.size * 20.0) as usize;
-                told.command = full * if (sample - self.from) / half % 2 == 0 { 1.5 } else { -1.5 };
+                told.command = full * if ((sample - self.from) / half).is_multiple_of(2) { 1.5 } else { -1.5 };
             }
             Kind::Huge => told.command = self.way * 1e300,
             _ => {}

@@ -110,7 +110,8 @@ pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Out
     let time = (until - from + 2) as f64 * limits.period;
     // The row that stands for a sample is from before its step: one more on both sides.
     let given = rows[until].given - rows[from].given;
-    let bound = rows[from].stored + moving.power * time;
+    let fastest = rows[from..=until].iter().map(|row| row.rate.abs()).fold(0.0, f64::max);
+    let bound = rows[from].stored + moving.power(fastest) * time;
     wrong.energy = given > bound;
     Outcome {
         kinds,

@@ -41,6 +41,7 @@ pub type LawOf<'a> = Option<&'a [f64; NUMBERS]>;
 const LONGEST_STEP_S: f64 = 5e-4;
 
 /// What was recorded of a case; nothing where the loader cannot be supervised.
+#[expect(clippy::too_many_lines, reason = "one loop, whose state all of it shares")]
 pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Option<(Limits, Vec<Row>)> {
     let parameters = Parameters::from_values(&case.values);
     let period = parameters.controller.period;
@@ -155,8 +156,10 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
 pub struct Moving {
     inertia: f64,
     softness: f64,
-    /// Largest power of the drive in W.
-    pub power: f64,
+    /// Largest power of a valve in W; of a motor, that at its fastest.
+    power: f64,
+    /// Of a motor: largest torque about the column's pivot in N m; zero of a valve, whose flow bounds its power.
+    torque: f64,
 }
 
 impl Moving {
@@ -173,7 +176,8 @@ impl Moving {
                 Self {
                     inertia: column.inertia,
                     softness: per_stiffness + actuator.oil_volume / actuator.bulk_modulus / actuator.area.powi(2),
-                    power: if valve.orifice != 0.0 { orifice.max(linear) } else { linear },
+                    power: if valve.orifice == 0.0 { linear } else { orifice.max(linear) },
+                    torque: 0.0,
                 }
             }
             DriveKind::Electric => {
@@ -183,9 +187,14 @@ impl Moving {
                 let torque = motor.torque_constant * limits.command;
                 let late = f64::from(limits.stop + 4) * limits.period;
                 let rate = limits.speed_step / limits.period * per_travel + torque / motor.inertia * late;
-                Self { inertia, softness: per_stiffness, power: torque * rate }
+                Self { inertia, softness: per_stiffness, power: torque * rate, torque: torque * per_travel }
             }
         }
+    }
+
+    /// Largest power of the drive in W where the column is no faster than `rate`: a hand can throw a motor beyond its own speed.
+    pub fn power(&self, rate: f64) -> f64 {
+        self.power.max(self.torque * rate)
     }
 
     /// Energy in J at a rate of the column and a force of the link.

@@ -20,6 +20,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
+/// The stream of the grip's sensor, as the first run of a simulation has it.
+const OF_GRIP: u64 = 1 << 63;
+
 /// What is done to a simulated machine from its beginning on.
 #[derive(Debug, Clone)]
 pub struct Script {
@@ -60,7 +63,8 @@ struct Simulated<D: Drive<f64>> {
     under_way: UnderWay<f64>,
     script: Script,
     held_until: usize,
-    noise: ChaCha8Rng,
+    /// Of load cell, potentiometer and column sensor; of the grip's sensor.
+    noise: [ChaCha8Rng; 2],
     hand: Hand,
     fault: Option<Fault>,
     /// What the sensors showed when a fault began.
@@ -87,8 +91,11 @@ impl<D: Drive<f64>> Simulated<D> {
         if start.held_until == 0 {
             Machine::<f64, D>::let_go(&mut state);
         }
-        let mut noise = ChaCha8Rng::seed_from_u64(script.seed);
-        noise.set_stream(0);
+        let noise = [0, OF_GRIP].map(|stream| {
+            let mut noise = ChaCha8Rng::seed_from_u64(script.seed);
+            noise.set_stream(stream);
+            noise
+        });
         let made = Self {
             machine,
             shared,
@@ -135,9 +142,11 @@ impl<D: Drive<f64>> Simulated<D> {
 
     /// What the sensors give where something may be broken.
     fn measured(&mut self) -> Option<[f64; SENSORS]> {
-        let noise = &mut self.noise;
-        let mut sensors =
-            self.machine.sampled(&self.shared, &self.state, || core::array::from_fn(|_| StandardNormal.sample(noise)));
+        let [column, grip] = &mut self.noise;
+        let mut sensors = self.machine.sampled(&self.shared, &self.state, || {
+            let mut next = || StandardNormal.sample(column);
+            [next(), next(), next(), StandardNormal.sample(grip)]
+        });
         match self.fault {
             Some(Fault::Silent) => return None,
             Some(Fault::Stuck(sensor)) => sensors[sensor] = self.frozen[sensor],

@@ -3,8 +3,8 @@
 //! To every sensor the friction between hand and load cell looks like a hand that pulls. What is known of it is given back:
 //!
 //! `v = r [xi; y; delta; delta']` rate of the column as the observer estimates it · `F` friction as stated, a torque on the column ·
-//! `g` what was learnt beyond it, `g_-`, `g_+` its bounds · `M` margin · `v_s` slow · `l` leak · `T_o` torque that the observer
-//! estimates · `T` torque that the feel computer hears · `a` gain · `q` torque of a hand · `c` blur
+//! `g` what was learnt beyond it, `g_-`, `g_+` its bounds, `h` what is trusted of it · `M` margin · `v_s` slow · `l` leak ·
+//! `T_o` torque that the observer estimates · `T` torque that the feel computer hears · `a` gain · `q` torque of a hand · `c` blur · `d` trust
 //!
 //! | | |
 //! |---|---|
@@ -13,6 +13,8 @@
 //! | `T' = T + l (T_o - f - T)` | what is heard drifts to what is measured |
 //! | `T+ = T'`, as near as `T_o - f + (F + g + M rest) [s-, s+]` lets it | a play: at rest the hand has done nothing until it must have |
 //! | `g+ = sat(g - a w T_o)` where `|T_b| < q`, `w w_b > 4/5` | with the hand off `T_o = (F + g - F_true) sgn v` |
+//! | `h+ = h + d (g - h)` there | trusted once it has held for a while |
+//! | `g+ = g + a (h - g)` where `|T_b| >= q` | the hand was there all along: what was learnt of late was its own |
 //! | `T_b+ = T_b + c (T_o - T_b)`, `w_b+ = w_b + c (w - w_b)` | torque and way of late |
 //!
 //! `rest = (s+ - s-) / 2`, so that the margin, which keeps the sensors' noise from pushing at the edges of the play, is nothing in
@@ -20,7 +22,10 @@
 //! friction twice.
 //!
 //! Nothing is learnt under a hand that pushes with `q` or more, at rest, nor as the column turns round, where friction and estimate
-//! turn at different times. A hand that drags with less looks like friction: what it can teach is bounded by `g_-`, `g_+`.
+//! turn at different times. A hand that moves the column to and fro passes through zero torque on its way, and teaches there: up, then
+//! down again, so that the last stays. Its push takes that back to `h`, which follows too slowly to see either. A hand that pushes with
+//! less than `q` all along, or drives the column at the feel's own frequency, where its torque goes with the rate, looks like friction:
+//! what it can teach is bounded by `g_-`, `g_+`.
 //!
 //! The set of torques of dry friction: B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, A survey of models, analysis tools and
 //! compensation methods for the control of machines with friction, Automatica 30 (1994) 1083-1138. The play operator: M. A.
@@ -31,11 +36,11 @@ use crate::Scalar;
 use crate::observer::{Estimate, KNOWN, MOST_STATES, SAMPLED, said};
 
 /// Numbers of it, in the order of [`KnownFriction::take`]: `r`, `b`, then `F`, `M` in N m, `v_s` in rad/s, `l`, `g_-`, `g_+` in N m,
-/// `a`, `q` in N m, `c`.
+/// `a`, `q` in N m, `c`, `d`.
 pub const FRICTION_NUMBERS: usize = KNOWN + MOST_STATES + LEVEL_FROM_END;
 
 /// Place of `F` among them, from the end.
-pub const LEVEL_FROM_END: usize = 9;
+pub const LEVEL_FROM_END: usize = 10;
 
 /// Least `v_s` in rad/s, so that nothing is divided by zero.
 const SLOWEST: f64 = 1e-9;
@@ -54,6 +59,7 @@ pub struct KnownFriction<S> {
     gain: S,
     hand: S,
     blur: S,
+    trust: S,
 }
 
 /// `w w_b` from which on the column moves one way.
@@ -66,6 +72,8 @@ pub struct Recalled<S> {
     pub heard: S,
     /// Friction that was learnt beyond what is stated.
     pub learnt: S,
+    /// What is trusted of it.
+    pub trusted: S,
     /// Torque that was estimated of late.
     pub push: S,
     /// Way of late.
@@ -76,7 +84,7 @@ impl<S: Scalar> Recalled<S> {
     /// Nothing learnt yet, the hand's torque as it is heard.
     #[inline(always)]
     pub fn afresh(heard: S) -> Self {
-        Self { heard, learnt: heard.zero(), push: heard, way: heard.zero() }
+        Self { heard, learnt: heard.zero(), trusted: heard.zero(), push: heard, way: heard.zero() }
     }
 
     /// Between what two laws recall.
@@ -86,6 +94,7 @@ impl<S: Scalar> Recalled<S> {
         Self {
             heard: between(self.heard, next.heard),
             learnt: between(self.learnt, next.learnt),
+            trusted: between(self.trusted, next.trusted),
             push: between(self.push, next.push),
             way: between(self.way, next.way),
         }
@@ -99,8 +108,8 @@ impl<S: Scalar> KnownFriction<S> {
         let rate = core::array::from_fn(|_| next());
         let enters = core::array::from_fn(|_| next());
         let (level, margin, slow, leak) = (next(), next(), next(), next());
-        let (least, most, gain, hand, blur) = (next(), next(), next(), next(), next());
-        Self { rate, enters, level, margin, slow, leak, least, most, gain, hand, blur }
+        let (least, most, gain, hand, blur, trust) = (next(), next(), next(), next(), next(), next());
+        Self { rate, enters, level, margin, slow, leak, least, most, gain, hand, blur, trust }
     }
 
     /// No friction.
@@ -132,21 +141,26 @@ impl<S: Scalar> KnownFriction<S> {
         let drifted = recalled.heard + (total - recalled.heard) * self.leak;
         let played = drifted.clamp(total + low * band, total + high * band);
         let heard = S::select(v.zero().less(self.level), played, total);
+        let (learnt, trusted) = self.learnt(estimated, way, &recalled);
         let recalled = Recalled {
             heard,
-            learnt: self.learnt(estimated, way, &recalled),
+            learnt,
+            trusted,
             push: recalled.push + (estimated - recalled.push) * self.blur,
             way: recalled.way + (way - recalled.way) * self.blur,
         };
         (recalled, friction)
     }
 
-    /// What is known beyond `F` after a sample: what is estimated of a hand that is off was the friction's.
+    /// What is known beyond `F` after a sample, and trusted: what is estimated of a hand that is off was the friction's.
     #[inline(always)]
-    fn learnt(&self, estimated: S, way: S, recalled: &Recalled<S>) -> S {
-        let free = recalled.push.abs().less(self.hand) & way.constant(ONE_WAY).less(way * recalled.way);
+    fn learnt(&self, estimated: S, way: S, recalled: &Recalled<S>) -> (S, S) {
+        let off = recalled.push.abs().less(self.hand);
+        let free = off & way.constant(ONE_WAY).less(way * recalled.way);
         let learnt = (recalled.learnt - estimated * way * self.gain).clamp(self.least, self.most);
-        S::select(free, learnt, recalled.learnt)
+        let back = recalled.learnt + (recalled.trusted - recalled.learnt) * self.gain;
+        let trusted = recalled.trusted + (recalled.learnt - recalled.trusted) * self.trust;
+        (S::select(free, learnt, S::select(off, recalled.learnt, back)), S::select(free, trusted, recalled.trusted))
     }
 
     /// How a state of the observer moves by the friction.

@@ -333,10 +333,10 @@ parameter_table! {
     grip_sensor: GripSensor {}
     optional {
         gain: "K_g", "share of the force at the grip that the sensor shows; 1 as calibrated", RATIO, 1.0, 1e-2..100.0, off 0.0;
-        mass: "m_o", "mass outboard of the sensor, part of J and felt by the hand before the sensor", MASS, 0.5, 0.0..1e3, off 0.0;
+        mass: "m_o", "mass outboard of the sensor, part of J and felt by the hand before the sensor", MASS, 0.5, 0.0..10.0, off 0.0;
         offset: "F_0g", "offset of the grip's sensor", FORCE, 0.2, -1e4..1e4, off 0.0;
         noise: "sigma_g", "noise of a sample of the grip's sensor, r.m.s.", FORCE, 0.02, 1e-6..1e4, off 0.0;
-        resolution: "dF_g", "smallest step of the grip's sensor", FORCE, 0.01, 0.0..1e4, off 0.0;
+        resolution: "dF_g", "smallest step of the grip's sensor", FORCE, 0.01, 0.0..10.0, off 0.0;
         bandwidth: "f_g", "bandwidth of the grip's sensor, a first-order lag", FREQUENCY, 500.0, 0.1..1e5, off f64::INFINITY;
     }
     alternative to [] {}

@@ -1,5 +1,7 @@
 //! The host's packets, what holds between them, and what they do to the feel.
 
+#![expect(clippy::float_cmp, reason = "what is not touched, or has arrived, is the number itself")]
+
 use forcefeel_model::host::packet::{FROM_HOST_BYTES, Refused, TO_HOST_BYTES, crc32, is_newer, switches};
 use forcefeel_model::host::{Effects, FromHost, Stream, ToHost};
 
@@ -19,13 +21,17 @@ fn golden() -> FromHost {
     FromHost { sequence: 7, switches: switches::ACTIVE | switches::AUTOPILOT, numbers }
 }
 
+fn hex(digits: &str) -> u8 {
+    u8::from_str_radix(digits, 16).expect("two hexadecimal digits")
+}
+
 #[test]
 fn packets_come_back_as_they_went_and_have_the_published_bytes() {
     assert_eq!(crc32(b"123456789"), 0xCBF4_3926, "the check value of CRC-32");
     let bytes = golden().encode();
     assert_eq!(FromHost::decode(&bytes), Ok(golden()));
-    let hex: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
-    assert_eq!(hex, GOLDEN.trim());
+    let golden: Vec<u8> = (0..2 * bytes.len()).step_by(2).map(|k| hex(&GOLDEN[k..k + 2])).collect();
+    assert_eq!((bytes.as_slice(), GOLDEN.trim().len()), (golden.as_slice(), 2 * bytes.len()));
     let back = ToHost { sequence: 3, status: 3, numbers: [0.1, -0.2, 30.0, 0.0, 1.0, 1.0] };
     assert_eq!(ToHost::decode(&back.encode()), Ok(back));
     assert_eq!((FROM_HOST_BYTES, TO_HOST_BYTES), (56, 40));
@@ -78,7 +84,8 @@ fn no_value_has_a_step_at_30_or_200_hz_and_each_is_reached() {
                 most = most.max((now - last).abs());
                 last = now;
             }
-            if k > 0 && k != 21 {
+            // The first takes its time, so does what is sent while it is under way.
+            if k > 21 {
                 assert!((last - f64::from(trim)).abs() < 1e-9, "{apart}: packet {k}");
             }
         }

@@ -16,6 +16,8 @@ const MOST: f64 = 0.6;
 const GAIN: f64 = 0.01;
 const HAND: f64 = 3.0;
 const BLUR: f64 = 0.05;
+/// `d`.
+const TRUST: f64 = 2e-3;
 /// Length of `[xi; y; delta; delta']`.
 const KNOWN: usize = MOST_STATES + SAMPLED + 2;
 const TORQUE: usize = NUMBERS - FRICTION_NUMBERS - MOST_STATES * (SAMPLED + 1) - KNOWN;
@@ -27,7 +29,7 @@ fn law(level: f64, leak: f64) -> Observer<f64> {
     numbers[TORQUE] = 1.0;
     numbers[RATE + 1] = 1.0;
     numbers[RATE + KNOWN] = -0.25;
-    let learning = [LEAST, MOST, GAIN, HAND, BLUR];
+    let learning = [LEAST, MOST, GAIN, HAND, BLUR, TRUST];
     let known = [[level, MARGIN, SLOW, leak].as_slice(), &learning].concat();
     numbers[NUMBERS - LEVEL_FROM_END..].copy_from_slice(&known);
     Observer::from_numbers(&numbers)
@@ -109,6 +111,17 @@ fn what_is_left_of_a_hand_that_is_off_is_learnt_whichever_way_it_moves() {
         let short = learnt(afresh, 100, |learnt| (learnt - off) * rate.signum(), rate);
         assert!(0.0 < short.learnt / off && short.learnt / off < 1.0);
     }
+}
+
+#[test]
+fn what_has_held_for_a_while_is_trusted_and_a_push_takes_back_the_rest() {
+    let held = learnt(Recalled { learnt: 0.3, ..Recalled::afresh(0.0) }, 400, |_| 0.0, 1.0);
+    // The column's way of late is 4/5 after 31 samples.
+    assert_within(held.learnt, 0.3, 0.0);
+    assert_within(held.trusted, 0.3 * (1.0 - (1.0 - TRUST).powi(400 - 32)), 1e-3);
+    let pushed = learnt(Recalled { push: 2.0 * HAND, ..held }, 200, |_| 2.0 * HAND, 1.0);
+    assert_within(pushed.trusted, held.trusted, 0.0);
+    assert_within(pushed.learnt, held.trusted + (0.3 - held.trusted) * (1.0 - GAIN).powi(200), 1e-12);
 }
 
 #[test]

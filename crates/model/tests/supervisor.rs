@@ -50,11 +50,13 @@ fn until_safe(supervisor: &mut Supervisor<f64>, mut of: impl FnMut(u32) -> Told<
     panic!("never safe");
 }
 
+/// What a fault makes of the samples from it on, counted from 1.
+type Spoil = Box<dyn Fn(u32, &mut Told<f64>)>;
+
 #[test]
 fn each_function_acts_in_its_stated_sample_and_is_latched() {
     let of = limits();
     let (grip, base) = (of.grip_arm / of.lever, of.base_arm);
-    type Spoil = Box<dyn Fn(u32, &mut Told<f64>)>;
     let agree = of.agreement_m;
     let speed = of.speed_step * 1.01;
     let cases: [(Function, Spoil); 11] = [
@@ -66,7 +68,14 @@ fn each_function_acts_in_its_stated_sample_and_is_latched() {
         (Function::Jump, Box::new(move |_, told| told.sensed[2] = of.jump[2] * base * 1.01)),
         (Function::Silence, Box::new(|k, told| told.missed = k)),
         (Function::Overrun, Box::new(|k, told| told.late = k)),
-        (Function::Disagreement, Box::new(move |_, told| told.sensed[1] = 1.5 * agree)),
+        // None of them stays at a number, or it would be taken for stuck.
+        (
+            Function::Disagreement,
+            Box::new(move |k, told| {
+                let tremor = f64::from(k) * 1e-9;
+                told.sensed = [tremor, 1.5 * agree + tremor, tremor, 0.0];
+            }),
+        ),
         (Function::Force, Box::new(move |_, told| held(&of, of.force_limit * grip * 1.01, told))),
         (Function::Speed, Box::new(move |k, told| moved(&of, f64::from(k) * speed, told))),
     ];
@@ -104,9 +113,9 @@ fn a_sensor_that_sticks_is_found_before_three_sensors_disagree() {
     let mut supervisor = Supervisor::new(of, 0.0);
     supervisor.step(&still(Wish::Off));
     let mut told = still(Wish::Active);
-    (0..2000).for_each(|_| {
-        let _ = supervisor.step(&told);
-    });
+    for _ in 0..2000 {
+        supervisor.step(&told);
+    }
     for k in 1..400 {
         told.sensed[2] = f64::from(k) * 1e-4;
         let allowed = supervisor.step(&told);
@@ -168,7 +177,7 @@ fn a_silent_host_fades_and_comes_back_without_a_stop() {
         told.host_age = Some(age);
         shares.push(supervisor.step(&told).host_share);
     }
-    assert!(shares[..of.host as usize].iter().all(|&share| share == 1.0));
+    assert!(shares[..of.host as usize].iter().all(|&share| share >= 1.0));
     assert_eq!(shares.last(), Some(&0.0));
     assert!(shares.windows(2).all(|pair| pair[0] - pair[1] <= of.host_step * 1.001));
     told.host_age = Some(0);
@@ -243,7 +252,9 @@ fn the_travel_is_found_or_refused() {
         }
         assert_eq!(state, found);
         if found == State::Passive {
-            assert_eq!(supervisor.found_stops(), Some(stops));
+            // Rounding of the angle from the base's displacement.
+            let near = |found: [f64; 2]| found.iter().zip(stops).all(|(a, b)| (a - b).abs() < 1e-12);
+            assert!(supervisor.found_stops().is_some_and(near));
         }
     }
 }
@@ -291,4 +302,16 @@ fn the_table_is_whole() {
     assert_eq!(all.bits().count_ones() as usize, Function::ALL.len());
     assert!(Function::ALL.iter().all(|&f| f.latched() == all.stopping().has(f) && f.sentence().ends_with('.')));
     assert_eq!(all.that(Action::Cut).first(), Some(Function::EmergencyStop));
+}
+
+#[test]
+fn the_guide_has_the_table() {
+    let guide = include_str!("../../../docs/how-to/safety.md");
+    for function in Function::ALL {
+        let action = ["cut", "stop", "fade", "limit"][function.action() as usize];
+        let latched = if function.latched() { "yes" } else { "no" };
+        let (name, samples) = (function.name(), function.samples(&limits()));
+        let row = format!("| {name} | {action} | {samples} | {latched} | {} |", function.sentence());
+        assert!(guide.contains(&row), "docs/how-to/safety.md lacks: {row}");
+    }
 }

@@ -15,13 +15,12 @@ use pyo3::prelude::*;
 /// Columns of the outcomes: numbers, -1 where there is none.
 const COLUMNS: usize = 10;
 
+/// A row of the table of safety functions.
+type Row = (&'static str, &'static str, u32, bool, &'static str);
+
 /// Name, what it does, samples, whether it is latched, and sentence of each safety function of a loader with these values.
 #[pyfunction]
-pub fn safety_functions(
-    values: PyReadonlyArray1<'_, f64>,
-    drive: &str,
-    period_s: f64,
-) -> PyResult<Vec<(&'static str, &'static str, u32, bool, &'static str)>> {
+pub fn safety_functions(values: PyReadonlyArray1<'_, f64>, drive: &str, period_s: f64) -> PyResult<Vec<Row>> {
     let values = crate::arrays::vector::<COUNT>("values", &values)?;
     let limits = Limits::new(&Parameters::from_values(&values), drive_of(drive)?, period_s)
         .map_err(|refusal| refused(refusal.text().to_string()))?;

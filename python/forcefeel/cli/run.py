@@ -101,11 +101,13 @@ def _console(running: "Running", options: RunOptions) -> Iterator[None]:
         running.on()
         yield
         return
-    from forcefeel.live.console.server import Console
+    from forcefeel.live.console import server
     from forcefeel.qualification.programme.run import QualificationSetup
 
     setup = QualificationSetup(system=options.units)
-    with Console(running, port=options.port, bind=options.bind, token=not options.no_token, setup=setup) as console:
+    with server.Console(
+        running, port=options.port, bind=options.bind, token=not options.no_token, setup=setup
+    ) as console:
         # Not to the output, which --json leaves to the result; at once, since whoever waits for it opens it.
         print(f"console: {console.address}", file=sys.stderr, flush=True)
         if not options.no_token:

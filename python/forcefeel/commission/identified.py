@@ -19,7 +19,7 @@ from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, TABLE, value_text
-from forcefeel.loader.sensors import SENSORS, sample_variance
+from forcefeel.loader.sensors import sample_variance, sensors_of
 from forcefeel.loader.tolerances import Distribution, Tolerance
 
 _ROUNDS = 4
@@ -185,7 +185,7 @@ def _noise_wanting(loader: Loader, found: Identification) -> tuple[str, ...]:
         if one.channel in SENSOR_OF and isinstance(one.data, BenchRecord)
     }
     lines = []
-    for sensor, variance in zip(SENSORS, sample_variance(loader), strict=True):
+    for sensor, variance in zip(sensors_of(loader), sample_variance(loader), strict=True):
         if variance > 0 or not loader["controller.period"]:
             continue
         key = f"{sensor}.noise"

@@ -76,7 +76,8 @@ def with_friction(loader: Loader) -> Loader:
 
 def candidates(loader: Loader) -> tuple[str, ...]:
     """What may be fitted of a loader with friction, what a law needs most first."""
-    plant = [key for key in deviations_of(loader) if loader[key] and not key.startswith(("load_cell", "potentiometer"))]
+    elsewhere = ("load_cell", "potentiometer", DRY, BREAKAWAY)
+    plant = [key for key in deviations_of(loader) if loader[key] and not key.startswith(elsewhere)]
     more = [key for key in _MOTOR_FRICTION if loader.drive == ELECTRIC and loader[key]]
     first = [key for key in plant if key not in _LAST and key not in more]
     return (DRY, *first, *more, BREAKAWAY, *(key for key in _LAST if key in plant))

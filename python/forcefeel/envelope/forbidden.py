@@ -20,7 +20,12 @@ it less. Counted are the frequencies up to twice the feel's alone, above which a
     sigma^2 = (V T / pi) int_0^{2 w} |J s^2 H - 1|^2 d omega
 
 ``V`` variance of what the column's sensor and, through the link, that of the drive's end tell of theta together; the load cell's
-noise comes on top. Forbidden is a setting whose ``sigma`` is above ``COVERED`` times the band in which the rule wants it at rest.
+noise comes on top. A sensor at the grip tells of ``T_p`` too, but for ``m s^2 theta`` of what lies outboard, with the variance
+``V_g``. Of all ``T_l = C (theta + n) + D (T_p - m s^2 theta + n_g)`` that render ``H``, the best one has in place of V
+
+    V V_g / (V_g + ((J - m) omega^2)^2 V)
+
+Forbidden is a setting whose ``sigma`` is above ``COVERED`` times the band in which the rule wants it at rest.
 """
 
 from dataclasses import dataclass, field
@@ -33,7 +38,7 @@ from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.releases import measured, pieces
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.sensors import SENSORS, sample_variance
+from forcefeel.loader.sensors import SENSORS, has_grip_sensor, sample_variance, unseen_inertia
 from forcefeel.qualification.release_batch import ReleaseBatch
 from forcefeel.sizing.fastest import Fastest, Limit
 from forcefeel.sizing.too_small import Beyond
@@ -133,24 +138,27 @@ def _allowed(plan: Plan, quantity: str, found: ReleaseBatch) -> NDArray[np.float
 def noise_floor(plan: Plan) -> NDArray[np.float64]:
     """Sigma of each setting in rad."""
     loader = plan.loader
-    ratio, frequency, _ = plan.settings.rows.T
-    heavy = loader["column.inertia"] / plan.settings.feel(loader)[:, 0]
-    x = np.linspace(0.0, _HIGHEST, _FREQUENCIES)
-    area = np.zeros(len(heavy))
-    for zeta in np.unique(ratio):
-        feel = 1 - x**2 + 2j * zeta * x  # times G, at omega = x w
-        which = np.flatnonzero(ratio == zeta)
-        # |J s^2 H - 1|^2 = |q - 1|^2 with q = -(J / I) x^2 / feel: a square in J / I.
-        swing = -(x**2) / feel
-        parts = [np.trapezoid(one, x) for one in (np.abs(swing) ** 2, -2 * swing.real, np.ones(len(x)))]
-        area[which] = np.polyval(parts, heavy[which])
-    density = angle_variance(loader) * loader["controller.period"]
-    return np.asarray(np.sqrt(density * frequency * area / np.pi))
+    inertia, damping, stiffness = plan.settings.feel(loader).T[:, :, np.newaxis]
+    omega = np.linspace(0.0, _HIGHEST, _FREQUENCIES) * plan.settings.rows[:, 1:2]
+    torque = loader["column.inertia"] * omega**2
+    ideal = 1 / (stiffness - inertia * omega**2 + 1j * damping * omega)
+    counted = np.abs(torque * ideal + 1) ** 2 * _sampled(loader, omega)
+    return np.asarray(np.sqrt(loader["controller.period"] / np.pi * np.trapezoid(counted, omega)))
+
+
+def _sampled(loader: Loader, omega: NDArray[np.float64]) -> NDArray[np.float64]:
+    """V, or with a sensor at the grip ``V V_g / (V_g + ((J - m) omega^2)^2 V)``, in rad^2."""
+    angle = angle_variance(loader)
+    if not has_grip_sensor(loader) or not angle:
+        return np.full(omega.shape, angle)
+    grip = sample_variance(loader)[-1] * (loader["column.grip_arm"] / loader["grip_sensor.gain"]) ** 2
+    between = (loader["column.inertia"] - unseen_inertia(loader)) * omega**2
+    return np.asarray(angle * grip / (grip + between**2 * angle)) if grip else np.zeros(omega.shape)
 
 
 def angle_variance(loader: Loader) -> float:
     """Variance in rad^2 of what a sample of all sensors tells of the column's angle, ``x_p = alpha R_b theta + F_c / k``."""
-    force, end, angle = dict(zip(SENSORS, sample_variance(loader).tolist(), strict=True)).values()
+    force, end, angle = sample_variance(loader)[: len(SENSORS)].tolist()
     lever = loader["linkage.ratio"] * loader["column.base_arm"]
     through_link = (end + force / loader["linkage.stiffness"] ** 2) / lever**2
     total = angle + through_link

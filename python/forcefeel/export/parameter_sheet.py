@@ -168,14 +168,15 @@ def _sampled(law: SampledCompensator, place: int, command: str) -> Iterator[Row]
 
 
 def _friction(place: int, numbers: list[float], n: int) -> Iterator[Row]:
-    """What a law knows of the column's dry friction: r, b, F, M, v_s, l."""
+    """What a law knows of the column's dry friction: r, b, F, M, v_s, l, and how it learns."""
     rate, torque = Unit("rad/s", "rad/s", "rad/s"), Unit("N m", "N m", "lb in")
     states = [f"xi_{k + 1}" for k in range(n)]
     yield from _on(place, "friction_rate", numbers[: n + len(_ON)], rate, states)
     for state, value in zip(states, numbers[n + len(_ON) : -OF_FRICTION], strict=True):
         yield Row(place + 1, "gain", f"law.friction_{state}", f"{state} on friction", value, _per(RATIO, torque))
-    units = (torque, torque, rate, RATIO)
-    for name, value, of in zip(("level", "margin", "slow_rate", "leak"), numbers[-OF_FRICTION:], units, strict=True):
+    units = (torque, torque, rate, RATIO, torque, torque, RATIO, torque, RATIO, RATIO)
+    names = ("level", "margin", "slow_rate", "leak", "least_learnt", "most_learnt", "gain", "hand", "blur", "trust")
+    for name, value, of in zip(names, numbers[-OF_FRICTION:], units, strict=True):
         yield Row(place + 1, "gain", f"law.friction_{name}", f"{name.replace('_', ' ')} of the friction", value, of)
 
 

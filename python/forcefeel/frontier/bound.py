@@ -45,8 +45,7 @@ from numpy.typing import NDArray
 from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
 from forcefeel.frontier.referee import Referee, referees
-from forcefeel.loader.loader import Loader
-from forcefeel.loader.sensors import has_grip_sensor
+from forcefeel.loader.sensors import unseen_inertia
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
 
@@ -133,13 +132,6 @@ def inertia_bound(
         done += len(referee.which)
         progress(done, plan.settings.count)
     return Bound(given, possible, centred)
-
-
-def unseen_inertia(loader: Loader) -> float:
-    """Inertia in N m s²/rad between the hand and the nearest force sensor: J, or ``m_o R_p^2`` with one at the grip."""
-    if has_grip_sensor(loader):
-        return float(loader["grip_sensor.mass"] * loader["column.grip_arm"] ** 2)
-    return loader["column.inertia"]
 
 
 def _possible(referee: Referee, error: float, lean: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

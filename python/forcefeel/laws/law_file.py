@@ -58,7 +58,7 @@ def _sampled_units(law: SampledCompensator) -> dict[str, object]:
     on = [*_ON, _AT_GRIP] if law.sampled == SAMPLED_AT_GRIP else _ON
     feel = ["feel displacement in rad", "its rate in rad/s"]
     known = ["xi on friction in N m", "friction in N m", "margin in N m", "slow rate in rad/s", "leak"]
-    learnt = ["least learnt in N m", "most learnt in N m", "learning gain", "torque of a hand in N m", "blur"]
+    learnt = ["least learnt in N m", "most learnt in N m", "learning gain", "torque of a hand in N m", "blur", "trust"]
     return {
         "transition": "xi on xi",
         "input": ["xi on", *on[1:], "command in V"],

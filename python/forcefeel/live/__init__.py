@@ -1,7 +1,5 @@
 """A loader live: the loop in a real-time thread of its own, from Python started, changed and looked at.
 
-Interface
----------
 ``start(loader, law=None, *, over=Simulated(), real_time=True, supervised=True, record=None, most_bytes=2**30) -> Running``, a
 context manager: leaving it ends the loop, its drive off, and closes the record. ``over`` is ``Simulated(scenario=None)``, the
 nonlinear machine in the loop's own thread, or ``Udp(address)``, a machine that speaks the packets of ``docs/reference/live.md``.

@@ -29,7 +29,7 @@ class Machine:
         self._machine = _core.LiveMachine(setup, script=script)
 
     def read(self) -> tuple[float, float, float, float, float]:
-        """Goes on to the next sample: load cell (N), drive's end (m), column's base (m), pilot's force (N), force sensor at the grip (N)."""
+        """The next sample: load cell (N), drive's end and column's base (m), pilot's force and its sensor's at the grip (N)."""
         force, position, base, pilot_force, grip = self._machine.read() or [float("nan")] * 5
         return force, position, base, pilot_force, grip
 

@@ -15,6 +15,12 @@ class Simulated:
         scenario: What is done to it from its beginning on, as in a simulation: its force, a release, signals, noise's seed,
             changes of the feel. A run in virtual time ends with it, and gives the numbers of ``simulate`` to the last bit where
             nobody supervises; in real time it goes on.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> pushed = ff.live.Simulated(ff.Scenario(ff.Step(20.0)))
+        >>> with ff.live.start(ff.digital_elevator(), over=pushed, real_time=False) as running:
+        ...     running.wait(100)
     """
 
     scenario: Scenario | None = None
@@ -29,6 +35,11 @@ class Udp:
 
     Raises:
         InputError: If the address is none.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.live.Udp("127.0.0.1:5005").address
+        '127.0.0.1:5005'
     """
 
     address: str

@@ -1,8 +1,9 @@
 """Records of live runs, read and run again."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,8 @@ from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.files import read_input
 from forcefeel.tables.table import MOST_BYTES
+
+_Answer = TypeVar("_Answer")
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +26,13 @@ class LiveRecord:
         rows: A row for each cycle.
         wishes: Cycle from which each counts, name, numbers.
         broken: Whether the file breaks off; what was there before is here.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
+        ...     running.wait(100)
+        >>> ff.live.read_live_record("run.mcap").about["law"]
+        'original'
     """
 
     about: Mapping[str, str]
@@ -50,6 +60,13 @@ class Replayed:
         cycles: Cycles that were run.
         difference: The first number that differs: cycle, column, as recorded, as replayed; ``None``: every bit is the same.
         gap: The first cycle that the record lacks, where it has a gap; ``None`` if it has none.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
+        ...     running.wait(100)
+        >>> ff.live.replay("run.mcap").difference is None
+        True
     """
 
     cycles: int
@@ -67,6 +84,14 @@ def read_live_record(path: str | Path) -> LiveRecord:
 
     Raises:
         InputError: If it cannot be read.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
+        ...     running.wait(100)
+        >>> record = ff.live.read_live_record("run.mcap")
+        >>> len(record.column("column_angle_rad")) >= 100
+        True
     """
     about, columns, rows, wishes, broken = _asked(path, _core.live_record)
     return LiveRecord(about, tuple(columns), rows, tuple(wishes), broken)
@@ -89,7 +114,7 @@ def replay(path: str | Path) -> Replayed:
     return Replayed(*_asked(path, _core.live_replay))
 
 
-def _asked(path: str | Path, question):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _asked(path: str | Path, question: Callable[[bytes], _Answer]) -> _Answer:
     data = read_input(Path(path), MOST_BYTES * 8, "a record of a live run (.mcap)")
     try:
         return question(data)

@@ -40,6 +40,13 @@ class Running:
         period_s: The loop's period.
         law: The law, as it is now.
         fade_s: Over how long a feel that is set from now on is faded in.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:
+        ...     running.wait(100)
+        ...     running.feel["feel.stiffness"] == ff.digital_elevator()["feel.stiffness"]
+        True
     """
 
     columns = COLUMNS

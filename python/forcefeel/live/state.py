@@ -31,6 +31,13 @@ class State:
         recorded: Bytes of the record.
         record_ended: Why the record ended before the loop; empty if it did not.
         ended: Whether the loop has ended.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:
+        ...     running.wait(100)
+        ...     running.state.missed
+        0
     """
 
     cycle: int
@@ -47,7 +54,18 @@ class State:
 
 @dataclass(frozen=True)
 class Trip:
-    """What stopped a loader: its name, and what happened and what to do."""
+    """What stopped a loader: its name, and what happened and what to do.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), "robust", real_time=False) as running:
+        ...     running.on()
+        ...     running.wait(4000)
+        ...     running.stop()
+        ...     running.wait(200)
+        ...     [trip.name for trip in running.trips]
+        ['emergency stop']
+    """
 
     name: str
     sentence: str
@@ -65,6 +83,13 @@ class Histogram:
     Attributes:
         edges_us: Least duration of each step, and the end of the last; us.
         counts: How often a duration fell in it.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:
+        ...     running.wait(100)
+        ...     running.timing.work.total >= 100
+        True
     """
 
     edges_us: NDArray[np.float64]
@@ -96,6 +121,13 @@ class Timing:
         late: How late it woke.
         work: How long a cycle took, input and output included.
         period_s: The period.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), real_time=False) as running:
+        ...     running.wait(100)
+        ...     running.timing.period_s
+        0.0005
     """
 
     late: Histogram

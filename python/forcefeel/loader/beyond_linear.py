@@ -23,7 +23,10 @@ def left_out(loader: Loader) -> str:
 def beyond_linear(loader: Loader) -> str:
     """The optional rows and curves that ``loader`` gives, by name as far as a sentence can hold them."""
     linear = _OF_MOTOR if loader.drive == ELECTRIC else frozenset()
-    keys = [*(key for key in loader.given if key not in linear and not key.startswith("safety.")), *(CURVES[name].key for name in loader.curves)]
+    keys = [
+        *(key for key in loader.given if key not in linear and not key.startswith("safety.")),
+        *(CURVES[name].key for name in loader.curves),
+    ]
     if linear:  # what changes the feel itself before what bounds the drive
         keys.sort(key=lambda key: not key.startswith("feel."))
     named, more = keys[:_NAMED], len(keys) - _NAMED

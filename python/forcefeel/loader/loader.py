@@ -229,9 +229,9 @@ class Loader:
     def fingerprint(self) -> str:
         """SHA-256 of the values and curves, to the last bit: by it a law knows the loader that it was made for."""
         curves = repr([(name, curve.x, curve.y) for name, curve in self.curves.items()])
-        # Rows of a sensor that is not there are left out, so that laws from before there were such rows know their loader.
-        at_grip = "grip_sensor." if not self["grip_sensor.gain"] else "\0"
-        own = np.array([value for key, value in self._by_key().items() if not key.startswith(at_grip)])
+        # What no law asks for, the limits of a supervisor and the rows of a sensor that is not there, is left out.
+        absent = ("safety.",) if self["grip_sensor.gain"] else ("safety.", "grip_sensor.")
+        own = np.array([value for key, value in self._by_key().items() if not key.startswith(absent)])
         return hashlib.sha256(own.tobytes() + curves.encode()).hexdigest()
 
     @property

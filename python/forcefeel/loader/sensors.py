@@ -30,6 +30,13 @@ def sensors_of(loader: Loader) -> tuple[str, ...]:
     return (*SENSORS, GRIP_SENSOR) if has_grip_sensor(loader) else SENSORS
 
 
+def unseen_inertia(loader: Loader) -> float:
+    """Inertia in N m s²/rad between the hand and the nearest force sensor: J, or ``m_o R_p^2`` with one at the grip."""
+    if has_grip_sensor(loader):
+        return float(loader["grip_sensor.mass"] * loader["column.grip_arm"] ** 2)
+    return float(loader["column.inertia"])
+
+
 def sample_variance(loader: Loader) -> NDArray[np.float64]:
     """Variance of a sample of each sensor: noise and rounding, ``sigma^2 + q^2 / 12``, in N^2, m^2, rad^2 and N^2."""
     sensors = sensors_of(loader)

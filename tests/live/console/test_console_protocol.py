@@ -75,11 +75,11 @@ def test_one_holds_control_and_anyone_may_stop(console, running):
             assert "control" in other.notice("refused")["reason"]
         assert running.hand_force_n == 0
         looker.send(do="stop")
-        first.status(state="tripped")
         assert first.status(state="tripped")["trips"][0]["name"] == "stop"
         first.send(do="acknowledge")
         first.status(state="passive", trips=[])
         first.send(do="give")
+        second.status(holder=None)
         second.send(do="take")
         second.status(holder=its)
         looker.send(do="take")
@@ -137,14 +137,12 @@ def test_a_test_is_broken_off_by_a_stop(talk, running):
 
 
 def test_a_sweep_is_made_and_judged():
-    with StandIn(speed=25.0) as fast, Console(fast, port=0) as console, Talk(console) as talk:
+    with StandIn(speed=None) as fast, Console(fast, port=0) as console, Talk(console) as talk:
         fast.on()
         talk.send(do="test", test="sweep")
         found = talk.notice("test")
         assert "judged" in found, found.get("reason")
-        verdicts = {one["quantity"]: one["outcome"] for one in found["judged"]["verdicts"]}
-        # In a twenty-fifth of its time the hand pulls by steps, of which breakout and friction are measured: the force alone is judged.
-        assert (verdicts["force, up"], verdicts["force, down"]) == ("passed", "passed"), found["judged"]["sentence"]
+        assert found["judged"]["passed"], found["judged"]["sentence"]
         assert found["judged"]["plot"]["kind"] == "sweep"
 
 

@@ -48,7 +48,8 @@ impl Stream {
             self.stale = self.stale.saturating_add(1);
             return;
         }
-        let over = self.age.clamp(1, self.longest);
+        // The first one has none before it: as slowly as any.
+        let over = if self.last.is_none() { self.longest } else { self.age.clamp(1, self.longest) };
         for ((step, now), number) in self.step.iter_mut().zip(self.now).zip(packet.numbers) {
             *step = (f64::from(number) - now) / f64::from(over);
         }

@@ -58,6 +58,7 @@ pub enum Wish {
 
 /// Where a loader is in it.
 #[derive(Debug, Clone, Copy)]
+#[expect(clippy::struct_excessive_bools, reason = "each holds by itself, in any of the states")]
 pub(super) struct Sequence<S> {
     pub(super) state: State,
     /// Share of the feel.
@@ -171,13 +172,12 @@ impl<S: Scalar> Sequence<S> {
                 (self.state, self.at_zero, self.share) = (State::Fading, false, angle.zero());
                 (self.anchor, self.comes) = (angle, true);
             }
-            State::Passive => {}
             State::Active | State::Fading => self.fade(limits, told.wish == Wish::Active, angle),
             State::Tripped if newly && self.at_zero && !self.enable && found.stopping().is_empty() => {
                 (self.tripped, self.cause, self.cut) = (Functions::NONE, None, false);
                 self.off(told.wish == Wish::Off);
             }
-            State::Tripped => {}
+            State::Passive | State::Tripped => {}
         }
         asked == State::Off && self.state == State::Initialising
     }

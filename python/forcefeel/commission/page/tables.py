@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from markupsafe import Markup
 
 from forcefeel.commission.findings import Row
-from forcefeel.commission.result import IDENTIFIED, Checked, Commission, Tested
+from forcefeel.commission.result import IDENTIFIED, Checked, Commission, RuleTests
 from forcefeel.conclusions import capital, share_text
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.table import Cell, Table, heads, number, words
@@ -65,7 +65,7 @@ def what_ifs(checked: Checked) -> Table:
     return Table(heads("Machine", "Settings rendered"), (now, *rows))
 
 
-def tests(tested: Tested) -> Table:
+def tests(tested: RuleTests) -> Table:
     """Each test of the rule."""
     rows = ((words(name), words(outcome, bad=outcome == "failed")) for name, outcome in tested.outcomes.items())
     return Table((Cell("Test"), Cell("Outcome")), tuple(rows))

@@ -29,6 +29,10 @@ LEARNS_S = 0.05
 BLUR_S = 0.01
 """1 / c in time: how long the column must have moved one way, and the hand have been off."""
 
+TRUSTED_S = 2.0
+"""1 / d in time: long beside the moments in which a hand that moves the column passes through zero torque. From half a second to
+five shares rendered are the same, and of 1 lb a push of 20 N at 0.2 Hz feels 5 to 2 %."""
+
 HAND = 1.0
 """q, as a share of the friction: a hand that pushes with more stops the learning. Shares rendered are the same at three."""
 
@@ -37,7 +41,7 @@ _OTHERS = SAMPLED + 2 + OF_FRICTION
 
 
 def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The numbers of the friction, (settings, 2 m + 14) for an observer of m states; zeros where there is none.
+    """The numbers of the friction, (settings, 2 m + 15) for an observer of m states; zeros where there is none.
 
     Args:
         plant: The plant, with its friction.
@@ -51,6 +55,6 @@ def known_friction(plant: SampledPlant, estimate: NDArray[np.float64]) -> NDArra
     enters = np.zeros((settings, places.observed))
     enters[:, : places.count] = -plant.by_torque / scale.torque_n_m
     given = (friction, MARGIN * friction, SLOW_RAD_PER_S, plant.period_s / LET_GO_S)
-    gain, blur = (min(plant.period_s / time, 1.0) for time in (LEARNS_S, BLUR_S))
-    numbers = (*given, *plant.friction_off_n_m, gain, HAND * friction, blur)
+    gain, blur, trust = (min(plant.period_s / time, 1.0) for time in (LEARNS_S, BLUR_S, TRUSTED_S))
+    numbers = (*given, *plant.friction_off_n_m, gain, HAND * friction, blur, trust)
     return np.hstack([rate, enters, np.tile(numbers, (settings, 1))])

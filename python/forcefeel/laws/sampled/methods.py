@@ -74,7 +74,8 @@ def _at_grip(loader: Loader, feel: ArrayLike) -> SampledCompensator:
 
 
 def _robust(loader: Loader, feel: ArrayLike) -> SampledCompensator:
-    return (grip if has_grip_sensor(loader) else laws).design(loader, feel, robust_tuning(loader))
+    design = grip.design if has_grip_sensor(loader) else laws.design
+    return design(loader, feel, robust_tuning(loader))
 
 
 _METHODS = (

@@ -223,5 +223,7 @@ def undeclared_noise(loader: Loader) -> dict[str, float]:
         {}
     """
     units = dict(zip(_UNDECLARED, Scale.of(loader).sampled[[0, 2]].tolist(), strict=True))
-    silent = [sensor for sensor, one in zip(sensors_of(loader), sample_variance(loader).tolist(), strict=True) if not one]
+    silent = [
+        sensor for sensor, one in zip(sensors_of(loader), sample_variance(loader).tolist(), strict=True) if not one
+    ]
     return {sensor: share * units[sensor] for sensor, share in _UNDECLARED.items() if sensor in silent}

@@ -35,7 +35,7 @@ SAMPLED_AT_GRIP = SAMPLED + 1
 _FEEL = 2
 """delta, delta'."""
 
-OF_FRICTION = 9
+OF_FRICTION = 10
 """F, M, v_s, l, and of learning g_-, g_+, a, q, c."""
 
 _AT_ONE = 1e-11
@@ -53,9 +53,9 @@ class SampledCompensator:
         input: (settings, n, 4), columns F_c, x_p, theta, e; with the grip's sensor (settings, n, 5), F_g before e, and so below.
         command: (settings, n + 5), in V on xi, F_c, x_p, theta, delta, delta'.
         torque: (settings, n + 5), in N m on the same.
-        friction: (settings, 2 n + 14), the dry friction that it knows: r, the column's rate in rad/s on the same as command; b, by
-            which xi moves per N m of friction; F and M in N m, v_s in rad/s, l; and how it learns: g_-, g_+ in N m, a, q in N m, c.
-            Zeros where it is not given: it knows of none.
+        friction: (settings, 2 n + 15), the dry friction that it knows: r, the column's rate in rad/s on the same as command; b, by
+            which xi moves per N m of friction; F and M in N m, v_s in rad/s, l; and how it learns: ``g_-``, ``g_+`` in N m, a,
+            q in N m, c, d. Zeros where it is not given: it knows of none.
         settled: (settings, n, 4), the state at rest per F_c, x_p, theta, delta; see ``_settled``.
 
     Arrays are read-only.
