@@ -12,7 +12,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 RUST := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
-PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.pyi' -o -name '*.toml' -o -name '*.txt' -o -name '*.csv' -o -name '*.html' -o -name '*.css' -o -name '*.js')
+PACKAGE := $(shell find python -name '*.py' -o -name '*.j2' -o -name '*.pyi' -o -name '*.toml' -o -name '*.txt' -o -name '*.csv' -o -name '*.html' -o -name '*.css' -o -name '*.js' -o -name '*.c' -o -name '*.ld')
 
 .PHONY: report test lint bench docs site links wheel clean
 
@@ -25,6 +25,7 @@ report/report.html: $(VENV)/built $(PACKAGE)
 # The crates as the extension has them: built once, and tested as they run.
 test: $(VENV)/built dist/built
 	tests/browser/install
+	tests/export/install
 	cargo test --release --workspace --locked --quiet
 	$(BIN)/pytest
 
@@ -46,6 +47,8 @@ bench: $(VENV)/built
 	$(BIN)/python benchmarks/identification.py
 	$(BIN)/python benchmarks/tolerances.py
 	$(BIN)/python benchmarks/live.py
+	tests/export/install
+	$(BIN)/python benchmarks/export.py
 
 docs: $(VENV)/built
 	$(BIN)/python docs/make.py
@@ -83,7 +86,11 @@ $(VENV)/built: $(VENV)/backend pyproject.toml $(RUST)
 
 $(VENV)/extension: $(VENV)/backend pyproject.toml $(RUST)
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) --no-build-isolation --no-deps --editable .
+	cp target/release/deps/$(FMI) python/forcefeel/export/fmu/
 	touch $@
+
+# The library inside FMUs is built along with the extension, which names it among its crates.
+FMI := libforcefeel_fmi.so
 
 # The locked dependencies, once per lock file. Python compiles what is imported when it is, and keeps that; where it may not, every command
 # would compile all of it anew.

@@ -79,6 +79,21 @@ def _few(line: str) -> str:
     return " ".join([line, *wanted])
 
 
+def elsewhere(namespace: dict[str, object]) -> None:
+    """What a page's Python writes, it writes into a folder of its own, beside the examples."""
+    namespace["_from"] = Path.cwd()
+    os.chdir(tempfile.mkdtemp(prefix="forcefeel-docs-"))
+    Path("examples").symlink_to(Path(__file__).parent / "examples")
+
+
+def back(namespace: dict[str, object]) -> None:
+    """Where the other tests are."""
+    os.chdir(str(namespace["_from"]))
+
+
 pytest_collect_file = Sybil(
-    parsers=[PythonCodeBlockParser(), typed], patterns=["README.md", "docs/*.md", "docs/*/*.md", "examples/*/*.md"]
+    parsers=[PythonCodeBlockParser(), typed],
+    patterns=["README.md", "docs/*.md", "docs/*/*.md", "examples/*/*.md"],
+    setup=elsewhere,
+    teardown=back,
 ).pytest()

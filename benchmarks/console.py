@@ -1,20 +1,30 @@
 """The console's share of a core and what it costs the loop: eight watchers at 60 frames a second beside a loop at 1 kHz.
 
-Cycles that are missed are reported beside those of the same loop without a console, run right before: a machine without a real-time
-kernel misses some by itself. ``python benchmarks/console.py 600`` takes ten minutes of each.
+``cyclictest`` (of rt-tests) wakes at the same period and priority through the same seconds: what it is late by, the machine
+is. Cycles that are missed are reported beside those that it would have missed. ``python benchmarks/console.py 600`` takes ten
+minutes. Run it as root, or with limits for priority and memory. Ends with an error if the server takes more of a core than
+promised; the rest is the machine's.
 """
 
+import json
 import multiprocessing
+import shutil
+import subprocess
 import sys
+import tempfile
 import threading
 import time
+from pathlib import Path
 
+import numpy as np
 from websockets.sync.client import connect
 
 import forcefeel as ff
 
 WATCHERS = 8
 MOST_SHARE = 0.10
+PERIOD_US, PRIORITY = 1000, 80
+SHARES = (0.5, 0.99, 0.999, 1.0)
 SECONDS = float(sys.argv[1]) if len(sys.argv) > 1 else 20.0
 
 
@@ -31,10 +41,27 @@ def loop():
     return ff.live.start(ff.digital_elevator().replace({"controller.period": "1 ms"}), "robust")
 
 
+def cyclictest(seconds: float, folder: Path) -> subprocess.Popen | None:
+    """Begun beside the loop, on its period and at its priority."""
+    if shutil.which("cyclictest") is None:
+        return None
+    asked = f"-q -m -t1 -p{PRIORITY} -i{PERIOD_US} -D{round(seconds)} -h100000 --json={folder / 'latency.json'}"
+    return subprocess.Popen(["cyclictest", *asked.split()], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def latencies(folder: Path) -> tuple[np.ndarray, int]:
+    """p50, p99, p99.9, worst in us, and how often it was a period late or more."""
+    (thread,) = json.loads((folder / "latency.json").read_text(encoding="utf-8"))["thread"].values()
+    us, counts = (np.array(list(each), dtype=int) for each in (thread["histogram"], thread["histogram"].values()))
+    order = np.argsort(us)
+    us, counts = us[order], counts[order]
+    share = np.cumsum(counts) / counts.sum()
+    places = [min(np.searchsorted(share, q), len(us) - 1) for q in SHARES]
+    return us[places].astype(float), int((counts * (us // PERIOD_US)).sum())
+
+
 def main() -> None:
-    with loop() as running:
-        time.sleep(SECONDS)
-        alone = running.state.missed
+    folder = Path(tempfile.mkdtemp())
     frames, context = multiprocessing.Queue(), multiprocessing.get_context("fork")
     with loop() as running, ff.live.Console(running, port=0) as console:
         token = console.admission.watch
@@ -46,7 +73,11 @@ def main() -> None:
         (server,) = (it for it in threading.enumerate() if it.name == "forcefeel console")
         clock = time.pthread_getcpuclockid(server.ident)
         before, missed, cycle = time.clock_gettime(clock), running.state.missed, running.state.cycle
+        late = running.timing.late.counts
+        beside = cyclictest(SECONDS - 1, folder)
         time.sleep(SECONDS - 1)
+        later = running.timing
+        of_loop = ff.live.Histogram(later.late.edges_us, later.late.counts - late)
         used = time.clock_gettime(clock) - before
         share, state = used / (SECONDS - 1), running.state
         for one in watchers:
@@ -54,7 +85,17 @@ def main() -> None:
     each = [frames.get() / (SECONDS + 3) for _ in watchers]
     print(f"{WATCHERS} watchers, {min(each):.1f} to {max(each):.1f} frames/s each, over {SECONDS:g} s")
     print(f"server: {100 * share:.1f} % of a core (at most {100 * MOST_SHARE:g} %)")
-    print(f"missed of {state.cycle - cycle} cycles: {state.missed - missed}; of a run alone before it: {alone}")
+    print("; ".join(running.granted))
+    mine = np.array([of_loop.quantile_us(share) for share in SHARES])
+    print("loop       p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*mine))
+    print(f"missed {state.missed - missed} of {state.cycle - cycle + state.missed - missed} cycles")
+    if beside is None:
+        print("cyclictest is not installed: apt-get install rt-tests")
+    else:
+        beside.wait()
+        its, would = latencies(folder)
+        print("cyclictest p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*its))
+        print(f"it would have missed {would}; ratio of p50 {mine[0] / its[0]:.2f}, of p99.9 {mine[2] / its[2]:.2f}")
     sys.exit(share > MOST_SHARE)
 
 

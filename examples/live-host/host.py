@@ -72,7 +72,7 @@ def decode(packet: bytes) -> ToHost:
 
 
 def main() -> None:
-    address = (sys.argv[1] if len(sys.argv) > 1 else "127.0.0.1", int(sys.argv[2]) if len(sys.argv) > 2 else 49152)
+    address = (sys.argv[1] if len(sys.argv) > 1 else "127.0.0.1", int(sys.argv[2]) if len(sys.argv) > 2 else 8732)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
         wire.settimeout(1 / RATE_HZ)
         sequence = 0

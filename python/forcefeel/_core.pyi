@@ -13,14 +13,17 @@ from numpy.typing import NDArray
 
 __all__ = [
     "BOUND_RAD",
+    "FMU_CLOCK",
     "MOST_RECURSION_STEPS",
     "OBSERVER_NUMBERS",
     "PERIOD_BASE",
     "PERIOD_COMMAND",
     "PERIOD_SHOWN",
     "ArgumentError",
+    "BoardAxis",
     "Compensator",
     "ExportedLaw",
+    "FmuVariable",
     "LawSource",
     "LiveLoop",
     "LiveMachine",
@@ -31,6 +34,7 @@ __all__ = [
     "ReleaseMeasuring",
     "Simulation",
     "ThreadsError",
+    "board_sources",
     "channels",
     "compliant",
     "design_plant",
@@ -43,6 +47,7 @@ __all__ = [
     "feel_from_frequency",
     "feel_steps",
     "feel_transitions",
+    "fmu_variables",
     "ideal_feel",
     "linear_slopes",
     "linkage_from_resonance",
@@ -82,6 +87,7 @@ PERIOD_SHOWN: int
 MOST_RECURSION_STEPS: int
 """Longest recursion (22)."""
 BOUND_RAD: float
+FMU_CLOCK: int
 """A column that turns so far has no model."""
 _Matrices: TypeAlias = tuple[_Array, _Array, _Array, _Array]
 _Sloped: TypeAlias = tuple[_Array, _Array, _Array, _Array, _Array, _Array, _Array, _Array]
@@ -248,6 +254,53 @@ class ExportedLaw:
     def answers(self, inputs: _Array, settings: Sequence[tuple[int, int]]) -> _Array: ...
 
 @final
+class BoardAxis:
+    """One axis on a board: what its library takes of loader and law, and what it must answer."""
+
+    def __new__(
+        cls,
+        values: _Array,
+        laws: _Array,
+        *,
+        period_s: float,
+        curve: tuple[_Array, _Array] | None = None,
+        cancellation: Sequence[float] | None = None,
+    ) -> Self: ...
+    def loader(
+        self,
+    ) -> tuple[float, list[list[float]], list[float], list[float], list[list[float]], int, int]: ...
+    def answers(
+        self, inputs: _Array, words: Sequence[Sequence[int]], *, single: bool
+    ) -> tuple[_Array, NDArray[np.uint32]]: ...
+
+def board_sources() -> list[tuple[str, str]]: ...
+
+@final
+class FmuVariable:
+    """A variable of an FMU: how the library knows it, and what its description says of it."""
+
+    @property
+    def reference(self) -> int: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def meaning(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def causality(self) -> str: ...
+    @property
+    def variability(self) -> str: ...
+    @property
+    def kind(self) -> str: ...
+    @property
+    def start(self) -> float | None: ...
+    @property
+    def range(self) -> tuple[float, float] | None: ...
+
+def fmu_variables(kind: str, values: _Array, settings: int) -> list[FmuVariable]: ...
+
+@final
 class ReleaseMeasuring:
     """How releases are measured: residual band, upper and lower share of the way; see ``forcefeel.qualification``."""
 
@@ -409,6 +462,7 @@ class LiveSetup:
         gains: _Array | None = None,
         observers: _Array | None = None,
         curve: tuple[_Array, _Array] | None = None,
+        stiffness_factor: tuple[_Array, _Array] | None = None,
         cancellation: Sequence[float] | None = None,
         supervised: bool = True,
     ) -> Self: ...
@@ -426,6 +480,7 @@ class LiveLoop:
         *,
         script: _Script | None = None,
         address: str | None = None,
+        host: str | None = None,
         real_time: bool = True,
         cycles: int | None = None,
         wishes: Sequence[_Wished] = ...,
@@ -436,6 +491,7 @@ class LiveLoop:
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> bool: ...
     def status(self) -> tuple[int, int, int, int, int, int, int, bool]: ...
     def recorded(self) -> tuple[int, str | None]: ...
+    def heard(self) -> tuple[str, int, int, tuple[str, float] | None] | None: ...
     def history(self, since: float, most: int) -> _Array: ...
     def timing(self) -> tuple[list[int], list[int], list[int]]: ...
     def granted(self) -> tuple[int | None, str, bool, str] | None: ...

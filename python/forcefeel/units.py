@@ -18,7 +18,7 @@ from enum import StrEnum
 from functools import cache
 from importlib import resources
 from numbers import Real
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from forcefeel.errors import InputError, expect
 
@@ -180,6 +180,15 @@ def _parse_unit(text: str) -> "pint.Unit":
 @cache
 def _names() -> "dict[pint.util.UnitsContainer, str]":
     return {_parse_unit(text).dimensionality: name for text, name in _QUANTITIES.items()}
+
+
+def dimensions(text: str) -> dict[str, int]:
+    """The powers of the base quantities in a unit, by names such as ``[length]``; force and voltage are among them.
+
+    Raises:
+        InputError: If the unit is unknown.
+    """
+    return {name: cast("int", power) for name, power in _parse_unit(text).dimensionality.items()}
 
 
 @cache

@@ -25,7 +25,7 @@ from tests.release_witness import features, ideal, least_margin
 GRID = {"stiffness": "1..100 %:7:log", "frequency": "0.5..4 Hz:4:log", "damping": "0.1, 0.4, 0.8, 1.5"}
 EDGE = 1e-6  # relative; of a frequency so near to a band's end it is not asked on which side it lies
 ROUNDING = 1e-9  # of an admittance: a real part below that has no sure sign
-WITNESSED = 60  # settings in random cases that the slow route judges
+WITNESSED = 30  # settings in random cases that the slow route judges
 NEAR = (
     0.02  # share of its tolerance by which the two routes may differ: the stepped runs with an arm are good to 1e-5 rad
 )

@@ -102,7 +102,7 @@ def test_how_far_a_part_is_off(run):
 
 
 def test_a_controller_brings_its_laws(run):
-    few = (*("--grid", "stiffness=10, 20 %"), *("--grid", "frequency=1, 2 Hz"), *("--grid", "damping=0.4, 1"))
+    few = (*("--grid", "stiffness=10, 20 %"), *("--grid", "frequency=2, 4 Hz"), *("--grid", "damping=0.4, 1"))
     words = (
         "elevator-2khz",
         "--law",

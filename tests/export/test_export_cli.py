@@ -37,13 +37,17 @@ def test_json_names_files_law_and_loader(export):
     [
         (("--to", "table", "--name", "9x"), "--name: expected an identifier of C"),
         (("--to", "table", "--name", "a-b"), "--name: expected an identifier of C"),
-        (("--to", "plc"), "--to: expected c, matlab or table"),
+        (("--to", "plc"), "--to: expected c, firmware, fmu, matlab or table"),
         (
             ("--to", "matlab", "--law", "original"),
             "is gains of an analog law, and elevator-2khz has a digital controller",
         ),
         (("--to", "table", "--law", "torque-mode"), "--law: torque-mode is a law for a motor"),
         (("--to", "matlab", "--law", "robust", "--knots", "none.csv"), "none.csv: cannot be read"),
+        (("--to", "c", "--target", "avr"), "--target: is for --to firmware, and --to is c; leave it out"),
+        (("--to", "fmu", "--law", "original"), "is gains of an analog law, and elevator-2khz has a digital controller"),
+        (("--to", "fmu", "--name", "a-b"), "--name: expected an identifier of C"),
+        (("--to", "fmu", "--single"), "--single: is for --to c and firmware, and --to is fmu"),
         ((), "--to: is needed, and not given"),
     ],
 )
@@ -66,6 +70,23 @@ def test_a_law_of_another_loader_or_rate_is_refused(export, tmp_path):
     assert status == 2
     assert "made for a controller.period of 1 ms, the loader has 0.5 ms" in error
     assert export(*given, "law.json")[0] == 0
+
+
+def test_fmus_of_loader_law_and_machine(export, tmp_path):
+    status, out, _ = export("elevator-2khz", "--law", "robust", "--to", "fmu", "--name", "pitch", "--out", "fmus")
+    assert status == 0
+    names = {f"pitch_{kind}_fmi{version}.fmu" for kind in ("loader", "law", "machine") for version in (2, 3)}
+    assert {path.name for path in (tmp_path / "fmus").iterdir()} == names
+    assert all(name in out for name in names)
+
+
+def test_an_analog_loader_gives_no_fmu(export, tmp_path):
+    status, _, error = export("elevator", "--law", "converged", "--to", "fmu")
+    assert status == 2
+    assert (
+        "--law: converged is an analog law, and that of an FMU is sampled; give the loader a controller.period" in error
+    )
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_what_is_there_stays_unless_it_is_to_be_replaced(export):

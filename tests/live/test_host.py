@@ -1,13 +1,21 @@
-"""The host's example in Python against the bytes that the Rust tests and the C example have, and a loader's packet."""
+"""The host's example in Python: its bytes against those of the Rust tests and the C example, and a running loop that it guides."""
 
 import importlib.util
+import json
+import socket
 import struct
 import sys
+import time
 import zlib
+from contextlib import suppress
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
+
+import forcefeel as ff
+from tests.command_line import runner
 
 ROOT = Path(__file__).parent.parent.parent
 
@@ -35,3 +43,63 @@ def test_a_packet_of_a_loader_is_read_or_refused(host: ModuleType) -> None:
     assert (found.sequence, found.state, found.stopped_by, found.angle, found.force) == (9, 3, 2, 0.25, 30.0)
     with pytest.raises(ValueError, match=r"^packet: expected 40 bytes that begin with FFL1"):
         host.decode(body + b"none")
+
+
+PATIENCE_S = 30.0
+TRIM_RAD = 0.02
+
+
+def test_a_simulator_guides_a_running_loop_and_its_silence_gives_the_feel_back(
+    host: ModuleType, tmp_path: Path
+) -> None:
+    loader = ff.digital_elevator()
+    path = tmp_path / "run.mcap"
+    running = ff.live.start(loader, "robust", host=0, record=path)
+    with running, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
+        running.on()
+        assert running.host == ff.live.HostState(running.host.listens, "", 0, 0, None, 0.0)
+        address, _, port = running.host.listens.rpartition(":")
+        assert address == "127.0.0.1"
+        wire.settimeout(0.5)
+        until, answer = time.monotonic() + PATIENCE_S, None
+        while answer is None or (answer.share, answer.host_share) != (1.0, 1.0):
+            assert time.monotonic() < until, answer
+            sequence = running.host.packets + 1
+            wire.sendto(host.encode(sequence, host.ACTIVE, host.FromHost(trim=TRIM_RAD)), (address, int(port)))
+            with suppress(TimeoutError):  # a loop that others keep from running answers no packet that is old
+                answer = host.decode(wire.recv(64))
+            time.sleep(0.01)
+        assert (answer.state, answer.stopped_by) == (ff.live.STATES.index("active"), 0)
+        wire.sendto(b"no packet", (address, int(port)))
+        while running.host.share > 0 or running.host.refused == 0:
+            assert time.monotonic() < until, running.host
+            time.sleep(0.01)
+        assert running.state.name == "active"
+        taken = running.host.packets
+        assert taken >= answer.sequence
+    record = ff.live.read_live_record(path)
+    packets = [numbers for _, name, numbers in record.wishes if name == "host"]
+    assert len(packets) == taken
+    assert np.float32(TRIM_RAD) == packets[0][4]
+    assert record.column("neutral_rad").max() == pytest.approx(TRIM_RAD, abs=1e-6)  # of single precision
+    assert ff.live.replay(path).same
+
+
+def test_run_listens_to_a_simulator(monkeypatch: pytest.MonkeyPatch, capsys, tmp_path: Path) -> None:
+    run = runner(monkeypatch, capsys, tmp_path, "run")
+    asked = ("elevator-2khz", "--headless", "--duration", "20 ms", "--host")
+    status, out, err = run(*asked, "0", "--json")
+    assert (status, err) == (0, "")
+    assert json.loads(out)["host"]["packets"] == 0
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = str(taken.getsockname()[1])
+        for given, part in (("here", "UDP port"), ("70000", "UDP port"), (port, port)):
+            status, out, err = run(*asked, given)
+            assert (status, out) == (2, "")
+            assert part in err
+
+
+def test_without_a_supervisor_nobody_would_fade_a_host_out() -> None:
+    with pytest.raises(ff.InputError, match="only the supervisor"):
+        ff.live.start(ff.digital_elevator(), host=0, supervised=False)

@@ -8,6 +8,7 @@ import time
 
 import numpy as np
 import pytest
+from mcap.reader import NonSeekingReader, make_reader
 
 import forcefeel as ff
 from tests.command_line import runner
@@ -114,3 +115,30 @@ def test_the_release_of_a_live_run_qualifies_where_that_of_a_simulation_does(rel
 def test_a_live_record_is_bench_data(release):
     data = ff.bench.read_bench_record(release, experiment="release")
     assert {"column_angle", "load_cell_force"} <= set(data.channels)
+
+
+def test_somebody_elses_reader_finds_every_message(tmp_path):
+    """The ``mcap`` package of the format's makers: each record, its schema, its numbers by the layout that the reference states."""
+    path = tmp_path / "run.mcap"
+    with ff.live.start(ff.digital_elevator(), real_time=False, record=path) as running:
+        running.on()
+        running.wait(3000)
+    ours = ff.live.read_live_record(path)
+    with path.open("rb") as file:
+        assert make_reader(file).get_summary().statistics.message_count > len(ours.rows)
+    with path.open("rb") as file:
+        messages = list(NonSeekingReader(file, validate_crcs=True).iter_messages())
+    schema = next(schema for schema, channel, _ in messages if channel.topic == "/cycle")
+    assert (schema.name, schema.encoding) == ("forcefeel_msgs/msg/Cycle", "ros2msg")
+    lines = schema.data.decode().split("\n")
+    assert [line.removeprefix("float64 ") for line in lines if line] == list(ours.columns)
+    rows = [message for _, channel, message in messages if channel.topic == "/cycle"]
+    # Common data representation: four bytes of head, then the numbers.
+    theirs = np.array([np.frombuffer(message.data[4:], "<f8") for message in rows])
+    assert np.array_equal(theirs, ours.rows, equal_nan=True)
+    at_ns = np.array([message.log_time for message in rows], dtype=np.int64)
+    since_s = (at_ns - at_ns[0]) * 1e-9
+    assert np.abs(since_s - (ours.column("time_s") - ours.column("time_s")[0])).max() < 2e-9  # whole ns
+    lists = [message.data for _, channel, message in messages if channel.topic == "/list"]
+    assert any(b"values\0" in data for data in lists)
+    assert sum(b"on\0" in data[8:11] for data in lists) == 1

@@ -15,12 +15,12 @@ def run(monkeypatch, capsys, tmp_path):
 
 def test_run_says_how_it_went_and_keeps_a_record(run, tmp_path):
     status, out, err = run(
-        "elevator-2khz", "--law", "robust", "--headless", "--duration", "0.5", "--out", "live", "--json"
+        "elevator-2khz", "--law", "robust", "--headless", "--duration", "0.2", "--out", "live", "--json"
     )
     assert (status, err) == (0, "")
     found = json.loads(out)
     assert found["law"] == "robust"
-    assert found["cycles"] + found["missed"] >= 1000
+    assert found["cycles"] + found["missed"] >= 400
     assert found["trips"] == []
     assert ff.live.replay(tmp_path / "live" / "record.mcap").same
     status, _, err = run("elevator-2khz", "--headless", "--duration", "0.5", "--out", "live")
@@ -29,7 +29,7 @@ def test_run_says_how_it_went_and_keeps_a_record(run, tmp_path):
 
 
 def test_run_prints_timing_and_record(run):
-    status, out, _ = run("elevator-2khz", "--law", "robust", "--headless", "--duration", "300 ms", "--out", "live")
+    status, out, _ = run("elevator-2khz", "--headless", "--duration", "50 ms", "--out", "live")
     assert status == 0
     for part in ("Timing", "p99.9", "cycles", "record: live/record.mcap"):
         assert part in out

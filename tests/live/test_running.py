@@ -55,7 +55,7 @@ def test_the_feel_is_what_is_programmed(running, loader):
 def test_a_change_of_the_feel_leaves_no_bump(running, loader):
     running.hand_force_n = 50.0
     settled(running)
-    before = running.history(most=400)
+    before = running.history(most=4000)
     running.feel = {
         "feel.stiffness": 1.5 * loader["feel.stiffness"],
         "feel.damping": 2 * loader["feel.damping"],

@@ -29,13 +29,25 @@ def served(*command):
         process.stdout.close()
 
 
-@pytest.fixture(scope="module")
-def python_machine():
+def test_a_machine_over_the_network_runs_as_the_one_in_the_process_and_trips_the_loader_when_it_is_killed():
+    # One process for both: Python takes seconds to start there.
     with served(sys.executable, EXAMPLES / "machine.py", 0) as address:
-        yield address
+        runs_as_the_one_in_the_process(address)
+        running = ff.live.start(ff.digital_elevator(), "robust", over=ff.live.Udp(address))
+        running.on()
+        running.wait(1000, 20.0)
+        assert running.state.silent < running.state.cycle
+    running.wait(400)
+    running.end()
+    assert running.state.name == "tripped"
+    assert "sensors silent" in running.state.trips
+    last = dict(zip(running.columns, running.history(most=1)[0], strict=True))
+    assert (last["command"], last["enable"]) == (0.0, 0.0)
+    with pytest.raises(ff.InputError, match="simulated"):
+        running.hand_force_n = 1.0
 
 
-def test_a_machine_over_the_network_runs_as_the_one_in_the_process(python_machine):
+def runs_as_the_one_in_the_process(python_machine):
     loader = ff.digital_elevator()
     runs = []
     for over in (ff.live.Udp(python_machine), ff.live.Simulated()):
@@ -49,19 +61,6 @@ def test_a_machine_over_the_network_runs_as_the_one_in_the_process(python_machin
         far, near = runs[0][column], runs[1][column]
         # The same machine with the same noise, begun otherwise: at rest both, but for that noise.
         assert np.abs(far.mean() - near.mean()) < least
-
-
-def test_a_machine_that_goes_away_trips_the_loader():
-    with served(sys.executable, EXAMPLES / "machine.py", 0) as address:
-        running = ff.live.start(ff.digital_elevator(), "robust", over=ff.live.Udp(address))
-        running.on()
-        running.wait(400, 20.0)
-        assert running.state.silent < running.state.cycle
-    running.wait(400)
-    running.end()
-    assert "sensors silent" in running.state.trips
-    with pytest.raises(ff.InputError, match="simulated"):
-        running.hand_force_n = 1.0
 
 
 def test_packets_that_are_none_are_dropped():

@@ -427,3 +427,22 @@ def test_a_row_of_the_motor_is_in_its_fingerprint() -> None:
     loader = ff.loader.electric("desktop-yoke")
     assert loader.replace({"motor.inertia": "81 kg cm^2"}).fingerprint != loader.fingerprint
     assert ff.loader.electric("desktop-yoke").fingerprint == loader.fingerprint
+
+
+LB_N = 4.4482216152605
+LIMITS_LB = {
+    # 14 CFR 25.143(d), short term: wheel by two hands, stick by one; 25.397(c), 80 D in. lb at a wheel's rim being 160 lb.
+    "elevator-electric": (75, 300),
+    "aileron-wheel": (50, 160),
+    "desktop-yoke": (50, 160),
+    "rudder-pedals": (150, 300),
+    "sidestick-pitch": (50, 250),
+    "sidestick-roll": (25, 100),
+}
+
+
+@pytest.mark.parametrize("name", LIMITS_LB)
+def test_the_supervisors_forces_are_those_of_the_axis(name):
+    loader = ff.loader.electric(name)
+    found = loader["safety.force_limit"] / LB_N, loader["safety.absolute_force"] / LB_N
+    assert found == pytest.approx(LIMITS_LB[name], rel=1e-9)  # rounding of the units

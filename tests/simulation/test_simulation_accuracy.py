@@ -101,7 +101,7 @@ def test_everything_at_once(case_of):
     scatter, at any step.
     """
     errors, events = [], []
-    for machine in machines(8):
+    for machine in machines(5):
         case = case_of(machine)
         reference = case.witness(Solver("LSODA", 1e-9, events))
         errors.append(case.errors(reference, 1e-3, 5e-4, 2.5e-4))

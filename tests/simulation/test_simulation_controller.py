@@ -130,8 +130,9 @@ def digital_release(machine, duration=1.2):
     return Case(machine, [(0.0, start["force"]), (0.05, 0.0)], Release(8 * DEG, 0.05), duration, start, SIGNALS)
 
 
-@pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])
-@pytest.mark.parametrize("case_of", [digital_step, digital_release], ids=["step", "release"])
+@pytest.mark.parametrize(
+    ("case_of", "gains"), [(digital_step, None), (digital_release, GAINS)], ids=["step-original", "release-feedback"]
+)
 def test_everything_at_once_under_a_digital_controller(case_of, gains):
     events = []
     case = case_of(digital(gains, 5e-4))
@@ -149,12 +150,11 @@ def test_antiwindup_with_everything_is_of_first_order_in_the_period():
     The column is back after 0.4 s, where the errors are largest.
     """
     errors = []
-    for period in (1e-3, 5e-4, 2.5e-4):
+    for period in (1e-3, 5e-4):
         case = digital_release(digital(None, period, antiwindup=100.0, feel_velocity_limit=np.inf), 0.6)
         errors += case.errors(case.witness(Solver("LSODA", 1e-9)), 1e-3)
-    assert errors[0] < 4e-4  # found 2.2e-4, 1.2e-4, 5.6e-5
-    assert errors[2] < CLAIM
-    assert min(errors[0] / errors[1], errors[1] / errors[2]) > 1.5
+    assert errors[0] < 4e-4  # found 2.2e-4, 1.2e-4; and 5.6e-5 at 0.25 ms
+    assert errors[0] / errors[1] > 1.5
 
 
 @pytest.mark.parametrize("gains", [None, GAINS], ids=["original", "feedback"])

@@ -48,6 +48,7 @@ def test_it_holds_every_file_of_the_package(wheel):
     wanted = {path.relative_to(package).as_posix() for path in sources if path.suffix not in {".pyc", ".so", ".pyd"}}
     held = set(zipfile.ZipFile(wheel).namelist())
     assert wanted - held == set()
+    assert sys.platform != "linux" or "forcefeel/export/fmu/libforcefeel_fmi.so" in held
     assert not any(name.endswith(".pyc") for name in held)
 
 

@@ -2,6 +2,7 @@
 //!
 //! `s` share of a change of the feel that is over · its fade is `3 s^2 - 2 s^3`, so that neither the force nor its rate jumps
 
+use crate::guided::{Guided, OfHost};
 use crate::input_output::{Command, Sampled};
 use crate::row::Row;
 use crate::setup::{Beginning, Setup};
@@ -9,6 +10,7 @@ use crate::supervision::{Asked, Seen, Supervision, Verdict};
 use crate::wish::{Around, FeelWish, Wish};
 use forcefeel_model::control::{Answer, Control, Feeling, Remembered, Sample};
 use forcefeel_model::effects::Effects;
+use forcefeel_model::host::ToHost;
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
@@ -43,6 +45,7 @@ pub struct Controller {
     asked: Asked,
     around: Around,
     wanted: Around,
+    host: Option<Guided>,
     change: Option<Change>,
     waiting: Option<FeelWish>,
     cycle: u64,
@@ -84,6 +87,7 @@ impl Controller {
             asked: Asked { wish: Mode::Off, acknowledge: false, stop: false },
             around,
             wanted: around,
+            host: setup.host.then(|| Guided::new(setup)),
             change: None,
             waiting: None,
             cycle: 0,
@@ -113,22 +117,37 @@ impl Controller {
             Wish::Off => self.asked.wish = Mode::Off,
             Wish::Acknowledge => self.asked.acknowledge = true,
             Wish::Stop => self.asked.stop = true,
+            Wish::Host(packet) => {
+                if let Some(host) = &mut self.host {
+                    host.take(packet);
+                }
+            }
         }
+    }
+
+    /// What the host is told of a cycle, if it has sent something since it was told last.
+    pub fn answer(&mut self, row: &Row) -> Option<ToHost> {
+        self.host.as_mut()?.answer(row, self.supervision.last())
     }
 
     /// A cycle: the command, and what there is to see; `missed` beats went by before it.
     pub fn step(&mut self, sampled: Option<&Sampled>, missed: u64) -> (Command, Row) {
         self.beats += missed;
         let fade = self.change_feel();
-        let inputs = self.inputs(fade);
+        let of_host = self.of_host();
+        let inputs = self.inputs(fade, &of_host);
+        // Before its feel is wanted a host leaves the loader passive, whatever the person wants.
+        let held_back = self.asked.wish == Mode::Active && of_host.holds_back;
+        let asked = Asked { wish: if held_back { Mode::Passive } else { self.asked.wish }, ..self.asked };
         let seen = Seen {
             sensors: sampled.map_or(self.sensors, |sampled| sampled.sample.sensors),
             fresh: sampled.is_some(),
             feel_acceleration: self.control.free_acceleration(&self.shared, &self.feeling, &inputs),
             emergency_stop: sampled.is_some_and(|sampled| sampled.emergency_stop),
             missed,
+            host_age: of_host.age,
             // A supervisor wants to have been asked for nothing before it is asked for something.
-            asked: if self.cycle == 0 { Asked { wish: Mode::Off, ..self.asked } } else { self.asked },
+            asked: if self.cycle == 0 { Asked { wish: Mode::Off, ..asked } } else { asked },
         };
         (self.asked.acknowledge, self.asked.stop) = (false, false);
         self.sensors = seen.sensors;
@@ -140,7 +159,7 @@ impl Controller {
         self.command = verdict.command;
         let command =
             Command { cycle: self.cycle, command: verdict.command, enable: verdict.enable, state: verdict.state };
-        let row = self.row(sampled, &verdict, (fade, missed));
+        let row = self.row(sampled, &verdict, &inputs, missed);
         self.cycle += 1;
         self.beats += 1;
         (command, row)
@@ -232,8 +251,15 @@ impl Controller {
         })
     }
 
+    /// What the host wants of this cycle; nothing where there is none.
+    fn of_host(&mut self) -> OfHost {
+        let angle = self.sensors[2] * self.control.per_base();
+        let spring = self.parameters.feel.stiffness;
+        self.host.as_mut().map_or(OfHost::NONE, |host| host.step((angle, spring), self.supervision.last()))
+    }
+
     /// What the feel is told from outside in this cycle.
-    fn inputs(&mut self, fade: f64) -> Inputs {
+    fn inputs(&mut self, fade: f64, of_host: &OfHost) -> Inputs {
         let towards = |now: f64, wanted: f64, rate: f64| {
             let most = rate * self.period_s;
             now + (wanted - now).clamp(-most, most)
@@ -245,7 +271,10 @@ impl Controller {
             stiffness_factor: towards(now.stiffness_factor, wanted.stiffness_factor, STIFFNESS_FACTOR_RATE),
             shaker: towards(now.shaker, wanted.shaker, SHAKER_RATE),
         };
-        let Around { trim_rad, stiffness_factor, shaker } = self.around;
+        // What the person sets and what the host does go together.
+        let trim_rad = self.around.trim_rad + of_host.neutral;
+        let stiffness_factor = self.around.stiffness_factor * of_host.stiffness_factor;
+        let shaker = self.around.shaker.max(of_host.shaker);
         let swing = if shaker == 0.0 {
             0.0
         } else {
@@ -257,12 +286,13 @@ impl Controller {
             trim: [self.supervision.neutral(trim_rad); 2],
             stiffness_factor: [stiffness_factor; 2],
             shaker: [swing; 2],
+            added_force: [of_host.added_force; 2],
             fade: [fade; 2],
             ..Inputs::NONE
         }
     }
 
-    fn row(&self, sampled: Option<&Sampled>, verdict: &Verdict, (fade, missed): (f64, u64)) -> Row {
+    fn row(&self, sampled: Option<&Sampled>, verdict: &Verdict, inputs: &Inputs, missed: u64) -> Row {
         let [force, position, base, grip] = self.sensors;
         let per_delta = self.control.per_delta();
         let [delta, rate] = self.feeling.motion.at;
@@ -279,7 +309,10 @@ impl Controller {
             feel_rate_rad_per_s: rate * per_delta,
             feel_torque_n_m: self.answer.torque,
             neutral_rad: self.feeling.neutral * per_delta,
-            fade,
+            fade: inputs.fade[0],
+            spring_factor: inputs.stiffness_factor[0],
+            added_force_n: inputs.added_force[0],
+            host_share: self.host.as_ref().map_or(0.0, Guided::share),
             law_command: self.answer.command,
             command: verdict.command,
             enable: f64::from(u8::from(verdict.enable)),

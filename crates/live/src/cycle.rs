@@ -2,6 +2,7 @@
 
 use crate::clock::{Clock, Woken};
 use crate::controller::Controller;
+use crate::host_link::OfHost;
 use crate::input_output::{Command, Disturbance, InputOutput};
 use crate::row::Row;
 use crate::status::Status;
@@ -21,6 +22,8 @@ pub struct Cycles {
     pub plan: Vec<(u64, Wish)>,
     /// Wishes of the moment.
     pub wishes: Consumer<Wish>,
+    /// Packets of a host, and what it is told.
+    pub host: Option<OfHost>,
     /// What is done to a simulated machine.
     pub disturbances: Consumer<Disturbance>,
     /// A row each cycle.
@@ -60,6 +63,12 @@ impl Cycles {
         let sampled = self.machine.read();
         let (command, row) = self.controller.step(sampled.as_ref(), missed);
         self.machine.write(&command);
+        if let Some(host) = &mut self.host
+            && let Some(answer) = self.controller.answer(&row)
+        {
+            // A host that takes no answers goes without.
+            let _ = host.answers.push(answer);
+        }
         let work_ns = u64::try_from(begun.elapsed().as_nanos()).unwrap_or(u64::MAX);
         self.look(&row, sampled.is_none(), (late_ns, work_ns, missed));
         let row = Row { late_s: seconds(late_ns), work_s: seconds(work_ns), ..row };
@@ -74,6 +83,10 @@ impl Cycles {
         }
         while let Ok(wish) = self.wishes.pop() {
             self.take(cycle, &wish);
+        }
+        // One a cycle, so that what is told of them has its bounds.
+        if let Some(packet) = self.host.as_mut().and_then(|host| host.packets.pop().ok()) {
+            self.take(cycle, &Wish::Host(packet));
         }
     }
 

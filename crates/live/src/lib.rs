@@ -4,6 +4,7 @@
 //! |---|---|
 //! | what is at the other end: the machine simulated, or over the network | [`input_output`], [`simulated`], [`udp`] |
 //! | a period, without a clock: law, feel, changes of the feel, supervisor | [`controller`], [`supervision`] |
+//! | an aircraft simulator as host: what it does to the feel, its socket | [`guided`], [`host_link`] |
 //! | what is asked of a running loop | [`wish`] |
 //! | the thread: waits, counts, never catches up | [`cycle`], [`clock`], [`priority`] |
 //! | what the rest of the process sees of it | [`row`], [`status`], [`running`] |
@@ -17,6 +18,8 @@
 pub mod clock;
 pub mod controller;
 pub mod cycle;
+pub mod guided;
+pub mod host_link;
 pub mod input_output;
 pub mod priority;
 pub mod record;

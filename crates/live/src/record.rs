@@ -1,7 +1,7 @@
 //! A record on the disk: an MCAP file that is whole whenever the process ends, and bounded.
 //!
 //! Rows and wishes are messages in the common data representation of ROS 2, so that Foxglove and `PlotJuggler` open them: a row is its
-//! numbers one after the other. What the file ends with stands behind each chunk, and is overwritten by the next, in one call.
+//! numbers one after the other. What the file ends with stands behind each chunk, and is overwritten by the next once that is there.
 
 use crate::row::{COLUMNS, NAMES, Row};
 use mcap::records::{MessageHeader, Metadata};
@@ -164,7 +164,10 @@ impl WholeFile {
     fn write_pending(&mut self, end: &[u8]) -> io::Result<()> {
         let stays = self.pending.len();
         self.pending.extend_from_slice(end);
-        write_at(&mut self.file, &self.pending, self.written)?;
+        // What comes behind the present end first, then what takes its place: who is killed on the way leaves a file that ends there.
+        let (over_end, behind) = self.pending.split_at(self.pending.len().min(END.len()));
+        write_at(&mut self.file, behind, self.written + over_end.len() as u64)?;
+        write_at(&mut self.file, over_end, self.written)?;
         self.written += stays as u64;
         self.pending.clear();
         Ok(())

@@ -55,6 +55,12 @@ columns! {
     neutral_rad;
     /// How far a change of the feel is.
     fade;
+    /// Factor on the spring, of person and host together.
+    spring_factor;
+    /// Force at the grip that the host adds to the feel.
+    added_force_n;
+    /// Share of the host's values; the default feel has the rest.
+    host_share;
     /// What the law asks for: V at a valve's amplifier, A of a motor.
     law_command;
     /// What went out.

@@ -3,6 +3,7 @@
 use crate::clock::{AtOnce, Monotonic};
 use crate::controller::Controller;
 use crate::cycle::Cycles;
+use crate::host_link::{self, Heard};
 use crate::input_output::{Disturbance, InputOutput};
 use crate::priority::{Granted, ask, give_back};
 use crate::record::Record;
@@ -14,6 +15,7 @@ use mcap::McapResult;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::VecDeque;
 use std::io;
+use std::net::UdpSocket;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -24,6 +26,8 @@ pub struct Plan {
     pub controller: Controller,
     /// The machine.
     pub machine: Box<dyn InputOutput>,
+    /// Where a host's packets come to.
+    pub host: Option<UdpSocket>,
     /// Wishes with the cycle before which each is taken.
     pub wishes: Vec<(u64, Wish)>,
     /// By the clock, or as fast as it goes.
@@ -42,6 +46,7 @@ pub struct Running {
     status: Arc<Status>,
     kept: Arc<Kept>,
     granted: Arc<OnceLock<Granted>>,
+    heard: Option<Arc<Heard>>,
     threads: Mutex<Vec<JoinHandle<()>>>,
 }
 
@@ -73,13 +78,16 @@ impl Running {
         let (taken, told_wishes) = RingBuffer::new(WISHES);
         let status = Arc::new(Status::default());
         let (kept, granted) = (Arc::new(Kept::default()), Arc::new(OnceLock::new()));
-        let Plan { controller, machine, wishes: planned, real_time, cycles, record, history } = plan;
+        let Plan { controller, machine, host, wishes: planned, real_time, cycles, record, history } = plan;
         let period_s = controller.period_s();
+        let (link, of_host) = host.map(host_link::between).transpose()?.unzip();
+        let heard = link.as_ref().map(|link| Arc::clone(&link.heard));
         let mut run = Cycles {
             controller,
             machine,
             plan: planned,
             wishes: taken_wishes,
+            host: of_host,
             disturbances: taken_disturbances,
             rows,
             taken,
@@ -110,16 +118,25 @@ impl Running {
         };
         let looks_on = Arc::clone(&status);
         let keeping = thread::Builder::new().name("forcefeel-record".into()).spawn(move || keeper.keep(&looks_on));
-        let keeping = match keeping {
-            Ok(keeping) => keeping,
-            Err(error) => {
-                status.end.store(true, Relaxed);
-                let _ = looper.join();
-                return Err(error);
+        let looks_on = Arc::clone(&status);
+        let listening = link.map(|link| {
+            thread::Builder::new().name("forcefeel-host".into()).spawn(move || link.listen(&looks_on.ended))
+        });
+        let mut threads = vec![looper];
+        for one in [Some(keeping), listening].into_iter().flatten() {
+            match one {
+                Ok(thread) => threads.push(thread),
+                Err(error) => {
+                    status.end.store(true, Relaxed);
+                    for thread in threads {
+                        let _ = thread.join();
+                    }
+                    return Err(error);
+                }
             }
-        };
-        let threads = Mutex::new(vec![looper, keeping]);
-        Ok(Self { asks: Mutex::new((wishes, disturbances)), status, kept, granted, threads })
+        }
+        let (asks, threads) = (Mutex::new((wishes, disturbances)), Mutex::new(threads));
+        Ok(Self { asks, status, kept, granted, heard, threads })
     }
 
     /// Asks something of the loop; whether there was room for it.
@@ -140,6 +157,11 @@ impl Running {
     /// What the system gave its thread; nothing in virtual time, or before it began.
     pub fn granted(&self) -> Option<&Granted> {
         self.granted.get()
+    }
+
+    /// What was heard of a host; nothing where none is listened to.
+    pub fn heard(&self) -> Option<&Heard> {
+        self.heard.as_deref()
     }
 
     /// Bytes in the rows of the record, and why it ended before the loop, if it did.

@@ -28,6 +28,10 @@ pub struct Setup {
     pub timing: Timing,
     /// Knots and coefficients of the feel's spring.
     pub curve: Option<(Vec<f64>, Vec<[f64; 4]>)>,
+    /// The same of the factor on the spring over the dynamic pressure in Pa.
+    pub factor: Option<(Vec<f64>, Vec<[f64; 4]>)>,
+    /// Whether an aircraft simulator is listened to.
+    pub host: bool,
     /// What the controller adds to its command.
     pub cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
     /// Where it begins; from the first sample if nothing is known.
@@ -130,6 +134,13 @@ impl Setup {
             found.push(("curve_knots", knots.clone()));
             found.push(("curve_coefficients", coefficients.as_flattened().to_vec()));
         }
+        if let Some((knots, coefficients)) = &self.factor {
+            found.push(("factor_knots", knots.clone()));
+            found.push(("factor_coefficients", coefficients.as_flattened().to_vec()));
+        }
+        if self.host {
+            found.push(("listens", vec![]));
+        }
         if let Some(Beginning { sensors: [force, position, base, grip], delta, neutral }) = self.beginning {
             found.push(("beginning", vec![force, position, base, grip, delta, neutral]));
         }
@@ -147,9 +158,8 @@ impl Setup {
         if timing.period == 0 || timing.delay >= MOST_UNDER_WAY * timing.period {
             return None;
         }
-        let curve = match (list("curve_knots"), list("curve_coefficients")) {
-            (Some(knots), Some(coefficients)) => Some((knots.to_vec(), coefficients.as_chunks::<4>().0.to_vec())),
-            _ => None,
+        let curve = |knots: &str, coefficients: &str| {
+            Some((list(knots)?.to_vec(), list(coefficients)?.as_chunks::<4>().0.to_vec()))
         };
         let beginning = match list("beginning") {
             Some(&[force, position, base, grip, delta, neutral]) => {
@@ -164,7 +174,9 @@ impl Setup {
             observer: list("observer").map(TryInto::try_into).transpose().ok()?,
             step_s,
             timing,
-            curve,
+            curve: curve("curve_knots", "curve_coefficients"),
+            factor: curve("factor_knots", "factor_coefficients"),
+            host: list("listens").is_some(),
             cancellation: list("cancellation").map(TryInto::try_into).transpose().ok()?,
             beginning,
             supervised: list("supervised")? != [0.0],

@@ -38,6 +38,8 @@ pub struct Seen {
     pub emergency_stop: bool,
     /// Beats that were missed before.
     pub missed: u64,
+    /// Samples since the host's last packet; nothing where there is no host.
+    pub host_age: Option<u32>,
     /// What is asked for.
     pub asked: Asked,
 }
@@ -90,6 +92,11 @@ impl Supervision {
         self.last.map_or(wanted, |allowed| allowed.neutral(wanted))
     }
 
+    /// What was allowed last; nothing before the first cycle, or where nobody looks on.
+    pub fn last(&self) -> Option<&Allowed<f64>> {
+        self.last.as_ref()
+    }
+
     /// What is allowed where the law asks for this.
     pub fn look(&mut self, seen: &Seen, answer: &Answer<f64>) -> Verdict {
         let command = answer.command;
@@ -104,7 +111,7 @@ impl Supervision {
             sensed: seen.sensors,
             missed: self.silent,
             late: self.late,
-            host_age: None,
+            host_age: seen.host_age,
             command,
             feel_acceleration: seen.feel_acceleration,
             emergency_stop: seen.emergency_stop || stop,

@@ -1,5 +1,7 @@
 //! What is asked of a running loop. Wishes go through a ring, by value, and into the record with the cycle that took them.
 
+use forcefeel_model::host::FromHost;
+use forcefeel_model::host::packet::HOST_NUMBERS;
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::COUNT;
 
@@ -21,6 +23,8 @@ pub enum Wish {
     Acknowledge,
     /// Stop, now.
     Stop,
+    /// What an aircraft simulator sent.
+    Host(FromHost),
 }
 
 /// Another feel.
@@ -66,6 +70,10 @@ impl Wish {
             Self::Off => ("off", vec![]),
             Self::Acknowledge => ("acknowledge", vec![]),
             Self::Stop => ("stop", vec![]),
+            Self::Host(FromHost { sequence, switches, numbers }) => {
+                let head = [f64::from(*sequence), f64::from(*switches)];
+                ("host", head.into_iter().chain(numbers.map(f64::from)).collect())
+            }
         }
     }
 
@@ -87,6 +95,20 @@ impl Wish {
             ("off", []) => Self::Off,
             ("acknowledge", []) => Self::Acknowledge,
             ("stop", []) => Self::Stop,
+            ("host", [sequence, switches, numbers @ ..]) => {
+                let numbers: &[f64; HOST_NUMBERS] = numbers.try_into().ok()?;
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "they were numbers of 32 bits"
+                )]
+                let packet = FromHost {
+                    sequence: *sequence as u32,
+                    switches: *switches as u32,
+                    numbers: numbers.map(|number| number as f32),
+                };
+                Self::Host(packet)
+            }
             _ => return None,
         })
     }

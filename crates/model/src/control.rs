@@ -34,6 +34,7 @@ pub struct Control<S> {
 
 /// What the law remembers from sample to sample.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Remembered<S> {
     /// Displacement of the base as sampled last.
     pub base: S,
@@ -47,6 +48,14 @@ pub struct Remembered<S> {
 
 /// The programmed feel at a sample.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: serde::Serialize, S::Mask: serde::Serialize",
+        deserialize = "S: serde::Deserialize<'de>, S::Mask: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Feeling<S: Scalar> {
     /// What moves.
     pub motion: FeelMotion<S>,
@@ -275,6 +284,7 @@ impl<S: Scalar> Control<S> {
             },
             stiffness_factor: one.constant(moment.of(inputs.stiffness_factor)),
             shaker: one.constant(moment.of(inputs.shaker)),
+            added_force: one.constant(moment.of(inputs.added_force)),
             slider,
             start,
         }

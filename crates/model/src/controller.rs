@@ -117,6 +117,7 @@ fn step<S: Scalar>(range: S, bits: S) -> S {
 
 /// Commands on their way to the amplifier.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct UnderWay<S> {
     commands: [S; MOST_UNDER_WAY],
 }

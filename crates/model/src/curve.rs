@@ -43,7 +43,8 @@ impl Curve {
     pub fn at<S: Scalar>(&self, x: S) -> S {
         let mut knot = x.constant(self.knots[0]);
         let mut c = self.coefficients[0].map(|value| x.constant(value));
-        for (&next, piece) in self.knots[..self.pieces].iter().zip(&self.coefficients[1..]) {
+        // Taken, not sliced: a number of pieces that the compiler does not know would leave a panic in it.
+        for (&next, piece) in self.knots.iter().zip(&self.coefficients[1..]).take(self.pieces) {
             let before = x.less(x.constant(next));
             knot = S::select(before, knot, x.constant(next));
             for (c, &value) in c.iter_mut().zip(piece) {

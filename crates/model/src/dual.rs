@@ -148,3 +148,11 @@ impl<T: Scalar> Scalar for Dual<T> {
         Self { value: self.value, slope: self.slope - residual.slope.slope_over(per_slope) }
     }
 }
+
+#[cfg(feature = "serde")]
+impl<'de, T: Scalar + serde::Deserialize<'de>> serde::Deserialize<'de> for Dual<T> {
+    /// A number that was written down without a slope reads back as one that has none.
+    fn deserialize<F: serde::Deserializer<'de>>(from: F) -> Result<Self, F::Error> {
+        T::deserialize(from).map(Self::constant)
+    }
+}

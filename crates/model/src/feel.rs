@@ -121,6 +121,8 @@ pub struct Surroundings<S> {
     pub stiffness_factor: S,
     /// The stick shaker's swing, -1 to 1.
     pub shaker: S,
+    /// Force at the grip in N that comes beside the hand's.
+    pub added_force: S,
     /// Where the slider of the hysteresis was last left, in the unit of `delta`.
     pub slider: S,
     /// Displacement at the start of the step: what a soft stop does, it does from there on.
@@ -131,7 +133,7 @@ impl<S: Scalar> Surroundings<S> {
     /// Nothing stirs: shaker off, the slider of the hysteresis where `delta` is.
     #[inline(always)]
     pub fn at_rest(neutral: S, stiffness_factor: S, delta: S) -> Self {
-        Self { neutral, stiffness_factor, shaker: delta.zero(), slider: delta, start: delta }
+        Self { neutral, stiffness_factor, shaker: delta.zero(), added_force: delta.zero(), slider: delta, start: delta }
     }
 }
 
@@ -186,7 +188,11 @@ impl<S: Scalar> FeelLaw<S> {
         let resistance = self.damping * delta_rate
             + self.spring(effects, curve, delta, around)
             + self.resistance(effects, around.start, delta, delta_rate);
-        let torque = if effects.surroundings { torque + self.shaker * around.shaker } else { torque };
+        let torque = if effects.surroundings {
+            torque + self.shaker * around.shaker + self.grip_force * around.added_force
+        } else {
+            torque
+        };
         (torque - resistance) * self.per_torque
     }
 

@@ -31,6 +31,14 @@ pub struct FeelComputer<'a, S> {
 
 /// What moves in it.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: serde::Serialize, S::Mask: serde::Serialize",
+        deserialize = "S: serde::Deserialize<'de>, S::Mask: serde::Deserialize<'de>"
+    ))
+)]
 pub struct FeelMotion<S: Scalar> {
     /// `delta` and its rate.
     pub at: [S; 2],

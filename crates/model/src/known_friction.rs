@@ -67,6 +67,7 @@ const ONE_WAY: f64 = 0.8;
 
 /// What is remembered of it from sample to sample.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Recalled<S> {
     /// Torque that the feel computer heard last.
     pub heard: S,

@@ -74,6 +74,14 @@ pub struct Machine<S: Scalar, D: Drive<S> = Hydraulic<S>> {
 
 /// State between two steps.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: serde::Serialize, S::Mask: serde::Serialize, D::Memory: serde::Serialize",
+        deserialize = "S: serde::Deserialize<'de>, S::Mask: serde::Deserialize<'de>, D::Memory: serde::Deserialize<'de>"
+    ))
+)]
 pub struct State<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     pub(crate) slow: Slow<S>,
     pub(crate) column: Grip<S>,

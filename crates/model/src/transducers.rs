@@ -52,6 +52,7 @@ impl<S: Scalar> Lag<S> {
 
 /// What a sensor measured and showed at the start of a step.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Seen<S> {
     /// Measured.
     pub measured: [S; SENSORS],

@@ -99,10 +99,10 @@ const ARM: f64 = 0.8;
 const SPRING: f64 = 1000.0;
 
 fn settled(on: u32, numbers: [f64; 10], angle: f64) -> forcefeel_model::host::effects::Told {
-    let mut effects = Effects::new(PERIOD, SPRING, ARM);
-    let mut last = effects.step(0.0, &numbers, 0, 1.0);
+    let mut effects = Effects::new(PERIOD, ARM);
+    let mut last = effects.step((0.0, SPRING), &numbers, 0, 1.0);
     for _ in 0..400 {
-        let now = effects.step(angle, &numbers, on, 1.0);
+        let now = effects.step((angle, SPRING), &numbers, on, 1.0);
         assert!((now.torque - last.torque).abs() < 0.02 * ARM * 4000.0, "a step");
         last = now;
     }
@@ -132,7 +132,7 @@ fn a_lost_spring_and_a_trim_that_runs_away() {
     let run = settled(switches::TRIM_RUNAWAY, numbers, 0.0);
     assert!((run.neutral - (0.1 + 0.05 * 0.4)).abs() < 1e-9);
     assert_eq!((run.stiffness_factor, run.shaker), (1.5, 1.0));
-    let mut effects = Effects::new(PERIOD, SPRING, ARM);
-    let half = effects.step(0.0, &numbers, 0, 0.5);
+    let mut effects = Effects::new(PERIOD, ARM);
+    let half = effects.step((0.0, SPRING), &numbers, 0, 0.5);
     assert_eq!(half.shaker, 0.5);
 }

@@ -26,7 +26,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArra
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
-use std::net::ToSocketAddrs;
+use std::net::{ToSocketAddrs, UdpSocket};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Mutex, PoisonError};
@@ -46,7 +46,7 @@ pub struct LiveSetup {
 #[pymethods]
 impl LiveSetup {
     #[new]
-    #[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, curve = None, cancellation = None, supervised = true))]
+    #[pyo3(signature = (values, step_s, timing, *, law = None, gains = None, observers = None, curve = None, stiffness_factor = None, cancellation = None, supervised = true))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
         values: PyReadonlyArray1<'_, f64>,
@@ -56,6 +56,7 @@ impl LiveSetup {
         gains: Option<PyReadonlyArray2<'_, f64>>,
         observers: Option<PyReadonlyArray2<'_, f64>>,
         curve: Option<Curve<'_>>,
+        stiffness_factor: Option<Curve<'_>>,
         cancellation: Option<[f64; CANCELLATION_NUMBERS]>,
         supervised: bool,
     ) -> PyResult<Self> {
@@ -63,12 +64,12 @@ impl LiveSetup {
         let laws = Laws::of(law, gains.as_ref(), observers.as_ref(), 1)?;
         let parameters = Parameters::from_values(&values);
         let observer = observers.as_ref().map(|numbers| rows("observers", numbers)).transpose()?;
-        let curve = match curve {
+        let points = |given: Option<Curve<'_>>| match given {
             Some((knots, coefficients)) => {
                 spring_curve(&knots, &coefficients)?;
-                Some((knots.as_array().iter().copied().collect(), rows::<4>("curve", &coefficients)?))
+                Ok::<_, PyErr>(Some((knots.as_array().iter().copied().collect(), rows::<4>("curve", &coefficients)?)))
             }
-            None => None,
+            None => Ok(None),
         };
         let setup = Setup {
             values,
@@ -76,7 +77,9 @@ impl LiveSetup {
             observer: observer.map(|numbers| numbers[0]),
             step_s: step(step_s)?,
             timing: in_steps(timing)?,
-            curve,
+            curve: points(curve)?,
+            factor: points(stiffness_factor)?,
+            host: false,
             cancellation,
             beginning: None,
             supervised,
@@ -108,14 +111,15 @@ pub struct LiveLoop {
 impl LiveLoop {
     /// Begins: over UDP where there is an address, else with the machine simulated.
     ///
-    /// `record`: path, most bytes, and what is written about it.
+    /// `record`: path, most bytes, and what is written about it. `host`: where an aircraft simulator is listened to.
     #[new]
-    #[pyo3(signature = (setup, *, script = None, address = None, real_time = true, cycles = None, wishes = vec![], record = None, history = 120_000))]
+    #[pyo3(signature = (setup, *, script = None, address = None, host = None, real_time = true, cycles = None, wishes = vec![], record = None, history = 120_000))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
         setup: &LiveSetup,
         script: Option<ScriptOf<'_>>,
         address: Option<String>,
+        host: Option<String>,
         real_time: bool,
         cycles: Option<u64>,
         wishes: Vec<Wished>,
@@ -134,6 +138,9 @@ impl LiveLoop {
             setup.beginning = Some(beginning);
             machine
         };
+        let host = host.map(|at| UdpSocket::bind(&at).map_err(|error| PyOSError::new_err(format!("{at}: {error}"))));
+        let host = host.transpose()?;
+        setup.host = host.is_some();
         let wishes = wishes.iter().map(|(cycle, name, numbers)| Ok((*cycle, wish_of(name, numbers)?)));
         let wishes = wishes.collect::<PyResult<_>>()?;
         let controller = Controller::new(&setup).map_err(refused)?;
@@ -147,7 +154,7 @@ impl LiveLoop {
             None => None,
         };
         let cycles = cycles.unwrap_or(u64::MAX);
-        let plan = Plan { controller, machine, wishes, real_time, cycles, record, history };
+        let plan = Plan { controller, machine, host, wishes, real_time, cycles, record, history };
         let running = Running::start(plan).map_err(|error| ThreadsError::new_err(error.to_string()))?;
         Ok(Self { running })
     }
@@ -178,6 +185,16 @@ impl LiveLoop {
     fn recorded(&self) -> (u64, Option<String>) {
         let (bytes, ended) = self.running.recorded();
         (bytes, ended.map(str::to_string))
+    }
+
+    /// Of a host: where it is listened to, packets that were handed on, packets that were left out, who spoke last and how many seconds
+    /// ago; nothing where none is listened to.
+    #[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
+    fn heard(&self) -> Option<(String, u64, u64, Option<(String, f64)>)> {
+        self.running.heard().map(|heard| {
+            let last = heard.last().map(|(address, ago)| (address.to_string(), ago.as_secs_f64()));
+            (heard.at.to_string(), heard.packets.load(Relaxed), heard.refused.load(Relaxed), last)
+        })
     }
 
     /// The newest `most` rows of cycles after `since`.

@@ -118,7 +118,10 @@ impl Simulation {
             Ok(Change { steps: (*begin, *end), values: vector::<COUNT>("changes", values)?, observer })
         });
         let inputs = steps(&inputs)?;
-        let still = |step: &Inputs| (step.trim, step.stiffness_factor, step.shaker) == ([0.0; 2], [1.0; 2], [0.0; 2]);
+        let still = |step: &Inputs| {
+            let Inputs { trim, stiffness_factor, shaker, added_force, .. } = *step;
+            (trim, stiffness_factor, shaker, added_force) == ([0.0; 2], [1.0; 2], [0.0; 2], [0.0; 2])
+        };
         Ok(Self {
             stirred: !inputs.iter().all(still),
             tested: inputs

@@ -267,7 +267,7 @@ impl<T: Wide, D: Drive<T>> Record<T, D> for Recorder<'_, T> {
         if instant.is_multiple_of(every) {
             self.angles.push(angle);
             for &output in self.job.outputs {
-                self.kept.push(output_of(now, self.per_base, Output::at(output)));
+                self.kept.push(Output::at(output).of(now, self.per_base));
             }
         }
     }
@@ -305,23 +305,6 @@ impl Change {
             parameters: Parameters { feel: changed.feel, ..*parameters },
             observer: self.observer.map(|numbers| Observer::from_numbers(&numbers.map(|number| like.constant(number)))),
         }
-    }
-}
-
-#[inline(always)]
-fn output_of<S: Scalar, D: Drive<S>>(now: &Now<S, D>, per_base: S, output: Output) -> S {
-    match output {
-        Output::ColumnAngle => now.base * per_base,
-        Output::ColumnVelocity => now.base_rate * per_base,
-        Output::FeelPosition => now.delta,
-        Output::FeelVelocity => now.delta_rate,
-        Output::DrivePosition => now.position,
-        Output::LoadCellForce => now.force,
-        Output::FirstSignal => now.signals[0],
-        Output::SecondSignal => now.signals[1],
-        Output::ThirdSignal => now.signals[2],
-        Output::PilotForce => now.pilot_force,
-        Output::FourthSignal => now.signals[3],
     }
 }
 

@@ -41,6 +41,7 @@ pub fn feel_alone(
                 neutral: 0.0,
                 stiffness_factor: at(now.stiffness_factor),
                 shaker: 0.0,
+                added_force: 0.0,
                 slider: motion.slider,
                 start: motion.at[0],
             };

@@ -1,8 +1,10 @@
 //! What a run gives over time: one table, of whose places everything else is told.
 
+use forcefeel_model::Scalar;
 use forcefeel_model::drive::Drive;
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;
+use forcefeel_model::machine::Now;
 use forcefeel_model::parameters::DriveKind;
 
 /// An output of a run; `as usize` it is its place in [`outputs`].
@@ -88,5 +90,23 @@ impl Output {
     #[inline(always)]
     pub const fn at(place: usize) -> Self {
         ALL[place]
+    }
+
+    /// What it is at one instant; `per_base`: column angle per displacement of the base.
+    #[inline(always)]
+    pub fn of<S: Scalar, D: Drive<S>>(self, now: &Now<S, D>, per_base: S) -> S {
+        match self {
+            Self::ColumnAngle => now.base * per_base,
+            Self::ColumnVelocity => now.base_rate * per_base,
+            Self::FeelPosition => now.delta,
+            Self::FeelVelocity => now.delta_rate,
+            Self::DrivePosition => now.position,
+            Self::LoadCellForce => now.force,
+            Self::FirstSignal => now.signals[0],
+            Self::SecondSignal => now.signals[1],
+            Self::ThirdSignal => now.signals[2],
+            Self::PilotForce => now.pilot_force,
+            Self::FourthSignal => now.signals[3],
+        }
     }
 }

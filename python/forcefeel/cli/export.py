@@ -18,9 +18,11 @@ class ExportOptions(LoaderOptions, FolderOptions, OutputOptions):
     """The options of ``forcefeel export``."""
 
     to: Annotated[
-        Literal["c", "matlab", "table"],
+        Literal["c", "firmware", "fmu", "matlab", "table"],
         option(
-            "Where it goes: c, C99 of law and feel for one axis, with golden vectors; matlab, matrices of law and plant as .mat "
+            "Where it goes: c, C99 of law and feel for one axis, with golden vectors; firmware, law, feel and supervisor "
+            "as a static library, by cargo, with a C header; fmu, loader, law and machine as FMUs for co-simulation, of FMI 2.0 "
+            "and 3.0; matlab, matrices of law and plant as .mat "
             "with scripts for python-control and for MATLAB or Octave, which close the loop and compare; table, the parameter "
             "sheet of a drive or a PLC as CSV.",
             ASKED,
@@ -38,7 +40,17 @@ class ExportOptions(LoaderOptions, FolderOptions, OutputOptions):
     name: Annotated[str, option("By what the names of files begin, and names in them: an identifier of C.", ASKED)] = (
         "loader"
     )
-    single: Annotated[bool, option("With --to c: for a target that computes in single precision.", ASKED)] = False
+    single: Annotated[
+        bool, option("With --to c or firmware: for a target that computes in single precision.", ASKED)
+    ] = False
+    target: Annotated[
+        str | None,
+        option(
+            "With --to firmware: the target as Rust names it, such as thumbv7em-none-eabihf. Else this machine.",
+            ASKED,
+            metavar="TRIPLE",
+        ),
+    ] = None
     out: Annotated[Path, option("Folder for what is exported.", OUTPUT)] = Path("forcefeel-export")
 
     def exported(self, path: Path | None) -> "Exported":
@@ -61,7 +73,13 @@ class ExportOptions(LoaderOptions, FolderOptions, OutputOptions):
 def _spelled(error: InputError) -> InputError:
     """What is wrong, told by the option that says it."""
     text = str(error)
-    for argument, option_name in (("compensator: ", "--law: "), ("law: ", "--law: "), ("name: ", "--name: ")):
+    for argument, option_name in (
+        ("compensator: ", "--law: "),
+        ("law: ", "--law: "),
+        ("name: ", "--name: "),
+        ("target: ", "--target: "),
+        ("to: ", "--to: "),
+    ):
         if text.startswith(argument):
             return InputError(option_name + text.removeprefix(argument))
     return error
@@ -75,10 +93,19 @@ def run(path: LoaderFile = None, /, *, options: ExportOptions) -> None:
     from forcefeel.export import Target, write_export
 
     exported = options.exported(path)
-    if options.single and options.to != "c":
-        raise InputError(f"--single: is for --to c, and --to is {options.to}; leave it out")
+    if options.single and options.to not in {"c", "firmware"}:
+        raise InputError(f"--single: is for --to c and firmware, and --to is {options.to}; leave it out")
+    if options.target is not None and options.to != "firmware":
+        raise InputError(f"--target: is for --to firmware, and --to is {options.to}; leave it out")
     try:
-        files = write_export(exported, Target(options.to), options.out, replace=options.replace, single=options.single)
+        files = write_export(
+            exported,
+            Target(options.to),
+            options.out,
+            replace=options.replace,
+            single=options.single,
+            triple=options.target,
+        )
     except InputError as error:
         raise _spelled(error) from error
     answer(

@@ -28,7 +28,7 @@ class FrontierOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
         option(
             "Values along an axis: 'stiffness=1.39..72 %:7:log' (of G_max), 'frequency=0.616..3.25 Hz:5:log', "
             "'damping=0.1, 0.4, 0.7, 1.5', the middles of 140 cells, are the defaults. May be given again. Each setting is "
-            "released some 450 times.",
+            "released some 550 times.",
             ASKED,
             metavar="AXIS=VALUES",
         ),
@@ -38,7 +38,7 @@ class FrontierOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
         option(
             "The law, as envelope takes it.",
             ASKED,
-            default="robust; published without a digital controller",
+            default="robust; grip with a force sensor at the grip; published without a digital controller",
             metavar=LAW_METAVAR,
         ),
     ] = None

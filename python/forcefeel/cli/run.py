@@ -4,7 +4,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -35,6 +35,15 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
     machine: Annotated[
         str | None,
         option("Machine over the network, such as 127.0.0.1:5005.", LIVE, default="simulated", metavar="HOST:PORT"),
+    ] = None
+    host: Annotated[
+        str | None,
+        option(
+            "UDP port for an aircraft simulator on this machine, or address:port such as 0.0.0.0:8732.",
+            LIVE,
+            default="no simulator",
+            metavar="PORT",
+        ),
     ] = None
     duration: Annotated[
         str | None, option("How long it runs, such as '10 s'.", LIVE, default="until Ctrl-C", metavar="TIME")
@@ -68,7 +77,7 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
     law = given_law(options.law, loader)
     record = None if options.out is None else _record(options.out, replace=options.replace)
     over = Simulated() if options.machine is None else Udp(options.machine)
-    with start(loader, law, over=over, record=record) as running, _console(running, options):
+    with start(loader, law, over=over, host=options.host, record=record) as running, _console(running, options):
         with suppress(KeyboardInterrupt):  # how a run without a duration ends
             _wait(running, lasts)
         running.off()
@@ -145,6 +154,7 @@ def _json(running: "Running") -> dict[str, object]:
         "missed": state.missed,
         "cycles_without_sample": state.silent,
         "rows_lost": state.lost_rows,
+        **({} if running.host is None else {"host": asdict(running.host)}),
         "trips": [trip.name for trip in running.trips],
         **{
             name: {key: value if isfinite(value) else None for key, value in _quantiles(one).items()}
@@ -164,16 +174,21 @@ def _quantiles(histogram: "Histogram") -> dict[str, float]:
 def _show(console: Terminal, running: "Running") -> None:
     from rich.table import Table
 
+    from forcefeel.units import to_text
+
     state, timing = running.state, running.timing
     console.print(f"{running.loader.name} under {running.law.name}, {1 / running.period_s:,.0f} Hz", highlight=False)
     table = Table("", "p50", "p99", "p99.9", "worst", title="Timing", title_justify="left", title_style="bold")
     for name, one in (("thread woke late by", timing.late), ("work of a cycle", timing.work)):
-        table.add_row(name, *(f"{value:.3g} us" for value in _quantiles(one).values()))
+        table.add_row(name, *(f"{to_text(value, 3)} us" for value in _quantiles(one).values()))
     console.show(table)
     for line in running.granted:
         console.print(f"- the loop's thread {line}" if line.startswith("runs") else f"- {line}", highlight=False)
     counts = f"{state.cycle:,} cycles, {state.missed:,} missed, {state.silent:,} without a sample"
     console.print(f"- {counts}", highlight=False)
+    if (host := running.host) is not None:
+        heard = f"{host.packets:,} packets, {host.refused:,} left out"
+        console.print(f"- simulator at {host.listens}: {heard}", highlight=False)
     if state.lost_rows or state.record_ended:
         console.print(
             f"- the record lacks {state.lost_rows:,} rows; {state.record_ended}".rstrip("; "), highlight=False

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from forcefeel.commission.result import CARRIED, IDENTIFIED, UNSEEN, Commission
+from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, UNSEEN, Commission
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, TESTS
 from forcefeel.conclusions import Conclusions, of_result, share_text
 
@@ -18,7 +18,7 @@ def commission_conclusions(found: Commission) -> Conclusions:
     """The result in a sentence or two: what was found, which law, which tests it passes; and what would make it pass more."""
     lines = [*found.identified.wanting, *(f"The next experiment: {one}" for one in found.identified.advice)]
     if found.loader is not None:
-        lines += [_sorted(found, CARRIED), _sorted(found, UNSEEN)]
+        lines += [_sorted(found, state) for state in (CARRIED, AT_END, UNSEEN)]
     if found.checked is not None:
         lines += [_envelope(found), *_more(found)]
     if found.tested is not None and not found.tested.fulfilled:
@@ -69,6 +69,10 @@ def _sorted(found: Commission, state: str) -> str:
             f"Of {named} the records show only products or ratios with what is identified: the file's "
             f"{'values stand' if len(keys) > 1 else 'value stands'}, and the others' estimates make the same machine with "
             f"{'them' if len(keys) > 1 else 'it'}."
+        )
+    if state == AT_END:
+        return (
+            f"The file's value of {named} is the last of its range, and the records hold it there: it counts as known."
         )
     return f"The records hardly show {named}: the file's value and tolerance stand, and count in the envelope."
 

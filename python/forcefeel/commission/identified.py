@@ -1,24 +1,25 @@
 """The first step: the loader from what the records see of it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from forcefeel.bench.identification.bench_of import check_bench
 from forcefeel.bench.identification.findings import identification_conclusions
 from forcefeel.bench.identification.fit import identify
-from forcefeel.bench.identification.result import Identification, Status
+from forcefeel.bench.identification.result import Estimate, Identification, Status
 from forcefeel.bench.identification.unknowns import parameter_keys
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.result import CARRIED, IDENTIFIED, UNSEEN, Identified, ParameterFound
+from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, UNSEEN, Identified, ParameterFound
 from forcefeel.commission.seen import BREAKAWAY, DRY, Seen, candidates, seen_by, with_friction
 from forcefeel.commission.sensor_lag import SENSOR_OF, without_lag
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import ELECTRIC, TABLE, value_text
+from forcefeel.loader.parameters import ELECTRIC, TABLE, limits_si, value_text
 from forcefeel.loader.sensors import sample_variance, sensors_of
 from forcefeel.loader.tolerances import Distribution, Tolerance
 
@@ -27,6 +28,9 @@ _ROUNDS = 4
 
 _EXACT = 1e-6
 """Relative deviation of a parameter whose share in the data others carry: with their estimates its value is as good as any."""
+
+_ROUNDING = 1e-6
+"""Relative, of an estimate at a bound."""
 
 _WIDE = 3.0
 """Deviations at which its tolerance is cut off."""
@@ -64,6 +68,7 @@ def identify_loader(
     Raises:
         InputError: If data are not of this loader, or not what they are said to be.
     """
+    check_bench(loader, data)
     given = parameter_keys(tuple(plan.fit), loader.drive) if plan.fit else ()
     begun = with_friction(loader) if not given else loader
     if not plan.own_instruments:
@@ -72,7 +77,7 @@ def identify_loader(
     # The bench ran under the law of the file, which knows of no friction that is only a place to begin from.
     law = Law.of(None, loader) if loader.drive == ELECTRIC else None
     seen = Seen(given, (), ()) if given else seen_by(begun, data, candidates(begun), law)
-    unseen = list(seen.unseen)
+    unseen, ended = list(seen.unseen), list[str]()
     lost = DRY if DRY not in seen.fitted and not given else ""
     keys = [key for key in seen.fitted if not (lost and key == BREAKAWAY)]
     begun = _without(begun, lost)
@@ -89,16 +94,18 @@ def identify_loader(
         status = {one.unknown.key: one for one in found.estimates}
         none = [key for key, one in status.items() if key in (DRY, BREAKAWAY) and _is_none(one.unknown.low, one)]
         weak = [key for key, one in status.items() if one.status is Status.UNDETERMINED]
-        if given or not (none or weak) or len(none) + len(weak) == len(keys):
+        held = [key for key, one in status.items() if _at_end(one, loader[key])]
+        if given or not (none or weak or held) or len(none) + len(weak) + len(held) == len(keys):
             break
         if DRY in weak and DRY not in none:
             lost = DRY
-        out = {*none, *weak, *([BREAKAWAY] if DRY in (*none, *weak) else [])}
+        out = {*none, *weak, *held, *([BREAKAWAY] if DRY in (*none, *weak) else [])}
         unseen += [key for key in weak if key not in (DRY, BREAKAWAY)]
+        ended += held
         keys = [key for key in keys if key not in out]
         for key in out & {DRY, BREAKAWAY}:
             begun = _without(begun, key)
-    identified = None if found.loader is None else _completed(found, loader, seen.carried)
+    identified = None if found.loader is None else _completed(found, loader, (*seen.carried, *ended))
     wanting = (*_friction_wanting(lost), *_noise_wanting(loader, found))
     good = identified is not None and not wanting
     conclusions = identification_conclusions(replace(found, loader=identified), plan.units)
@@ -106,7 +113,9 @@ def identify_loader(
         good=good,
         verdict=conclusions.verdict,
         findings=conclusions.findings,
-        parameters=_parameters(loader, found, seen.carried, unseen) if identified is not None else (),
+        parameters=_parameters(loader, found, {CARRIED: seen.carried, AT_END: ended, UNSEEN: unseen})
+        if identified
+        else (),
         wanting=wanting,
         advice=(*(one.sentence for one in found.advice), *_friction_advice(lost)),
     )
@@ -116,6 +125,11 @@ def identify_loader(
 def _is_none(low: float, one: object) -> bool:
     """Whether a friction ended at nothing."""
     return getattr(one, "status", None) is Status.AT_BOUND and getattr(one, "value", 1.0) <= low + 1e-9
+
+
+def _at_end(one: Estimate, stated: float) -> bool:
+    """Whether an estimate ended at the end of its range, where the file's value stands."""
+    return one.status is Status.AT_BOUND and bool(stated) and abs(one.value / stated - 1) < _ROUNDING
 
 
 def _without(loader: Loader, key: str) -> Loader:
@@ -132,18 +146,19 @@ def _completed(found: Identification, loader: Loader, carried: Sequence[str]) ->
     if found.loader is None:
         return None
     kept = {key: it for key, it in loader.tolerances.items() if key not in found.keys and key not in carried}
-    exact = {key: _exact(found.loader[key]) for key in carried}
+    exact = {key: _exact(key, found.loader[key]) for key in carried}
     return found.loader.with_tolerances({**kept, **exact})
 
 
-def _exact(value: float) -> Tolerance:
+def _exact(key: str, value: float) -> Tolerance:
     deviation = _EXACT * abs(value)
-    low, high = value - _WIDE * deviation, value + _WIDE * deviation
+    least, most = limits_si(TABLE[key])
+    low, high = max(value - _WIDE * deviation, least), min(value + _WIDE * deviation, most)
     return Tolerance(Distribution.NORMAL, low, high, peak=value, deviation=deviation, nominal=value)
 
 
 def _parameters(
-    loader: Loader, found: Identification, carried: Sequence[str], unseen: Sequence[str]
+    loader: Loader, found: Identification, others: Mapping[str, Sequence[str]]
 ) -> tuple[ParameterFound, ...]:
     rows = [
         ParameterFound(
@@ -151,8 +166,8 @@ def _parameters(
         )
         for one in found.estimates
     ]
-    rows += [ParameterFound(key, loader[key], loader[key], 0.0, CARRIED) for key in carried]
-    rows += [ParameterFound(key, loader[key], loader[key], 0.0, UNSEEN) for key in dict.fromkeys(unseen)]
+    for state, keys in others.items():
+        rows += [ParameterFound(key, loader[key], loader[key], 0.0, state) for key in dict.fromkeys(keys)]
     order = list(TABLE)
     finite = [replace(row, before=row.before if np.isfinite(row.before) else 0.0) for row in rows]
     return tuple(sorted(finite, key=lambda row: order.index(row.key)))

@@ -8,6 +8,7 @@ from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 
 IDENTIFIED, CARRIED, UNSEEN = "identified", "within the others", "not seen"
+AT_END = "at the end of its range"
 """What became of a parameter."""
 
 
@@ -20,8 +21,9 @@ class ParameterFound:
         before: What the file says, SI units.
         value: What holds from here on.
         error: Standard error as a share of the value; 0 where it is not identified.
-        state: ``IDENTIFIED``; ``CARRIED`` of one whose share in the data the identified ones carry; ``UNSEEN`` of one that keeps
-            the file's value and tolerance.
+        state: ``IDENTIFIED``; ``CARRIED`` of one whose share in the data the identified ones carry; ``AT_END`` of one whose value
+            in the file is the last that its row allows, and that the data would have there or beyond; ``UNSEEN`` of one that
+            keeps the file's value and tolerance.
     """
 
     key: str

@@ -1,6 +1,7 @@
 """Sets a loader up, step by step; each step's folder stays."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -81,7 +82,20 @@ def commission_loader(
             "data: expected records and responses of a bench, or a machine to be simulated (bench), and not both; got "
             + ("both" if data else "neither")
         )
-    make_folder(out)
+    with _left_as_it_was(out):
+        return _set_up(loader, data, out, plan, bench, bench_time, progress)
+
+
+def _set_up(
+    loader: Loader,
+    data: Sequence[Response | BenchRecord],
+    out: Path,
+    plan: CommissionPlan,
+    bench: Loader | None,
+    bench_time: BenchTime | None,
+    progress: Progress,
+) -> Commission:
+    """The steps, each made or read."""
     state = State.of(out)
     if bench is not None:
         data = _simulated(state, loader, bench, bench_time or BenchTime(), progress)
@@ -109,6 +123,19 @@ def commission_loader(
     return replace(told, law=law, checked=checked, tested=tested, resumed=tuple(state.resumed))
 
 
+@contextmanager
+def _left_as_it_was(out: Path) -> Iterator[None]:
+    """Makes the folder; takes it away again where bad input ends the work before anything is in it."""
+    there = out.exists()
+    make_folder(out)
+    try:
+        yield
+    except InputError:
+        if not there and not any(out.iterdir()):
+            out.rmdir()
+        raise
+
+
 def make_folder(out: Path) -> None:
     """Makes the folder.
 
@@ -128,8 +155,8 @@ def _simulated(
 
     def make(folder: Path) -> bool:
         progress(BENCH, f"{asked.time_s:g} s of record")
-        folder.mkdir(exist_ok=True)
         (record,) = simulated_records(loader, bench, asked)
+        folder.mkdir(exist_ok=True)
         (folder / RECORD).write_text(record_csv(record), encoding="utf-8")
         return True
 

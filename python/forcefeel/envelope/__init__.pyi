@@ -9,5 +9,3 @@ from forcefeel.envelope.plan import Plan as Plan
 from forcefeel.envelope.plan import make_plan as make_plan
 from forcefeel.envelope.result import Envelope as Envelope
 from forcefeel.envelope.run import find_envelope as find_envelope
-from forcefeel.envelope.tuning import Tuned as Tuned
-from forcefeel.envelope.tuning import tune as tune

@@ -3,6 +3,8 @@
 ``forcefeel._core.ExportedLaw`` traces the controller's period; here that becomes files, and the golden vectors' inputs are made.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -42,21 +44,21 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
     Raises:
         InputError: If the law is no sampled one.
     """
-    law, numbers = exported.law, _sampled(exported)
+    law, numbers = exported.law, sampled(exported)
     traced = traced_law(exported.loader, law, numbers, single=single)
     source = traced.source()
     given, pairs = golden_inputs(exported)
     if single:
         given = given.astype(np.float32).astype(np.float64)
     answers = np.vstack([traced.answers(given[k : k + PART], pairs[k : k + PART]) for k in range(0, len(given), PART)])
-    fields = _about(exported, numbers, single=single) | _of_source(source)
+    fields = about(exported, numbers, single=single) | _of_source(source)
     settings = numbers.settings
     fields |= {
         "samples": len(given),
         "part": PART,
-        "given": _rows(given if settings > 1 else given[:, :7], single=single),
+        "given": spelled_rows(given if settings > 1 else given[:, :7], single=single),
         "pairs": ",\n".join(f"    {{{a}, {b}}}" for a, b in pairs),
-        "answers": _rows(answers, single=single),
+        "answers": spelled_rows(answers, single=single),
     }
     templates = environment(html=False)
     return {
@@ -92,8 +94,8 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
     force = loader["pilot.force"]
     duration = PART * period
     parts = [
-        _recorded(own, law, Scenario(Release(_RELEASED_RAD), duration_s=duration, sample_s=period)),
-        _recorded(own, law, Scenario(Chirp(0.3 * force, 0.2, 20.0, duration), duration_s=duration, sample_s=period)),
+        recorded(own, law, Scenario(Release(_RELEASED_RAD), duration_s=duration, sample_s=period)),
+        recorded(own, law, Scenario(Chirp(0.3 * force, 0.2, 20.0, duration), duration_s=duration, sample_s=period)),
     ]
     random = np.random.default_rng(_SEED)
     size = np.abs(np.vstack(parts)[:, :3]).max(axis=0)
@@ -110,7 +112,7 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
     return np.vstack([*parts, noise]), pairs
 
 
-def _recorded(loader: Loader, law: Law, scenario: Scenario) -> NDArray[np.float64]:
+def recorded(loader: Loader, law: Law, scenario: Scenario) -> NDArray[np.float64]:
     """What the sensors show at each sample of a run; nothing else is given."""
     history = simulate(loader, scenario, law).history
     position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
@@ -122,7 +124,12 @@ def _recorded(loader: Loader, law: Law, scenario: Scenario) -> NDArray[np.float6
     return found
 
 
-def _sampled(exported: Exported) -> SampledCompensator:
+def sampled(exported: Exported) -> SampledCompensator:
+    """The numbers of its sampled law.
+
+    Raises:
+        InputError: If it has none.
+    """
     numbers = exported.law.sampled
     if numbers is None:
         exported.check_time()
@@ -133,7 +140,8 @@ def _sampled(exported: Exported) -> SampledCompensator:
     return numbers
 
 
-def _about(exported: Exported, numbers: SampledCompensator, *, single: bool) -> dict[str, object]:
+def about(exported: Exported, numbers: SampledCompensator, *, single: bool) -> dict[str, object]:
+    """What every file tells of loader and law."""
     loader, law = exported.loader, exported.law
     suffix = "F" if single else ""
     limit = "current_loop.current_limit" if loader.drive == ELECTRIC else "amplifier.current_limit"
@@ -173,10 +181,12 @@ def _of_source(source: LawSource) -> dict[str, object]:
     }
 
 
-def _rows(numbers: NDArray[np.float64], *, single: bool) -> str:
+def spelled_rows(numbers: NDArray[np.float64], *, single: bool) -> str:
     """Numbers that C reads back to the last bit."""
 
     def spelled(value: float) -> str:
+        if not math.isfinite(value):
+            return "NAN" if math.isnan(value) else "INFINITY" if value > 0 else "-INFINITY"
         return f"{np.float32(value)!s}F" if single else repr(value)
 
     return ",\n".join(f"    {{{', '.join(map(spelled, row))}}}" for row in numbers.tolist())

@@ -9,11 +9,15 @@ class Target(StrEnum):
     Example:
         >>> import forcefeel as ff
         >>> [target.value for target in ff.export.Target]
-        ['c', 'matlab', 'table']
+        ['c', 'firmware', 'fmu', 'matlab', 'table']
     """
 
     C = "c"
     """C99 of law and feel for one axis, with golden vectors."""
+    FIRMWARE = "firmware"
+    """Law, feel and supervisor for one axis as a static library for a target, with a C header and golden vectors."""
+    FMU = "fmu"
+    """Loader, law and machine as FMUs for co-simulation, of FMI 2.0 and 3.0."""
     MATLAB = "matlab"
     """Matrices of law and plant for MATLAB, Octave and Python, the loop that they close, and the numbers that must come out."""
     TABLE = "table"

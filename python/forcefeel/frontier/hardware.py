@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from math import pi
 from typing import Annotated
 
 from forcefeel.envelope.plan import Plan
@@ -29,6 +30,7 @@ class HardwareChange:
         factors: By which rows of the parameter table are multiplied.
         remark: What goes with it.
         adds: Rows that the loader has not yet, as shares of a row that it has.
+        sets: SI values of rows, whatever they were, of a loader with a digital controller.
         law: The law that goes with it; the one of before if empty.
     """
 
@@ -36,11 +38,14 @@ class HardwareChange:
     factors: Mapping[str, float] = field(default_factory=dict)
     remark: str = ""
     adds: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    sets: Mapping[str, float] = field(default_factory=dict)
     law: str = ""
 
     def applies(self, loader: Loader) -> bool:
         """Whether the loader has all that is changed, not what is added, and stays in the ranges of the parameter table."""
-        if any(loader[key] != OFF[key] for key in self.adds) or (self.law and not loader["controller.period"]):
+        if any(loader[key] != OFF[key] for key in self.adds) or (
+            (self.law or self.sets) and not loader["controller.period"]
+        ):
             return False
         return all(
             loader[key] not in {OFF.get(key), 0.0} and in_range(TABLE[key], loader[key] * factor)
@@ -51,13 +56,16 @@ class HardwareChange:
         """The changed loader."""
         changed = {key: loader[key] * factor for key, factor in self.factors.items()}
         added = {key: share * (loader[of] if of else 1.0) for key, (share, of) in self.adds.items()}
-        return loader.replace(changed | added)
+        return loader.replace(changed | added | dict(self.sets))
 
 
 GRIP_SENSOR = "force sensor at the grip"
 """Name of that change."""
 
 _FINER = tuple(f"{part}.{name}" for part in SENSORS for name in ("noise", "resolution"))
+
+_BITS = (17, 20, 23)
+"""Of encoders that are to be had."""
 
 _LIMITS_OF_MOTOR = ("current_loop.current_limit", "current_loop.voltage_limit")
 
@@ -78,6 +86,14 @@ CHANGES = (
     ),
     HardwareChange("half the delay", {"controller.delay": 0.5}, "at the same rate"),
     HardwareChange("sensors four times finer", dict.fromkeys(_FINER, 0.25), "noise and resolution"),
+    *(
+        HardwareChange(
+            f"encoder of {bits} bits at the column",
+            remark="noise and resolution a step, a turn over 2^bits",
+            sets=dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), 2 * pi / 2**bits),
+        )
+        for bits in _BITS
+    ),
     HardwareChange(
         "supply pressure +50 %",
         {"valve.supply_pressure": 1.5, "valve.rated_flow": 1.5**0.5},

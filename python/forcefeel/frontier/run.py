@@ -28,7 +28,7 @@ DEFAULT_GRID: Mapping[str, str] = {
     "frequency": "0.616..3.25 Hz:5:log",
     "damping": "0.1, 0.4, 0.7, 1.5",
 }
-"""140 settings, each released some 450 times: the middles of 7 by 5 cells of 1 to 100 % and 0.5 to 4 Hz, so that each stands for a
+"""140 settings, each released some 550 times: the middles of 7 by 5 cells of 1 to 100 % and 0.5 to 4 Hz, so that each stands for a
 cell. A coarse grid from edge to edge gives the edges more than their share, where the inertia is smallest."""
 
 

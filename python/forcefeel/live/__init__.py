@@ -1,7 +1,8 @@
 """A loader live: the loop in a real-time thread of its own, from Python started, changed and looked at.
 
-``start(loader, law=None, *, over=Simulated(), real_time=True, supervised=True, record=None, most_bytes=2**30) -> Running``, a
-context manager: leaving it ends the loop, its drive off, and closes the record. ``over`` is ``Simulated(scenario=None)``, the
+``start(loader, law=None, *, over=Simulated(), real_time=True, supervised=True, host=None, record=None, most_bytes=2**30) ->
+Running``, a context manager: leaving it ends the loop, its drive off, and closes the record. ``host`` is a UDP port for an aircraft
+simulator, with the packets of ``docs/reference/host.md``. ``over`` is ``Simulated(scenario=None)``, the
 nonlinear machine in the loop's own thread, or ``Udp(address)``, a machine that speaks the packets of ``docs/reference/live.md``.
 
 ``Running``, of which any thread may call anything; nothing waits for the loop but ``wait``:
@@ -23,6 +24,8 @@ nonlinear machine in the loop's own thread, or ``Udp(address)``, a machine that 
     Faults of a simulated machine, of ``FAULTS`` and ``SENSORS``.
 ``state``
     ``State(cycle, time_s, name, trips, missed, silent, lost_rows, recorded, record_ended, ended)``; name is one of ``STATES``.
+``host``
+    ``HostState(listens, address, packets, refused, silent_s, share)``, or ``None``.
 ``trips``
     Tuple of ``Trip(name, sentence)``: what acted since it was acknowledged.
 ``columns``, ``history(since=-1, most=None)``

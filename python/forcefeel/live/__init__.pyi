@@ -15,6 +15,7 @@ from forcefeel.live.starting import start as start
 from forcefeel.live.state import COLUMNS as COLUMNS
 from forcefeel.live.state import STATES as STATES
 from forcefeel.live.state import Histogram as Histogram
+from forcefeel.live.state import HostState as HostState
 from forcefeel.live.state import State as State
 from forcefeel.live.state import Timing as Timing
 from forcefeel.live.state import Trip as Trip

@@ -13,7 +13,7 @@ from forcefeel import _core
 from forcefeel.errors import InputError, expect_number
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.live.setup import checked_feel, feel_numbers
-from forcefeel.live.state import COLUMNS, STATES, State, Timing, Trip, timing_of, trips_of
+from forcefeel.live.state import COLUMNS, STATES, HostState, State, Timing, Trip, timing_of, trips_of
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE
 from forcefeel.units import show
@@ -252,6 +252,17 @@ class Running:
         """The trips that are there or latched, with what happened and what to do."""
         return trips_of(self._loop.status()[6])
 
+    @property
+    def host(self) -> HostState | None:
+        """The aircraft simulator as it is heard; ``None`` where none is listened to."""
+        if (heard := self._loop.heard()) is None:
+            return None
+        listens, packets, refused, last = heard
+        newest = self._loop.history(-1.0, 1)
+        share = float(newest[0, COLUMNS.index("host_share")]) if len(newest) else 0.0
+        address, silent_s = last or ("", None)
+        return HostState(listens, address, packets, refused, silent_s, share)
+
     def history(self, since: float = -1, most: int | None = None) -> NDArray[np.float64]:
         """A row for each cycle after cycle ``since`` that is still kept, the newest ``most`` of them; (rows, columns).
 
@@ -285,7 +296,8 @@ class Running:
         Raises:
             InputError: If that takes longer than ``timeout_s``.
         """
-        goal = self._last_cycle() + cycles
+        # From where the loop is, which may be ahead of its history: what was asked for just now is within the cycles waited for.
+        goal = self._loop.status()[0] - 1 + cycles
         until = time.monotonic() + timeout_s
         while self._last_cycle() < goal:
             if self._loop.status()[-1]:

@@ -44,13 +44,14 @@ def made_of(
     steps = Steps.of(scenario or Scenario(duration_s=period, sample_s=period), loader)
     if steps.timing is None:
         raise InputError("controller.period: a live loop needs a digital controller")
-    curve = loader.force_curve
+    curve, factor = loader.force_curve, loader.stiffness_factor
     setup = _core.LiveSetup(
         loader.values,
         steps.step_s,
         steps.timing,
         **law.engine(loader),
         curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
+        stiffness_factor=None if factor is None else (np.array(factor.x), np.ascontiguousarray(factor.coefficients)),
         cancellation=None if law.cancellation is None else law.cancellation.numbers,
         supervised=supervised,
     )

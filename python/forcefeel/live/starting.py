@@ -21,13 +21,14 @@ MOST_RECORD_BYTES = 2**30
 LEAST_RECORD_BYTES = 2**20
 
 
-def start(
+def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     loader: Loader,
     law: LawLike = None,
     *,
     over: Over = Simulated(),  # noqa: B008  frozen
     real_time: bool = True,
     supervised: bool = True,
+    host: str | int | None = None,
     record: str | Path | None = None,
     most_bytes: int = MOST_RECORD_BYTES,
 ) -> Running:
@@ -40,6 +41,9 @@ def start(
         real_time: By the clock; otherwise as fast as it goes.
         supervised: Whether the supervisor looks on. Without it the law drives from the first sample on: for comparisons with a
             simulation, never for a machine.
+        host: Where an aircraft simulator is listened to, with the packets of ``docs/reference/host.md``: a UDP port, of which only
+            programs on this machine know, or ``"address:port"``; port 0 for any that is free, which ``running.host`` tells. It
+            sets the feel's surroundings, and starts nothing.
         record: File for all that goes in and out, ``.mcap``. It is whole at any moment, and grows no larger than ``most_bytes``.
         most_bytes: See there.
 
@@ -47,7 +51,7 @@ def start(
         The loop under way: a context manager that ends it.
 
     Raises:
-        InputError: If the loader has no such controller, the law is none for it, or the address or the file cannot be used.
+        InputError: If the loader has no such controller, the law is none for it, or an address, a port or the file cannot be used.
 
     Example:
         >>> import forcefeel as ff
@@ -58,6 +62,7 @@ def start(
         'active'
     """
     driven_by = live_law(law, loader)
+    listens = None if host is None else _listens(host, supervised=supervised)
     scenario = over.scenario if isinstance(over, Simulated) else None
     setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario)
     period, _ = steps.timing or (1, 0)
@@ -78,6 +83,7 @@ def start(
             setup,
             script=script,
             address=over.address if isinstance(over, Udp) else None,
+            host=listens,
             real_time=real_time,
             cycles=cycles,
             wishes=wishes,
@@ -86,6 +92,25 @@ def start(
     except OSError as error:
         raise InputError(f"cannot start: {error}") from error
     return Running(loop, loader, driven_by, law, simulated=isinstance(over, Simulated))
+
+
+def _listens(host: str | int, *, supervised: bool) -> str:
+    """Where a host is listened to, as ``address:port``; of a port alone, on this machine.
+
+    Raises:
+        InputError: If it is none, or nobody would look on.
+    """
+    address, _, port = str(host).rpartition(":")
+    if isinstance(host, bool) or not (port.isdecimal() and int(port) < _PORTS):
+        raise InputError(
+            f"host: expected a UDP port such as 8732, or address:port such as 0.0.0.0:8732, got {show(host)}"
+        )
+    if not supervised:
+        raise InputError("host: only the supervisor fades a silent host out; leave supervised=False or host out")
+    return f"{address or '127.0.0.1'}:{port}"
+
+
+_PORTS = 65536
 
 
 def _file(record: str | Path, most_bytes: int) -> tuple[Path, int]:

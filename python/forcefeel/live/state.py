@@ -54,7 +54,7 @@ class State:
 
 @dataclass(frozen=True)
 class Trip:
-    """What stopped a loader: its name, and what happened and what to do.
+    """What stopped a loader: its name, and what happened and what to do. It stays until it is acknowledged.
 
     Example:
         >>> import forcefeel as ff
@@ -69,6 +69,34 @@ class Trip:
 
     name: str
     sentence: str
+
+
+@dataclass(frozen=True)
+class HostState:
+    """An aircraft simulator as it is heard.
+
+    Attributes:
+        listens: Where its packets come to, ``address:port``.
+        address: Where they come from; empty before the first.
+        packets: Those that were taken.
+        refused: Those that were left out: damaged, old, out of range, of another version or sender.
+        silent_s: Seconds since the last; ``None`` before the first.
+        share: Share of its values in the feel, 0 to 1; the default feel has the rest.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), real_time=False, host=0) as running:
+        ...     running.wait(100)
+        ...     running.host.packets
+        0
+    """
+
+    listens: str
+    address: str
+    packets: int
+    refused: int
+    silent_s: float | None
+    share: float
 
 
 def trips_of(bits: int) -> tuple[Trip, ...]:

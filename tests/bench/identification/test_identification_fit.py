@@ -60,15 +60,15 @@ def test_one_percent_of_noise_leaves_two_percent_at_most(loader):
 
 
 def test_the_truth_lies_in_its_interval_as_often_as_it_should(loader):
-    """In 95 of 100; the binomial deviation over 100 repetitions is 2.2 points, so all four lie within four of them."""
+    """In 95 of 100; the binomial deviation over 40 repetitions is 3.4 points. ``benchmarks/identification.py`` makes 200."""
     random = np.random.default_rng(2)
-    repetitions = 100
+    repetitions = 40
     inside = np.zeros(4)
     for _ in range(repetitions):
         data = [servo_response(it, noise=0.01, random=random) for it in ("column_angle", "load_pressure")]
         found = identify(loader, data, FIT, starts=1)
         inside += [it.low <= TRUTH_SI[it.unknown.key] <= it.high for it in found.estimates]
-    assert np.all(np.abs(inside / repetitions - 0.95) < 4 * 0.0218)
+    assert np.all(np.abs(inside / repetitions - 0.95) < 4 * 0.0345)
 
 
 def test_experiments_count_together(loader):

@@ -41,6 +41,9 @@ class Straight:
     def clusters(self):
         return np.arange(len(self.measured)) if self.pieces is None else self.pieces
 
+    def residual(self, values, own):
+        return self.compare(values, own).residual
+
     def compare(self, values, own):
         theta = np.concatenate([values / self.scale, own])
         return Compared(self.measured - self.matrix @ theta, -self.matrix / np.append(self.scale, np.ones(len(own))))

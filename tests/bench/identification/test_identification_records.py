@@ -140,6 +140,17 @@ def test_the_runs_are_the_witness_s(loader):
         assert np.abs(values - data.channels[name]).max() < ENGINE * np.abs(data.channels[name]).max()
 
 
+def test_a_run_without_slopes_is_that_with_them_sensors_noise_and_steps_left_out():
+    loader = ff.digital_elevator().replace({"column.coulomb_friction": "1 lb"})
+    experiment = Experiment.read("servo-closed")
+    time_s = np.arange(1001) / 1000
+    channels = {"test_signal": 0.3 * np.sin(5 * time_s), **dict.fromkeys((*UNITS, "load_cell_force"), 0 * time_s)}
+    run = RecordRun(BenchRecord("one", experiment, time_s, channels), loader, None)
+    sloped, alone = (run.at(loader.values, keys).value for keys in (["column.inertia"], ()))
+    assert np.ptp(alone, axis=1).min() > 0
+    np.testing.assert_allclose(alone, sloped, rtol=1e-12)  # rounding: the same operations, with and without slopes
+
+
 def test_a_push_gives_link_column_valve_and_friction(loader):
     found = identify(loader, [push_record(noise=0.01)], "k,c,J,C_i,F_c", starts=2)
     assert found.determined

@@ -166,7 +166,7 @@ def test_rubbish_and_floods_end_the_connection(console, running):
 
 def test_bytes_that_are_no_http_cost_nothing(console):
     with socket.create_connection(("127.0.0.1", console.admission.port)) as raw:
-        raw.sendall(b"\x16\x03\x01" + b"\x00" * 300)
+        raw.sendall(b"\x16\x03\x01" + b"\x00" * 300 + b"\r\n\r\n")
         raw.settimeout(10)
         assert raw.recv(1000)[:4] in (b"", b"HTTP")
     assert asked(console, Authorization=f"Bearer {console.admission.watch}")[0] == 200

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.browser
 
 @pytest.fixture(scope="module")
 def running():
-    with ff.live.start(ff.digital_elevator(), "robust") as loop:
+    with ff.live.start(ff.digital_elevator(), "robust", host=0) as loop:
         yield loop
 
 
@@ -71,8 +71,9 @@ def test_the_feel_is_changed(page, running):
     assert running.loader["feel.stiffness"] == pytest.approx(wanted, rel=1e-4)  # the factor's six digits
 
 
-def test_a_release_is_made_and_judged(page):
-    page.locator("[data-test=release][data-side=positive]:enabled").click()
+def test_a_release_is_made_and_judged_and_told_to_who_comes_later(page):
+    if page.viewport_size["width"] == WIDTHS[0]:
+        page.locator("[data-test=release][data-side=positive]:enabled").click()
     page.locator("#judged:not([hidden])").wait_for()
     assert page.inner_text("#judged strong") == "Release from 50 % of the throw, positive: passed"
     assert page.locator("#judged tbody tr").count() > 5
@@ -87,6 +88,26 @@ def test_a_stop_is_seen_cleared_and_left(page):
     page.click("#off")
     page.click("#on")
     page.locator("#state.active").wait_for()
+
+
+def test_a_fault_is_made_and_repaired(page, running):
+    page.locator("#fault").select_option("silent")
+    page.click("#break")
+    page.locator("#state.tripped").wait_for()
+    assert "sensors silent" in page.inner_text("#trips")
+    page.click("#repair")
+    until(page, lambda: page.get_attribute("#break", "aria-pressed") == "false")
+    page.click("#off")
+    page.click("#trips button")
+    page.locator("#trips li").wait_for(state="detached")
+    page.click("#on")
+    page.locator("#state.active").wait_for()
+    assert running.state.name == "active"
+
+
+def test_the_simulator_is_told(page):
+    page.locator("#simulator:not([hidden])").wait_for()
+    assert page.inner_text("#host") == "none yet; share in the feel 0.00"
 
 
 def test_it_fits_its_window_and_fingers(page):

@@ -6,6 +6,7 @@ import time
 import numpy as np
 import pytest
 
+import forcefeel as ff
 from forcefeel.live import Console
 from forcefeel.live.console.telemetry import HEADER, packed
 from tests.live.console.conftest import Talk
@@ -116,20 +117,22 @@ def test_a_watcher_that_stalls_holds_nobody_up(console):
         assert np.diff(numbers).tolist() == [1] * 119
 
 
-def test_a_release_is_made_and_judged(running, talk):
-    talk.send(do="test", test="release", side="negative")
-    assert talk.notice("status", lambda it: it["test"])["test"]["test"] == "release"
-    talk.send(do="hand", force_n=1.0)
-    assert "a test is under way" in talk.notice("refused")["reason"]
-    found = talk.notice("test")["judged"]
-    assert found["title"] == "Release from 50 % of the throw, negative"
-    assert found["passed"], found["sentence"]
-    assert {len(found["plot"][key]) for key in ("x", "measured", "reference")} == {900}
-    assert running.hand_force_n == 0
+def test_a_release_is_made_and_judged():
+    with StandIn(speed=8.0) as running, Console(running, port=0) as console, Talk(console) as talk:
+        running.on()
+        talk.send(do="test", test="release", side="negative")
+        assert talk.notice("status", lambda it: it["test"])["test"]["test"] == "release"
+        talk.send(do="hand", force_n=1.0)
+        assert "a test is under way" in talk.notice("refused")["reason"]
+        found = talk.notice("test")["judged"]
+        assert found["title"] == "Release from 50 % of the throw, negative"
+        assert found["passed"], found["sentence"]
+        assert {len(found["plot"][key]) for key in ("x", "measured", "reference")} == {900}
+        assert running.hand_force_n == 0
 
 
 def test_a_test_is_broken_off_by_a_stop(talk, running):
-    talk.send(do="test", test="sweep")
+    talk.send(do="test", test="release")
     until(lambda: running.hand_force_n != 0)
     talk.send(do="stop")
     assert "broken off" in talk.notice("test")["reason"]
@@ -137,13 +140,22 @@ def test_a_test_is_broken_off_by_a_stop(talk, running):
 
 
 def test_a_sweep_is_made_and_judged():
-    with StandIn(speed=None) as fast, Console(fast, port=0) as console, Talk(console) as talk:
+    strong = ff.digital_elevator().replace({"safety.force_limit": "150 lb"})
+    with StandIn(strong, speed=None) as fast, Console(fast, port=0) as console, Talk(console) as talk:
         fast.on()
         talk.send(do="test", test="sweep")
         found = talk.notice("test")
         assert "judged" in found, found.get("reason")
         assert found["judged"]["passed"], found["judged"]["sentence"]
         assert found["judged"]["plot"]["kind"] == "sweep"
+
+
+def test_a_sweep_that_the_supervisor_would_stop_is_refused_with_the_remedy(running, talk):
+    talk.send(do="test", test="sweep")
+    reason = talk.notice("test")["reason"]
+    assert "up to 104 lb" in reason
+    assert "safety.force_limit, 75 lb," in reason
+    assert running.hand_force_n == 0
 
 
 def test_leaving_the_console_leaves_the_loop_and_lets_go(running):

@@ -65,6 +65,14 @@ pub struct Electric<S> {
 
 /// What the drive remembers of a step.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: serde::Serialize, S::Mask: serde::Serialize",
+        deserialize = "S: serde::Deserialize<'de>, S::Mask: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Motion<S: Scalar> {
     /// What the rotor's dry friction does.
     pub grip: Grip<S>,

@@ -50,6 +50,7 @@ pub struct Hydraulic<S> {
 
 /// What the oil remembers of a step.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Oil<S> {
     /// Slaved load pressure at its start.
     pressure: S,

@@ -41,7 +41,6 @@ const FARTHEST_RAD: f64 = 4.0;
 #[derive(Debug, Clone, Copy)]
 pub struct Effects {
     period_s: f64,
-    spring: f64,
     grip_arm: f64,
     shares: [f64; SWITCHED.len()],
     jammed_at: f64,
@@ -53,13 +52,14 @@ const SWITCHED: [u32; 5] =
     [switches::AUTOPILOT, switches::PUSHER, switches::JAM, switches::DISCONNECT, switches::POWER_LOST];
 
 impl Effects {
-    /// None yet: of a feel with this spring rate in N m/rad, a grip with this arm in m.
-    pub fn new(period_s: f64, spring: f64, grip_arm: f64) -> Self {
-        Self { period_s, spring, grip_arm, shares: [0.0; SWITCHED.len()], jammed_at: 0.0, run_away: 0.0 }
+    /// None yet: of a grip with this arm in m.
+    pub fn new(period_s: f64, grip_arm: f64) -> Self {
+        Self { period_s, grip_arm, shares: [0.0; SWITCHED.len()], jammed_at: 0.0, run_away: 0.0 }
     }
 
-    /// What the feel is told at a sample: the column at `angle`, the stream's values and switches, the share of the feel that is there.
-    pub fn step(&mut self, angle: f64, values: &[f64; HOST_NUMBERS], on: u32, share: f64) -> Told {
+    /// What the feel is told at a sample: the column's angle and the feel's spring rate in N m/rad, the stream's values and switches, the
+    /// share of the feel that is there.
+    pub fn step(&mut self, (angle, spring): (f64, f64), values: &[f64; HOST_NUMBERS], on: u32, share: f64) -> Told {
         let &[_, factor, trim, autopilot, autopilot_force, added, shaker, pusher, runaway, jam_force] = values;
         if on & switches::JAM == 0 && self.shares[2] == 0.0 {
             self.jammed_at = angle;
@@ -79,7 +79,7 @@ impl Effects {
         let [of_autopilot, of_pusher, of_jam, disconnected, unpowered] = self.shares;
         let servo = |to: f64, force: f64| {
             let most = self.grip_arm * force;
-            (SERVO * self.spring * (to - angle)).clamp(-most, most)
+            (SERVO * spring * (to - angle)).clamp(-most, most)
         };
         let torque = of_autopilot * servo(autopilot, autopilot_force)
             + of_jam * servo(self.jammed_at, jam_force)

@@ -11,6 +11,7 @@ use crate::transducers::SENSORS;
 
 /// What a digital controller remembers from sample to sample, and its commands on their way.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Memory<S> {
     pub(super) under_way: UnderWay<S>,
     pub(super) control: Remembered<S>,

@@ -45,6 +45,8 @@ inputs! {
     stiffness_factor: 1.0;
     /// The stick shaker's swing, -1 to 1.
     shaker: 0.0;
+    /// Force at the grip in N that the programmed feel meets beside the hand's: of an autopilot, a pusher, a hinge moment.
+    added_force: 0.0;
     /// Share of the next feel, while the feel is being changed.
     fade: 0.0;
     /// Test signal at the amplifier's input in V.

@@ -4,6 +4,7 @@ use crate::Scalar;
 
 /// What the Runge-Kutta step carries.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Slow<S> {
     /// `z, q_i, q_i', x_b, w`.
     pub plant: [S; 5],

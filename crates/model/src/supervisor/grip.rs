@@ -46,6 +46,7 @@ pub(super) struct Watch<S> {
     pub(super) grip: Grip<S>,
     lasting: [Lasting; 4],
     force: Lasting,
+    hand: Lasting,
     runaway: Lasting,
 }
 
@@ -61,6 +62,7 @@ impl<S: Scalar> Watch<S> {
             grip: Grip { force: zero, hand_force: zero, rate: zero },
             lasting: [Lasting::default(); 4],
             force: Lasting::default(),
+            hand: Lasting::default(),
             runaway: Lasting::default(),
         }
     }
@@ -96,7 +98,9 @@ impl<S: Scalar> Watch<S> {
             *found = found.with(function, lasting.holds(condition, CONFIRMED));
         }
         let lasts = self.force.holds(above(grip_force, limits.force_limit), limits.force);
-        let runs = self.runaway.holds(follows && self.runs_away(limits), limits.runaway_condition);
+        // The sensors' noise may look like a hand for a sample, once in a hundred thousand; a hand stays for two.
+        let hand = self.hand.holds(!below(self.torque.abs(), rate.constant(limits.hand_torque)), CONFIRMED);
+        let runs = self.runaway.holds(follows && !hand && self.runs_away(limits), limits.runaway_condition);
         *found = found.with(Function::Force, lasts).with(Function::Runaway, runs);
     }
 
@@ -115,7 +119,6 @@ impl<S: Scalar> Watch<S> {
     fn runs_away(&self, limits: &Limits) -> bool {
         let [rate, drive_torque, feel_acceleration] = self.lagged;
         let (power, of_feel) = (drive_torque * rate, (feel_acceleration * rate).times(limits.inertia));
-        let no_hand = below(self.torque.abs(), rate.constant(limits.hand_torque));
-        no_hand && below(of_feel, rate.constant(-limits.runaway_power)) && below(of_feel.times(0.5), power)
+        below(of_feel, rate.constant(-limits.runaway_power)) && below(of_feel.times(0.5), power)
     }
 }

@@ -151,6 +151,13 @@ class Problem:
             rows.append(slopes)
         return np.concatenate(residuals), np.concatenate(rows)
 
+    def residual(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Residuals over what was expected, (points,), without the derivatives, each of which takes a run of its own."""
+        if (known := self._last.get(x.tobytes())) is not None:
+            return known[0]
+        found = [it.residual(self.values(x), own) for it, own in zip(self.observations, self.own(x), strict=True)]
+        return np.concatenate(found)
+
     def search(self, x: NDArray[np.float64], *, coarse: bool = False) -> Place:
         """The nearest best place, the noise found along with it; at ``x`` the model must not diverge."""
         noise = self._noise(self.compare(x)[0])
@@ -177,8 +184,7 @@ class Problem:
 
     def cost(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> float:
         """What is left at ``x`` of the data, in units of this noise; infinite where the model diverges."""
-        residuals = [it.residual(self.values(x), own) for it, own in zip(self.observations, self.own(x), strict=True)]
-        residual = np.concatenate(residuals) * self._weight(noise)
+        residual = self.residual(x) * self._weight(noise)
         return cost_of(residual, self.loss) if np.isfinite(residual).all() else float("inf")
 
     def prior_rows(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -195,7 +201,7 @@ class Problem:
         weight = self._weight(noise)
 
         def residual(at: NDArray[np.float64]) -> NDArray[np.float64]:
-            return np.concatenate([self.compare(at)[0] * weight, self.prior_rows(at)[0]])
+            return np.concatenate([self.residual(at) * weight, self.prior_rows(at)[0]])
 
         def slopes(at: NDArray[np.float64]) -> NDArray[np.float64]:
             return np.concatenate([self.compare(at)[1] * weight[:, np.newaxis], self.prior_rows(at)[1]])

@@ -36,6 +36,11 @@ _OF_STABLE = 1 / 3
 """Share, for a close look, of the longest step in which a motor on its link may be run: a step of all of it, stable as it is, puts
 a column's inertia off by 0.05 %, five standard errors of a record of 4 s."""
 
+_NOISE_AND_STEPS = [
+    place for key, place in INDEX.items() if key.endswith((".noise", ".resolution", ".input_bits", ".output_bits"))
+]
+"""Places of what sensors and converters add to what they measure."""
+
 _EVEN = 1e-6
 """Of a step; times that went through a file are still even."""
 
@@ -106,13 +111,7 @@ class RecordRun:
             keys: Rows whose slopes are wanted.
             later_s: By how much later than found in the record the grip was let go.
         """
-        order, given = [list(outputs(self.loader.drive)).index(name) for name in self.channels], self._law
-        columns = [INDEX[key] for key in keys]
-        # The engine runs once for each parameter, and asks for one at least.
-        value, slopes = self._engine.slopes(
-            values[np.newaxis], columns or [0], channels=order, **given, threads=cores()
-        )
-        value, slopes = value[0], slopes[0, : len(columns)]
+        value, slopes = self._sloped(values, keys) if keys or not self._kept else self._alone(values)
         if not self.released and self._on_samples:
             return Histories(value, slopes, np.zeros_like(value))
         if not (np.isfinite(value).all() and np.isfinite(slopes).all()):
@@ -122,6 +121,30 @@ class RecordRun:
         course = CubicSpline(np.arange(value.shape[1]) * self._sample_s, value, axis=1)
         bent = CubicSpline(np.arange(value.shape[1]) * self._sample_s, slopes, axis=2)
         return Histories(course(at), bent(at), course(at, 1))
+
+    def _sloped(
+        self, values: NDArray[np.float64], keys: Sequence[str]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Channels and their slopes, from a run on dual numbers for each parameter, one at least."""
+        order = [list(outputs(self.loader.drive)).index(name) for name in self.channels]
+        columns = [INDEX[key] for key in keys]
+        value, slopes = self._engine.slopes(
+            values[np.newaxis], columns or [0], channels=order, **self._law, threads=cores()
+        )
+        return value[0], slopes[0, : len(columns)]
+
+    def _alone(self, values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The channels without slopes, from a run that carries none."""
+        exact = values.copy()
+        exact[_NOISE_AND_STEPS] = 0.0  # they have no slopes, and so no part in the others either
+        value = self._engine.run(exact[np.newaxis], **self._law)[1][0]
+        return value, np.empty((0, *value.shape))
+
+    @cached_property
+    def _kept(self) -> list[int]:
+        """The channels among the outputs of a run that carries no slopes; empty if one is not among them."""
+        names = [name for name, _ in _core.simulation_outputs(self.loader.drive)]
+        return [names.index(name) for name in self.channels] if set(self.channels) <= set(names) else []
 
     @cached_property
     def _whole(self) -> Law | None:
@@ -156,7 +179,7 @@ class RecordRun:
         scenario = replace(
             self._scenario, duration_s=samples * self._sample_s, step_s=self._step_s, sample_s=self._sample_s
         )
-        return prepared(self.loader, scenario, law=self._whole)
+        return prepared(self.loader, scenario, self._kept, self._whole)
 
     @property
     def _scenario(self) -> Scenario:

@@ -14,12 +14,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.errors import InputError
 from forcefeel.live.console.programmed import Programmed
 from forcefeel.live.running import Running
 from forcefeel.qualification import Qualification, Record, load_rules, qualify_loader
 from forcefeel.qualification.programme.motions import release_duration_s
 from forcefeel.qualification.programme.programme import STATIC
 from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.units import FORCE, to_text
 
 Side = Literal["positive", "negative"]
 
@@ -84,10 +86,11 @@ class ByHand:
 
         Raises:
             BrokenOff: If it was broken off, with the reason.
-            InputError: If what was recorded cannot be measured.
+            InputError: If the supervisor does not allow its force, or what was recorded cannot be measured.
         """
         force, record = self.programmed.record.force_n, self.programmed.record
         assert force is not None  # it was swept
+        self._expect_force(record.time_s, force)
         try:
             self._check()
             self._collect(anew=True)
@@ -96,6 +99,23 @@ class ByHand:
         finally:
             self._let_go()
         return self._judge(STATIC)
+
+    def _expect_force(self, time_s: NDArray[np.float64], force_n: NDArray[np.float64]) -> None:
+        """Refuses a sweep that the supervisor would stop: its force at the grip lasts too long above the limit."""
+        limit, lasts_s = (self.running.loader[f"safety.{row}"] for row in ("force_limit", "force_time"))
+        ends = np.flatnonzero(np.diff(np.concatenate([[False], np.abs(force_n) > limit, [False]])))
+        longest_s = max((float(time_s[end - 1] - time_s[begin]) for begin, end in ends.reshape(-1, 2)), default=0.0)
+        if longest_s >= lasts_s:
+            system = self.setup.system
+            most, limit_text = (
+                f"{to_text(FORCE.from_si(value, system), 3)} {FORCE.shown(system)}"
+                for value in (float(np.abs(force_n).max()), limit)
+            )
+            raise InputError(
+                f"sweep: it takes up to {most} at the grip, and stays above safety.force_limit, {limit_text}, for "
+                f"{longest_s:.0f} s; the supervisor stops the loader after {lasts_s:g} s of that. Raise the limit in the "
+                "loader file for this test"
+            )
 
     def _pull(self, force: Callable[[float], float], lasts_s: float, what: str, shares: tuple[float, float]) -> None:
         """A force over the share of a time that has gone by."""

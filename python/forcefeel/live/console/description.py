@@ -131,3 +131,16 @@ def feel_json(running: Running) -> dict[str, Json]:
     loader = running.loader
     values = {key: loader[key] for key in _SLIDERS}
     return {key: value if isfinite(value) else None for key, value in values.items()}
+
+
+def host_json(running: Running) -> Json:
+    """The aircraft simulator as the page shows it; nothing where none is listened to."""
+    host = running.host
+    if host is None:
+        return None
+    heard = "none yet" if host.silent_s is None else "silent" if host.silent_s > _SILENT_S else "sends"
+    return {"listens": host.listens, "heard": heard, "share": round(host.share, 2), "refused": host.refused}
+
+
+_SILENT_S = 0.2
+"""Longer than a host of 30 packets a second is between two of them."""

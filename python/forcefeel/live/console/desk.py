@@ -20,7 +20,7 @@ from forcefeel.json_values import Json
 from forcefeel.live.console.admission import Role
 from forcefeel.live.console.by_hand import BrokenOff, ByHand
 from forcefeel.live.console.commands import FOR_ALL, Around, Break, Command, FeelChange, Hand, Plain, RuleTest
-from forcefeel.live.console.description import description, feel_json
+from forcefeel.live.console.description import description, feel_json, host_json
 from forcefeel.live.console.judged import judged_json
 from forcefeel.live.console.programmed import Programmed
 from forcefeel.live.console.telemetry import Telemetry, channels
@@ -264,6 +264,7 @@ class Desk:
                 stiffness_factor=running.stiffness_factor,
                 shaker=running.shaker,
                 fault=self._fault,
+                host=host_json(running),
                 test=self._progress or None,
             ),
         )

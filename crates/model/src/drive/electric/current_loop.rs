@@ -39,6 +39,7 @@ pub struct Current<S> {
 
 /// What the warmth of the winding makes of it, for a step.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Warm<S> {
     /// Resistance of a phase in ohm.
     resistance: S,
@@ -77,6 +78,7 @@ fn at_half<S: Scalar>(start: S, mean: S, end: S) -> S {
 
 /// The current through one step.
 #[derive(Debug, Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Course<S> {
     /// What is asked of the winding at the start.
     asked: S,

@@ -80,6 +80,8 @@ function show(now) {
   by("take").textContent = mine ? "Give up" : "Take control";
   by("missed").textContent = now.missed.toLocaleString("en");
   by("watchers").textContent = now.watchers;
+  by("simulator").hidden = !now.host;
+  if (now.host) by("host").textContent = `${now.host.heard}; share in the feel ${text(now.host.share)}`;
   feel.show(now);
   judged.progress(now.test);
   trips(now.trips, mine || free);

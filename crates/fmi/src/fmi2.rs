@@ -1,0 +1,301 @@
+//! FMI 2.0 for co-simulation.
+
+use crate::component::{
+    Component, DISCARD, Log, Status, c_text, cannot, derivative, free, get, instantiate, keep, needed, none_of_type,
+    read, restore, set, size, with, write,
+};
+use crate::raw::{self, Logger2};
+use core::ffi::{c_char, c_int, c_void};
+use forcefeel_fmu::kept::Kept;
+use std::path::PathBuf;
+
+/// A yes or a no of FMI 2.0.
+type Boolean = c_int;
+
+/// What an importer is called back by.
+#[repr(C)]
+pub struct Callbacks {
+    logger: Option<Logger2>,
+    allocate: *const c_void,
+    free: *const c_void,
+    finished: *const c_void,
+    environment: *mut c_void,
+}
+
+/// The kind of FMU that is offered.
+const CO_SIMULATION: c_int = 1;
+
+/// What a status is asked for: the time up to which it went well, whether it ended by itself.
+const LAST_TIME: c_int = 2;
+const TERMINATED: c_int = 3;
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
+    c"default".as_ptr()
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetVersion() -> *const c_char {
+    c"2.0".as_ptr()
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2SetDebugLogging(
+    component: *mut Component,
+    _on: Boolean,
+    _count: usize,
+    _categories: *const *const c_char,
+) -> Status {
+    // There are messages of errors alone, and those are told always.
+    with(component, |_| Ok(()))
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2Instantiate(
+    name: *const c_char,
+    kind: c_int,
+    guid: *const c_char,
+    resources: *const c_char,
+    callbacks: *const Callbacks,
+    _visible: Boolean,
+    _logging: Boolean,
+) -> *mut Component {
+    let (logger, environment) =
+        raw::of(callbacks).map_or((None, core::ptr::null_mut()), |given| (given.logger, given.environment));
+    if kind != CO_SIMULATION {
+        return core::ptr::null_mut();
+    }
+    let log = Log::Two(logger, environment, c_text(raw::text(name).unwrap_or_default()));
+    instantiate(log, raw::text(resources).map(path_of).as_deref(), raw::text(guid))
+}
+
+/// The path of a URI such as `file:///tmp/my%20fmu/resources`; a path as it is.
+fn path_of(uri: &str) -> PathBuf {
+    let Some(rest) = uri.strip_prefix("file:") else { return PathBuf::from(uri) };
+    let path = rest.strip_prefix("//localhost").or(rest.strip_prefix("//")).unwrap_or(rest);
+    let (mut bytes, mut left) = (Vec::with_capacity(path.len()), path.as_bytes());
+    while let [first, rest @ ..] = left {
+        let escaped = rest.get(..2).filter(|_| *first == b'%').and_then(|digits| core::str::from_utf8(digits).ok());
+        if let Some(byte) = escaped.and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
+            bytes.push(byte);
+            left = &rest[2..];
+        } else {
+            bytes.push(*first);
+            left = rest;
+        }
+    }
+    PathBuf::from(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2FreeInstance(component: *mut Component) {
+    raw::take_back(component);
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2SetupExperiment(
+    component: *mut Component,
+    _tolerance_defined: Boolean,
+    _tolerance: f64,
+    start: f64,
+    _stop_defined: Boolean,
+    _stop: f64,
+) -> Status {
+    with(component, |instance| instance.start_at(start))
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2EnterInitializationMode(component: *mut Component) -> Status {
+    with(component, |_| Ok(()))
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2ExitInitializationMode(component: *mut Component) -> Status {
+    with(component, forcefeel_fmu::instance::Instance::start)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2Terminate(component: *mut Component) -> Status {
+    with(component, |_| Ok(()))
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2Reset(component: *mut Component) -> Status {
+    with(component, |instance| {
+        instance.reset();
+        Ok(())
+    })
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetReal(component: *mut Component, of: *const u32, count: usize, values: *mut f64) -> Status {
+    get(component, (of, count), (values, count), |value| value)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetInteger(component: *mut Component, of: *const u32, count: usize, values: *mut c_int) -> Status {
+    get(component, (of, count), (values, count), whole)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetBoolean(component: *mut Component, of: *const u32, count: usize, values: *mut Boolean) -> Status {
+    get(component, (of, count), (values, count), |value| Boolean::from(value != 0.0))
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetString(component: *mut Component, _: *const u32, count: usize, _: *mut *const c_char) -> Status {
+    none_of_type(component, count, "String")
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2SetReal(component: *mut Component, of: *const u32, count: usize, values: *const f64) -> Status {
+    set(component, (of, count), (values, count), |value| value)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2SetInteger(component: *mut Component, of: *const u32, count: usize, values: *const c_int) -> Status {
+    set(component, (of, count), (values, count), f64::from)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2SetBoolean(
+    component: *mut Component,
+    of: *const u32,
+    count: usize,
+    values: *const Boolean,
+) -> Status {
+    set(component, (of, count), (values, count), |value| f64::from(u8::from(value != 0)))
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2SetString(component: *mut Component, _: *const u32, count: usize, _: *const *const c_char) -> Status {
+    none_of_type(component, count, "String")
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetFMUstate(component: *mut Component, state: *mut *mut Kept) -> Status {
+    keep(component, state)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2SetFMUstate(component: *mut Component, state: *const Kept) -> Status {
+    restore(component, state)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2FreeFMUstate(component: *mut Component, state: *mut *mut Kept) -> Status {
+    free(component, state)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2SerializedFMUstateSize(component: *mut Component, state: *const Kept, bytes: *mut usize) -> Status {
+    size(component, state, bytes)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2SerializeFMUstate(
+    component: *mut Component,
+    state: *const Kept,
+    bytes: *mut u8,
+    count: usize,
+) -> Status {
+    write(component, state, (bytes, count))
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2DeSerializeFMUstate(
+    component: *mut Component,
+    bytes: *const u8,
+    count: usize,
+    state: *mut *mut Kept,
+) -> Status {
+    read(component, (bytes, count), state)
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetDirectionalDerivative(
+    component: *mut Component,
+    unknowns: *const u32,
+    unknown_count: usize,
+    knowns: *const u32,
+    known_count: usize,
+    seed: *const f64,
+    found: *mut f64,
+) -> Status {
+    let (unknowns, knowns) = ((unknowns, unknown_count), (knowns, known_count));
+    derivative(component, unknowns, knowns, (seed, known_count), (found, unknown_count))
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2SetRealInputDerivatives(
+    component: *mut Component,
+    _: *const u32,
+    _: usize,
+    _: *const c_int,
+    _: *const f64,
+) -> Status {
+    cannot(component, "interpolation of inputs")
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetRealOutputDerivatives(
+    component: *mut Component,
+    _: *const u32,
+    _: usize,
+    _: *const c_int,
+    _: *mut f64,
+) -> Status {
+    cannot(component, "derivatives of outputs in time")
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2DoStep(component: *mut Component, at: f64, by: f64, _keeps_no_state_before: Boolean) -> Status {
+    with(component, |instance| instance.step(at, by))
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2CancelStep(component: *mut Component) -> Status {
+    cannot(component, "a step that is under way")
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetStatus(_: *mut Component, _: c_int, _: *mut Status) -> Status {
+    DISCARD
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetRealStatus(component: *mut Component, of: c_int, value: *mut f64) -> Status {
+    if of != LAST_TIME {
+        return DISCARD;
+    }
+    with(component, |instance| {
+        *needed(raw::of_mut(value))? = instance.time();
+        Ok(())
+    })
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetIntegerStatus(_: *mut Component, _: c_int, _: *mut c_int) -> Status {
+    DISCARD
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetBooleanStatus(component: *mut Component, of: c_int, value: *mut Boolean) -> Status {
+    if of != TERMINATED {
+        return DISCARD;
+    }
+    with(component, |_| {
+        *needed(raw::of_mut(value))? = 0;
+        Ok(())
+    })
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn fmi2GetStringStatus(_: *mut Component, _: c_int, _: *mut *const c_char) -> Status {
+    DISCARD
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "whole numbers are set within the range of the type")]
+pub(crate) fn whole(value: f64) -> c_int {
+    value as c_int
+}

@@ -1,0 +1,308 @@
+//! A step of each kind of FMU, and what is seen of it: on numbers, or on dual numbers for derivatives.
+
+use crate::feel::{Feel, Programmed, count};
+use crate::resources::Resources;
+use crate::variables::{Kind, MOST_OUTPUTS, shown};
+use forcefeel_model::Scalar;
+use forcefeel_model::control::{Feeling, Remembered, Sample};
+use forcefeel_model::controller::{Timing, UnderWay};
+use forcefeel_model::drive::Drive;
+use forcefeel_model::effects::Effects;
+use forcefeel_model::machine::{Begun, Equilibrium, Inputs, Machine, Memory, Shared, State};
+use forcefeel_model::observer::Observer;
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use forcefeel_model::transducers::SENSORS;
+use forcefeel_solve::outputs::Output;
+use forcefeel_solve::sampled_loops::without_steps;
+use forcefeel_solve::start::Start;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use serde::{Deserialize, Serialize};
+
+/// The stream of the grip's sensor, as the first run of a simulation has it.
+const OF_GRIP: u64 = 1 << 63;
+
+/// What an importer gives for a step, with the slopes along which a derivative is wanted.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Given<S> {
+    pub pilot_force: f64,
+    /// Zero, with the slope of the pilot's force.
+    pub force_slope: S,
+    pub command: S,
+    pub sensed: [S; SENSORS],
+    pub trim: f64,
+    pub stiffness_factor: f64,
+    pub shaker: f64,
+}
+
+/// A loader's numbers, worked out: what does not change from step to step but with the feel.
+#[derive(Debug, Clone)]
+pub(crate) struct Made<S: Scalar, D: Drive<S>> {
+    kind: Kind,
+    parameters: Parameters<S>,
+    timing: Timing,
+    machine: Machine<S, D>,
+    shared: Shared,
+    shown: Vec<Output>,
+    shaker_frequency: f64,
+}
+
+/// What changes from step to step.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(bound(
+    serialize = "S: Serialize, S::Mask: Serialize, D::Memory: Serialize",
+    deserialize = "S: Deserialize<'de>, S::Mask: Deserialize<'de>, D::Memory: Deserialize<'de>"
+))]
+pub(crate) struct Course<S: Scalar, D: Drive<S>> {
+    /// Loader and machine: the machine, with law and feel of a loader.
+    state: State<S, D>,
+    memory: Memory<S>,
+    /// Machine: commands on their way.
+    under_way: UnderWay<S>,
+    /// Law: feel, and what the law remembers.
+    feeling: Feeling<S>,
+    remembered: Remembered<S>,
+    /// Force of a hand that holds the column in N, and the step at which it lets go.
+    hand: f64,
+    held_until: usize,
+    /// Machine: what the sensors showed at the last sample. Law: its last command, and the torque of it.
+    sensed: [S; SENSORS],
+    command: S,
+    torque: S,
+    /// Of load cell, potentiometer and column sensor; of the grip's sensor.
+    noise: [ChaCha8Rng; 2],
+    step: usize,
+}
+
+impl<S: Scalar, D: Drive<S>> Made<S, D> {
+    /// The loader with these values under the feel and the law of now, `like` a number of its kind.
+    pub fn new(resources: &Resources, values: &[f64; COUNT], feel: &Feel, like: S) -> Self {
+        let setup = &resources.setup;
+        let all = Parameters::from_values(&values.map(|value| like.constant(value)));
+        // A staircase has no slope.
+        let all = if S::HAS_SLOPE { without_steps(all) } else { all };
+        let parameters = with_feel(&all, &feel.now, like);
+        let shared = setup.shared();
+        // Any of the feel's rows may come while it runs; what is off changes nothing.
+        let of_feel =
+            Effects { feel_friction: true, feel_spring: true, feel_damping_and_stops: true, ..Effects::default() };
+        let effects = Effects { test_signal: false, ..Effects::of(values) };
+        let own = Effects {
+            feedback: shared.effects.feedback,
+            observer: shared.effects.observer,
+            known_friction: shared.effects.known_friction,
+            ..effects
+        };
+        let shared = Shared { effects: own.or(of_feel), ..shared };
+        let law = setup.law().compensator(&parameters, |of| like.constant(of(0)));
+        let machine = Machine::new(&parameters, law, &shared).with_observer(observer(resources, &feel.now, like));
+        let shown = shown(resources.kind, DriveKind::of(values));
+        let mut made = Self {
+            kind: resources.kind,
+            parameters: all,
+            timing: setup.timing,
+            machine,
+            shared,
+            shown,
+            shaker_frequency: Parameters::from_values(values).feel.shaker_frequency,
+        };
+        if let Some(change) = &feel.change {
+            made.fade_to(resources, &change.to, like);
+        }
+        made
+    }
+
+    /// Some steps, with the changes of the feel that begin and end in them; one takes `change_steps`.
+    pub fn go(
+        &mut self,
+        resources: &Resources,
+        (course, feel): (&mut Course<S, D>, &mut Feel),
+        given: &Given<S>,
+        (steps, change_steps): (usize, usize),
+    ) {
+        for _ in 0..steps {
+            if let Some(to) = feel.begin(course.step, change_steps) {
+                self.fade_to(resources, to, given.command);
+            }
+            self.step(course, feel, given);
+            if feel.end(course.step) {
+                self.machine.faded(&self.shared, &mut course.state);
+            }
+        }
+    }
+
+    /// Begins a change of the feel.
+    fn fade_to(&mut self, resources: &Resources, to: &Programmed, like: S) {
+        self.machine.fade_to(&with_feel(&self.parameters, to, like), Some(&observer(resources, to, like)));
+    }
+
+    /// What the inputs are in a step, the feel's fade included.
+    fn inputs(&self, given: &Given<S>, feel: &Feel, step: usize) -> Inputs {
+        let swing = |step: usize| {
+            if given.shaker == 0.0 {
+                return 0.0;
+            }
+            let turns = self.shaker_frequency / core::f64::consts::TAU * count(step) * self.shared.step_s;
+            given.shaker * Scalar::sin(turns.fract() * core::f64::consts::TAU)
+        };
+        Inputs {
+            force: [given.pilot_force; 2],
+            trim: [given.trim; 2],
+            stiffness_factor: [given.stiffness_factor; 2],
+            shaker: [swing(step), swing(step + 1)],
+            fade: [feel.fade(step), feel.fade(step + 1)],
+            ..Inputs::NONE
+        }
+    }
+
+    /// The hand that holds the column, with the slope of the pilot's force.
+    fn hold(course: &mut Course<S, D>, given: &Given<S>) {
+        if !S::HAS_SLOPE {
+            return;
+        }
+        let like = given.command;
+        let hand = if course.step < course.held_until { course.hand } else { 0.0 };
+        // A slope of the force is that of a hand that follows it.
+        let force = like.constant(hand) + given.force_slope;
+        let mut numbers = Equilibrium::from_numbers(&[like.zero(); forcefeel_model::machine::EQUILIBRIUM_NUMBERS]);
+        numbers.pilot_force = force;
+        Machine::<S, D>::hold(&mut course.state, &numbers);
+    }
+
+    /// The start of a step up to what is seen.
+    fn begin(&self, course: &mut Course<S, D>, inputs: &Inputs, given: &Given<S>) -> Begun<S, D> {
+        let Course { state, memory, noise, .. } = course;
+        let like = given.command;
+        let mut normal = || {
+            let [column, grip] = noise;
+            let mut next = || like.constant(StandardNormal.sample(column));
+            [next(), next(), next(), like.constant(StandardNormal.sample(grip))]
+        };
+        if self.kind == Kind::Loader {
+            return self.machine.begin(&self.shared, state, memory, inputs, normal);
+        }
+        let arrived = self.machine.arrive(&self.shared, state, inputs);
+        if let Some(sample) = self.timing.sample_at(course.step) {
+            course.sensed = self.machine.sampled(&self.shared, state, &mut normal);
+            course.under_way.send(sample, given.command + given.command.zero());
+        }
+        if let Some(sample) = self.timing.arriving_at(course.step) {
+            state.command(course.under_way.arriving(sample));
+        }
+        self.machine.set_out(&self.shared, state, inputs, arrived)
+    }
+
+    /// A step.
+    fn step(&self, course: &mut Course<S, D>, feel: &Feel, given: &Given<S>) {
+        let inputs = self.inputs(given, feel, course.step);
+        if self.kind == Kind::Law {
+            self.act(course, &inputs, given);
+        } else {
+            Self::hold(course, given);
+            let begun = self.begin(course, &inputs, given);
+            self.machine.advance(&self.shared, &mut course.state, &inputs, &begun);
+        }
+        course.step += stride(self.kind, self.timing);
+        if course.step == course.held_until {
+            Machine::<S, D>::let_go(&mut course.state);
+        }
+    }
+
+    /// A period of the law alone.
+    fn act(&self, course: &mut Course<S, D>, inputs: &Inputs, given: &Given<S>) {
+        let zero = given.command.zero();
+        let sample = Sample { sensors: given.sensed, pilot_force: zero };
+        let (torque, law) = (&mut course.torque, (&mut course.feeling, &mut course.remembered));
+        course.command = self.machine.control().command(&self.shared, law, inputs, &sample, |answer| {
+            *torque = answer.torque;
+            None
+        });
+    }
+
+    /// What is seen at the start of the step that comes next, under what is given.
+    pub fn look(&self, course: &Course<S, D>, feel: &Feel, given: &Given<S>) -> [S; MOST_OUTPUTS] {
+        let mut found = [given.command.zero(); MOST_OUTPUTS];
+        let mut next = 0;
+        let mut put = |value: S| {
+            found[next.min(MOST_OUTPUTS - 1)] = value;
+            next += 1;
+        };
+        if self.kind == Kind::Law {
+            let [delta, rate] = course.feeling.motion.at;
+            [delta, rate, course.command, course.torque].into_iter().for_each(put);
+            return found;
+        }
+        let mut course = course.clone();
+        let inputs = self.inputs(given, feel, course.step);
+        Self::hold(&mut course, given);
+        let begun = self.begin(&mut course, &inputs, given);
+        self.shown.iter().for_each(|output| put(output.of(&begun.now, self.machine.per_base())));
+        if self.kind == Kind::Machine {
+            course.sensed.into_iter().for_each(put);
+        }
+        found
+    }
+}
+
+impl<D: Drive<f64>> Made<f64, D> {
+    /// Where a run begins.
+    pub fn start(&self, start: Start, seed: u64, given: &Given<f64>) -> Course<f64, D> {
+        let around = Inputs { trim: [given.trim; 2], stiffness_factor: [given.stiffness_factor; 2], ..Inputs::NONE };
+        let beginning = start.of(&self.machine, &self.shared, &[around]);
+        let equilibrium = &beginning.equilibrium;
+        let mut state = self.machine.start(&self.shared, equilibrium);
+        let memory = self.machine.remember(&self.shared, equilibrium);
+        let feeling = state.feeling();
+        Machine::<f64, D>::hold(&mut state, equilibrium);
+        if beginning.held_until == 0 {
+            Machine::<f64, D>::let_go(&mut state);
+        }
+        let noise = [0, OF_GRIP].map(|stream| {
+            let mut noise = ChaCha8Rng::seed_from_u64(seed);
+            noise.set_stream(stream);
+            noise
+        });
+        Course {
+            state,
+            under_way: UnderWay::holding(equilibrium.command()),
+            feeling,
+            remembered: *memory.control(),
+            memory,
+            hand: equilibrium.pilot_force,
+            held_until: beginning.held_until,
+            sensed: self.machine.shown_at_rest(&self.shared.effects, equilibrium),
+            command: equilibrium.command(),
+            torque: 0.0,
+            noise,
+            step: 0,
+        }
+    }
+}
+
+impl<S: Scalar, D: Drive<S>> Course<S, D> {
+    /// Steps since the start.
+    pub fn steps(&self) -> usize {
+        self.step
+    }
+}
+
+/// Steps of the machine in one of the FMU: the law alone goes from sample to sample.
+pub(crate) fn stride(kind: Kind, timing: Timing) -> usize {
+    if kind == Kind::Law { timing.period } else { 1 }
+}
+
+fn with_feel<S: Scalar>(all: &Parameters<S>, programmed: &Programmed, like: S) -> Parameters<S> {
+    let values: Option<[f64; COUNT]> = programmed.values.as_slice().try_into().ok();
+    values.map_or(*all, |values| {
+        let programmed = Parameters::from_values(&values.map(|value| like.constant(value)));
+        Parameters { feel: programmed.feel, ..*all }
+    })
+}
+
+fn observer<S: Scalar>(resources: &Resources, programmed: &Programmed, like: S) -> Observer<S> {
+    let setting = resources.settings.get(programmed.setting).or(resources.settings.first());
+    setting.map_or(Observer::none(like), |setting| {
+        Observer::from_numbers(&setting.observer.map(|number| like.constant(number)))
+    })
+}

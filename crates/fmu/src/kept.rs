@@ -1,0 +1,88 @@
+//! What makes out an instance, as numbers: kept, taken back, written down.
+
+use crate::course::Course;
+use crate::feel::{Feel, Programmed};
+use crate::resources::Resources;
+use crate::values::Variables;
+use crate::variables::{MOST_INPUTS, OPTIONS};
+use forcefeel_model::drive::electric::Electric;
+use forcefeel_model::drive::hydraulic::Hydraulic;
+use forcefeel_model::parameters::COUNT;
+use serde::{Deserialize, Serialize};
+
+/// What makes out an instance: a plain copy, with nothing but numbers in it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Kept {
+    pub(crate) values: Vec<f64>,
+    pub(crate) options: [f64; OPTIONS.len()],
+    pub(crate) inputs: [f64; MOST_INPUTS],
+    pub(crate) start_s: f64,
+    /// Whether initialization is over.
+    pub(crate) started: bool,
+    /// The clock of the law ticks now, and what follows is not settled yet.
+    pub(crate) ticks: bool,
+    /// The sample of this instant was taken when the clock ticked; the step from here on takes it no more.
+    pub(crate) sampled: bool,
+    pub(crate) feel: Feel,
+    pub(crate) course: Option<AnyCourse>,
+    /// The last communication step, for derivatives.
+    pub(crate) before: Option<Before>,
+}
+
+/// Where a communication step began, and what was given for it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Before {
+    pub feel: Feel,
+    pub course: AnyCourse,
+    pub inputs: [f64; MOST_INPUTS],
+    pub steps: usize,
+}
+
+/// The course of a loader with either drive.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) enum AnyCourse {
+    Hydraulic(Box<Course<f64, Hydraulic<f64>>>),
+    Electric(Box<Course<f64, Electric<f64>>>),
+}
+
+impl Kept {
+    /// Before anything is set.
+    pub(crate) fn new(resources: &Resources, variables: &Variables) -> Self {
+        let values = resources.setup.values.to_vec();
+        let mut inputs = [0.0; MOST_INPUTS];
+        for (input, signal) in inputs.iter_mut().zip(&variables.inputs) {
+            *input = signal.start;
+        }
+        Self {
+            feel: Feel::new(Programmed { values: values.clone(), setting: 0 }),
+            values,
+            options: OPTIONS.map(|option| option.start),
+            inputs,
+            start_s: 0.0,
+            started: false,
+            ticks: false,
+            sampled: false,
+            course: None,
+            before: None,
+        }
+    }
+
+    /// The bytes that make it out.
+    ///
+    /// # Errors
+    /// If memory is short.
+    pub fn bytes(&self) -> Result<Vec<u8>, String> {
+        postcard::to_stdvec(self).map_err(|error| error.to_string())
+    }
+
+    /// What these bytes make out.
+    ///
+    /// # Errors
+    /// If they are not those of a state.
+    pub fn of(bytes: &[u8]) -> Result<Self, String> {
+        let kept: Self = postcard::from_bytes(bytes).map_err(|error| format!("state: {error}"))?;
+        let feels = [Some(&kept.feel.now), Some(kept.feel.wanted())];
+        let whole = kept.values.len() == COUNT && feels.into_iter().flatten().all(|feel| feel.values.len() == COUNT);
+        whole.then_some(kept).ok_or_else(|| "state: expected the numbers of a loader".to_string())
+    }
+}

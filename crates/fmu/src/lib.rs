@@ -1,0 +1,23 @@
+//! A loader with its law, the law alone or the machine alone, as a functional mock-up unit has it.
+//!
+//! The steps are those of a simulation: `Machine::begin` and `advance`, `Control::command`. So an importer that keeps to their grid gets
+//! a simulation's bits. What an importer needs of C is in `forcefeel-fmi`; here everything is safe, and nothing panics.
+//!
+//! | question | file |
+//! |---|---|
+//! | which variables there are | [`variables`] |
+//! | what an FMU's resources hold | [`resources`] |
+//! | what an importer does with an instance; its variables | [`instance`], [`values`] |
+//! | its state, derivatives | [`kept`], [`derivatives`] |
+//! | a step of each kind of FMU, what is seen of it | [`course`] |
+//! | changes of the feel while it runs | [`feel`] |
+#![forbid(unsafe_code)]
+
+mod course;
+pub mod derivatives;
+mod feel;
+pub mod instance;
+pub mod kept;
+pub mod resources;
+mod values;
+pub mod variables;

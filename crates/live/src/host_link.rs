@@ -1,0 +1,129 @@
+//! The socket of an aircraft simulator, in a thread of its own: it receives, checks, and hands packets to the loop by a ring; what the
+//! loop has to tell comes back by another.
+//!
+//! One host at a time: who spoke first, until it is silent for a second. What is damaged, of another version, out of order, out of range or
+//! of somebody else is counted and left out.
+
+use core::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use forcefeel_model::host::packet::{FROM_HOST_BYTES, is_newer};
+use forcefeel_model::host::{FromHost, ToHost};
+use rtrb::{Consumer, Producer, RingBuffer};
+use std::io;
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Packets and answers for which there is room.
+const ROOM: usize = 16;
+/// How long a packet is waited for before the end is looked for.
+const LOOKS: Duration = Duration::from_millis(20);
+/// How long an answer is waited for: some cycles of a slow loop.
+const ANSWERED: Duration = Duration::from_millis(20);
+/// Between two looks for it.
+const NAP: Duration = Duration::from_micros(200);
+/// Silence after which another host is listened to, and any sequence number is new.
+const GONE: Duration = Duration::from_secs(1);
+
+/// The loop's ends of the rings.
+pub struct OfHost {
+    /// What the host sent.
+    pub packets: Consumer<FromHost>,
+    /// What it is told.
+    pub answers: Producer<ToHost>,
+}
+
+/// What is seen of a host.
+#[derive(Debug)]
+pub struct Heard {
+    /// Where it is listened to.
+    pub at: SocketAddr,
+    /// Packets that were handed on.
+    pub packets: AtomicU64,
+    /// Packets that were left out.
+    pub refused: AtomicU64,
+    last: Mutex<Option<(SocketAddr, Instant)>>,
+}
+
+impl Heard {
+    /// Who spoke last, and how long ago.
+    pub fn last(&self) -> Option<(SocketAddr, Duration)> {
+        let last = *self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        last.map(|(address, at)| (address, at.elapsed()))
+    }
+
+    fn speaks(&self, address: SocketAddr) {
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = Some((address, Instant::now()));
+    }
+}
+
+/// The thread's side.
+pub struct Link {
+    socket: UdpSocket,
+    packets: Producer<FromHost>,
+    answers: Consumer<ToHost>,
+    sequence: u32,
+    /// What others see of it.
+    pub heard: Arc<Heard>,
+}
+
+/// A link over a socket, and the loop's ends of its rings.
+///
+/// # Errors
+/// If the socket is none that can be waited at.
+pub fn between(socket: UdpSocket) -> io::Result<(Link, OfHost)> {
+    socket.set_read_timeout(Some(LOOKS))?;
+    let at = socket.local_addr()?;
+    let (packets, taken) = RingBuffer::new(ROOM);
+    let (told, answers) = RingBuffer::new(ROOM);
+    let heard = Arc::new(Heard { at, packets: AtomicU64::new(0), refused: AtomicU64::new(0), last: Mutex::default() });
+    Ok((Link { socket, packets, answers, sequence: 0, heard }, OfHost { packets: taken, answers: told }))
+}
+
+impl Link {
+    /// Listens until the loop has ended.
+    pub fn listen(mut self, ended: &AtomicBool) {
+        let mut bytes = [0; FROM_HOST_BYTES + 1];
+        while !ended.load(Relaxed) {
+            // Nothing came in time, or an earlier answer found nobody: both leave nothing to do.
+            let Ok((count, from)) = self.socket.recv_from(&mut bytes) else { continue };
+            let taken = FromHost::decode(&bytes[..count]).is_ok_and(|packet| self.take(&packet, from));
+            let counter = if taken { &self.heard.packets } else { &self.heard.refused };
+            counter.fetch_add(1, Relaxed);
+            if taken {
+                self.answer(from, ended);
+            }
+        }
+    }
+
+    /// Hands a packet on, if it is the next of the one host.
+    fn take(&mut self, packet: &FromHost, from: SocketAddr) -> bool {
+        if let Some((address, ago)) = self.heard.last()
+            && ago < GONE
+            && (address != from || !is_newer(packet.sequence, self.sequence))
+        {
+            return false;
+        }
+        // An answer that came too late is no answer to this.
+        while self.answers.pop().is_ok() {}
+        if self.packets.push(*packet).is_err() {
+            return false;
+        }
+        self.sequence = packet.sequence;
+        self.heard.speaks(from);
+        true
+    }
+
+    /// Sends the loop's answer when it is there; a loop that gives none in time is left alone.
+    fn answer(&mut self, to: SocketAddr, ended: &AtomicBool) {
+        let until = Instant::now() + ANSWERED;
+        while Instant::now() < until && !ended.load(Relaxed) {
+            if let Ok(answer) = self.answers.pop() {
+                // A host that cannot be reached misses it, and sends again.
+                let _ = self.socket.send_to(&answer.encode(), to);
+                return;
+            }
+            thread::sleep(NAP);
+        }
+    }
+}

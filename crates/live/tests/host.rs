@@ -1,0 +1,251 @@
+//! An aircraft simulator in the loop, in virtual time: what its packets do to the column, what their silence does, what goes back.
+
+#![expect(clippy::float_cmp, reason = "what is recorded is the number itself")]
+
+use forcefeel_live::controller::Controller;
+use forcefeel_live::host_link;
+use forcefeel_live::input_output::{Disturbance, InputOutput};
+use forcefeel_live::row::Row;
+use forcefeel_live::setup::Setup;
+use forcefeel_live::simulated::{Script, simulated};
+use forcefeel_live::supervision::STATES;
+use forcefeel_live::wish::Wish;
+use forcefeel_model::compensator::Compensator;
+use forcefeel_model::controller::Timing;
+use forcefeel_model::host::packet::switches::{ACTIVE, DISCONNECT};
+use forcefeel_model::host::{FromHost, ToHost};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
+use forcefeel_model::supervisor::State;
+use std::net::UdpSocket;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::thread;
+use std::time::Duration;
+
+const PERIOD_S: f64 = 5e-4;
+/// Cycles between two packets: of a host with 100 a second.
+const APART: u64 = 20;
+
+/// The report's loader in its own position loop, under a digital controller at 2 kHz, with a host.
+struct Run {
+    controller: Controller,
+    machine: Box<dyn InputOutput>,
+    sequence: u32,
+    rows: Vec<Row>,
+    answers: Vec<ToHost>,
+}
+
+impl Run {
+    fn new(factor: Option<(Vec<f64>, Vec<[f64; 4]>)>) -> Self {
+        let values: [f64; COUNT] = core::array::from_fn(|k| match (TABLE[k].part, TABLE[k].name) {
+            ("controller", "period") => PERIOD_S,
+            _ if TABLE[k].drive() == Some(DriveKind::Electric) => TABLE[k].off_si().unwrap_or(0.0),
+            _ => TABLE[k].off_si().unwrap_or_else(|| TABLE[k].default_si()),
+        });
+        let parameters = Parameters::from_values(&values);
+        let mut setup = Setup {
+            values,
+            gains: Compensator::original(&parameters),
+            observer: None,
+            step_s: PERIOD_S,
+            timing: Timing { period: 1, delay: 1 },
+            curve: None,
+            factor,
+            host: true,
+            cancellation: None,
+            beginning: None,
+            supervised: true,
+        };
+        let (machine, beginning) = simulated(&setup, Script::NONE);
+        setup.beginning = Some(beginning);
+        let mut controller = Controller::new(&setup).expect("it has limits");
+        controller.take(&Wish::On);
+        Self { controller, machine, sequence: 0, rows: vec![], answers: vec![] }
+    }
+
+    /// So many cycles, a packet each `APART` where there is one; the last row.
+    fn on(&mut self, cycles: u64, packet: Option<(u32, [f32; 10])>) -> Row {
+        for k in 0..cycles {
+            if let Some((switches, numbers)) = packet.filter(|_| k % APART == 0) {
+                self.sequence += 1;
+                self.controller.take(&Wish::Host(FromHost { sequence: self.sequence, switches, numbers }));
+            }
+            let sampled = self.machine.read();
+            let (command, row) = self.controller.step(sampled.as_ref(), 0);
+            self.machine.write(&command);
+            self.answers.extend(self.controller.answer(&row));
+            self.rows.push(row);
+        }
+        self.rows[self.rows.len() - 1]
+    }
+
+    fn state(&self) -> State {
+        self.rows.last().map_or(State::Off, |row| STATES[place(row)])
+    }
+
+    /// Column's angle in rad, the mean over two seconds: the original loop leaves a swing of 2 Hz that dies away slowly.
+    fn angle(&self) -> f64 {
+        self.rows.iter().rev().take(4000).map(|row| row.column_angle_rad).sum::<f64>() / 4000.0
+    }
+
+    /// Largest step of a column.
+    fn step(&self, of: impl Fn(&Row) -> f64) -> f64 {
+        self.rows.windows(2).map(|two| (of(&two[1]) - of(&two[0])).abs()).fold(0.0, f64::max)
+    }
+}
+
+fn place(row: &Row) -> usize {
+    STATES.iter().enumerate().position(|(k, _)| f64::from(u8::try_from(k).expect("few")) == row.state).expect("a state")
+}
+
+/// What holds without a host, but for some numbers.
+fn sent(some: &[(usize, f32)]) -> [f32; 10] {
+    let mut numbers = FromHost::none().numbers;
+    for &(k, number) in some {
+        numbers[k] = number;
+    }
+    numbers
+}
+
+const TRIM: usize = 2;
+const ADDED: usize = 5;
+/// A column that stands, of what sensors and law leave.
+const STANDS_RAD: f64 = 2e-3;
+
+#[test]
+fn an_added_force_moves_the_column_as_a_hand_does() {
+    let mut run = Run::new(None);
+    let row = run.on(14_000, Some((ACTIVE, sent(&[(TRIM, 0.03), (ADDED, 40.0)]))));
+    assert_eq!(run.state(), State::Active);
+    assert_eq!((row.added_force_n, row.host_share, row.trips), (40.0, 1.0, 0.0));
+    // No step: it comes with share and fade, of which the quicker takes 0.5 s.
+    assert!(run.step(|row| row.added_force_n) < 40.0 * 2.5 * PERIOD_S / 0.5);
+    let by_host = run.angle();
+    run.on(14_000, Some((ACTIVE, sent(&[(TRIM, 0.03)]))));
+    assert!((run.angle() - f64::from(0.03_f32)).abs() < STANDS_RAD, "{}", run.angle());
+    run.machine.disturb(Disturbance::Force(40.0));
+    run.on(14_000, Some((ACTIVE, sent(&[(TRIM, 0.03)]))));
+    // But for what a hand stretches the link.
+    assert!((by_host - run.angle()).abs() < 2.0 * STANDS_RAD, "{by_host} and {}", run.angle());
+}
+
+#[test]
+fn silence_holds_for_a_tenth_of_a_second_then_fades_to_the_default_feel_and_comes_back() {
+    let mut run = Run::new(None);
+    let packet = Some((ACTIVE, sent(&[(ADDED, 40.0), (1, 1.5)])));
+    run.on(10_000, packet);
+    let begun = run.rows.len();
+    run.on(2000, None);
+    let shares: Vec<f64> = run.rows[begun..].iter().map(|row| row.host_share).collect();
+    let held = shares.iter().position(|share| *share < 1.0).expect("it fades");
+    // The last packet came APART cycles before. A cycle's effects have the share of the one before.
+    let silent = 200 - usize::try_from(APART).expect("few");
+    assert!((silent..=silent + 1).contains(&held), "{held}");
+    let gone = shares.iter().position(|share| *share == 0.0).expect("it is gone");
+    assert!((999..=1001).contains(&(gone - held)), "{held} to {gone}");
+    let row = run.on(4000, None);
+    assert_eq!((row.added_force_n, row.spring_factor, run.state(), row.trips), (0.0, 1.0, State::Active, 0.0));
+    assert!(row.column_angle_rad.abs() < STANDS_RAD);
+    let row = run.on(4000, packet);
+    assert_eq!((row.host_share, row.added_force_n, row.spring_factor), (1.0, 40.0, 1.5));
+    assert!(run.step(|row| row.added_force_n) < 40.0 * 2.5 * PERIOD_S / 0.5);
+}
+
+#[test]
+fn a_host_that_does_not_want_the_feel_leaves_the_loader_passive() {
+    let mut run = Run::new(None);
+    run.on(6000, Some((0, sent(&[]))));
+    assert_eq!(run.state(), State::Passive);
+    run.on(4000, Some((ACTIVE, sent(&[]))));
+    assert_eq!(run.state(), State::Active);
+    run.on(4000, Some((0, sent(&[]))));
+    assert_eq!(run.state(), State::Passive);
+    // One that is silent has no say.
+    run.on(6000, None);
+    assert_eq!(run.state(), State::Active);
+}
+
+#[test]
+fn dynamic_pressure_has_the_factor_of_the_loader_and_a_disconnect_takes_the_spring() {
+    // From 1 at 1 kPa straight to 3 at 5 kPa.
+    let mut run = Run::new(Some((vec![1000.0, 5000.0], vec![[0.0, 0.0, 5e-4, 1.0]])));
+    for (pressure, factor) in [(500.0, 1.0), (3000.0, 2.0), (9000.0, 3.0)] {
+        let row = run.on(6000, Some((ACTIVE, sent(&[(0, pressure)]))));
+        assert!((row.spring_factor - factor).abs() < 1e-9, "{pressure}: {}", row.spring_factor);
+    }
+    let row = run.on(2000, Some((ACTIVE | DISCONNECT, sent(&[(0, 9000.0)]))));
+    assert_eq!((row.spring_factor, row.trips), (0.0, 0.0));
+    assert_eq!(run.on(4000, None).spring_factor, 1.0, "the default feel has no factor");
+}
+
+#[test]
+fn each_packet_is_answered_with_what_there_is() {
+    let mut run = Run::new(None);
+    run.on(10_000, Some((ACTIVE, sent(&[(TRIM, 0.05)]))));
+    let sequences: Vec<u32> = run.answers.iter().map(|answer| answer.sequence).collect();
+    assert_eq!(sequences, (1..=500).collect::<Vec<u32>>());
+    let last = run.answers[run.answers.len() - 1];
+    // The packet before the last row by 19 cycles brought it.
+    let row = run.rows[run.rows.len() - usize::try_from(APART).expect("few")];
+    #[expect(clippy::cast_possible_truncation, reason = "the packet has single precision")]
+    let expected = [row.column_angle_rad as f32, row.neutral_rad as f32];
+    assert_eq!(([last.numbers[0], last.numbers[3]], last.status), (expected, 3));
+    assert_eq!((last.numbers[4], last.numbers[5]), (1.0, 1.0));
+    run.controller.take(&Wish::Stop);
+    run.on(APART, Some((ACTIVE, sent(&[]))));
+    // Tripped, by the first function of the table.
+    assert_eq!(run.answers[run.answers.len() - 1].status, 5 | 1 << 8);
+}
+
+#[test]
+fn a_socket_takes_one_host_and_good_packets_alone() {
+    let bound = || UdpSocket::bind("127.0.0.1:0").expect("a socket");
+    let (link, mut of_host) = host_link::between(bound()).expect("a socket");
+    let heard = Arc::clone(&link.heard);
+    let ended = Arc::new(AtomicBool::new(false));
+    let end = Arc::clone(&ended);
+    let thread = thread::spawn(move || link.listen(&end));
+    let (host, other) = (bound(), bound());
+    host.set_read_timeout(Some(Duration::from_secs(5))).expect("a time");
+    let packet = |sequence| FromHost { sequence, switches: ACTIVE, ..FromHost::none() };
+    let mut damaged = packet(9).encode();
+    damaged[20] ^= 1;
+    let wait = |count: u64| {
+        for _ in 0..5000 {
+            if heard.packets.load(Relaxed) + heard.refused.load(Relaxed) == count {
+                return;
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+        panic!("{heard:?}");
+    };
+    let answer = ToHost { sequence: 1, status: 3, numbers: [0.5; 6] };
+    for (k, (from, bytes)) in [
+        (&host, packet(5).encode().to_vec()),
+        (&host, packet(5).encode().to_vec()),
+        (&host, damaged.to_vec()),
+        (&host, vec![0; 3]),
+        (&other, packet(7).encode().to_vec()),
+        (&host, packet(6).encode().to_vec()),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        from.send_to(&bytes, heard.at).expect("it is sent");
+        if [0, 5].contains(&k) {
+            while of_host.packets.is_empty() {
+                thread::sleep(Duration::from_millis(1));
+            }
+            of_host.answers.push(answer).expect("there is room");
+            let mut back = [0; 64];
+            let (count, _) = host.recv_from(&mut back).expect("an answer");
+            assert_eq!(ToHost::decode(&back[..count]), Ok(answer));
+            assert_eq!(of_host.packets.pop().expect("it is there").sequence, if k == 0 { 5 } else { 6 });
+        }
+        wait(k as u64 + 1);
+    }
+    assert_eq!((heard.packets.load(Relaxed), heard.refused.load(Relaxed)), (2, 4));
+    assert_eq!(heard.last().expect("it spoke").0, host.local_addr().expect("an address"));
+    ended.store(true, Relaxed);
+    thread.join().expect("it ends");
+}

@@ -1,0 +1,224 @@
+"""A law as firmware: the Rust that simulation and live loop run, compiled for a target, with numbers, header and golden vectors.
+
+The sources come from ``forcefeel._core`` itself, which was compiled from them; cargo compiles them for the target.
+"""
+
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel._core import BoardAxis, board_sources, safety_functions
+from forcefeel.errors import InputError
+from forcefeel.export.c_code import PART, about, recorded, sampled, spelled_rows
+from forcefeel.export.exported import Exported
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.simulation.inputs.signals import Chirp
+from forcefeel.simulation.scenario import Scenario
+from forcefeel.templating import environment
+from forcefeel.units import show
+
+BOARD = "thumbv7em-none-eabihf"
+"""The target that has an example for a bare board."""
+
+_OFF, _ACTIVE = 0, 2
+_EMERGENCY_STOP, _ACKNOWLEDGED = 1, 4
+_SEED = 21
+_HERE = Path(__file__).parent
+_FILES = {
+    "data.h": "{}_data.h",
+    "main.c": "{}_main.c",
+    "golden.h": "{}_golden.h",
+    "test.c": "{}_test.c",
+    "forcefeel.h": "forcefeel.h",
+    "Makefile": "Makefile",
+    "README.md": "README.md",
+}
+
+
+def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> dict[str, str | bytes]:
+    """The files by their names, for the target ``triple``, or this machine where none is given.
+
+    Raises:
+        InputError: If the law is no sampled one, the target is not installed, or cargo is not.
+    """
+    numbers = sampled(exported)
+    triple = _installed(triple)
+    axis = board_axis(exported)
+    given, words = golden_inputs(exported)
+    if single:
+        given = given.astype(np.float32).astype(np.float64)
+    answers, states = axis.answers(given, words.tolist(), single=single)
+    loader = exported.loader
+    functions = safety_functions(loader.values, loader.drive, numbers.period_s)
+    fields = about(exported, numbers, single=single) | {
+        "triple": triple,
+        "board": triple == BOARD,
+        "functions": [(name, does) for name, does, *_ in functions],
+        "samples": len(given),
+        "given": spelled_rows(given, single=single),
+        "words": _words(words),
+        "answers": spelled_rows(answers, single=single),
+        "states": _words(states),
+        "periods": _periods_until_on(exported),
+    }
+    fields |= _numbers(exported, axis)
+    templates = environment(html=False)
+    files: dict[str, str | bytes] = {
+        name.format(exported.name): templates.get_template(f"export/firmware/{template}.j2").render(fields)
+        for template, name in _FILES.items()
+    }
+    if triple == BOARD:
+        files |= {name: (_HERE / "board" / name).read_text(encoding="utf-8") for name in ("reset.c", "board.ld")}
+    return files | {"libforcefeel.a": _library(triple, single=single)}
+
+
+def board_axis(exported: Exported) -> BoardAxis:
+    """Loader, law and supervisor as a board has them."""
+    loader, law, numbers = exported.loader, exported.law, sampled(exported)
+    curve = loader.force_curve
+    return BoardAxis(
+        loader.rows(FEEL_SETTING, exported.settings),
+        numbers.rows(),
+        period_s=numbers.period_s,
+        curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
+        cancellation=None if law.cancellation is None else law.cancellation.numbers,
+    )
+
+
+def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Numbers (samples, 8) and words (samples, 6) that go through every state.
+
+    On, a sweep, a sensor that gives no number, acknowledged, on, random input, the emergency stop.
+    """
+    loader, law = exported.loader, exported.law.some([0])
+    period = law.period_s or 0.0
+    own = loader.replace(dict(zip(FEEL_SETTING, exported.settings[0].tolist(), strict=True)))
+    duration = PART * period
+    chirp = Chirp(0.1 * loader["pilot.force"], 0.2, 20.0, duration)
+    sweep = recorded(own, law, Scenario(chirp, duration_s=duration, sample_s=period))
+    count = len(exported.settings)
+    rest, settled = _periods_until_on(exported), round(0.6 / period)
+    still = np.repeat(sweep[:1], rest, axis=0)
+    stopped = np.repeat(sweep[-1:], settled, axis=0)
+    stopped[0, 0] = np.nan
+    random = np.random.default_rng(_SEED)
+    stirred = np.repeat(sweep[:1], PART, axis=0)
+    stirred[:, 0] += 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
+    stirred[:, 4:7] += [0.02, 0.2, 0.5] * random.uniform(-1, 1, (PART, 3))
+    given = np.vstack([still, sweep, stopped, still, stirred])
+    words = np.zeros((len(given), 6), dtype=np.int64)
+    begins = rest + PART + settled
+    words[:, 2] = _ACTIVE
+    words[0, 2] = words[begins - 10 : begins, 2] = _OFF
+    words[begins - 10, 5] = _ACKNOWLEDGED
+    words[begins - 20 : begins - 15, 3] = range(1, 6)  # samples that did not come
+    words[-100:, 5] = _EMERGENCY_STOP
+    last = begins + rest
+    for k in range(PART):
+        block, within = divmod(k, 200)
+        words[last + k, :2] = block % count, (block + 1) % count
+        given[last + k, 7] = within / 100 if count > 1 and within < 100 else 0.0
+    return given, words
+
+
+def _periods_until_on(exported: Exported) -> int:
+    """Periods after which an axis that was wished for is active: sensors watched, then the feel comes."""
+    loader = exported.loader
+    return round((loader["safety.stuck_time"] + loader["safety.fade_time"]) / sampled(exported).period_s) + 50
+
+
+def _words(words: NDArray[np.integer]) -> str:
+    return ",\n".join(f"    {{{', '.join(f'{word}U' for word in row)}}}" for row in words.tolist())
+
+
+def _numbers(exported: Exported, axis: BoardAxis) -> dict[str, object]:
+    """The numbers of the loader's structure and the settings', always in double precision."""
+    period, at_rest, cancellation, knots, coefficients, points, cancels = axis.loader()
+    values = exported.loader.rows(FEEL_SETTING, exported.settings)
+    laws = sampled(exported).rows()
+
+    def row(numbers: list[float]) -> str:
+        return spelled_rows(np.array([numbers]), single=False).strip()
+
+    def block(rows: list[list[float]]) -> str:
+        return f"{{\n{spelled_rows(np.array(rows), single=False)}\n    }}"
+
+    parts = [
+        repr(period),
+        block(at_rest),
+        row(cancellation),
+        row(knots),
+        block(coefficients),
+        f"{points}U",
+        f"{cancels}U",
+    ]
+    return {
+        "values": values.shape[1],
+        "laws": laws.shape[1],
+        "cancellations": len(cancellation),
+        "points": len(knots),
+        "numbers": ",\n".join(f"    {part}" for part in parts),
+        "blocks": ",\n".join(
+            f"    {{\n        {row(one)},\n        {row(law)}\n    }}"
+            for one, law in zip(values.tolist(), laws.tolist(), strict=True)
+        ),
+    }
+
+
+def _installed(triple: str | None) -> str:
+    """The target, this machine's where none is given.
+
+    Raises:
+        InputError: If it is not installed, or there is no cargo.
+    """
+    if not (shutil.which("cargo") and shutil.which("rustc")):
+        raise InputError(
+            "target: firmware is compiled by cargo, which is not found; install Rust, from https://rustup.rs"
+        )
+    said = _told("rustc", "-vV").splitlines()
+    host = next(line.removeprefix("host: ") for line in said if line.startswith("host: "))
+    library = Path(_told("rustc", "--print", "sysroot").strip()) / "lib" / "rustlib"
+    there = sorted(path.parent.name for path in library.glob("*/lib"))
+    wanted = triple or host
+    if wanted not in there:
+        raise InputError(
+            f"target: {show(wanted)} is not installed, {', '.join(there)} are; run rustup target add {wanted}, or name another"
+        )
+    return wanted
+
+
+def _told(*command: str) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise InputError(
+            f"target: {' '.join(command)} fails: {done.stderr.strip()}; see that Rust is whole, by rustup show"
+        )
+    return done.stdout
+
+
+def _library(triple: str, *, single: bool) -> bytes:
+    """The static library for a target, compiled from the sources of the running forcefeel.
+
+    Raises:
+        InputError: If cargo cannot.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        sources = [
+            *board_sources(),
+            ("Cargo.toml", (_HERE / "firmware" / "workspace.toml").read_text(encoding="utf-8")),
+        ]
+        for name, text in sources:
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+            (root / name).write_text(text, encoding="utf-8")
+        feature = "single" if single else "alone"
+        asked = ("--release", "--quiet", "--package", "forcefeel-firmware", "--features", feature, "--target", triple)
+        command = ("cargo", "rustc", *asked, "--crate-type", "staticlib", "--target-dir", "built")
+        done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise InputError(f"target: cargo could not compile for {triple}: {done.stderr.strip()}")
+        return (root / "built" / triple / "release" / "libforcefeel_firmware.a").read_bytes()

@@ -1,0 +1,134 @@
+"""``modelDescription.xml`` of an FMU, for FMI 2.0 or 3.0, from the library's own table of variables."""
+
+from collections.abc import Mapping
+from importlib.metadata import version as version_of
+
+from forcefeel import _core
+from forcefeel._core import FmuVariable
+from forcefeel.export.exported import Exported
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.parameters import TABLE, meaning, unit
+from forcefeel.loader.sensors import has_grip_sensor
+from forcefeel.templating import environment
+from forcefeel.units import ANGLE, ANGULAR_VELOCITY, FORCE, LENGTH, PRESSURE, TORQUE, Unit, UnitSystem, dimensions
+
+_SHOWN = {it.si: it for it in (ANGLE, ANGULAR_VELOCITY, LENGTH, FORCE, PRESSURE, TORQUE)}
+"""Units that people read, of what is no row of the parameter table."""
+
+_SIGNALS = {"load_pressure", "actuator_flow", "valve_current", "motor_current", "motor_voltage"}
+"""Outputs that may follow a command at once, where it has no delay."""
+
+_CELSIUS_AT_ZERO_K = 273.15
+
+
+def description(exported: Exported, kind: str, version: str, about: Mapping[str, object]) -> str:
+    """The description of an FMU.
+
+    Args:
+        exported: The law with its loader.
+        kind: ``loader``, ``law`` or ``machine``.
+        version: Of FMI, ``2.0`` or ``3.0``.
+        about: Identifier, token, what it is, ``step_s`` and ``delay_s``.
+    """
+    loader, feel = exported.loader, exported.settings
+    variables = _core.fmu_variables(kind, loader.rows(FEEL_SETTING, feel)[0], len(feel))
+    rows = [_variable(variable, loader.drive) for variable in variables]
+    outputs = [
+        {"index": place, "reference": it.reference, "inputs": _direct(exported, it.name, variables, about)}
+        for place, it in enumerate(variables, start=1)
+        if it.causality == "output"
+    ]
+    template = environment(html=True).get_template(f"export/fmu/fmi{version[0]}.xml.j2")
+    return template.render(
+        about,
+        loader=loader.name,
+        fingerprint=loader.fingerprint,
+        law=exported.law.name,
+        release=version_of("forcefeel"),
+        units=_units(rows),
+        clock=_core.FMU_CLOCK if kind == "law" else None,
+        variables=rows,
+        outputs=outputs,
+    )
+
+
+def _variable(it: FmuVariable, drive: str) -> dict[str, object]:
+    row = TABLE.get(it.name)
+    means = it.meaning if row is None else f"{row.symbol}: {meaning(row, drive)}"
+    shown = _SHOWN.get(it.unit, Unit(it.unit, it.unit, it.unit)) if row is None else unit(row)
+    low, high = it.range or (None, None)
+    start: str | None = None if it.start is None else repr(it.start)
+    if it.start is not None and it.kind != "Real":
+        start = str(int(it.start)) if it.kind == "Integer" else str(bool(it.start)).lower()
+    if it.kind == "Real" and it.start is not None and low is not None and high is not None:
+        low, high = (
+            min(low, it.start),
+            max(high, it.start),
+        )  # a limit that was stated with ten digits is still the limit
+
+    def number(value: float | None) -> str | None:
+        return None if value is None else str(int(value)) if it.kind == "Integer" else repr(value)
+
+    return {
+        "reference": it.reference,
+        "name": it.name,
+        "means": means,
+        "causality": it.causality,
+        "variability": it.variability,
+        "kind": it.kind,
+        "unit": it.unit,
+        "shown": shown,
+        "display": shown.metric if it.unit and shown.metric != it.unit else "",
+        "start": start,
+        "low": number(low),
+        "high": number(high),
+    }
+
+
+def _units(rows: list[dict[str, object]]) -> list[dict[str, object]]:
+    """Each unit with its powers of the base units, and the units that people read in its stead."""
+    found: dict[str, dict[str, float]] = {"s": {}}
+    for row in rows:
+        shown = row["shown"]
+        if isinstance(shown, Unit) and row["unit"]:
+            readings = found.setdefault(str(row["unit"]), {})
+            for system in (UnitSystem.SI, UnitSystem.US):
+                if shown.shown(system) != shown.si:
+                    readings[shown.shown(system)] = shown.from_si(1.0, system)
+    return [{"name": name, "base": _base(name), "readings": readings} for name, readings in found.items()]
+
+
+def _base(name: str) -> dict[str, str]:
+    """Powers of kg, m, s, A, K and rad, and the offset of a temperature."""
+    powers = dict.fromkeys(("kg", "m", "s", "A", "K", "rad"), 0)
+    of = {
+        "[length]": {"m": 1},
+        "[time]": {"s": 1},
+        "[force]": {"kg": 1, "m": 1, "s": -2},
+        "[angle]": {"rad": 1},
+        "[current]": {"A": 1},
+        "[voltage]": {"kg": 1, "m": 2, "s": -3, "A": -1},
+        "[temperature]": {"K": 1},
+        "[celsius]": {"K": 1},
+    }
+    for dimension, power in dimensions(name).items():
+        for base, one in of[dimension].items():
+            powers[base] += one * power
+    written = {base: str(power) for base, power in powers.items() if power}
+    return written | ({"offset": repr(_CELSIUS_AT_ZERO_K)} if name == "degC" else {})
+
+
+def _direct(
+    exported: Exported, output: str, variables: list[FmuVariable], about: Mapping[str, object]
+) -> list[dict[str, int]]:
+    """The inputs that an output follows without a step between."""
+    follows: set[str] = set()
+    if has_grip_sensor(exported.loader) and output == "sensed_grip_force":
+        follows = {"pilot_force"}
+    if about["delay_s"] == 0 and output in _SIGNALS:
+        follows = {"pilot_force", "command"}
+    return [
+        {"index": place, "reference": it.reference}
+        for place, it in enumerate(variables, start=1)
+        if it.causality == "input" and it.name in follows
+    ]

@@ -1,0 +1,109 @@
+"""The FMUs of a law and its loader: description, library, resources and icon of each, zipped."""
+
+from hashlib import sha256
+from io import BytesIO
+from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
+
+import numpy as np
+
+from forcefeel.errors import InputError
+from forcefeel.export.exported import Exported
+from forcefeel.export.fmu_description import description
+from forcefeel.export.fmu_library import PLATFORMS, library
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.timing import controller_steps
+
+KINDS = {
+    "loader": "the loader with its law: force in, position out",
+    "law": "the law alone: sensors in, command out",
+    "machine": "the machine alone: force and command in, sensors out",
+}
+"""What is exported, and what it is."""
+
+LONGEST_STEP_S = 1e-3
+"""Of the machine, as of ``Scenario.step_s``."""
+
+_ICON = Path(__file__).parent / "fmu" / "icon.png"
+_ICONS = {"2.0": "model.png", "3.0": "terminalsAndIcons/icon.png"}
+_WHEN = (1980, 1, 1, 0, 0, 0)
+"""Of every file in the zip: the same export gives the same bytes."""
+
+
+def fmu_files(exported: Exported) -> dict[str, str | bytes]:
+    """The FMUs by their names, of each kind one for FMI 2.0 and one for FMI 3.0.
+
+    Raises:
+        InputError: If the law is no sampled one, or this installation has no library for FMUs.
+    """
+    numbers = _sampled(exported)
+    binary, icon = library(), _ICON.read_bytes()
+    files: dict[str, str | bytes] = {}
+    for kind, what in KINDS.items():
+        resources = _resources(exported, numbers, kind)
+        token = sha256(resources.encode()).hexdigest()
+        identifier = f"{exported.name}_{kind}"
+        step_s, (period, _) = controller_steps(exported.loader, LONGEST_STEP_S)
+        for version, platform in PLATFORMS.items():
+            about = description(
+                exported,
+                kind,
+                version,
+                {
+                    "identifier": identifier,
+                    "token": token,
+                    "what": what,
+                    "step_s": step_s * period if kind == "law" else step_s,
+                    "delay_s": numbers.delay_s,
+                },
+            )
+            contents = {
+                "modelDescription.xml": about.encode(),
+                f"binaries/{platform}/{identifier}.so": binary,
+                "resources/loader.txt": f"token {token}\n{resources}".encode(),
+                _ICONS[version]: icon,
+            }
+            files[f"{identifier}_fmi{version[0]}.fmu"] = _zipped(contents)
+    return files
+
+
+def _sampled(exported: Exported) -> SampledCompensator:
+    numbers = exported.law.sampled
+    if numbers is None:
+        exported.check_time()
+        raise InputError(
+            f"law: {exported.law.name} is an analog law, and that of an FMU is sampled; give the loader a controller.period, such "
+            "as --set 'controller.period=0.5 ms', and a sampled law such as robust"
+        )
+    return numbers
+
+
+def _resources(exported: Exported, numbers: SampledCompensator, kind: str) -> str:
+    """A line for each list of numbers, as ``crates/fmu/src/resources.rs`` reads them."""
+    loader, law = exported.loader, exported.law
+    step_s, timing = controller_steps(loader, LONGEST_STEP_S)
+    feel = exported.settings
+    curve = loader.force_curve
+    lists = {
+        "values": loader.rows(FEEL_SETTING, feel)[0],
+        "gains": [0.0] * 9,  # those of a law with an observer: none, and its displacement is an angle
+        "timing": [step_s, *timing],
+        "supervised": [0.0],
+        "feel": feel,
+        "observers": numbers.rows(),
+    }
+    if law.cancellation is not None:
+        lists["cancellation"] = law.cancellation.numbers
+    if curve is not None:
+        lists |= {"curve_knots": curve.x, "curve_coefficients": curve.coefficients}
+    rows = (f"{name} {' '.join(map(repr, np.ravel(values).astype(float).tolist()))}" for name, values in lists.items())
+    return "\n".join((f"kind {kind}", *rows, ""))
+
+
+def _zipped(contents: dict[str, bytes]) -> bytes:
+    written = BytesIO()
+    with ZipFile(written, "w", ZIP_DEFLATED) as archive:
+        for name, content in contents.items():
+            archive.writestr(ZipInfo(name, _WHEN), content, ZIP_DEFLATED)
+    return written.getvalue()

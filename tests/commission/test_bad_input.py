@@ -1,0 +1,30 @@
+"""Bad input ends with status 2, says what to do, and leaves no folder behind."""
+
+from pathlib import Path
+
+import pytest
+
+import forcefeel as ff
+from tests.command_line import runner
+
+RECORD = str(Path(__file__).parents[2] / "examples" / "bench" / "servo-closed.csv")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("elevator-2khz", "--bench", "wheel.toml"), "has an electric drive, and elevator-2khz a hydraulic drive"),
+        (("wheel.toml", "--data", RECORD), "is made for a hydraulic drive"),
+        (("elevator-2khz", "--data", RECORD, "--bench", "wheel.toml"), "leave one out"),
+        (("elevator-2khz",), "give one"),
+        (("elevator-2khz", "--bench", "none.toml"), "none.toml: cannot be read"),
+        (("elevator-2khz", "--data", RECORD, "--share", "120 %"), "share: expected a share above 0 % and up to 100 %"),
+    ],
+)
+def test_it_is_named_and_nothing_is_left(monkeypatch, capsys, tmp_path, words, message):
+    run = runner(monkeypatch, capsys, tmp_path, "commission")
+    (tmp_path / "wheel.toml").write_text(ff.loader.electric("aileron-wheel").to_toml(), encoding="utf-8")
+    status, out, err = run(*words, "--out", "made")
+    assert (status, out) == (2, "")
+    assert message in err
+    assert not (tmp_path / "made").exists()

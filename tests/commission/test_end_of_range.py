@@ -1,0 +1,26 @@
+"""A parameter whose value in the file is the last that its row allows."""
+
+import forcefeel as ff
+from forcefeel.commission.findings import commission_conclusions
+from forcefeel.commission.identified import identify_loader
+from forcefeel.commission.plan import CommissionPlan
+from forcefeel.commission.result import AT_END, Commission
+from forcefeel.commission.simulated_bench import BenchTime, simulated_records
+
+
+def test_it_counts_as_known_where_the_records_hold_it_there():
+    wheel = ff.loader.electric("aileron-wheel")
+    assert wheel["linkage.ratio"] == 1.0  # a link moves its column by no more than itself
+    records = simulated_records(wheel, wheel.replace({"column.coulomb_friction": "0.6 lb"}), BenchTime(4.0, 500.0, 1))
+    plan = CommissionPlan()
+    found = identify_loader(wheel, records, plan)
+    assert found.loader is not None
+    (ratio,) = (one for one in found.outcome.parameters if one.key == "linkage.ratio")
+    assert (ratio.state, found.loader["linkage.ratio"]) == (AT_END, 1.0)
+    low, high = found.loader.tolerances["linkage.ratio"].ends
+    assert 0.9999 < low < high == 1.0
+    said = commission_conclusions(Commission(plan, wheel, found.outcome, found.loader)).findings
+    sentence = (
+        "The file's value of linkage.ratio is the last of its range, and the records hold it there: it counts as known."
+    )
+    assert sentence in said

@@ -1,0 +1,119 @@
+"""The law as firmware: the same bits on a board as here, as the live loop gives them; nothing in it that panics."""
+
+import re
+import shutil
+
+import numpy as np
+import pytest
+
+import forcefeel as ff
+from forcefeel.export.firmware_code import BOARD, board_axis, golden_inputs
+from tests.export.toolchain import BOARDS, motor, needs, run, valve
+
+SENSORS = ("load_cell_force_n", "drive_position_m", "column_base_m", "grip_force_n")
+
+
+def exported(law, out, **how):
+    ff.export.write_export(law, ff.export.Target.FIRMWARE, out, **how)
+    return out
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory):
+    """Two settings with every nonlinear part of the feel, in single precision, for a Cortex-M."""
+    needs("cargo", "arm-none-eabi-gcc", "qemu-system-arm", f"rust target {BOARD}")
+    return exported(valve(), tmp_path_factory.mktemp("board"), single=True, triple=BOARD)
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory):
+    """A motor, in double precision, for this machine."""
+    needs("cargo", "gcc")
+    return exported(motor(), tmp_path_factory.mktemp("here"))
+
+
+@pytest.mark.parametrize("core", BOARDS)
+def test_a_board_gives_the_same_bits(board, core):
+    text = run(board, "make", "-B", "test", f"CPU={core}", f"MACHINE={BOARDS[core]}")
+    assert re.search(r"^pitch: \d{5} samples, 0 differ$", text, re.MULTILINE)
+
+
+def test_this_machine_gives_the_same_bits(here):
+    assert re.search(r"^roll: \d{5} samples, 0 differ$", run(here, "make", "test"), re.MULTILINE)
+
+
+def test_another_law_is_found_out(here, tmp_path):
+    shutil.copytree(here, tmp_path, dirs_exist_ok=True)
+    data = tmp_path / "roll_data.h"
+    lines = data.read_text(encoding="utf-8").splitlines()
+    place = max(k for k, line in enumerate(lines) if line.startswith("        {"))
+    first = lines[place].split("{", 1)[1].split(",", 1)[0]
+    lines[place] = lines[place].replace(first, f"{float(first) * (1 + 1e-12)!r}", 1)
+    data.write_text("\n".join(lines), encoding="utf-8")
+    assert ", 0 differ" not in run(tmp_path, "make", "-B", "test", status=2)
+
+
+def test_nothing_in_the_linked_program_panics(board, here):
+    run(board, "make", "pitch_main")
+    run(here, "make", "roll_main")
+    symbols = run(board, "arm-none-eabi-nm", "pitch_main") + run(here, "nm", "roll_main")
+    assert symbols.count("forcefeel_step") == 2
+    assert not re.search(
+        "panic|unwrap|slice_index_fail|alloc", re.sub(r"\S*_malloc\S*|\S*alloc_r|\S*alloc\b", "", symbols)
+    )
+
+
+def test_the_example_becomes_active(here):
+    assert re.match(r"roll: state 3, command \S+ A\n", run(here, "sh", "-c", "make -s && ./roll_main"))
+
+
+@pytest.mark.parametrize("loader", [ff.digital_elevator(), ff.loader.electric("elevator-electric")], ids=str)
+def test_it_answers_as_the_live_loop_does(loader):
+    with ff.live.start(loader, "robust", real_time=False) as running:
+        running.off()
+        running.wait(10)
+        running.on()
+        running.wait(4000)
+        running.hand_force_n = 20.0
+        running.wait(1000)
+        running.off()
+        running.wait(500)
+        rows = running.history(most=100_000)
+    seen = dict(zip(running.columns, rows.T, strict=True))
+    given = np.zeros((len(rows), 8))
+    given[:, :4] = np.column_stack([seen[name] for name in SENSORS])
+    given[:, 5] = 1.0
+    words = np.zeros((len(rows), 6), dtype=int)
+    active = np.flatnonzero(seen["state"] == 3)
+    words[np.argmax(seen["state"] == 1) : active[-1] + 1, 2] = 2
+    numbers, states = board_axis(ff.export.Exported.of("robust", loader)).answers(given, words.tolist(), single=False)
+    assert len(active) > 2000
+    for column, name in enumerate(("command", "feel_torque_n_m", "feel_angle_rad", "feel_rate_rad_per_s")):
+        np.testing.assert_array_equal(numbers[:, column], seen[name], err_msg=name)
+    for column, name in enumerate(("enable", "state", "acting", "trips")):
+        np.testing.assert_array_equal(states[:, column], seen[name], err_msg=name)
+
+
+def test_the_golden_vectors_go_through_every_state():
+    law = valve()
+    given, words = golden_inputs(law)
+    _, states = board_axis(law).answers(given, words.tolist(), single=True)
+    counts = np.bincount(states[:, 1], minlength=6)
+    assert len(given) > 9000
+    assert (counts > 0).all()
+    assert counts[3] > 4000
+
+
+@pytest.mark.parametrize("triple", ["avr-unknown-none", "not a target"])
+def test_a_target_that_is_not_installed_is_named_and_nothing_is_written(tmp_path, triple):
+    needs("cargo")
+    with pytest.raises(ff.InputError, match=r"is not installed, .* are; run rustup target add"):
+        exported(motor(), tmp_path / "out", triple=triple)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_cargo_nothing_is_written(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(ff.InputError, match="compiled by cargo, which is not found"):
+        exported(motor(), tmp_path / "out")
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,92 @@
+"""Compilers, checker and emulator of the exported C: found, or the test is skipped, or fails where they are required."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import forcefeel as ff
+
+STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-ffp-contract=off")
+BOARD = Path(ff.__file__).parent / "export" / "board"
+BOARDS = {"cortex-m4": "mps2-an386", "cortex-m7": "mps2-an500"}
+NONLINEAR = {
+    "feel.breakout": "2 lb",
+    "feel.coulomb_friction": "1 lb",
+    "feel.static_friction": "1.5 lb",
+    "feel.detent_force": "2 lb",
+    "feel.detent_angle": "3 deg",
+    "feel.hysteresis": "1 lb",
+    "feel.deadband": "0.2 deg",
+    "feel.soft_stop_high": "4 deg",
+    "feel.hard_stop_high": "6 deg",
+    "feel.velocity_limit": "60 deg/s",
+    "feel.trim_rate": "2 deg/s",
+    "feel.shaker_force": "5 lb",
+    "column.coulomb_friction": "1 lb",
+}
+CONVERTERS = {
+    "controller.input_range": "10 V",
+    "controller.input_bits": 16,
+    "controller.output_range": "10 V",
+    "controller.output_bits": 16,
+    "controller.antiwindup": "50 1/s",
+}
+KNOTS = Path(__file__).parents[2] / "examples" / "schedule" / "knots.csv"
+
+
+def valve():
+    """A valve's law for two settings, with every nonlinear part of the feel."""
+    loader = ff.digital_elevator().replace(NONLINEAR | CONVERTERS)
+    return ff.export.Exported.of("robust", loader, "pitch", ff.flight_schedule.read_knots(KNOTS).feel[:2])
+
+
+def motor():
+    """A motor's law for one setting, with every nonlinear part of the feel and cogging."""
+    loader = ff.loader.electric("elevator-electric").replace(NONLINEAR | {"motor.cogging_torque": "0.1 N m"})
+    return ff.export.Exported.of("robust", loader, "roll")
+
+
+def written(exported, out, *, single=False):
+    ff.export.write_export(exported, ff.export.Target.C, out, single=single)
+    return out
+
+
+def needs(*commands):
+    """Skips the test where a command or ``rust target ...`` is missing, aloud; fails where they are required."""
+    missing = [command for command in commands if not _is_there(command)]
+    if missing and os.environ.get("FORCEFEEL_REQUIRE_TARGETS") == "1":
+        pytest.fail(f"not found: {', '.join(missing)}; run tests/export/install")
+    if missing:
+        pytest.skip(f"not found: {', '.join(missing)}; run tests/export/install")
+
+
+def _is_there(command):
+    name = command.removeprefix("rust target ")
+    if name == command or not shutil.which("rustc"):
+        return shutil.which(command) is not None
+    sysroot = subprocess.run(["rustc", "--print", "sysroot"], capture_output=True, text=True, check=True).stdout.strip()
+    return (Path(sysroot) / "lib" / "rustlib" / name / "lib").is_dir()
+
+
+def run(folder, *command, status=0):
+    """What a command prints; it must end with ``status``."""
+    done = subprocess.run(list(map(str, command)), cwd=folder, capture_output=True, text=True, check=False, timeout=100)
+    assert done.returncode == status, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+def for_board(folder, core, program, *sources, flags=("-std=c99",)):
+    """Compiles for a Cortex-M with its start; ``-std=c99`` leaves newlib's own names out, so the start has its own rule."""
+    cpu = (f"-mcpu={core}", "-mthumb", "-mfloat-abi=hard", "-mfpu=auto", "-O2", "-ffp-contract=off")
+    run(folder, "arm-none-eabi-gcc", *cpu, "-std=gnu99", "-c", "-o", "reset.o", BOARD / "reset.c")
+    link = ("--specs=rdimon.specs", "-nostartfiles", "-T", BOARD / "board.ld", "-Wl,--gc-sections")
+    run(folder, "arm-none-eabi-gcc", *cpu, *flags, *link, "-o", program, "reset.o", *sources, "-lm")
+
+
+def on_board(folder, core, program, *options):
+    """What a program prints under QEMU, which must end well."""
+    semihosting = ("-nographic", "-semihosting-config", "enable=on,target=native")
+    return run(folder, "qemu-system-arm", "-M", BOARDS[core], *semihosting, *options, "-kernel", program)

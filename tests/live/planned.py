@@ -1,0 +1,24 @@
+"""Runs in virtual time of which each wish and each force has its cycle: the same on any machine, however busy."""
+
+import time
+
+import numpy as np
+
+import forcefeel as ff
+from forcefeel import _core
+from forcefeel.live.setup import live_law, made_of
+
+
+def planned(loader, force_n, wishes, *, law="robust", host=None):
+    """Columns of a run under a law, a force of the hand for each cycle, wishes with theirs."""
+    setup, steps = made_of(loader, live_law(law, loader))
+    period, _ = steps.timing
+    script = ({"force": np.repeat(np.column_stack([force_n, force_n]), period, axis=0)}, 0.0, None, 0)
+    cycles = len(force_n)
+    loop = _core.LiveLoop(
+        setup, script=script, host=host, real_time=False, cycles=cycles, wishes=wishes, history=cycles
+    )
+    while not loop.status()[-1]:
+        time.sleep(0.001)
+    loop.end()
+    return dict(zip(ff.live.COLUMNS, loop.history(-1.0, cycles).T, strict=True))
