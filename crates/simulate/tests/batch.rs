@@ -129,7 +129,7 @@ fn member_that_fails_leaves_the_others_alone() {
         change(&mut p);
         *values = p.values();
     };
-    break_of(&mut broken[3], &|p| p.column.inertia *= 1e-9);
+    break_of(&mut broken[3], &|p| p.column.inertia *= -1.0);
     break_of(&mut broken[11], &|p| p.linkage.stiffness = f64::NAN);
     break_of(&mut broken[17], &|p| p.valve.supply_pressure = 0.0);
     for timing in [None, Some(TIMING)] {

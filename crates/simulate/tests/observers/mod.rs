@@ -13,7 +13,7 @@ pub const DEAF: [f64; 7] = [-194.0, -3.8e-9, 22.0, 0.67, 19.9, -0.7, 0.0];
 const FORCE: usize = MOST_STATES;
 const PISTON: usize = FORCE + 1;
 const ANGLE: usize = FORCE + 2;
-const DELTA: usize = FORCE + 3;
+const DELTA: usize = FORCE + SAMPLED;
 const KNOWN: usize = DELTA + 2;
 const COMMAND: usize = SAMPLED;
 
