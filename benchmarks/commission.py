@@ -45,25 +45,6 @@ FRICTION_LB, BREAKAWAY = (0.5, 3.0), (1.0, 1.3)
 LAG = {f"{sensor}.bandwidth": "500 Hz" for sensor in ("load_cell", "potentiometer", "column_sensor")}
 INSTRUMENT = 0.003
 PROMISED_MEAN, PROMISED_TENTH = 0.95, 0.90
-WITNESS = {
-    "admittance": ("amplifier.admittance", 1e3),
-    "rated_flow": ("valve.rated_flow", witness.INCH**-3),
-    "supply_pressure": ("valve.supply_pressure", witness.INCH**2 / witness.LBF),
-    "valve_frequency": ("valve.natural_frequency", 1.0),
-    "valve_damping": ("valve.damping_ratio", 1.0),
-    "area": ("actuator.area", witness.INCH**-2),
-    "oil_volume": ("actuator.oil_volume", witness.INCH**-3),
-    "bulk_modulus": ("actuator.bulk_modulus", witness.INCH**2 / witness.LBF),
-    "ratio": ("linkage.ratio", 1.0),
-    "link_stiffness": ("linkage.stiffness", witness.INCH / witness.LBF),
-    "link_damping": ("linkage.damping", witness.INCH / witness.LBF),
-    "inertia": ("column.inertia", 1 / witness.LBF / witness.INCH),
-    "base_arm": ("column.base_arm", 1 / witness.INCH),
-    "grip_arm": ("column.grip_arm", 1 / witness.INCH),
-    "coulomb_friction": ("column.coulomb_friction", 1 / witness.LBF),
-    "static_friction": ("column.static_friction", 1 / witness.LBF),
-}
-"""What the witness calls a parameter, and its unit there in the SI one."""
 
 
 def drawn(file, count, seed):
@@ -84,7 +65,7 @@ def witnessed(file, machines, asked):
     """The records of hydraulic machines from the witness, all side by side."""
     signal = bench_signal(file, asked)
     many = witness.Machines.of(
-        **{name: [one[key] * factor for one in machines] for name, (key, factor) in WITNESS.items()}
+        **{name: [one[key] * factor for one in machines] for name, (key, factor) in witness.OF_FILE.items()}
     )
     piston = [file[f"potentiometer.{name}"] for name in ("bandwidth", "noise", "resolution")]
     sensors = witness.Sensors(piston[0], piston[1] / witness.INCH, piston[2] / witness.INCH)

@@ -7,13 +7,13 @@ U.S. customary units: lb, in, s, mA, V, rad; the servo alone, its position loop 
     x' = (A p - k s) / c + alpha R_b w,    s = x - alpha R_b theta                                    eq. (9)
     p' = 4 beta / V_E (q - A x'),          q = q_i sqrt(1 - sgn(q_i) p / p_s)                         eqs. (5), (1)
     q_i'' = w_n^2 (q_c - q_i) - 2 zeta w_n q_i',    q_c = (q_r / i_r) i,    i = K_2 e                 eq. (3)
-    J w' = alpha R_b A p - F_c R_p sgn w                                                              eqs. (6), (7)
+    (J + m) w' = alpha R_b A p - d w - k_a theta - F_c R_p sgn w                                      eqs. (6), (7), and an arm
     e = - K_3 x  of the last sample but one, through its sensor, and the test signal                  eq. (13)
 
-At rest the column sticks while ``|alpha R_b A p| <= F_s R_p``. All that is linear takes exact steps by a matrix exponential for
-each machine; what the orifice takes from the flow, ``q - q_i``, is carried on straight from the last two steps (second order), and
-friction is constant over a step; where the column turns round in one, it rests at its end, or what is left of the step goes the
-other way. Angle, piston, force and current are within 1e-4 of the engine's r.m.s., friction and all.
+At rest the column sticks while ``|alpha R_b A p - k_a theta| <= F_s R_p``. All that is linear takes exact steps by a matrix
+exponential for each machine; what the orifice takes from the flow, ``q - q_i``, is carried on straight from the last two steps
+(second order), and friction is constant over a step; where the column turns round in one, it rests at its end, or what is left
+of the step goes the other way. Angle, piston, force and current are within 1e-4 of the engine's r.m.s., friction and all.
 """
 
 from dataclasses import dataclass, fields
@@ -30,6 +30,25 @@ SI = {
     "load_pressure": LBF / INCH**2,
     "valve_current": 1e-3,
 }
+OF_FILE = {
+    "admittance": ("amplifier.admittance", 1e3),
+    "rated_flow": ("valve.rated_flow", INCH**-3),
+    "supply_pressure": ("valve.supply_pressure", INCH**2 / LBF),
+    "valve_frequency": ("valve.natural_frequency", 1.0),
+    "valve_damping": ("valve.damping_ratio", 1.0),
+    "area": ("actuator.area", INCH**-2),
+    "oil_volume": ("actuator.oil_volume", INCH**-3),
+    "bulk_modulus": ("actuator.bulk_modulus", INCH**2 / LBF),
+    "ratio": ("linkage.ratio", 1.0),
+    "link_stiffness": ("linkage.stiffness", INCH / LBF),
+    "link_damping": ("linkage.damping", INCH / LBF),
+    "inertia": ("column.inertia", 1 / LBF / INCH),
+    "base_arm": ("column.base_arm", 1 / INCH),
+    "grip_arm": ("column.grip_arm", 1 / INCH),
+    "coulomb_friction": ("column.coulomb_friction", 1 / LBF),
+    "static_friction": ("column.static_friction", 1 / LBF),
+}
+"""The file's row for each number of a machine, and its unit there in the SI one."""
 X, P, QI, QI_RATE, THETA, W, COMMAND, DEFICIT, DRY = range(9)
 """Places in the vector: states, then what is constant over a step: commanded flow, ``q - q_i``, the torque of friction."""
 STATES = 6
@@ -59,6 +78,10 @@ class Machines:
     current_limit: float = 15.0
     flow_limit: float = 100.0
     potentiometer_gain: float = 7.632
+    arm_inertia: float | np.ndarray = 0.0
+    arm_damping: float | np.ndarray = 0.0
+    arm_stiffness: float | np.ndarray = 0.0
+    """Of a pilot's arm, about the column's pivot."""
 
     @classmethod
     def of(cls, **values):
@@ -69,6 +92,11 @@ class Machines:
     def lever(self):
         """alpha R_b."""
         return self.ratio * self.base_arm
+
+    @property
+    def turned(self):
+        """J + m."""
+        return self.inertia + self.arm_inertia
 
 
 @dataclass(frozen=True)
@@ -93,22 +121,65 @@ def _rates(m):
     a[:, QI_RATE, COMMAND], a[:, QI_RATE, QI] = m.valve_frequency**2, -(m.valve_frequency**2)
     a[:, QI_RATE, QI_RATE] = -2 * m.valve_damping * m.valve_frequency
     a[:, THETA, W] = 1.0
-    a[:, W, P], a[:, W, DRY] = m.lever * m.area / m.inertia, 1 / m.inertia
+    a[:, W, P], a[:, W, DRY] = m.lever * m.area / m.turned, 1 / m.turned
+    a[:, W, THETA], a[:, W, W] = -m.arm_stiffness / m.turned, -m.arm_damping / m.turned
     return a
+
+
+class Motion:
+    """Machines on their way from rest at zero, ``z`` (machines, 9), and which of them dry friction holds."""
+
+    def __init__(self, m):
+        self.machines, many = m, len(m.area)
+        moving = _rates(m)
+        stuck = moving.copy()
+        stuck[:, [THETA, W]] = 0.0
+        self.slide, self.stick = (np.array([expm(STEP_S * one)[:STATES] for one in of]) for of in (moving, stuck))
+        self.coulomb, self.breakaway = (m.grip_arm * it for it in (m.coulomb_friction, m.static_friction))
+        self.z, self.rests, self.deficit = np.zeros((many, 9)), np.ones(many, dtype=bool), np.zeros(many)
+
+    def current(self, command):
+        """What the amplifier gives, mA, of a command in V."""
+        return np.clip(self.machines.admittance * command, -self.machines.current_limit, self.machines.current_limit)
+
+    def push(self, z):
+        """Torque on the column beside friction."""
+        m = self.machines
+        return m.lever * m.area * z[:, P] - m.arm_stiffness * z[:, THETA] - m.arm_damping * z[:, W]
+
+    def step(self, current):
+        """A step of ``STEP_S``."""
+        m, z = self.machines, self.z
+        z[:, COMMAND] = np.clip(m.rated_flow / m.rated_current * current, -m.flow_limit, m.flow_limit)
+        left = np.maximum(1 - np.sign(z[:, QI]) * z[:, P] / m.supply_pressure, 0.0)
+        before, self.deficit = self.deficit, z[:, QI] * (np.sqrt(left) - 1)
+        z[:, DEFICIT] = 1.5 * self.deficit - 0.5 * before
+        torque = self.push(z)
+        self.rests &= np.abs(torque) <= self.breakaway
+        way = np.where(z[:, W] != 0, np.sign(z[:, W]), np.sign(torque))
+        z[:, DRY] = -way * self.coulomb
+        after = (self.slide @ z[:, :, None])[:, :, 0]
+        turned = after[:, W] * way < 0
+        if self.rests.any():
+            after[self.rests] = (self.stick[self.rests] @ z[self.rests][:, :, None])[:, :, 0]
+        # A column that turns round goes on with what is left of the step, if friction does not hold it.
+        push = self.push(after)
+        held_now = turned & (np.abs(push) <= self.breakaway)
+        slower = np.clip((push + way * self.coulomb) / np.where(turned, push - way * self.coulomb, 1.0), 0.0, 1.0)
+        after[turned, W] *= slower[turned]
+        after[self.rests | held_now, W] = 0.0
+        self.rests |= held_now
+        z[:, :STATES] = after
 
 
 def run(m, signal, rate_hz, sensors, seed):
     """Channels (machines, samples) in SI units under a test signal at the amplifier, V at the samples, straight between."""
     many, samples = len(m.area), len(signal)
-    moving = _rates(m)
-    stuck = moving.copy()
-    stuck[:, [THETA, W]] = 0.0
-    slide, stick = (np.array([expm(STEP_S * one)[:STATES] for one in of]) for of in (moving, stuck))
-    coulomb, breakaway = (m.grip_arm * it for it in (m.coulomb_friction, m.static_friction))
+    motion = Motion(m)
+    z = motion.z
     per_sample, per_period = round(1 / rate_hz / STEP_S), round(PERIOD_S / STEP_S)
     random = np.random.default_rng(seed)
-    z, lag, rests = np.zeros((many, 9)), np.zeros(many), np.ones(many, dtype=bool)
-    deficit, waiting, held = np.zeros(many), np.zeros(many), np.zeros(many)
+    lag, waiting, held = np.zeros(many), np.zeros(many), np.zeros(many)
     decay = np.exp(-sensors.bandwidth * STEP_S)
     kept = np.empty((samples, 6, many))
     for k in range((samples - 1) * per_sample + 1):
@@ -118,32 +189,12 @@ def run(m, signal, rate_hz, sensors, seed):
         at, part = divmod(k, per_sample)
         ahead = signal[min(at + 1, samples - 1)]
         middle = signal[at] + (part + 0.5) / per_sample * (ahead - signal[at])
-        current = np.clip(m.admittance * (held + middle), -m.current_limit, m.current_limit)
         if part == 0:
-            now = np.clip(m.admittance * (held + signal[at]), -m.current_limit, m.current_limit)
-            kept[at, :5], kept[at, 5] = z[:, [X, P, THETA, W, QI]].T, now
-        z[:, COMMAND] = np.clip(m.rated_flow / m.rated_current * current, -m.flow_limit, m.flow_limit)
-        left = np.maximum(1 - np.sign(z[:, QI]) * z[:, P] / m.supply_pressure, 0.0)
-        before, deficit = deficit, z[:, QI] * (np.sqrt(left) - 1)
-        z[:, DEFICIT] = 1.5 * deficit - 0.5 * before
-        torque = m.lever * m.area * z[:, P]
-        rests &= np.abs(torque) <= breakaway
-        way = np.where(z[:, W] != 0, np.sign(z[:, W]), np.sign(torque))
-        z[:, DRY] = -way * coulomb
-        after = (slide @ z[:, :, None])[:, :, 0]
-        turned = after[:, W] * way < 0
-        if rests.any():
-            after[rests] = (stick[rests] @ z[rests][:, :, None])[:, :, 0]
-        # A column that turns round goes on with what is left of the step, if friction does not hold it.
-        push = m.lever * m.area * after[:, P]
-        held_now = turned & (np.abs(push) <= breakaway)
-        slower = np.clip((push + way * coulomb) / np.where(turned, push - way * coulomb, 1.0), 0.0, 1.0)
-        after[turned, W] *= slower[turned]
-        after[rests | held_now, W] = 0.0
-        rests |= held_now
-        slope = (after[:, X] - z[:, X]) / (sensors.bandwidth * STEP_S)
-        lag = after[:, X] - slope + (lag - z[:, X] + slope) * decay
-        z[:, :STATES] = after
+            kept[at, :5], kept[at, 5] = z[:, [X, P, THETA, W, QI]].T, motion.current(held + signal[at])
+        before = z[:, X].copy()
+        motion.step(motion.current(held + middle))
+        slope = (z[:, X] - before) / (sensors.bandwidth * STEP_S)
+        lag = z[:, X] - slope + (lag - before + slope) * decay
     x, p, theta, _, _, current = np.moveaxis(kept, 0, 2)
     shown = {
         "column_angle": theta,

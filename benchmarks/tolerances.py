@@ -172,7 +172,7 @@ def release(pairs, laws, record):
     return angles
 
 
-def margin(path, feel, record):
+def margin(path, feel, record, edge=EDGE):
     """Least margin as a share of its tolerance; below zero fails, not a number where the count of overshoots is at its edge."""
     wanted = features(record.time_s, ideal(feel, HELD, record.time_s))
     steady = path[-len(path) // 10 :].mean()  # an observer's leak leaves it a little off zero for a while
@@ -180,7 +180,7 @@ def margin(path, feel, record):
         mine = features(record.time_s, path - steady)
     except (IndexError, ValueError):  # it never comes back, or it is no longer finite
         return -np.inf
-    if any(abs(size - 0.05) < EDGE for one in (mine, wanted) for size in one[2][:2]):
+    if any(abs(size - 0.05) < edge for one in (mine, wanted) for size in one[2][:2]):
         return np.nan
     return min(least_margin(mine, wanted), 1 - abs(steady / path[0]) / 0.05)
 

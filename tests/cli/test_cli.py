@@ -249,3 +249,22 @@ def test_reproduce_prints_one_table(run):
     status, out, _ = run("reproduce")
     assert status == 0
     assert "0 differ for no known reason" in " ".join(out.split())
+
+
+def test_a_law_of_another_rate_is_refused_by_the_option_that_gave_it(run, tmp_path):
+    ff.Law.of("robust", ff.digital_elevator()).save(tmp_path / "fast.json")
+    slow = ff.digital_elevator().replace({"controller.period": "1 ms", "controller.delay": "1 ms"})
+    (tmp_path / "slow.toml").write_text(slow.to_toml(), encoding="utf-8")
+    for command in ("simulate", "envelope", "qualify", "export --to c", "run"):
+        status, _, err = run(*command.split(), "slow.toml", "--law", "fast.json", "--out", "out")
+        assert status == 2
+        assert err.startswith("forcefeel: --law: made for a controller.period of 0.5 ms, the loader has 1 ms"), command
+        assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("words", ["compensate --method grip", "envelope --law grip", "frontier --law grip"])
+def test_the_law_for_the_grips_sensor_is_refused_without_one(run, words):
+    status, _, err = run(*words.split(), "elevator-2khz", "--out", "out")
+    assert status == 2
+    assert "grip needs a force sensor at the grip, and elevator-2khz has none; give grip_sensor.gain" in err
+    assert "compensator:" not in err

@@ -1,7 +1,9 @@
 """Which parameters a record sees, which it sees only in a product with others, and which not at all."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import forcefeel as ff
@@ -50,6 +52,19 @@ def test_a_column_that_never_breaks_away_does_not_show_its_friction(records):
     time_s = one.time_s[:500]
     held = BenchRecord("held", one.experiment, time_s, {name: 1e-4 * it[:500] for name, it in one.channels.items()})
     assert DRY in seen_by(with_friction(FILE), [held], candidates(with_friction(FILE))).unseen
+
+
+def test_a_record_that_never_turns_round_does_not_show_the_friction(records):
+    (one,) = records
+    onward = {
+        name: np.linspace(0.0, np.ptp(one.channels[name]), len(one.time_s))
+        for name in ("column_angle", "piston_position")
+    }
+    seen = seen_by(
+        with_friction(FILE), [replace(one, channels={**one.channels, **onward})], candidates(with_friction(FILE))
+    )
+    assert {DRY, "column.static_friction"} <= set(seen.unseen)
+    assert "column.inertia" in seen.fitted
 
 
 def test_frequency_responses_alone_leave_the_friction_wanting():

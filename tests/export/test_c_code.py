@@ -3,10 +3,12 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import forcefeel as ff
-from tests.export.toolchain import BOARDS, STRICT, for_board, motor, needs, on_board, run, valve, written
+from forcefeel.export.c_code import golden_inputs
+from tests.export.toolchain import BOARDS, KNOTS, STRICT, for_board, motor, needs, on_board, run, valve, written
 
 ARGUED = {"misra-c2012-2.5", "misra-c2012-21.6"}
 """Rules of MISRA C:2012 that are broken, with the reasons in docs/how-to/export.md."""
@@ -44,6 +46,20 @@ def test_a_motor_in_single_precision_gives_the_same_bits(single, compiler, level
     needs(compiler)
     run(single, compiler, *STRICT, f"-O{level}", "-o", "program", "roll_law.c", "roll_test.o", "-lm")
     assert run(single, "./program") == "roll: 10002 samples, 0 differ\n"
+
+
+def test_the_readme_tells_times_as_people_read_them(single):
+    assert "| period, delay | 0.5 ms, 0.5 ms from sample to command |" in (single / "README.md").read_text(
+        encoding="utf-8"
+    )
+
+
+def test_a_feel_that_is_too_heavy_for_the_drive_has_golden_inputs_too():
+    """A desktop yoke cannot hold the elevator's spring at 0.1 rad; the release begins where it can."""
+    heavy = ff.flight_schedule.read_knots(KNOTS).feel[:1]
+    given, _ = golden_inputs(ff.export.Exported.of("robust", ff.loader.electric("desktop-yoke"), "yoke", heavy))
+    assert np.isfinite(given).all()
+    assert np.abs(given[:3000, 0]).max() > 1.0
 
 
 @pytest.mark.parametrize("core", BOARDS)
@@ -144,5 +160,5 @@ def test_what_is_no_number_gives_the_safe_output_and_leaves_the_state(folder):
 
 
 def test_an_analog_law_is_refused():
-    with pytest.raises(ff.InputError, match="is an analog law, and C runs on a digital target"):
+    with pytest.raises(ff.InputError, match="is an analog law, and the target is digital"):
         ff.export.write_export(ff.export.Exported.of("converged", ff.elevator()), ff.export.Target.C, Path("none"))

@@ -42,6 +42,7 @@ def test_json_names_files_law_and_loader(export):
             ("--to", "matlab", "--law", "original"),
             "is gains of an analog law, and elevator-2khz has a digital controller",
         ),
+        (("--to", "table", "--law", "converged"), "--law: converged is gains of an analog law"),
         (("--to", "table", "--law", "torque-mode"), "--law: torque-mode is a law for a motor"),
         (("--to", "matlab", "--law", "robust", "--knots", "none.csv"), "none.csv: cannot be read"),
         (("--to", "c", "--target", "avr"), "--target: is for --to firmware, and --to is c; leave it out"),
@@ -83,9 +84,7 @@ def test_fmus_of_loader_law_and_machine(export, tmp_path):
 def test_an_analog_loader_gives_no_fmu(export, tmp_path):
     status, _, error = export("elevator", "--law", "converged", "--to", "fmu")
     assert status == 2
-    assert (
-        "--law: converged is an analog law, and that of an FMU is sampled; give the loader a controller.period" in error
-    )
+    assert "--law: converged is an analog law, and the target is digital; give the loader a controller.period" in error
     assert list(tmp_path.iterdir()) == []
 
 

@@ -10,6 +10,33 @@ import forcefeel as ff
 from forcefeel.export.firmware_code import BOARD, board_axis, golden_inputs
 from tests.export.toolchain import BOARDS, motor, needs, run, valve
 
+TWO = """
+#include "roll_data.h"
+#include <stdio.h>
+
+int main(void)
+{
+    static forcefeel_axis axes[2];
+    forcefeel_input in = { .stiffness_factor = 1.0 };
+    forcefeel_output out[2];
+    for (int k = 0; k < 2; ++k) {
+        if (forcefeel_init(&axes[k], sizeof axes[k], &roll_loader, roll_settings, roll_SETTINGS) != FORCEFEEL_OK) {
+            return 1;
+        }
+    }
+    for (int period = 0; period < 4000; ++period) {
+        for (int k = 0; k < 2; ++k) {
+            in.wish = ((k == 0) && (period > 0)) ? FORCEFEEL_ACTIVE : FORCEFEEL_OFF;
+            if (forcefeel_step(&axes[k], roll_settings, roll_SETTINGS, &in, &out[k]) != FORCEFEEL_OK) {
+                return 1;
+            }
+        }
+    }
+    printf("%u %u\\n", (unsigned int)out[0].state, (unsigned int)out[1].state);
+    return 0;
+}
+"""
+
 SENSORS = ("load_cell_force_n", "drive_position_m", "column_base_m", "grip_force_n")
 
 
@@ -80,7 +107,7 @@ def test_it_answers_as_the_live_loop_does(loader):
         running.wait(500)
         rows = running.history(most=100_000)
     seen = dict(zip(running.columns, rows.T, strict=True))
-    given = np.zeros((len(rows), 8))
+    given = np.zeros((len(rows), 9))
     given[:, :4] = np.column_stack([seen[name] for name in SENSORS])
     given[:, 5] = 1.0
     words = np.zeros((len(rows), 6), dtype=int)
@@ -92,6 +119,33 @@ def test_it_answers_as_the_live_loop_does(loader):
         np.testing.assert_array_equal(numbers[:, column], seen[name], err_msg=name)
     for column, name in enumerate(("enable", "state", "acting", "trips")):
         np.testing.assert_array_equal(states[:, column], seen[name], err_msg=name)
+
+
+def test_a_force_that_a_host_adds_moves_the_feel_as_the_hand_does():
+    """At rest ``G theta = R_p F + T``, where T is what the law hears from a column that does not follow."""
+    loader = ff.loader.electric("elevator-electric")
+    given = np.zeros((16000, 9))
+    given[:, 5] = 1.0
+    given[4000:, 8] = force = 0.5
+    words = np.zeros((len(given), 6), dtype=int)
+    words[1:, 2] = 2
+    numbers, states = board_axis(ff.export.Exported.of("robust", loader)).answers(given, words.tolist(), single=False)
+    assert states[-1, 1] == 3
+    assert numbers[3999, 2] == 0.0
+    torque = force * loader["column.grip_arm"] + numbers[-1, 1]
+    assert abs(numbers[-1, 1]) < 0.01 * torque
+    assert numbers[-1, 2] == pytest.approx(torque / loader["feel.stiffness"], rel=1e-5)
+
+
+def test_two_axes_in_one_program(here, tmp_path):
+    """Two of the motor's, one of which is on and one off, with a library and numbers that they share."""
+    needs("gcc")
+    (tmp_path / "two.c").write_text(TWO, encoding="utf-8")
+    program = tmp_path / "two"
+    run(
+        here, "gcc", "-std=gnu99", "-Wall", "-Werror", "-I.", "-o", program, tmp_path / "two.c", "libforcefeel.a", "-lm"
+    )
+    assert run(here, program) == "3 0\n"
 
 
 def test_the_golden_vectors_go_through_every_state():

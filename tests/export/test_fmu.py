@@ -403,7 +403,7 @@ def test_the_same_export_gives_the_same_bytes(fmus, tmp_path):
 
 def test_an_analog_law_is_refused_and_nothing_is_written(tmp_path):
     exported = ff.export.Exported.of("converged", ff.elevator(), "pitch")
-    with pytest.raises(ff.InputError, match="converged is an analog law, and that of an FMU is sampled"):
+    with pytest.raises(ff.InputError, match="converged is an analog law, and the target is digital"):
         ff.export.write_export(exported, ff.export.Target.FMU, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 

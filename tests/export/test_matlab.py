@@ -10,7 +10,6 @@ import scipy.io
 
 import forcefeel as ff
 from forcefeel._core import Compensator
-from forcefeel.export.matlab import matlab_files
 
 SETTINGS = np.array([[6.8, 34.0, 1085.0], [4.0, 25.0, 800.0]])
 """I, B, G in SI units."""
@@ -19,15 +18,17 @@ SETTINGS = np.array([[6.8, 34.0, 1085.0], [4.0, 25.0, 800.0]])
 def cases():
     hydraulic = ff.digital_elevator().replace({"load_cell.bandwidth": "300 Hz", "column.coulomb_friction": "1 lb"})
     electric = ff.loader.electric("sidestick-roll")
+    at_grip = ff.digital_elevator().replace({"grip_sensor.gain": 1.1, "grip_sensor.mass": "0.5 kg"})
     return {
         "valve": ff.export.Exported.of("robust", hydraulic, "pitch", SETTINGS),
+        "grip": ff.export.Exported.of("grip", at_grip, "pitch"),
         "motor": ff.export.Exported.of("torque-mode", electric, "roll"),
         "analog": ff.export.Exported.of("converged", ff.elevator(), "pitch"),
         "original": ff.export.Exported.of(None, ff.elevator(), "pitch"),
     }
 
 
-@pytest.fixture(scope="module", params=["valve", "motor", "analog", "original"])
+@pytest.fixture(scope="module", params=["valve", "grip", "motor", "analog", "original"])
 def folder(request, tmp_path_factory):
     out = tmp_path_factory.mktemp(request.param)
     exported = cases()[request.param]
@@ -86,7 +87,13 @@ def test_the_numbers_are_those_of_the_law_to_the_last_bit(folder):
         assert np.array_equal(numbers[f"law_{key}"].reshape(*array.shape[1:], -1), np.moveaxis(array, 0, -1))
 
 
+def test_a_lag_at_the_grip_is_in_the_loop(tmp_path):
+    lag = {"grip_sensor.gain": 1.1, "grip_sensor.mass": "0.5 kg", "grip_sensor.bandwidth": "200 Hz"}
+    exported = ff.export.Exported.of("grip", ff.digital_elevator().replace(lag), "pitch")
+    ff.export.write_export(exported, ff.export.Target.MATLAB, tmp_path)
+    assert status_of(tmp_path / "pitch_loop.py") == 0
+
+
 def test_gains_on_a_digital_controller_are_refused():
-    exported = ff.export.Exported.of("original", ff.digital_elevator(), "pitch")
     with pytest.raises(ff.InputError, match="gains of an analog law, and elevator-2khz has a digital controller"):
-        matlab_files(exported)
+        ff.export.Exported.of("original", ff.digital_elevator(), "pitch")

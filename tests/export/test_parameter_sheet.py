@@ -1,6 +1,7 @@
 """The parameter sheet: every number of law, limits and filters, in both systems of units."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -76,3 +77,23 @@ def test_gains_of_an_analog_law():
     found = [float(sheet["1", f"law.c_{k}"][4]) for k in range(1, 8)]
     assert found == list(exported.law.fixed.gains)
     assert sheet["1", "law.c_1"][7] == "V/in"
+
+
+def test_a_law_that_hears_the_grip_names_its_columns():
+    exported = ff.export.Exported.of("grip", ff.digital_elevator().replace({"grip_sensor.gain": 1.0}), "pitch")
+    sheet, law = rows(exported), exported.law.sampled
+    place = law.states + 4
+    row = sheet["1", f"law.torque_{place}"]
+    assert row[3] == "torque on grip force"
+    assert (float(row[4]), row[5]) == (law.torque[0, place - 1], "N m/N")
+    assert sheet["1", "law.input_1_5"][3] == "xi_1 on command"
+
+
+def test_the_supervisors_limits_cogging_and_a_curve_are_there():
+    loader = ff.loader.electric("desktop-yoke").replace({"motor.cogging_torque": "0.1 N m"})
+    curve = ff.loader.Curve((-0.3, 0.0, 0.3), (-2.0, 0.0, 2.5))
+    exported = ff.export.Exported.of("robust", replace(loader, force_curve=curve), "yoke")
+    sheet = rows(exported)
+    assert sheet["", "safety.force_limit"][6:] == ["50", "lb"]
+    assert float(sheet["", "cancellation.lead"][4]) == exported.law.cancellation.lead_s
+    assert [sheet["", f"force_curve.{what}_3"][4] for what in ("angle", "force")] == ["0.3", "2.5"]

@@ -24,6 +24,8 @@ pub struct Input<S> {
     pub shaker: S,
     /// How far the feel has been changed.
     pub share: S,
+    /// Force at the grip in N that a host adds beside the hand's.
+    pub added_force: S,
     /// The setting that is left, or stays.
     pub from: u32,
     /// The setting that is gone to.
@@ -248,9 +250,10 @@ impl<S: Scalar> Axis<S> {
             (None, Some((share, anchor))) => anchor + share * (wanted - anchor),
             (None, None) => wanted,
         };
-        let [trim, stiffness_factor, shaker, fade] =
-            [trim, given.stiffness_factor, given.shaker, given.share].map(|number| [number.into(); 2]);
-        Inputs { trim, stiffness_factor, shaker, fade, ..Inputs::NONE }
+        let [trim, stiffness_factor, shaker, fade, added_force] =
+            [trim, given.stiffness_factor, given.shaker, given.share, given.added_force]
+                .map(|number| [number.into(); 2]);
+        Inputs { trim, stiffness_factor, shaker, fade, added_force, ..Inputs::NONE }
     }
 }
 

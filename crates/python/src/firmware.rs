@@ -16,7 +16,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArra
 use pyo3::prelude::*;
 
 /// Numbers and words of an input; of an answer.
-const GIVEN: usize = SAMPLED + 4;
+const GIVEN: usize = SAMPLED + 5;
 const WORDS: usize = 6;
 const ANSWERED: usize = 4;
 
@@ -84,7 +84,7 @@ impl BoardAxis {
     }
 
     /// Command, torque, angle and rate of the feel (samples, 4), and enable, state, acting, tripped (samples, 4), for sensors, trim, factor,
-    /// shaker, share (samples, 8) and from, to, wish, missed, late, flags (samples, 6), from an axis that is off.
+    /// shaker, share, added force (samples, 9) and from, to, wish, missed, late, flags (samples, 6), from an axis that is off.
     #[pyo3(signature = (inputs, words, *, single))]
     fn answers<'py>(
         &self,
@@ -122,11 +122,23 @@ impl BoardAxis {
             .iter()
             .zip(words)
             .map(|(numbers, &[from, to, wish, missed, late, flags])| {
-                let [force, drive, base, grip, trim, stiffness_factor, shaker, share] =
+                let [force, drive, base, grip, trim, stiffness_factor, shaker, share, added_force] =
                     numbers.map(|number| like.constant(number));
                 let sensors = [force, drive, base, grip];
-                let given =
-                    Input { sensors, trim, stiffness_factor, shaker, share, from, to, wish, missed, late, flags };
+                let given = Input {
+                    sensors,
+                    trim,
+                    stiffness_factor,
+                    shaker,
+                    share,
+                    added_force,
+                    from,
+                    to,
+                    wish,
+                    missed,
+                    late,
+                    flags,
+                };
                 let Output { command, torque, feel: [angle, rate], enable, state, acting, tripped } =
                     axis.step(&self.settings, &given).ok_or_else(no_setting)?;
                 Ok(([command, torque, angle, rate].map(Into::into), [enable, state, acting, tripped]))

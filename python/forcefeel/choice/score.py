@@ -16,6 +16,7 @@ from forcefeel.envelope.run import Progress, compute
 from forcefeel.errors import InputError
 from forcefeel.laws.law import NAMED_LAWS, Law, drives_of, names_for, of_another_drive
 from forcefeel.laws.law_file import LAW_FILE
+from forcefeel.laws.sampled.grip import GRIP, no_sensor
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.loader.loader import Loader
 from forcefeel.loops.command_loop import command_loops
@@ -155,6 +156,8 @@ def check_names(loader: Loader, names: Sequence[str]) -> None:
     for name in names:
         if name in NAMED_LAWS and loader.drive not in drives_of(name):
             raise of_another_drive(name, loader)
+        if name == GRIP and name not in able and loader["controller.period"]:
+            raise InputError(f"method: {no_sensor(loader)}")
         if name in NAMED_LAWS and name not in able:
             raise InputError(
                 f"method: {name} is made for a digital controller, and the loader is analog; give controller.period and "

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Group
 from rich.table import Table
 
-from forcefeel.cli.law_option import LAW_METAVAR, LAW_NAMES
+from forcefeel.cli.law_option import LAW_METAVAR, LAW_NAMES, law_option_named
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOrProject, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
@@ -94,10 +94,11 @@ def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeO
     Example: forcefeel envelope my.toml --compare --out envelope
     """
     command = options.command_line(path)
-    if project := options.project(path):
-        _map_cockpit(project, options, command)
-    else:
-        _map_loader(options.plan(options.loader(path)), options, command)
+    with law_option_named():
+        if project := options.project(path):
+            _map_cockpit(project, options, command)
+        else:
+            _map_loader(options.plan(options.loader(path)), options, command)
 
 
 def _map_loader(plan: "Plan", options: EnvelopeOptions, command: str) -> None:

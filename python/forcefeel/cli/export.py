@@ -20,11 +20,9 @@ class ExportOptions(LoaderOptions, FolderOptions, OutputOptions):
     to: Annotated[
         Literal["c", "firmware", "fmu", "matlab", "table"],
         option(
-            "Where it goes: c, C99 of law and feel for one axis, with golden vectors; firmware, law, feel and supervisor "
-            "as a static library, by cargo, with a C header; fmu, loader, law and machine as FMUs for co-simulation, of FMI 2.0 "
-            "and 3.0; matlab, matrices of law and plant as .mat "
-            "with scripts for python-control and for MATLAB or Octave, which close the loop and compare; table, the parameter "
-            "sheet of a drive or a PLC as CSV.",
+            "Where it goes: c, law and feel as C99; firmware, law, feel and supervisor as a static library; fmu, "
+            "loader, law and machine as FMUs of FMI 2.0 and 3.0; matlab, matrices, and scripts for Python and for MATLAB or Octave "
+            "that close the loop; table, the parameter sheet of a drive or a PLC as CSV.",
             ASKED,
         ),
     ]
@@ -32,17 +30,13 @@ class ExportOptions(LoaderOptions, FolderOptions, OutputOptions):
     knots: Annotated[
         Path | None,
         option(
-            "CSV of settings, as forcefeel schedule takes it: the law is designed for each. Else for the loader's own.",
+            "CSV of settings, as forcefeel schedule takes it: a law is designed for each. Else for the loader's own setting.",
             ASKED,
             metavar="FILE",
         ),
     ] = None
-    name: Annotated[str, option("By what the names of files begin, and names in them: an identifier of C.", ASKED)] = (
-        "loader"
-    )
-    single: Annotated[
-        bool, option("With --to c or firmware: for a target that computes in single precision.", ASKED)
-    ] = False
+    name: Annotated[str, option("How names of files begin, and names in them: an identifier of C.", ASKED)] = "loader"
+    single: Annotated[bool, option("With --to c or firmware: in single precision, float.", ASKED)] = False
     target: Annotated[
         str | None,
         option(
@@ -92,11 +86,11 @@ def run(path: LoaderFile = None, /, *, options: ExportOptions) -> None:
     """
     from forcefeel.export import Target, write_export
 
-    exported = options.exported(path)
     if options.single and options.to not in {"c", "firmware"}:
         raise InputError(f"--single: is for --to c and firmware, and --to is {options.to}; leave it out")
     if options.target is not None and options.to != "firmware":
         raise InputError(f"--target: is for --to firmware, and --to is {options.to}; leave it out")
+    exported = options.exported(path)
     try:
         files = write_export(
             exported,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from rich.table import Table
 
-from forcefeel.cli.law_option import LAW_METAVAR
+from forcefeel.cli.law_option import LAW_METAVAR, law_option_named
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, ThreadOptions, option
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions, ReleaseOptions
@@ -56,7 +56,8 @@ class FrontierOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
         grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:7:log")
         loader = self.loader(path)
         given = {"rule": self.rule, "angle_rad": self.angle_rad, "changes": self.deviations(loader)}
-        return frontier_plan(loader, self.law, grid, **given)
+        with law_option_named():
+            return frontier_plan(loader, self.law, grid, **given)
 
 
 def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOptions()) -> None:
@@ -78,7 +79,8 @@ def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOption
             bar.describe(what)
             bar.show(done, total)
 
-        found = compute_frontier(plan, threads=options.threads, progress=show)
+        with law_option_named():
+            found = compute_frontier(plan, threads=options.threads, progress=show)
         bar.describe("report")
         page = write_frontier(
             found, options.out, options.units, replace=options.replace, command=options.command_line(path)

@@ -1,5 +1,8 @@
 """The laws that ``--law`` takes, by name or from a file; listed here so that ``--help`` waits for no numerical library."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from forcefeel.errors import InputError
 from forcefeel.printable import visible
 
@@ -44,3 +47,18 @@ def check_law_name(given: str) -> str:
             f"got {visible(repr(given))}"
         )
     return given
+
+
+@contextmanager
+def law_option_named() -> Iterator[None]:
+    """Names the option where a message names the argument that it gives."""
+    try:
+        yield
+    except InputError as error:
+        said = str(error)
+        if not said.startswith(_ARGUMENT):
+            raise
+        raise InputError(f"--law: {said.removeprefix(_ARGUMENT)}") from error
+
+
+_ARGUMENT = "compensator: "

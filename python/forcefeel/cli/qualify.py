@@ -10,7 +10,7 @@ from rich.table import Table
 
 from forcefeel.cli.bench_data import options_named
 from forcefeel.cli.exit_status import BAD_ANSWER
-from forcefeel.cli.law_option import DEFAULT_LAW, LAW_METAVAR, check_law_name
+from forcefeel.cli.law_option import DEFAULT_LAW, LAW_METAVAR, check_law_name, law_option_named
 from forcefeel.cli.options import (
     EDITION,
     LOADER,
@@ -213,7 +213,8 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
         find_chromium()
     command, units = options.command_line(path), options.units
     if project := options.project(path, axis=options.axis, record=options.records, reference=options.references):
-        cockpit = qualify_cockpit(project, options.setup)
+        with law_option_named():
+            cockpit = qualify_cockpit(project, options.setup)
         page = write_cockpit(cockpit, options.out, units, pdf=options.pdf, command=command)
         answer(
             {"page": page},
@@ -224,7 +225,7 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
         fulfilled = cockpit.fulfilled
     else:
         loader = options.loader(path)
-        with options_named():
+        with options_named(), law_option_named():
             found = qualify_loader(loader, options.setup(loader))
         page = write_qualification(found, options.out, pdf=options.pdf, command=command)
         answer(

@@ -137,7 +137,7 @@ def glance(found: Commission) -> tuple[Row, ...]:
     )
     determined = [one for one in found.identified.parameters if one.state == IDENTIFIED]
     what = (
-        f"{len(determined)} parameters, to {_percent(max(one.error for one in determined))} at worst"
+        f"{len(determined)} parameter{'s' * (len(determined) > 1)}, to {_percent(max(one.error for one in determined))} at worst"
         if determined
         else "no loader"
     )

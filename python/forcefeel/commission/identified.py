@@ -178,7 +178,7 @@ def _friction_wanting(lost: str) -> tuple[str, ...]:
         return ()
     return (
         "The data do not determine the dry friction of the column: they are frequency responses, or it hardly breaks away "
-        "in them. A law that does not know of it takes it for a hand that pulls.",
+        "in them, or never turns round. A law that does not know of it takes it for a hand that pulls.",
     )
 
 

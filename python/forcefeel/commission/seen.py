@@ -6,6 +6,8 @@ Parameters are taken one after the other, what a law needs most first. One is fi
 can do too, ``r_j = s_j - S (S^+ s_j)``, would tell it: white noise of 1 % leaves a standard error of ``1 / |r_j|``. Where ``s_j``
 is large and ``r_j`` is not, its share in the data is another's: with the value of the file, the other one's estimate makes the
 same machine.
+
+Friction is seen where a motion turns round alone: one way it is a constant force, as an offset or another parameter makes it.
 """
 
 from collections.abc import Sequence
@@ -39,6 +41,10 @@ _LEAST_SEEN = 4.0
 
 _OWN = 3e-3
 """|r_j| / |s_j| below which it is rounding that tells a parameter from the others."""
+
+_DISPLACEMENTS = ("column_angle", "piston_position", "drive_position", "motor_angle")
+_WAY_BACK = 0.1
+"""Of the travel in a record, above what noise makes."""
 
 _FRICTION_AT_RAD = radians(1.0)
 """The feel's spring at this angle is a usual dry friction: where the search for it begins."""
@@ -88,6 +94,7 @@ def seen_by(
 ) -> Seen:
     """Sorts parameters by what the data see of them at the file's values, the bench under a law."""
     slopes = sensitivities(loader, data, keys, law)
+    one_way = not any(turns_round(one) for one in data if isinstance(one, BenchRecord))
     found: dict[str, list[str]] = {"fitted": [], "carried": [], "unseen": []}
     basis: list[NDArray[np.float64]] = []
     for key, column in zip(keys, slopes, strict=True):
@@ -96,7 +103,7 @@ def seen_by(
             for one in basis:
                 left -= (one @ left) * one
         rest = float(np.linalg.norm(left))
-        if not size > _LEAST_SEEN:
+        if not size > _LEAST_SEEN or (key in (DRY, BREAKAWAY) and one_way):
             found["unseen"].append(key)
         elif rest > max(_LEAST_SEEN, _OWN * size):
             found["fitted"].append(key)
@@ -104,6 +111,18 @@ def seen_by(
         else:
             found["carried"].append(key)
     return Seen(*(tuple(found[name]) for name in ("fitted", "carried", "unseen")))
+
+
+def turns_round(record: BenchRecord) -> bool:
+    """Whether what moves in a record goes both ways, or the record does not show it."""
+    shown = [record.channels[name] for name in _DISPLACEMENTS if name in record.channels]
+    return not shown or any(_less_way(one) > _WAY_BACK * np.ptp(one) for one in shown)
+
+
+def _less_way(x: NDArray[np.float64]) -> float:
+    """The longest way up or the longest way down, whichever is less."""
+    up, down = (np.max(sign * x - np.minimum.accumulate(sign * x)) for sign in (1, -1))
+    return float(min(up, down))
 
 
 def sensitivities(

@@ -4,6 +4,7 @@
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,9 @@ PART = 3334
 
 _SEED = 20
 _RELEASED_RAD = 0.1
+_SHARES = (1.0, 0.1, 0.01)
+"""Of release and sweep: a feel that is heavy for the drive lets go of the column after a large one."""
+
 _FILES = {
     "law.h": "{}_law.h",
     "data.h": "{}_data.h",
@@ -42,9 +46,9 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
     """The files by their names; ``single`` for a target that computes in single precision.
 
     Raises:
-        InputError: If the law is no sampled one.
+        InputError: If the law is no sampled one, or does not hold the loader: there is nothing to compare then.
     """
-    law, numbers = exported.law, sampled(exported)
+    law, numbers = exported.law, exported.sampled()
     traced = traced_law(exported.loader, law, numbers, single=single)
     source = traced.source()
     given, pairs = golden_inputs(exported)
@@ -94,8 +98,16 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
     force = loader["pilot.force"]
     duration = PART * period
     parts = [
-        recorded(own, law, Scenario(Release(_RELEASED_RAD), duration_s=duration, sample_s=period)),
-        recorded(own, law, Scenario(Chirp(0.3 * force, 0.2, 20.0, duration), duration_s=duration, sample_s=period)),
+        recorded(
+            own, law, lambda share: Scenario(Release(_RELEASED_RAD * share), duration_s=duration, sample_s=period)
+        ),
+        recorded(
+            own,
+            law,
+            lambda share: Scenario(
+                Chirp(0.3 * share * force, 0.2, 20.0, duration), duration_s=duration, sample_s=period
+            ),
+        ),
     ]
     random = np.random.default_rng(_SEED)
     size = np.abs(np.vstack(parts)[:, :3]).max(axis=0)
@@ -112,9 +124,22 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
     return np.vstack([*parts, noise]), pairs
 
 
-def recorded(loader: Loader, law: Law, scenario: Scenario) -> NDArray[np.float64]:
-    """What the sensors show at each sample of a run; nothing else is given."""
-    history = simulate(loader, scenario, law).history
+def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) -> NDArray[np.float64]:
+    """What the sensors show at each sample of ``scenario(1.0)``, or where that runs away, of a smaller one; nothing else is given.
+
+    Raises:
+        InputError: If the smallest runs away too.
+    """
+    for share in _SHARES:
+        history = simulate(loader, scenario(share), law).history
+        if np.isfinite(history.column_angle_rad.values).all():
+            break
+    else:
+        feel = ", ".join(f"{loader[key]:.6g}" for key in FEEL_SETTING)
+        raise InputError(
+            f"law: {loader.name} runs away under {law.name} with I, B, G = {feel} (SI units), so there is nothing to hold what is "
+            "exported against; give settings that this loader can be, or another law"
+        )
     position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
     found = np.zeros((PART, 8))
     base = history.column_angle_rad.values * loader["column.base_arm"]
@@ -122,22 +147,6 @@ def recorded(loader: Loader, law: Law, scenario: Scenario) -> NDArray[np.float64
         found[:, column] = values[:PART]
     found[:, 5] = 1.0
     return found
-
-
-def sampled(exported: Exported) -> SampledCompensator:
-    """The numbers of its sampled law.
-
-    Raises:
-        InputError: If it has none.
-    """
-    numbers = exported.law.sampled
-    if numbers is None:
-        exported.check_time()
-        raise InputError(
-            f"law: {exported.law.name} is an analog law, and C runs on a digital target; give the loader a controller.period, such "
-            "as --set 'controller.period=0.5 ms', and a sampled law such as robust"
-        )
-    return numbers
 
 
 def about(exported: Exported, numbers: SampledCompensator, *, single: bool) -> dict[str, object]:
@@ -159,6 +168,8 @@ def about(exported: Exported, numbers: SampledCompensator, *, single: bool) -> d
         "one": f"1.0{suffix}",
         "period_s": f"{numbers.period_s!r}{suffix}",
         "delay_s": f"{numbers.delay_s!r}{suffix}",
+        "period": f"{numbers.period_s * 1e3:.6g} ms",
+        "delay": f"{numbers.delay_s * 1e3:.6g} ms",
         "base_arm": f"{loader['column.base_arm']!r}{suffix}",
         "settings": numbers.settings,
         "feel": [", ".join(f"{value:.6g}" for value in row) for row in exported.settings],

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.loader import Loader
 from forcefeel.units import show
@@ -28,7 +28,8 @@ class Exported:
         name: By which files and names in them begin.
 
     Raises:
-        InputError: If the law was made for another loader, rate or drive, or the name is no identifier of C.
+        InputError: If the law was made for another loader, rate or drive, is gains of an analog law on a digital controller, or the
+            name is no identifier of C.
 
     Example:
         >>> import forcefeel as ff
@@ -48,6 +49,7 @@ class Exported:
                 f"got {show(self.name)}"
             )
         self.law.check(self.loader)
+        self._check_time()
         made_for = self.law.loader_hash
         if made_for and made_for != self.loader.fingerprint:
             raise InputError(
@@ -63,21 +65,41 @@ class Exported:
 
         Raises:
             InputError: As ``Law.of`` and ``Exported``.
+
+        Example:
+            >>> import forcefeel as ff
+            >>> import numpy as np
+            >>> feel = np.array([[8.0, 60.0, 325.0], [6.8, 34.0, 1085.0]])
+            >>> ff.export.Exported.of("robust", ff.digital_elevator(), "pitch", feel).settings.shape
+            (2, 3)
         """
         return cls(loader, Law.of(given, loader, feel), name)
 
-    def check_time(self) -> None:
-        """Refuses gains on a digital controller, which are neither a sampled law nor a loop in continuous time.
-
-        Raises:
-            InputError: If so.
-        """
+    def _check_time(self) -> None:
+        """Refuses gains on a digital controller, which are neither a sampled law nor a loop in continuous time."""
         if self.law.period_s and self.law.sampled is None:
-            sampled = [name for name, method in METHODS.items() if self.loader.drive in method.drives]
             raise InputError(
                 f"law: {self.law.name} is gains of an analog law, and {self.loader.name} has a digital controller; expected a "
-                f"sampled law, such as {' or '.join(sampled)}"
+                "sampled law, such as robust"
             )
+
+    def sampled(self) -> SampledCompensator:
+        """The numbers of its sampled law, which is what runs on a digital target.
+
+        Raises:
+            InputError: If it is an analog law.
+
+        Example:
+            >>> import forcefeel as ff
+            >>> ff.export.Exported.of("robust", ff.digital_elevator()).sampled().states
+            9
+        """
+        if self.law.sampled is None:
+            raise InputError(
+                f"law: {self.law.name} is an analog law, and the target is digital; give the loader a controller.period, such as "
+                "--set 'controller.period=0.5 ms', and a sampled law such as robust"
+            )
+        return self.law.sampled
 
     @property
     def settings(self) -> NDArray[np.float64]:

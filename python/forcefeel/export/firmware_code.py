@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from forcefeel._core import BoardAxis, board_sources, safety_functions
 from forcefeel.errors import InputError
-from forcefeel.export.c_code import PART, about, recorded, sampled, spelled_rows
+from forcefeel.export.c_code import PART, about, recorded, spelled_rows
 from forcefeel.export.exported import Exported
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation.inputs.signals import Chirp
@@ -45,7 +45,7 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
     Raises:
         InputError: If the law is no sampled one, the target is not installed, or cargo is not.
     """
-    numbers = sampled(exported)
+    numbers = exported.sampled()
     triple = _installed(triple)
     axis = board_axis(exported)
     given, words = golden_inputs(exported)
@@ -78,7 +78,7 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
 
 def board_axis(exported: Exported) -> BoardAxis:
     """Loader, law and supervisor as a board has them."""
-    loader, law, numbers = exported.loader, exported.law, sampled(exported)
+    loader, law, numbers = exported.loader, exported.law, exported.sampled()
     curve = loader.force_curve
     return BoardAxis(
         loader.rows(FEEL_SETTING, exported.settings),
@@ -90,7 +90,7 @@ def board_axis(exported: Exported) -> BoardAxis:
 
 
 def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Numbers (samples, 8) and words (samples, 6) that go through every state.
+    """Numbers (samples, 9) and words (samples, 6) that go through every state.
 
     On, a sweep, a sensor that gives no number, acknowledged, on, random input, the emergency stop.
     """
@@ -98,8 +98,12 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     period = law.period_s or 0.0
     own = loader.replace(dict(zip(FEEL_SETTING, exported.settings[0].tolist(), strict=True)))
     duration = PART * period
-    chirp = Chirp(0.1 * loader["pilot.force"], 0.2, 20.0, duration)
-    sweep = recorded(own, law, Scenario(chirp, duration_s=duration, sample_s=period))
+    force = 0.1 * loader["pilot.force"]
+    sweep = recorded(
+        own,
+        law,
+        lambda share: Scenario(Chirp(share * force, 0.2, 20.0, duration), duration_s=duration, sample_s=period),
+    )
     count = len(exported.settings)
     rest, settled = _periods_until_on(exported), round(0.6 / period)
     still = np.repeat(sweep[:1], rest, axis=0)
@@ -109,7 +113,9 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     stirred = np.repeat(sweep[:1], PART, axis=0)
     stirred[:, 0] += 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
     stirred[:, 4:7] += [0.02, 0.2, 0.5] * random.uniform(-1, 1, (PART, 3))
+    added = 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
     given = np.vstack([still, sweep, stopped, still, stirred])
+    given = np.column_stack([given, np.concatenate([np.zeros(len(given) - PART), added])])
     words = np.zeros((len(given), 6), dtype=np.int64)
     begins = rest + PART + settled
     words[:, 2] = _ACTIVE
@@ -128,7 +134,7 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
 def _periods_until_on(exported: Exported) -> int:
     """Periods after which an axis that was wished for is active: sensors watched, then the feel comes."""
     loader = exported.loader
-    return round((loader["safety.stuck_time"] + loader["safety.fade_time"]) / sampled(exported).period_s) + 50
+    return round((loader["safety.stuck_time"] + loader["safety.fade_time"]) / exported.sampled().period_s) + 50
 
 
 def _words(words: NDArray[np.integer]) -> str:
@@ -139,7 +145,7 @@ def _numbers(exported: Exported, axis: BoardAxis) -> dict[str, object]:
     """The numbers of the loader's structure and the settings', always in double precision."""
     period, at_rest, cancellation, knots, coefficients, points, cancels = axis.loader()
     values = exported.loader.rows(FEEL_SETTING, exported.settings)
-    laws = sampled(exported).rows()
+    laws = exported.sampled().rows()
 
     def row(numbers: list[float]) -> str:
         return spelled_rows(np.array([numbers]), single=False).strip()

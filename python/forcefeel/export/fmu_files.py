@@ -7,7 +7,6 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 import numpy as np
 
-from forcefeel.errors import InputError
 from forcefeel.export.exported import Exported
 from forcefeel.export.fmu_description import description
 from forcefeel.export.fmu_library import PLATFORMS, library
@@ -37,7 +36,7 @@ def fmu_files(exported: Exported) -> dict[str, str | bytes]:
     Raises:
         InputError: If the law is no sampled one, or this installation has no library for FMUs.
     """
-    numbers = _sampled(exported)
+    numbers = exported.sampled()
     binary, icon = library(), _ICON.read_bytes()
     files: dict[str, str | bytes] = {}
     for kind, what in KINDS.items():
@@ -66,17 +65,6 @@ def fmu_files(exported: Exported) -> dict[str, str | bytes]:
             }
             files[f"{identifier}_fmi{version[0]}.fmu"] = _zipped(contents)
     return files
-
-
-def _sampled(exported: Exported) -> SampledCompensator:
-    numbers = exported.law.sampled
-    if numbers is None:
-        exported.check_time()
-        raise InputError(
-            f"law: {exported.law.name} is an analog law, and that of an FMU is sampled; give the loader a controller.period, such "
-            "as --set 'controller.period=0.5 ms', and a sampled law such as robust"
-        )
-    return numbers
 
 
 def _resources(exported: Exported, numbers: SampledCompensator, kind: str) -> str:

@@ -19,6 +19,7 @@ from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensat
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.beyond_linear import left_out
 from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.sensors import has_grip_sensor
 from forcefeel.templating import environment
 
 MATRICES, PYTHON, OCTAVE = "{}.mat", "{}_loop.py", "{}_loop.m"
@@ -26,12 +27,7 @@ MATRICES, PYTHON, OCTAVE = "{}.mat", "{}_loop.py", "{}_loop.m"
 
 
 def matlab_files(exported: Exported) -> dict[str, str | bytes]:
-    """The matrices and both scripts, by their names.
-
-    Raises:
-        InputError: If the law is gains on a digital controller.
-    """
-    exported.check_time()
+    """The matrices and both scripts, by their names."""
     name = exported.name
     expected = Expected.of(exported)
     about = {
@@ -43,6 +39,7 @@ def matlab_files(exported: Exported) -> dict[str, str | bytes]:
         "period_s": exported.law.period_s,
         "delay_s": exported.law.delay_s,
         "left_out": left_out(exported.loader),
+        "late": has_grip_sensor(exported.loader) and np.isfinite(exported.loader["grip_sensor.bandwidth"]),
         "matrices": MATRICES.format(name),
     }
     templates = environment(html=False)
@@ -65,6 +62,7 @@ def _matrices(exported: Exported, expected: Expected) -> bytes:
         "plant_A": plant.a,
         "plant_B": plant.b,
         "plant_C": plant.c,
+        "plant_D": plant.d,
         "plant_states": _cells(plant.states),
         "plant_inputs": _cells(plant.inputs),
         "plant_outputs": _cells(plant.outputs),

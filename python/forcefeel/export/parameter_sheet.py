@@ -49,6 +49,7 @@ _FILTERS = (
     "load_cell.bandwidth",
     "potentiometer.bandwidth",
     "column_sensor.bandwidth",
+    "grip_sensor.bandwidth",
     "current_loop.bandwidth",
 )
 _LIMITS = (
@@ -68,14 +69,19 @@ _LIMITS = (
     "feel.trim_rate",
 )
 
-_ON = ("load cell force", "drive position", "column angle", "feel displacement", "feel rate")
-_ON_UNITS = (
-    Unit("N", "N", "lb"),
-    Unit("m", "m", "in"),
-    *(Unit("rad", "rad", "rad"),) * 2,
-    Unit("rad/s", "rad/s", "rad/s"),
+_Signals = tuple[tuple[str, Unit], ...]
+
+_SAMPLED: _Signals = (
+    ("load cell force", Unit("N", "N", "lb")),
+    ("drive position", Unit("m", "m", "in")),
+    ("column angle", Unit("rad", "rad", "rad")),
+    ("grip force", Unit("N", "N", "lb")),
 )
-"""What a sampled law's rows act on, beside its states in coordinates of its own."""
+_FEEL: _Signals = (("feel displacement", Unit("rad", "rad", "rad")), ("feel rate", Unit("rad/s", "rad/s", "rad/s")))
+"""What a sampled law's rows act on, beside its states in coordinates of its own; the grip's force last, where it samples that."""
+
+
+_CURVE = (Unit("rad", "rad", "deg"), Unit("N", "N", "lb"))
 
 
 class Row(NamedTuple):
@@ -109,9 +115,11 @@ def _text(number: str, value: float) -> str:
 def _rows(exported: Exported) -> Iterator[Row]:
     loader, law = exported.loader, exported.law
     yield from _of_loader(loader, "filter", _FILTERS)
-    yield from _of_loader(loader, "limit", _LIMITS)
+    yield from _of_loader(loader, "limit", [*_LIMITS, *(key for key in loader.given if key.startswith("safety."))])
     nonlinear = [key for key in loader.given if key.startswith("feel.") and key not in (*FEEL_SETTING, *_LIMITS)]
     yield from _of_loader(loader, "feel", nonlinear)
+    yield from _curve(loader)
+    yield from _cancellation(law)
     for place, feel in enumerate(exported.settings):
         for key, value in zip(FEEL_SETTING, feel.tolist(), strict=True):
             yield _row(loader, place + 1, "feel", key, value)
@@ -126,6 +134,37 @@ def _of_loader(loader: Loader, group: str, keys: tuple[str, ...] | list[str]) ->
     for key in keys:
         if key in table(loader.drive):
             yield _row(loader, 0, group, key, loader[key])
+
+
+def _curve(loader: Loader) -> Iterator[Row]:
+    """Points of the feel's curve, where it has one in place of its straight spring."""
+    if loader.force_curve is None:
+        return
+    for k, (angle, force) in enumerate(zip(loader.force_curve.x, loader.force_curve.y, strict=True), start=1):
+        yield Row(0, "feel", f"force_curve.angle_{k}", f"angle of point {k} of the feel's curve", angle, _CURVE[0])
+        yield Row(0, "feel", f"force_curve.force_{k}", f"force at the grip at point {k}", force, _CURVE[1])
+
+
+def _cancellation(law: Law) -> Iterator[Row]:
+    """Cogging and dry friction of the motor, which the law gives back."""
+    known = law.cancellation
+    if known is None:
+        return
+    rows = [
+        ("per_travel", "angle of the motor per travel of the drive's end", known.per_travel_rad_per_m, "rad/m"),
+        ("lead", "from the sample to the middle of its current", known.lead_s, "s"),
+        ("friction", "current against the motor's dry friction", known.friction_a, "A"),
+        ("slow_rate", "rate of the column below which it is in proportion", known.slow_rad_per_s, "rad/s"),
+    ]
+    for k, (current, periods, phase) in enumerate(known.cogging, start=1):
+        rows += [
+            (f"amplitude_{k}", f"current at the crest of harmonic {k} of the cogging", current, "A"),
+            (f"periods_{k}", f"its periods a turn, harmonic {k}", periods, ""),
+            (f"phase_{k}", f"its phase, harmonic {k}", phase, "rad"),
+        ]
+    for name, means, value, of in rows:
+        us = "rad/in" if of == "rad/m" else of
+        yield Row(0, "gain", f"cancellation.{name}", means, value, Unit(of, of, us))
 
 
 def _row(loader: Loader, setting: int, group: str, key: str, value: float) -> Row:
@@ -147,41 +186,42 @@ def _gains(law: Law, loader: Loader, place: int) -> Iterator[Row]:
 def _sampled(law: SampledCompensator, place: int, command: str) -> Iterator[Row]:
     """The rows of a sampled law: [xi; y; delta; delta'] to torque and command, [xi; y; e] to the next xi."""
     n = law.states
+    sampled = _SAMPLED[: law.input.shape[2] - 1]
     torque = Unit("N m", "N m", "lb in")
     for name, rows, of in (("command", law.command, Unit(command, command, command)), ("torque", law.torque, torque)):
-        yield from _on(place, name, rows[place].tolist(), of, [f"xi_{k + 1}" for k in range(n)])
+        yield from _on(place, name, rows[place].tolist(), of, (n, sampled))
     for row, column in product(range(n), range(n)):
         name = f"law.transition_{row + 1}_{column + 1}"
         value = float(law.transition[place, row, column])
         yield Row(place + 1, "gain", name, f"xi_{row + 1} on xi_{column + 1}", value, RATIO)
-    entered = (*_ON_UNITS[:3], Unit(command, command, command))
-    for row, column in product(range(n), range(4)):
-        on = (*_ON[:3], "command")[column]
+    entered = (*sampled, ("command", Unit(command, command, command)))
+    for row, (column, (on, per)) in product(range(n), enumerate(entered)):
         name, value = f"law.input_{row + 1}_{column + 1}", float(law.input[place, row, column])
-        yield Row(place + 1, "gain", name, f"xi_{row + 1} on {on}", value, _per(RATIO, entered[column]))
-    for row, column in product(range(n), range(4)):
+        yield Row(place + 1, "gain", name, f"xi_{row + 1} on {on}", value, _per(RATIO, per))
+    for row, (column, (on, per)) in product(range(n), enumerate((*sampled, _FEEL[0]))):
         name, value = f"law.settled_{row + 1}_{column + 1}", float(law.settled[place, row, column])
-        meaning = f"xi_{row + 1} at rest on {_ON[column]}"
-        yield Row(place + 1, "gain", name, meaning, value, _per(RATIO, _ON_UNITS[column]))
+        yield Row(place + 1, "gain", name, f"xi_{row + 1} at rest on {on}", value, _per(RATIO, per))
     if law.knows_friction:
-        yield from _friction(place, law.friction[place].tolist(), n)
+        yield from _friction(place, law.friction[place].tolist(), (n, sampled))
 
 
-def _friction(place: int, numbers: list[float], n: int) -> Iterator[Row]:
+def _friction(place: int, numbers: list[float], on: tuple[int, _Signals]) -> Iterator[Row]:
     """What a law knows of the column's dry friction: r, b, F, M, v_s, l, and how it learns."""
     rate, torque = Unit("rad/s", "rad/s", "rad/s"), Unit("N m", "N m", "lb in")
-    states = [f"xi_{k + 1}" for k in range(n)]
-    yield from _on(place, "friction_rate", numbers[: n + len(_ON)], rate, states)
-    for state, value in zip(states, numbers[n + len(_ON) : -OF_FRICTION], strict=True):
-        yield Row(place + 1, "gain", f"law.friction_{state}", f"{state} on friction", value, _per(RATIO, torque))
+    n, sampled = on
+    own = n + len(sampled) + len(_FEEL)
+    yield from _on(place, "friction_rate", numbers[:own], rate, on)
+    for k, value in enumerate(numbers[own:-OF_FRICTION], start=1):
+        yield Row(place + 1, "gain", f"law.friction_xi_{k}", f"xi_{k} on friction", value, _per(RATIO, torque))
     units = (torque, torque, rate, RATIO, torque, torque, RATIO, torque, RATIO, RATIO)
     names = ("level", "margin", "slow_rate", "leak", "least_learnt", "most_learnt", "gain", "hand", "blur", "trust")
     for name, value, of in zip(names, numbers[-OF_FRICTION:], units, strict=True):
         yield Row(place + 1, "gain", f"law.friction_{name}", f"{name.replace('_', ' ')} of the friction", value, of)
 
 
-def _on(place: int, name: str, row: list[float], of: Unit, states: list[str]) -> Iterator[Row]:
-    on = [*((state, RATIO) for state in states), *zip(_ON, _ON_UNITS, strict=True)]
+def _on(place: int, name: str, row: list[float], of: Unit, states: tuple[int, _Signals]) -> Iterator[Row]:
+    n, sampled = states
+    on = [*((f"xi_{k + 1}", RATIO) for k in range(n)), *sampled, *_FEEL]
     for column, ((what, per), value) in enumerate(zip(on, row, strict=True)):
         yield Row(place + 1, "gain", f"law.{name}_{column + 1}", f"{name} on {what}", value, _per(of, per))
 

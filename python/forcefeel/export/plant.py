@@ -1,6 +1,8 @@
 """The linear plant that goes with a law: servo or motor, link and column, behind the sensors' lags, as matrices.
 
-``x' = A x + B u``, ``y = C x``; ``u``: pilot's force and command · ``s`` what a sensor shows of ``y``, ``s' = w (y - s)``
+``x' = A x + B u``, ``y = C x + D u``; ``u``: pilot's force and command · ``s`` what a sensor shows of ``y``, ``s' = w (y - s)``
+
+A force sensor at the grip shows ``F_g = K_g (F_p - m_o R_p theta'')``, so that it alone has a D, unless it lags.
 
 The matrices of the machine are the exact Jacobians of the model; a lag is one state more, which takes the place of what it lags.
 """
@@ -13,12 +15,15 @@ from numpy.typing import NDArray
 from forcefeel.linear.models import Linkage, plant_model
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
+from forcefeel.loader.sensors import has_grip_sensor
 
 SAMPLED = ("load_cell_force_n", "drive_position_m", "column_angle_rad")
-"""What a digital controller samples: F_c, x_p, theta."""
+"""What a digital controller samples: F_c, x_p, theta; and with a force sensor at the grip ``AT_GRIP``, F_g."""
 
-_LAGS = ("load_cell.bandwidth", "potentiometer.bandwidth", "column_sensor.bandwidth")
-"""The sensors' bandwidths, in the order of ``SAMPLED``."""
+AT_GRIP = "grip_force_n"
+
+_LAGS = ("load_cell.bandwidth", "potentiometer.bandwidth", "column_sensor.bandwidth", "grip_sensor.bandwidth")
+"""The sensors' bandwidths, in the order of ``SAMPLED`` and ``AT_GRIP``."""
 
 _OF_STATES = ("load_pressure_pa", "base_position_m", "base_velocity_m_per_s")
 """States that analog gains act on beside position and feel."""
@@ -29,13 +34,14 @@ class LinearPlant:
     """The plant without feel and without law.
 
     Attributes:
-        a, b, c: A, B, C, SI units.
+        a, b, c, d: A, B, C, D, SI units.
         states, inputs, outputs: Their names, with the unit at the end.
     """
 
     a: NDArray[np.float64] = field(repr=False)
     b: NDArray[np.float64] = field(repr=False)
     c: NDArray[np.float64] = field(repr=False)
+    d: NDArray[np.float64] = field(repr=False)
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
@@ -47,24 +53,31 @@ class LinearPlant:
         position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
         shown = [model.output_labels.index(name) for name in (SAMPLED[0], position, SAMPLED[2])]
         a, b, c = model.A, model.B, model.C[shown]
-        states, outputs = tuple(model.state_labels), SAMPLED
+        states = tuple(model.state_labels)
+        outputs: tuple[str, ...] = SAMPLED
         if loader["controller.period"] == 0:
             c = np.vstack([c, *(np.eye(len(a))[[states.index(name)]] for name in _OF_STATES)])
-            return cls(a, b, c, states, tuple(model.input_labels), outputs + _OF_STATES)
-        for sensor, key in enumerate(_LAGS):
+            return cls(a, b, c, np.zeros((len(c), 2)), states, tuple(model.input_labels), outputs + _OF_STATES)
+        d = np.zeros((len(c), 2))
+        if has_grip_sensor(loader):
+            gain, outboard = loader["grip_sensor.gain"], loader["grip_sensor.mass"]
+            per_base = outboard * loader["column.grip_arm"] / loader["column.base_arm"]
+            base_rate = states.index(_OF_STATES[2])
+            c = np.vstack([c, -gain * per_base * a[base_rate]])
+            d = np.vstack([d, gain * (np.array([1.0, 0.0]) - per_base * b[base_rate])])
+            outputs += (AT_GRIP,)
+        for sensor, (name, key) in enumerate(zip(outputs, _LAGS, strict=False)):
             if np.isfinite(loader[key]):
-                a, b, c = _behind(a, b, c, sensor, loader[key])
-                states += (f"shown_{SAMPLED[sensor]}",)
-        return cls(a, b, c, states, tuple(model.input_labels), outputs)
+                a, b, c, d = _behind((a, b, c, d), sensor, loader[key])
+                states += (f"shown_{name}",)
+        return cls(a, b, c, d, states, tuple(model.input_labels), outputs)
 
 
-def _behind(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], sensor: int, w: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """A, B, C with one output behind a lag of bandwidth ``w``."""
+def _behind(system: tuple[NDArray[np.float64], ...], sensor: int, w: float) -> tuple[NDArray[np.float64], ...]:
+    """A, B, C, D with one output behind a lag of bandwidth ``w``."""
+    a, b, c, d = system
     n = len(a)
-    wide = np.zeros((n + 1, n + 1))
-    wide[:n, :n], wide[n, :n], wide[n, n] = a, w * c[sensor], -w
-    shown = np.hstack([c, np.zeros((len(c), 1))])
-    shown[sensor] = np.eye(n + 1)[n]
-    return wide, np.vstack([b, np.zeros((1, b.shape[1]))]), shown
+    wide = np.block([[a, np.zeros((n, 1))], [w * c[[sensor]], np.full((1, 1), -w)]])
+    shown, at_once = np.hstack([c, np.zeros((len(c), 1))]), d.copy()
+    shown[sensor], at_once[sensor] = np.eye(n + 1)[n], 0.0
+    return wide, np.vstack([b, w * d[sensor]]), shown, at_once

@@ -212,9 +212,10 @@ class Law:
         known = np.any(near, axis=1)
         if not np.all(known):
             missing = ", ".join(f"{value:.6g}" for value in feel[int(np.argmin(known))])
+            made_for = f", made for {self.loader}," if self.loader else ""
             raise InputError(
-                f"compensator: {self.name} has laws for {len(self.feel)} setting{'s'[: len(self.feel) - 1]} of the feel, none for "
-                f"I, B, G = {missing} (SI units); save it for the settings that are asked for, or give the name of a design"
+                f"compensator: {self.name}{made_for} has laws for {len(self.feel)} setting{'s'[: len(self.feel) - 1]} of the feel, "
+                f"none for I, B, G = {missing} (SI units); save it for the settings that are asked for, or name a design"
             )
         return self.some(np.argmax(near, axis=1))
 

@@ -31,6 +31,7 @@ _MIDDLE_DOT = "\N{MIDDLE DOT}"
 
 _SYMBOL_IN_PROSE = re.compile(r"(?<![\w.])(?:[A-Za-z]_(?:\d|max|[A-Za-z])|[GIBJ])(?![\w.])")
 _PARAMETER_IN_PROSE = re.compile("|".join(re.escape(key) for key in sorted(TABLE, key=len, reverse=True)))
+_MINUS_IN_PROSE = re.compile(r" -(?!-)")
 _PRODUCT_IN_PROSE = re.compile(r"\b(?:lb|N|V|mA) (?:in|m|cm|s)\b(?: s\b)?")
 _POWER_IN_PROSE = re.compile(r"(?<=[a-z])\^(\d)")
 
@@ -117,13 +118,15 @@ def symbol_svg(symbol: str) -> Markup:
 
 
 def prose_html(text: str) -> Markup:
-    """A plain sentence in HTML: symbols with their index, products of units with a dot, parameters by name and symbol."""
-    html = (
-        str(escape(text))
-        .replace("&#39;", "\N{RIGHT SINGLE QUOTATION MARK}")
-        .replace(" -", f" {_MINUS}")
-        .replace(" %", "\N{NO-BREAK SPACE}%")
-    )
+    """A plain sentence in HTML: symbols with their index, products of units with a dot, parameters by name and symbol.
+
+    Example:
+        >>> from forcefeel.page.typography import prose_html
+        >>> print(prose_html("at -2 deg, or name it with --fit"))
+        at −2 deg, or name it with --fit
+    """
+    html = str(escape(text)).replace("&#39;", "\N{RIGHT SINGLE QUOTATION MARK}").replace(" %", "\N{NO-BREAK SPACE}%")
+    html = _MINUS_IN_PROSE.sub(f" {_MINUS}", html)
     html = _PRODUCT_IN_PROSE.sub(lambda found: found[0].replace(" ", _MIDDLE_DOT), html)
     html = _POWER_IN_PROSE.sub(lambda found: found[1].translate(_RAISED), html)
     html = _SYMBOL_IN_PROSE.sub(lambda found: str(symbol_html(found[0])), html)

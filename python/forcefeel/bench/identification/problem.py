@@ -207,18 +207,19 @@ class Problem:
             return np.concatenate([self.compare(at)[1] * weight[:, np.newaxis], self.prior_rows(at)[1]])
 
         low, high = self.bounds(len(x))
-        return least_squares(
-            residual,
-            np.clip(x, low, high),
-            slopes,
-            bounds=(low, high),
-            loss=self.loss,
-            f_scale=ROBUST_FROM,
-            ftol=precision,
-            xtol=precision,
-            gtol=precision,
-            max_nfev=_MOST_STEPS,
-        )
+        with np.errstate(over="ignore"):  # a step that leads where the model diverges is taken back
+            return least_squares(
+                residual,
+                np.clip(x, low, high),
+                slopes,
+                bounds=(low, high),
+                loss=self.loss,
+                f_scale=ROBUST_FROM,
+                ftol=precision,
+                xtol=precision,
+                gtol=precision,
+                max_nfev=_MOST_STEPS,
+            )
 
     def _weight(self, noise: NDArray[np.float64]) -> NDArray[np.float64]:
         weight = np.empty(self.groups[-1].stop)

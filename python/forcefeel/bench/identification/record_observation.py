@@ -118,7 +118,8 @@ class RecordObservation:
         return np.linalg.qr(np.vander(self.run.time_s - self.run.time_s.mean(), degree + 1))[0]
 
     def _without_offset(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        return rows - (rows @ self._offsets) @ self._offsets.T
+        with np.errstate(invalid="ignore"):  # a run that diverged is infinite, and no number without its offset
+            return np.asarray(rows - (rows @ self._offsets) @ self._offsets.T)
 
     def _modelled(self, values: NDArray[np.float64], own: NDArray[np.float64], keys: Sequence[str]) -> Histories:
         row = self.run.loader.rows(self.keys, values[np.newaxis])[0]

@@ -59,10 +59,7 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning, by_frequency: float 
             double precision.
     """
     if not has_grip_sensor(loader):
-        raise InputError(
-            f"compensator: {GRIP} needs a force sensor at the grip, and {loader.name} has none; give grip_sensor.gain, 1 where it "
-            "is calibrated, or take another law, such as robust"
-        )
+        raise InputError(f"compensator: {no_sensor(loader)}")
     rows, plant = feel_rows(feel), SampledPlant.of(loader)
     try:
         gains = _Gains.of(plant, rows, loader["column.inertia"], tuning, by_frequency)
@@ -91,6 +88,14 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning, by_frequency: float 
         input=np.concatenate([after[:, :, places.observed :], of_command], axis=2),
         command=command * scale.command_v,
         torque=np.hstack([hand * scale.torque_n_m, np.zeros((settings, 2))]),
+    )
+
+
+def no_sensor(loader: Loader) -> str:
+    """What is wrong with the law on a loader without such a sensor."""
+    return (
+        f"{GRIP} needs a force sensor at the grip, and {loader.name} has none; give grip_sensor.gain, 1 where it is calibrated, "
+        "or take another law, such as robust"
     )
 
 
