@@ -134,6 +134,7 @@ def test_a_force_that_a_host_adds_moves_the_feel_as_the_hand_does():
     assert numbers[3999, 2] == 0.0
     torque = force * loader["column.grip_arm"] + numbers[-1, 1]
     assert abs(numbers[-1, 1]) < 0.01 * torque
+    # At rest but for what eight seconds leave of the transient.
     assert numbers[-1, 2] == pytest.approx(torque / loader["feel.stiffness"], rel=1e-5)
 
 

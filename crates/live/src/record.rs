@@ -161,13 +161,21 @@ struct WholeFile {
 }
 
 impl WholeFile {
+    /// Whoever is killed on the way leaves a file that begins and ends as one should: read from the front it ends where the write
+    /// before did, and who looks at its last bytes first finds no index there.
     fn write_pending(&mut self, end: &[u8]) -> io::Result<()> {
-        let stays = self.pending.len();
+        let (from, stays) = (self.written, self.pending.len());
         self.pending.extend_from_slice(end);
-        // What comes behind the present end first, then what takes its place: who is killed on the way leaves a file that ends there.
-        let (over_end, behind) = self.pending.split_at(self.pending.len().min(END.len()));
-        write_at(&mut self.file, behind, self.written + over_end.len() as u64)?;
-        write_at(&mut self.file, over_end, self.written)?;
+        let whole = self.pending.len();
+        let head = whole.min(END.len());
+        let tail = whole.saturating_sub(END.len()).max(head);
+        if whole - tail == END.len() {
+            write_at(&mut self.file, &END, from + tail as u64)?;
+        }
+        // Behind the present end, then over it, then the file's own last bytes.
+        write_at(&mut self.file, &self.pending[head..tail], from + head as u64)?;
+        write_at(&mut self.file, &self.pending[..head], from)?;
+        write_at(&mut self.file, &self.pending[tail..], from + tail as u64)?;
         self.written += stays as u64;
         self.pending.clear();
         Ok(())
