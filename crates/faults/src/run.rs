@@ -7,6 +7,7 @@ use forcefeel_model::control::Sample;
 use forcefeel_model::controller::{Timing, UnderWay};
 use forcefeel_model::drive::Drive;
 use forcefeel_model::effects::Effects;
+use forcefeel_model::followed::{Followed, Passed};
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::{DriveKind, Parameters};
@@ -41,7 +42,6 @@ pub type LawOf<'a> = Option<&'a [f64; NUMBERS]>;
 const LONGEST_STEP_S: f64 = 5e-4;
 
 /// What was recorded of a case; nothing where the loader cannot be supervised.
-#[expect(clippy::too_many_lines, reason = "one loop, whose state all of it shares")]
 pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Option<(Limits, Vec<Row>)> {
     let parameters = Parameters::from_values(&case.values);
     let period = parameters.controller.period;
@@ -68,8 +68,9 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
     let mut supervisor = Supervisor::new(limits, 0.0);
     let control = *machine.control();
     let mut under_way = UnderWay::holding(0.0);
-    let mut feeling = control.resting(0.0, 0.0);
-    let mut remembered = *machine.remember(&shared, &equilibrium).control();
+    // It begins in the equilibrium, as a live loop on a machine that it knows does.
+    let begun = (machine.shown_at_rest(&shared.effects, &equilibrium), 0.0, 0.0);
+    let mut followed = Followed::begun(&control, machine.sensors_at_rest(&shared), begun);
     let mut rows = Vec::<Row>::with_capacity(case.samples);
     let mut before = [Before::default(); 2];
     let mut given = 0.0;
@@ -95,7 +96,7 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                     late: 0,
                     host_age: Some(0),
                     command: 0.0,
-                    feel_acceleration: control.free_acceleration(&shared, &feeling, &inputs),
+                    feel_acceleration: control.free_acceleration(&shared, followed.feeling(), &inputs),
                     emergency_stop: false,
                     drive_fault: false,
                     wish: if sample == 0 { Wish::Off } else { Wish::Active },
@@ -105,34 +106,19 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                     fault.spoil_sensed(before, &limits, sample, &mut told);
                     before.shown = sensors;
                 }
-                let idle = told.missed > 0 || told.late > 0;
-                let follows = last.is_some_and(|allowed| allowed.follows);
-                let sensed = told.sensed;
+                let of = Sample { sensors: told.sensed, pilot_force: now.pilot_force };
+                let sampled = (told.missed == 0).then_some(&of);
                 let mut allowed = None;
-                let mut decide = |command: f64, follows: bool| {
-                    told.command = if follows { command } else { 0.0 };
+                let e = followed.step((&shared, &control), &inputs, sampled, |answer| {
+                    told.command = answer.command;
                     for fault in &case.faults {
                         fault.spoil_command(&limits, sample, &mut told);
                     }
                     let found = supervisor.step(&told);
                     allowed = Some(found);
-                    found.command
-                };
-                let whole = sensed.iter().all(|value| value.is_finite());
-                let e = if !idle && (follows || whole) {
-                    // Followed or not, the observer is told what is sent, so that it knows the machine when it is followed.
-                    let of = Sample { sensors: sensed, pilot_force: now.pilot_force };
-                    let law = (&mut feeling, &mut remembered);
-                    control.command(&shared, law, &inputs, &of, |answer| Some(decide(answer.command, follows)))
-                } else {
-                    decide(last.map_or(0.0, |allowed| allowed.command), follows)
-                };
+                    Passed::from(&found)
+                });
                 let allowed = allowed?;
-                if !allowed.follows && whole {
-                    let delta = control.delta_at(sensed[2]);
-                    feeling = control.resting(delta, delta);
-                }
-                // The converter's step may round the command up; without power there is none.
                 under_way.send(sample, if allowed.enable { e } else { 0.0 });
                 let rate = now.base_rate / column.base_arm;
                 let stored = moving.stored(rate, now.force);

@@ -2,13 +2,11 @@
 
 use crate::loader::{Loader, Setting};
 use forcefeel_model::Scalar;
-use forcefeel_model::control::{Answer, Control, Feeling, Remembered, Sample};
+use forcefeel_model::control::{Control, Sample};
+use forcefeel_model::followed::{Followed, Passed};
 use forcefeel_model::machine::{Inputs, Shared};
-use forcefeel_model::supervisor::{Limits, State, Supervisor, Told, Wish};
+use forcefeel_model::supervisor::{Allowed, Limits, State, Supervisor, Told, Wish};
 use forcefeel_model::transducers::SENSORS;
-
-/// Column's angle in rad of the second row of [`Loader::at_rest`].
-pub const ELSEWHERE_RAD: f64 = 0.1;
 
 /// What is given to an axis in a period.
 #[derive(Debug, Clone, Copy)]
@@ -73,17 +71,11 @@ pub struct Axis<S: Scalar> {
     shared: Shared,
     control: Control<S>,
     settings: (u32, u32),
-    remembered: Remembered<S>,
-    feeling: Feeling<S>,
-    placed: bool,
-    at_rest: [[S; SENSORS]; 2],
+    followed: Followed<S>,
     sensors: [S; SENSORS],
     supervisor: Supervisor<S>,
-    /// Share and anchor of the feel's neutral.
-    neutral: Option<(S, S)>,
-    leads: Option<S>,
-    answer: Answer<S>,
-    command: S,
+    /// What it allowed last.
+    last: Option<Allowed<S>>,
 }
 
 impl<S: Scalar> Axis<S> {
@@ -93,21 +85,15 @@ impl<S: Scalar> Axis<S> {
         let limits = Limits::new(&first.parameters(0.0), first.drive(), loader.period_s).ok()?;
         let shared = loader.shared(settings);
         let control = first.control(&shared, like);
-        let zero = like.zero();
+        let at_rest = loader.at_rest.map(|row| row.map(|value| like.constant(value)));
         Some(Self {
             shared,
             control,
             settings: (0, 0),
-            remembered: control.remember([zero; SENSORS], zero),
-            feeling: control.resting(zero, zero),
-            placed: false,
-            at_rest: loader.at_rest.map(|row| row.map(|value| like.constant(value))),
-            sensors: [zero; SENSORS],
+            followed: Followed::new(&control, at_rest),
+            sensors: [like.zero(); SENSORS],
             supervisor: Supervisor::new(limits, like),
-            neutral: None,
-            leads: None,
-            answer: Answer { command: zero, torque: zero, base_rate: zero },
-            command: zero,
+            last: None,
         })
     }
 
@@ -116,19 +102,21 @@ impl<S: Scalar> Axis<S> {
     where
         S: Into<f64>,
     {
+        let like = given.trim;
         self.select(settings, given)?;
         let inputs = self.inputs(given);
         let fresh = given.missed == 0;
         if fresh {
             self.sensors = given.sensors;
         }
-        let told = Told {
+        let mut told = Told {
             sensed: self.sensors,
             missed: given.missed,
             late: given.late,
             host_age: None,
-            command: self.command,
-            feel_acceleration: self.control.free_acceleration(&self.shared, &self.feeling, &inputs),
+            // The law's, as it comes to it.
+            command: like.zero(),
+            feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
             emergency_stop: given.flags & EMERGENCY_STOP != 0,
             drive_fault: given.flags & DRIVE_FAULT != 0,
             wish: match given.wish {
@@ -138,58 +126,26 @@ impl<S: Scalar> Axis<S> {
             },
             acknowledge: given.flags & ACKNOWLEDGED != 0,
         };
-        let finite = self.sensors.iter().all(|&value| finite(value));
-        Some(if fresh && finite { self.act(&inputs, &told) } else { self.look(&told) })
-    }
-
-    /// Law, feel and supervisor at a sample.
-    fn act(&mut self, inputs: &Inputs, told: &Told<S>) -> Output<S> {
-        self.place();
-        let sample = Sample { sensors: self.sensors, pilot_force: self.command.zero() };
-        let (supervisor, answer, mut allowed) = (&mut self.supervisor, &mut self.answer, None);
-        let law = (&mut self.feeling, &mut self.remembered);
-        let written = self.control.command(&self.shared, law, inputs, &sample, |found| {
-            *answer = *found;
-            let may = supervisor.step(&Told { command: found.command, ..*told });
-            allowed = Some(may);
-            // Where nothing is changed, the law goes on to the very bit.
-            differ(may.command, found.command).then_some(may.command)
+        let sample = Sample { sensors: self.sensors, pilot_force: like.zero() };
+        let (supervisor, last) = (&mut self.supervisor, &mut self.last);
+        let law = (&self.shared, &self.control);
+        let command = self.followed.step(law, &inputs, fresh.then_some(&sample), |answer| {
+            told.command = answer.command;
+            let allowed = supervisor.step(&told);
+            *last = Some(allowed);
+            Passed::from(&allowed)
         });
-        // The model asks once, always.
-        let Some(allowed) = allowed else { return self.look(told) };
-        if !finite(self.answer.command) {
-            // What the law remembers is lost.
-            self.placed = false;
-        }
-        (self.neutral, self.leads) = (Some((allowed.share, allowed.anchor)), allowed.leads);
-        if !allowed.follows {
-            // The law looks on, told of the command that goes out; the feel waits where the column stands.
-            self.rest();
-        }
-        // The converter's step may round the command up; without power there is none.
-        let zero = written.zero();
-        self.command = match (allowed.follows, allowed.enable) {
-            (false, _) => allowed.command,
-            (true, false) => zero,
-            (true, true) => written,
-        };
-        self.output(&allowed)
+        // The supervisor is asked in each period.
+        let allowed = self.last?;
+        Some(self.output(command, &allowed))
     }
 
-    /// Nothing was sampled that a law could use: the command holds, as far as the supervisor allows.
-    fn look(&mut self, told: &Told<S>) -> Output<S> {
-        let allowed = self.supervisor.step(told);
-        self.command = allowed.command;
-        (self.neutral, self.leads) = (Some((allowed.share, allowed.anchor)), allowed.leads);
-        self.output(&allowed)
-    }
-
-    fn output(&self, allowed: &forcefeel_model::supervisor::Allowed<S>) -> Output<S> {
+    fn output(&self, command: S, allowed: &Allowed<S>) -> Output<S> {
         let per_delta = self.control.per_delta();
         Output {
-            command: self.command,
-            torque: self.answer.torque,
-            feel: self.feeling.motion.at.map(|number| number * per_delta),
+            command,
+            torque: self.followed.answer().torque,
+            feel: self.followed.feeling().motion.at.map(|number| number * per_delta),
             enable: u32::from(allowed.enable),
             state: match allowed.state {
                 State::Off => 0,
@@ -204,31 +160,10 @@ impl<S: Scalar> Axis<S> {
         }
     }
 
-    /// The law begins in the equilibrium where the column stands, whatever drive's sensor and load cell show besides.
-    fn place(&mut self) {
-        if self.placed {
-            return;
-        }
-        self.placed = true;
-        let [zero, there] = &self.at_rest;
-        let share = (self.sensors[2] - zero[2]) / (there[2] - zero[2]);
-        let sensors = core::array::from_fn(|k| zero[k] + (there[k] - zero[k]) * share);
-        self.remembered = self.control.remember(sensors, self.control.delta_at(self.sensors[2]));
-        self.rest();
-    }
-
-    /// The feel rests where the column stands, its neutral there too.
-    fn rest(&mut self) {
-        let delta = self.control.delta_at(self.sensors[2]);
-        if finite(delta) {
-            self.feeling = self.control.resting(delta, delta);
-        }
-    }
-
     /// The feels between which it is.
     fn select(&mut self, settings: &[Setting], given: &Input<S>) -> Option<()> {
         let (from, to) = (settings.get(given.from as usize)?, settings.get(given.to as usize)?);
-        let like = self.command;
+        let like = given.trim;
         if self.settings.0 != given.from {
             self.control = from.control(&self.shared, like);
         }
@@ -244,24 +179,10 @@ impl<S: Scalar> Axis<S> {
     where
         S: Into<f64>,
     {
-        let wanted = given.trim;
-        let trim = match (self.leads, self.neutral) {
-            (Some(leads), _) => leads,
-            (None, Some((share, anchor))) => anchor + share * (wanted - anchor),
-            (None, None) => wanted,
-        };
+        let trim = self.last.map_or(given.trim, |allowed| allowed.neutral(given.trim));
         let [trim, stiffness_factor, shaker, fade, added_force] =
             [trim, given.stiffness_factor, given.shaker, given.share, given.added_force]
                 .map(|number| [number.into(); 2]);
         Inputs { trim, stiffness_factor, shaker, fade, added_force, ..Inputs::NONE }
     }
-}
-
-fn finite<S: Scalar>(value: S) -> bool {
-    S::any(value.abs().less(value.constant(f64::INFINITY)))
-}
-
-/// Whether two numbers are not the same; what is no number is not even that.
-fn differ<S: Scalar>(a: S, b: S) -> bool {
-    !finite(a) || !finite(b) || S::any(a.less(b) | b.less(a))
 }

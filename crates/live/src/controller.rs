@@ -8,8 +8,9 @@ use crate::row::Row;
 use crate::setup::{Beginning, Setup};
 use crate::supervision::{Asked, Seen, Supervision, Verdict};
 use crate::wish::{Around, FeelWish, Wish};
-use forcefeel_model::control::{Answer, Control, Feeling, Remembered, Sample};
+use forcefeel_model::control::Control;
 use forcefeel_model::effects::Effects;
+use forcefeel_model::followed::Followed;
 use forcefeel_model::host::ToHost;
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::observer::Observer;
@@ -24,9 +25,6 @@ const STIFFNESS_FACTOR_RATE: f64 = 1.0;
 /// Fastest change of the shaker's share, in 1/s.
 const SHAKER_RATE: f64 = 5.0;
 
-/// An angle that is not zero: what the sensors show at rest is straight between the two.
-const ELSEWHERE_RAD: f64 = 0.1;
-
 /// Law, feel and supervisor of a running loop.
 #[derive(Debug, Clone)]
 pub struct Controller {
@@ -34,12 +32,7 @@ pub struct Controller {
     shared: Shared,
     control: Control<f64>,
     period_s: f64,
-    remembered: Remembered<f64>,
-    feeling: Feeling<f64>,
-    /// Whether law and feel know where the column stands.
-    placed: bool,
-    /// What the sensors show in equilibrium with the column at zero and at another angle.
-    at_rest: [[f64; SENSORS]; 2],
+    followed: Followed<f64>,
     sensors: [f64; SENSORS],
     supervision: Supervision,
     asked: Asked,
@@ -50,8 +43,6 @@ pub struct Controller {
     waiting: Option<FeelWish>,
     cycle: u64,
     beats: u64,
-    command: f64,
-    answer: Answer<f64>,
 }
 
 /// A change of the feel under way.
@@ -69,20 +60,22 @@ impl Controller {
     pub fn new(setup: &Setup) -> Result<Self, &'static str> {
         let (shared, control, parameters) = (setup.shared(), setup.control(), setup.parameters());
         let effects = Effects { surroundings: true, test_signal: false, ..shared.effects };
-        let placed = setup.beginning.is_some();
-        let beginning = setup.beginning.unwrap_or(Beginning { sensors: [0.0; SENSORS], delta: 0.0, neutral: 0.0 });
-        let trim_rad = beginning.neutral * control.per_delta();
+        let at_rest = setup.at_rest();
+        let (followed, sensors, neutral) = match setup.beginning {
+            Some(Beginning { sensors, delta, neutral }) => {
+                (Followed::begun(&control, at_rest, (sensors, delta, neutral)), sensors, neutral)
+            }
+            None => (Followed::new(&control, at_rest), [0.0; SENSORS], 0.0),
+        };
+        let trim_rad = neutral * control.per_delta();
         let around = Around { trim_rad, ..Around::NONE };
         Ok(Self {
             parameters,
             shared: Shared { effects, ..shared },
             control,
             period_s: setup.period_s(),
-            remembered: control.remember(beginning.sensors, beginning.delta),
-            feeling: control.resting(beginning.delta, beginning.neutral),
-            placed,
-            sensors: beginning.sensors,
-            at_rest: [0.0, ELSEWHERE_RAD].map(|angle| setup.at_rest(angle)),
+            followed,
+            sensors,
             supervision: Supervision::new(setup)?,
             asked: Asked { wish: Mode::Off, acknowledge: false, stop: false },
             around,
@@ -92,8 +85,6 @@ impl Controller {
             waiting: None,
             cycle: 0,
             beats: 0,
-            command: 0.0,
-            answer: Answer { command: 0.0, torque: 0.0, base_rate: 0.0 },
         })
     }
 
@@ -142,7 +133,7 @@ impl Controller {
         let seen = Seen {
             sensors: sampled.map_or(self.sensors, |sampled| sampled.sample.sensors),
             fresh: sampled.is_some(),
-            feel_acceleration: self.control.free_acceleration(&self.shared, &self.feeling, &inputs),
+            feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
             emergency_stop: sampled.is_some_and(|sampled| sampled.emergency_stop),
             missed,
             host_age: of_host.age,
@@ -151,74 +142,19 @@ impl Controller {
         };
         (self.asked.acknowledge, self.asked.stop) = (false, false);
         self.sensors = seen.sensors;
-        let finite = seen.sensors.iter().all(|value| value.is_finite());
-        let verdict = match sampled {
-            Some(sampled) if finite => self.act(&sampled.sample, &inputs, &seen),
-            _ => self.hold(&seen),
-        };
-        self.command = verdict.command;
+        let (supervision, mut verdict) = (&mut self.supervision, Verdict::NONE);
+        let sample = sampled.map(|sampled| &sampled.sample);
+        let written = self.followed.step((&self.shared, &self.control), &inputs, sample, |answer| {
+            verdict = supervision.look(&seen, answer);
+            verdict.passed()
+        });
+        let verdict = Verdict { command: written, ..verdict };
         let command =
             Command { cycle: self.cycle, command: verdict.command, enable: verdict.enable, state: verdict.state };
         let row = self.row(sampled, &verdict, &inputs, missed);
         self.cycle += 1;
         self.beats += 1;
         (command, row)
-    }
-
-    /// Law, feel and supervisor at a sample.
-    fn act(&mut self, sample: &Sample<f64>, inputs: &Inputs, seen: &Seen) -> Verdict {
-        self.place();
-        let (supervision, answer) = (&mut self.supervision, &mut self.answer);
-        let mut verdict = None;
-        let law = (&mut self.feeling, &mut self.remembered);
-        let written = self.control.command(&self.shared, law, inputs, sample, |found| {
-            *answer = *found;
-            let looked = supervision.look(seen, found);
-            verdict = Some(looked);
-            // Where nothing is changed, the law goes on to the very bit.
-            (looked.command.to_bits() != found.command.to_bits()).then_some(looked.command)
-        });
-        // The model asks once, always.
-        let verdict = verdict.unwrap_or_else(|| self.supervision.look(seen, &self.answer));
-        if !self.answer.command.is_finite() {
-            // What the law remembers is lost.
-            self.placed = false;
-        }
-        if !verdict.follows {
-            // The law looks on, told of the command that goes out; the feel waits where the column stands.
-            self.rest();
-            return verdict;
-        }
-        // The converter's step may round the command up; without power there is none.
-        Verdict { command: if verdict.enable { written } else { 0.0 }, ..verdict }
-    }
-
-    /// Nothing was sampled that a law could use: the command holds, as far as the supervisor allows.
-    fn hold(&mut self, seen: &Seen) -> Verdict {
-        let answer = Answer { command: self.command, ..self.answer };
-        self.supervision.look(seen, &answer)
-    }
-
-    /// The law begins in the equilibrium where the column stands. What the drive's sensor and the load cell show besides is not taken for
-    /// rest: a law that integrates would make volts of their noise, and take long to forget it.
-    fn place(&mut self) {
-        if self.placed {
-            return;
-        }
-        self.placed = true;
-        let [zero, there] = &self.at_rest;
-        let share = (self.sensors[2] - zero[2]) / (there[2] - zero[2]);
-        let sensors = core::array::from_fn(|k| zero[k] + (there[k] - zero[k]) * share);
-        self.remembered = self.control.remember(sensors, self.control.delta_at(self.sensors[2]));
-        self.rest();
-    }
-
-    /// The feel rests where the column stands, its neutral there too.
-    fn rest(&mut self) {
-        let delta = self.control.delta_at(self.sensors[2]);
-        if delta.is_finite() {
-            self.feeling = self.control.resting(delta, delta);
-        }
     }
 
     /// Begins and ends changes of the feel; how far the present one is.
@@ -295,7 +231,8 @@ impl Controller {
     fn row(&self, sampled: Option<&Sampled>, verdict: &Verdict, inputs: &Inputs, missed: u64) -> Row {
         let [force, position, base, grip] = self.sensors;
         let per_delta = self.control.per_delta();
-        let [delta, rate] = self.feeling.motion.at;
+        let (feeling, answer) = (self.followed.feeling(), self.followed.answer());
+        let [delta, rate] = feeling.motion.at;
         Row {
             time_s: count(self.beats) * self.period_s,
             cycle: count(self.cycle),
@@ -307,13 +244,13 @@ impl Controller {
             grip_force_n: grip,
             feel_angle_rad: delta * per_delta,
             feel_rate_rad_per_s: rate * per_delta,
-            feel_torque_n_m: self.answer.torque,
-            neutral_rad: self.feeling.neutral * per_delta,
+            feel_torque_n_m: answer.torque,
+            neutral_rad: feeling.neutral * per_delta,
             fade: inputs.fade[0],
             spring_factor: inputs.stiffness_factor[0],
             added_force_n: inputs.added_force[0],
             host_share: self.host.as_ref().map_or(0.0, Guided::share),
-            law_command: self.answer.command,
+            law_command: answer.command,
             command: verdict.command,
             enable: f64::from(u8::from(verdict.enable)),
             state: f64::from(verdict.state),

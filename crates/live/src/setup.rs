@@ -99,18 +99,12 @@ impl Setup {
         }
     }
 
-    /// What the sensors show where the column rests, untouched, with its neutral at an angle.
-    pub fn at_rest(&self, angle: f64) -> [f64; SENSORS] {
+    /// What the sensors show where the column rests: [`Machine::sensors_at_rest`].
+    pub fn at_rest(&self) -> [[f64; SENSORS]; 2] {
         match self.drive() {
-            DriveKind::Hydraulic => self.shown_at_rest::<OfHydraulic>(angle),
-            DriveKind::Electric => self.shown_at_rest::<OfElectric>(angle),
+            DriveKind::Hydraulic => self.machine::<OfHydraulic>().sensors_at_rest(&self.shared()),
+            DriveKind::Electric => self.machine::<OfElectric>().sensors_at_rest(&self.shared()),
         }
-    }
-
-    fn shown_at_rest<K: Kind>(&self, angle: f64) -> [f64; SENSORS] {
-        let machine = self.machine::<K>();
-        let shared = self.shared();
-        machine.shown_at_rest(&shared.effects, &machine.held_at(&shared, angle, angle, 1.0))
     }
 
     /// What drives it.

@@ -2,6 +2,7 @@
 
 use crate::setup::Setup;
 use forcefeel_model::control::Answer;
+use forcefeel_model::followed::Passed;
 use forcefeel_model::supervisor::{Allowed, Function, Limits, State, Supervisor, Told, Wish};
 use forcefeel_model::transducers::SENSORS;
 
@@ -63,6 +64,17 @@ pub struct Verdict {
     pub hand_force: f64,
 }
 
+impl Verdict {
+    /// Where nobody looks on.
+    pub const NONE: Self =
+        Self { state: ACTIVE, command: 0.0, enable: true, follows: true, trips: 0, acting: 0, hand_force: f64::NAN };
+
+    /// What passes of the law's command.
+    pub fn passed(&self) -> Passed<f64> {
+        Passed { command: self.command, enable: self.enable, follows: self.follows }
+    }
+}
+
 /// The supervisor of a loop, or nobody.
 #[derive(Debug, Clone)]
 pub struct Supervision {
@@ -101,8 +113,7 @@ impl Supervision {
     pub fn look(&mut self, seen: &Seen, answer: &Answer<f64>) -> Verdict {
         let command = answer.command;
         let Some(supervisor) = &mut self.supervisor else {
-            let hand_force = f64::NAN;
-            return Verdict { state: ACTIVE, command, enable: true, follows: true, trips: 0, acting: 0, hand_force };
+            return Verdict { command, ..Verdict::NONE };
         };
         self.silent = if seen.fresh { 0 } else { self.silent.saturating_add(1) };
         self.late = if seen.missed == 0 { 0 } else { self.late.saturating_add(1) };

@@ -32,7 +32,7 @@
 //! | what it adds against a known disturbance of the drive | [`cancellation`] |
 //! | which of these are in play | [`effects`] |
 //! | what a bench measures of it | [`channels`] |
-//! | what keeps a live loader safe | [`supervisor`] |
+//! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`followed`] |
 //! | what an aircraft simulator sends and gets | [`host`] |
 //!
 //! Every equation is generic over [`Scalar`]: `f64`, `f32` or the dual numbers of [`dual`] that give exact Jacobians.
@@ -55,6 +55,7 @@ pub mod dual;
 pub mod effects;
 pub mod feel;
 pub mod feel_computer;
+pub mod followed;
 pub mod grip_sensor;
 pub mod host;
 pub mod known_friction;

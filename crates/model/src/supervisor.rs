@@ -46,7 +46,8 @@ use crate::Scalar;
 use crate::transducers::SENSORS;
 use command::Command;
 use grip::Watch;
-use sensors::{Sensors, finite};
+use sensors::Sensors;
+pub(crate) use sensors::finite;
 use sequence::Sequence;
 
 /// What the supervisor is told at a sample.

@@ -2,7 +2,7 @@
 
 use crate::arrays::rows;
 use crate::errors::refused;
-use forcefeel_firmware::axis::{Axis, ELSEWHERE_RAD, Input, Output};
+use forcefeel_firmware::axis::{Axis, Input, Output};
 use forcefeel_firmware::loader::{Loader, Setting};
 use forcefeel_model::Scalar;
 use forcefeel_model::cancellation::CANCELLATION_NUMBERS;
@@ -70,10 +70,10 @@ impl BoardAxis {
                 *place = piece;
             }
         }
-        loader.at_rest = [0.0, ELSEWHERE_RAD].map(|angle| match settings[0].drive() {
-            DriveKind::Hydraulic => at_rest::<OfHydraulic>(&loader, &settings, angle),
-            DriveKind::Electric => at_rest::<OfElectric>(&loader, &settings, angle),
-        });
+        loader.at_rest = match settings[0].drive() {
+            DriveKind::Hydraulic => standing::<OfHydraulic>(&loader, &settings),
+            DriveKind::Electric => standing::<OfElectric>(&loader, &settings),
+        };
         Ok(Self { loader, settings })
     }
 
@@ -147,13 +147,13 @@ impl BoardAxis {
     }
 }
 
-/// What the sensors show where the column rests, untouched, with its neutral at an angle.
-fn at_rest<K: Kind>(loader: &Loader, settings: &[Setting], angle: f64) -> [f64; SAMPLED] {
+/// What the sensors show where the column rests.
+fn standing<K: Kind>(loader: &Loader, settings: &[Setting]) -> [[f64; SAMPLED]; 2] {
     let (shared, setting) = (loader.shared(settings), &settings[0]);
     let parameters = setting.parameters(0.0);
     let gains = Compensator::state_feedback(&parameters, [0.0; 7]);
     let machine = Machine::<f64, K::Of<f64>>::new(&parameters, gains, &shared).with_observer(setting.law(0.0));
-    machine.shown_at_rest(&shared.effects, &machine.held_at(&shared, angle, angle, 1.0))
+    machine.sensors_at_rest(&shared)
 }
 
 /// Files of the board's library, by their places below a workspace.

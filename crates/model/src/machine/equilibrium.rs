@@ -208,6 +208,16 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         (effort, stretch)
     }
 
+    /// What the sensors show where the column rests, untouched, with its neutral there: at zero and at another angle. At rest they are
+    /// straight between the two.
+    pub fn sensors_at_rest(&self, shared: &Shared) -> [[S; SENSORS]; 2] {
+        let one = self.control.per_base.constant(1.0);
+        [0.0, ELSEWHERE_RAD].map(|angle| {
+            let angle = one.constant(angle);
+            self.shown_at_rest(&shared.effects, &self.held_at(shared, angle, angle, one))
+        })
+    }
+
     /// What the sensors show in equilibrium.
     #[inline(always)]
     pub fn shown_at_rest(&self, effects: &Effects, equilibrium: &Equilibrium<S>) -> [S; SENSORS] {
@@ -267,6 +277,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         }
     }
 }
+
+/// An angle that is not zero.
+const ELSEWHERE_RAD: f64 = 0.1;
 
 /// Angle to either side within which an equilibrium is looked for.
 pub const SEARCH_RAD: f64 = 1.5;

@@ -119,6 +119,6 @@ impl<S: Scalar> Sensors<S> {
 
 /// Whether a number is one, and finite.
 #[inline(always)]
-pub(super) fn finite<S: Scalar>(value: S) -> bool {
+pub(crate) fn finite<S: Scalar>(value: S) -> bool {
     below(value.abs(), value.constant(f64::INFINITY))
 }
