@@ -1,7 +1,8 @@
 """What an exported law costs on a Cortex-M: instructions a period, code and data, stack, beside a law written by hand.
 
 Run ``python benchmarks/export.py``; it needs what tests/export/install installs. Instructions are counted by QEMU
-(``-icount shift=0``: one a nanosecond of its SysTick, 40 a tick) over 1,000 periods, in single precision, by gcc -O2. The
+(``-icount shift=0``: one a nanosecond of its SysTick, 40 a tick) in single precision, by gcc -O2: of an exported law the most
+that any period of its golden vectors takes, each run 32 times from the same state, of the others the mean of 1,000 periods. The
 law by hand is what a person would write: loops over the matrices, the linear feel by Runge and Kutta, no check of its input.
 The stack is that of all functions' frames together. Ends with an error if the promise is not kept.
 """
@@ -14,10 +15,12 @@ from pathlib import Path
 import forcefeel as ff
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from tests.export.toolchain import BOARD, CONVERTERS, KNOTS, NONLINEAR
+from tests.export.toolchain import BOARD, CONVERTERS, KNOTS, NONLINEAR, USUAL
 
 PROMISED_INSTRUCTIONS, PROMISED_BYTES = 1000, 8192
-PERIODS = 1000
+WITHIN = ("C, I, B, G", "C, and breakout, dry friction, stops", "C, changing between four settings")
+FEEL = {key: value for key, value in NONLINEAR.items() if key.startswith("feel.")}
+PERIODS, TIMES = 1000, 32
 CPU = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=auto", "-O2", "-ffp-contract=off")
 LINK = ("--specs=rdimon.specs", "-nostartfiles", "-T", BOARD / "board.ld", "-Wl,--gc-sections", "-Wl,--no-warnings")
 QEMU = ("qemu-system-arm", "-M", "mps2-an386", "-nographic", "-semihosting-config", "enable=on,target=native")
@@ -41,6 +44,38 @@ int main(void)
     return ({good}) ? 0 : 1;
 }}
 """
+
+WORST = """
+#include "law_golden.h"
+#include <stdio.h>
+#define TIMES(what) for (unsigned r = 0U; r < 32U; ++r) {{ copy = state; __asm volatile("" ::: "memory"); what; }}
+int main(void)
+{{
+    volatile unsigned *const tick = (volatile unsigned *)0xE000E010;
+    static law_state state, copy;
+    law_output out;
+    unsigned most = 0U;
+    tick[1] = 0xFFFFFFU;
+    tick[2] = 0U;
+    tick[0] = 5U;
+    for (unsigned k = 0U; k < GOLDEN; ++k) {{
+        const law_real *const g = golden_in[k];
+        law_input in = {{ g[0], g[1], g[2], g[3], g[4], g[5], g[6] }};
+        {settings}
+        if ((k % GOLDEN_PART) == 0U) (void)law_law_reset(&state, &in);
+        const unsigned begin = tick[2];
+        TIMES((void)0)
+        const unsigned copied = tick[2];
+        TIMES((void)law_law_step(&copy, &in, &out))
+        const unsigned took = ((copied - tick[2]) & 0xFFFFFFU) - ((begin - copied) & 0xFFFFFFU);
+        most = (took > most) ? took : most;
+        if (law_law_step(&state, &in, &out) != law_OK) return 1;
+    }}
+    printf("%u\\n", most);
+    return 0;
+}}
+"""
+SETTINGS = "in.share = g[7]; in.from = golden_settings[k][0]; in.to = golden_settings[k][1];"
 
 BY_HAND = """
 static const float A[9][9] = {A}, B[9][5] = {B}, C[2][15] = {C};
@@ -87,9 +122,14 @@ def run(folder: Path, *command: object) -> str:
 def counted(folder: Path, main: str, *sources: str) -> float:
     """Instructions a period."""
     (folder / "count.c").write_text(main, encoding="utf-8")
+    return int(run(folder, *QEMU, "-icount", "shift=0", "-kernel", linked(folder, *sources))) * 40 / PERIODS
+
+
+def linked(folder: Path, *sources: str) -> str:
+    """``count.c`` as a program of the board."""
     run(folder, "arm-none-eabi-gcc", *CPU, "-std=gnu99", "-c", "-o", "reset.o", BOARD / "reset.c")
     run(folder, "arm-none-eabi-gcc", *CPU, "-std=gnu99", *LINK, "-o", "count", "count.c", "reset.o", *sources, "-lm")
-    return int(run(folder, *QEMU, "-icount", "shift=0", "-kernel", "count")) * 40 / PERIODS
+    return "count"
 
 
 def code_and_data(folder: Path, program: str) -> int:
@@ -106,14 +146,11 @@ def stack(folder: Path, source: str) -> int:
 
 def of_c(exported: ff.export.Exported, folder: Path) -> tuple[float, int, int]:
     ff.export.write_export(exported, ff.export.Target.C, folder, single=True)
-    begin = "static law_state s; law_input in = { 0 }; law_output out; in.stiffness_factor = 1.0F; (void)law_law_reset(&s, &in);"
-    changing = "in.share = 0.5F; in.to = 1U; " if len(exported.settings) > 1 else ""
-    step = f"in.force = force; {changing}(void)law_law_step(&s, &in, &out);"
-    main = MAIN.format(
-        before='#include "law_law.h"', begin=begin, step=step, periods=PERIODS, good="out.status == law_OK"
-    )
+    several = len(exported.settings) > 1
+    (folder / "count.c").write_text(WORST.format(settings=SETTINGS if several else ""), encoding="utf-8")
+    most = int(run(folder, *QEMU, "-icount", "shift=0", "-kernel", linked(folder, "law_law.c"))) * 40 / TIMES
     bytes_of_stack = stack(folder, "law_law.c")
-    return counted(folder, main, "law_law.c"), code_and_data(folder, "law.o"), bytes_of_stack
+    return most, code_and_data(folder, "law.o"), bytes_of_stack
 
 
 def of_firmware(exported: ff.export.Exported, folder: Path) -> tuple[float, int, int]:
@@ -173,8 +210,11 @@ def main() -> None:
     cases = (
         ("by hand, I, B, G", of_hand, law(plain)),
         ("C, I, B, G", of_c, law(plain)),
-        ("C, every nonlinear part, converters", of_c, law(rough)),
-        ("C, and changing between four settings", of_c, law(rough, knots)),
+        ("C, and breakout, dry friction, stops", of_c, law(plain.replace(USUAL))),
+        ("C, every nonlinear part of the feel", of_c, law(plain.replace(FEEL))),
+        ("C, law's friction and converters too", of_c, law(rough)),
+        ("C, changing between four settings", of_c, law(plain, knots)),
+        ("C, so with every part", of_c, law(rough, knots)),
         ("firmware with supervisor, I, B, G", of_firmware, law(plain)),
         ("firmware, every nonlinear part", of_firmware, law(rough)),
     )
@@ -185,9 +225,9 @@ def main() -> None:
             found[name] = of(exported, Path(folder))
         instructions, size, bytes_of_stack = found[name]
         print(f"{name:<42}{instructions:>14,.0f}{size:>14,}{bytes_of_stack or '-':>10}")
-    instructions, size, _ = found["C, I, B, G"]
-    if instructions > PROMISED_INSTRUCTIONS or size > PROMISED_BYTES:
-        sys.exit(f"promised: {PROMISED_INSTRUCTIONS} instructions and {PROMISED_BYTES} bytes")
+    kept = max(found[name][0] for name in WITHIN) <= PROMISED_INSTRUCTIONS
+    if not kept or max(size for name, (_, size, _) in found.items() if name.startswith("C")) > PROMISED_BYTES:
+        sys.exit(f"promised: {PROMISED_INSTRUCTIONS} instructions, of {', '.join(WITHIN)}, and {PROMISED_BYTES} bytes")
 
 
 if __name__ == "__main__":

@@ -49,6 +49,7 @@ def test_json_names_files_law_and_loader(export):
         (("--to", "fmu", "--law", "original"), "is gains of an analog law, and elevator-2khz has a digital controller"),
         (("--to", "fmu", "--name", "a-b"), "--name: expected an identifier of C"),
         (("--to", "fmu", "--single"), "--single: is for --to c and firmware, and --to is fmu"),
+        (("--to", "table", "--units", "si"), "--units"),
         ((), "--to: is needed, and not given"),
     ],
 )
@@ -95,3 +96,22 @@ def test_what_is_there_stays_unless_it_is_to_be_replaced(export):
     assert status == 2
     assert "--replace" in error
     assert export(*given, "--replace")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("target", "name"),
+    [
+        ("c", "loader_law.c"),
+        ("firmware", "libforcefeel.a"),
+        ("fmu", "loader_law_fmi3.fmu"),
+        ("matlab", "loader.mat"),
+        ("table", "loader_parameters.csv"),
+    ],
+)
+def test_a_folder_with_such_files_is_refused_before_anything_is_read(export, tmp_path, target, name):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / name).write_text("mine", encoding="utf-8")
+    status, _, error = export("elevator-2khz", "--to", target, "--knots", "none.csv", "--out", "out")
+    assert status == 2
+    assert f"out: holds {name} already" in error
+    assert (tmp_path / "out" / name).read_text(encoding="utf-8") == "mine"

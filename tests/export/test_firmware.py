@@ -37,6 +37,7 @@ int main(void)
 }
 """
 
+AARCH64 = "aarch64-unknown-linux-gnu"
 SENSORS = ("load_cell_force_n", "drive_position_m", "column_base_m", "grip_force_n")
 
 
@@ -69,6 +70,23 @@ def test_this_machine_gives_the_same_bits(here):
     assert re.search(r"^roll: \d{5} samples, 0 differ$", run(here, "make", "test"), re.MULTILINE)
 
 
+def test_aarch64_gives_the_same_bits(tmp_path):
+    needs("cargo", "aarch64-linux-gnu-gcc", "qemu-aarch64", f"rust target {AARCH64}")
+    exported(motor(), tmp_path, triple=AARCH64)
+    text = run(tmp_path, "make", "test", "CC=aarch64-linux-gnu-gcc -static", "RUN=qemu-aarch64")
+    assert re.search(r"^roll: \d{5} samples, 0 differ$", text, re.MULTILINE)
+
+
+def test_a_board_with_a_unit_for_double_precision_gives_the_same_bits(tmp_path, monkeypatch):
+    needs("cargo", "arm-none-eabi-gcc", "qemu-system-arm", f"rust target {BOARD}")
+    monkeypatch.setenv("RUSTFLAGS", "-C target-cpu=cortex-m7 -C target-feature=+fp64")
+    exported(motor(), tmp_path, triple=BOARD)
+    text = run(tmp_path, "make", "test", "CPU=cortex-m7", f"MACHINE={BOARDS['cortex-m7']}")
+    assert re.search(r"^roll: \d{5} samples, 0 differ$", text, re.MULTILINE)
+    # The law itself has no call of a sum or product in software.
+    assert "vmul.f64" in run(tmp_path, "arm-none-eabi-objdump", "-d", "roll_test")
+
+
 def test_another_law_is_found_out(here, tmp_path):
     shutil.copytree(here, tmp_path, dirs_exist_ok=True)
     data = tmp_path / "roll_data.h"
@@ -96,12 +114,15 @@ def test_the_example_becomes_active(here):
 
 @pytest.mark.parametrize("loader", [ff.digital_elevator(), ff.loader.electric("elevator-electric")], ids=str)
 def test_it_answers_as_the_live_loop_does(loader):
+    loader = loader.replace({"feel.shaker_force": "2 lb"})
     with ff.live.start(loader, "robust", real_time=False) as running:
         running.off()
-        running.wait(10)
+        running.trim_rad, running.shaker = 0.02, 0.5
+        running.wait(1000)  # they are there before the feel comes
         running.on()
         running.wait(4000)
         running.hand_force_n = 20.0
+        running.stiffness_factor = 1.3
         running.wait(1000)
         running.off()
         running.wait(500)
@@ -109,7 +130,9 @@ def test_it_answers_as_the_live_loop_does(loader):
     seen = dict(zip(running.columns, rows.T, strict=True))
     given = np.zeros((len(rows), 9))
     given[:, :4] = np.column_stack([seen[name] for name in SENSORS])
-    given[:, 5] = 1.0
+    given[:, 4], given[:, 6] = 0.02, 0.5
+    given[:, 5] = np.where(np.maximum.accumulate(seen["spring_factor"]) > 1.0, 1.3, 1.0)
+    assert np.count_nonzero(np.diff(seen["spring_factor"])) > 100  # it is led there
     words = np.zeros((len(rows), 6), dtype=int)
     active = np.flatnonzero(seen["state"] == 3)
     words[np.argmax(seen["state"] == 1) : active[-1] + 1, 2] = 2

@@ -35,6 +35,8 @@ def test_each_setting_has_all_numbers_of_its_law_to_the_last_bit(sampled):
         for name, array in (("command", law.command), ("torque", law.torque)):
             found = [float(sheet[setting, f"law.{name}_{k + 1}"][4]) for k in range(n + 5)]
             assert np.array_equal(found, array[place])
+        neutral = [float(sheet[setting, f"law.{name}_neutral"][4]) for name in ("command", "torque")]
+        assert neutral == law.neutral[place].tolist()
         for name, array in (("transition", law.transition), ("input", law.input), ("settled", law.settled)):
             shape = array[place].shape
             found = [

@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,16 @@ NONLINEAR = {
     "feel.shaker_force": "5 lb",
     "column.coulomb_friction": "1 lb",
 }
+USUAL = {
+    key: NONLINEAR[key]
+    for key in (
+        "feel.breakout",
+        "feel.coulomb_friction",
+        "feel.static_friction",
+        "feel.soft_stop_high",
+        "feel.hard_stop_high",
+    )
+}
 CONVERTERS = {
     "controller.input_range": "10 V",
     "controller.input_bits": 16,
@@ -44,9 +55,10 @@ def valve():
 
 
 def motor():
-    """A motor's law for one setting, with every nonlinear part of the feel and cogging."""
+    """A motor's law for one setting, with every nonlinear part of the feel, a curve for its spring, and cogging."""
     loader = ff.loader.electric("elevator-electric").replace(NONLINEAR | {"motor.cogging_torque": "0.1 N m"})
-    return ff.export.Exported.of("robust", loader, "roll")
+    curve = ff.loader.Curve((-0.3, -0.1, 0.0, 0.1, 0.3), (-300.0, -120.0, 0.0, 100.0, 320.0))
+    return ff.export.Exported.of("robust", replace(loader, force_curve=curve), "roll")
 
 
 def written(exported, out, *, single=False):

@@ -19,6 +19,7 @@ use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 /// What a controller is given in a period, in this order; `share` is how far the feel has been changed.
 pub const INPUTS: [&str; 8] = ["force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "share"];
 
+const BASE: usize = 2;
 const TRIM: usize = SAMPLED;
 const SHARE: usize = 7;
 
@@ -82,7 +83,7 @@ pub struct Job {
 pub struct Program {
     /// The operations.
     pub graph: Graph,
-    /// Command, torque that the feel hears.
+    /// Command, torque that the feel hears, displacement and rate of the feel.
     pub outputs: Vec<(&'static str, u32)>,
     /// The next state by its place.
     pub next: Vec<(usize, u32)>,
@@ -126,8 +127,32 @@ impl Job {
         Observer::from_numbers(&core::array::from_fn(|k| number(k, &|setting| self.observers[setting][k])))
     }
 
-    /// Traces a period; `changing` while the feel is changed.
-    pub fn period(&self, changing: bool) -> Program {
+    /// What the law of each setting remembers where the column stands.
+    fn still(&self, shared: &Shared) -> Still<Vec<f64>> {
+        let of = |setting| match self.kind() {
+            DriveKind::Hydraulic => self.still_of::<OfHydraulic>(shared, setting),
+            DriveKind::Electric => self.still_of::<OfElectric>(shared, setting),
+        };
+        let all: Vec<Still<f64>> = (0..self.values.len()).map(of).collect();
+        core::array::from_fn(|k| core::array::from_fn(|part| all.iter().map(|still| still[k][part]).collect()))
+    }
+
+    fn still_of<K: Kind>(&self, shared: &Shared, setting: usize) -> Still<f64> {
+        let machine = machine::<f64, K>(&self.parameters(|of| of(setting)), self.observer(|_, of| of(setting)), shared);
+        let [one, two] = machine.sensors_at_rest(&shared.effects).map(|shown| machine.control().looking_on(shown));
+        let numbers = |at: &Remembered<f64>| -> [f64; MOST_STATES + 2] {
+            let beside = [at.position, at.recalled.heard];
+            core::array::from_fn(|k| if k < MOST_STATES { at.estimate[k] } else { beside[k - MOST_STATES] })
+        };
+        let (from, to) = (numbers(&one), numbers(&two));
+        core::array::from_fn(|k| {
+            let per_base = (to[k] - from[k]) / (two.base - one.base);
+            [from[k] - per_base * one.base, per_base]
+        })
+    }
+
+    /// Traces a period.
+    pub fn period(&self) -> Program {
         self.traced(|shared, control| {
             let mut inputs = Inputs::NONE;
             for (k, input) in
@@ -135,22 +160,29 @@ impl Job {
             {
                 *input = [input_as_f64(TRIM + k); 2];
             }
-            if changing {
+            if self.values.len() > 1 {
                 inputs.fade = [input_as_f64(SHARE); 2];
             }
             let (mut feeling, mut remembered) = state();
             let zero = Trace::known(&vec![0.0; self.values.len()], Bank::All);
             let sample = Sample { sensors: core::array::from_fn(Trace::input), pilot_force: zero };
             // The place of a supervisor: it may put another command in place of the law's.
-            let e = control.command(shared, (&mut feeling, &mut remembered), &inputs, &sample, |_| None);
-            (vec![("command", e.0), ("torque", remembered.recalled.heard.0)], next(&feeling, &remembered))
+            let mut torque = zero;
+            let e = control.command(shared, (&mut feeling, &mut remembered), &inputs, &sample, |answer| {
+                torque = answer.torque;
+                None
+            });
+            let [delta, rate] = feeling.motion.at;
+            let outputs = vec![("command", e.0), ("torque", torque.0), ("feel_angle", delta.0), ("feel_rate", rate.0)];
+            (outputs, next(&feeling, &remembered))
         })
     }
 
     /// Traces the start at rest where the column stands.
     pub fn reset(&self) -> Program {
-        self.traced(|_, control| {
-            let (feeling, remembered) = resting(control, core::array::from_fn(Trace::input), Trace::input(TRIM));
+        self.traced(|shared, control| {
+            let still = self.still(shared).map(|pair| pair.map(|of| number(&of, Bank::From)));
+            let (feeling, remembered) = resting(control, &still, Trace::input(BASE), Trace::input(TRIM));
             (Vec::new(), next(&feeling, &remembered))
         })
     }
@@ -159,7 +191,7 @@ impl Job {
         &self,
         work: impl FnOnce(&Shared, &Control<Trace>) -> (Vec<(&'static str, u32)>, Vec<(usize, u32)>),
     ) -> Program {
-        let ((outputs, next), graph) = traced(self.single, self.values.len(), || {
+        let ((outputs, next), graph) = traced(self.single, self.values.len(), Some(SHARE), || {
             let shared = self.shared();
             let control = match self.kind() {
                 DriveKind::Hydraulic => self.tracing::<OfHydraulic>(&shared),
@@ -174,7 +206,8 @@ impl Job {
         let all = |of: &dyn Fn(usize) -> f64| (0..self.values.len()).map(of).collect::<Vec<_>>();
         let bank = |bank: Bank| {
             let law = self.observer(|place, of| {
-                if self.is_of_matrices(place) { Trace::data(&all(of), bank) } else { Trace::known(&all(of), bank) }
+                let numbers = all(of);
+                if self.is_of_matrices(place) { number(&numbers, bank) } else { Trace::known(&numbers, bank) }
             });
             (self.parameters(|of| Trace::known(&all(of), bank)), law)
         };
@@ -191,7 +224,7 @@ impl Job {
         let n = self.states;
         let said = |k: usize| k < n || k >= MOST_STATES;
         let parts =
-            [MOST_STATES * MOST_STATES, MOST_STATES * WIDE, KNOWN, KNOWN, MOST_STATES * WIDE, KNOWN, MOST_STATES];
+            [MOST_STATES * MOST_STATES, MOST_STATES * WIDE, KNOWN, KNOWN, MOST_STATES * WIDE, 2, KNOWN, MOST_STATES];
         let (mut part, mut k) = (0, place);
         while part < parts.len() && k >= parts[part] {
             k -= parts[part];
@@ -200,28 +233,47 @@ impl Job {
         match part {
             0 => k / MOST_STATES < n && k % MOST_STATES < n,
             1 | 4 => k / WIDE < n,
-            2 | 3 | 5 => said(k),
-            6 => k < n,
+            2 | 3 | 6 => said(k),
+            5 => true,
+            7 => k < n,
             _ => false,
         }
     }
 }
 
-/// Law, feel and converters of one loader.
-fn control<S: Scalar, K: Kind>(parameters: &Parameters<S>, law: Observer<S>, shared: &Shared) -> Control<S> {
-    let zero = parameters.column.inertia.zero();
-    let gains = Compensator::state_feedback(parameters, [zero; 7]);
-    *Machine::<S, K::Of<S>>::new(parameters, gains, shared).with_observer(law).control()
+/// A number that stays data, but for what is zero under every setting: that is no work.
+fn number(values: &[f64], bank: Bank) -> Trace {
+    let works = values.iter().any(|&value| value != 0.0);
+    if works { Trace::data(values, bank) } else { Trace::known(values, bank) }
 }
 
+/// One loader under a law.
+fn machine<S: Scalar, K: Kind>(parameters: &Parameters<S>, law: Observer<S>, shared: &Shared) -> Machine<S, K::Of<S>> {
+    let gains = Compensator::state_feedback(parameters, [parameters.column.inertia.zero(); 7]);
+    Machine::new(parameters, gains, shared).with_observer(law)
+}
+
+/// Law, feel and converters of one loader.
+fn control<S: Scalar, K: Kind>(parameters: &Parameters<S>, law: Observer<S>, shared: &Shared) -> Control<S> {
+    *machine::<S, K>(parameters, law, shared).control()
+}
+
+/// What a law comes to remember at a column that stands, untouched: its state, then the drive's position and the torque that the feel hears;
+/// each at a base of zero, and per displacement of the base.
+type Still<T> = [[T; 2]; MOST_STATES + 2];
+
 /// The controller at rest where the column stands, its neutral trimmed by an angle.
-fn resting<S: Scalar>(control: &Control<S>, sensors: [S; SAMPLED], trim: S) -> (Feeling<S>, Remembered<S>) {
+///
+/// It begins as if it had looked on for long. Of the sensors only the column's counts: a law that integrates would make volts of what the others
+/// are off by.
+fn resting<S: Scalar>(control: &Control<S>, still: &Still<S>, base: S, trim: S) -> (Feeling<S>, Remembered<S>) {
     let zero = trim.zero();
     let mut feeling = control.resting(zero, zero);
     // Under a law with an observer the feel's displacement is an angle.
-    let delta = sensors[2] * control.per_base();
+    let delta = base * control.per_base();
     (feeling.motion.at[0], feeling.motion.slider, feeling.neutral) = (delta, delta, trim);
-    (feeling, control.remember(sensors, delta))
+    let [estimate @ .., position, heard] = still.map(|[at_zero, per_base]| at_zero + per_base * base);
+    (feeling, Remembered { base, position, estimate, recalled: Recalled::afresh(heard) })
 }
 
 /// The state, as inputs.
@@ -285,7 +337,9 @@ fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> V
     let Some(first) = given.first() else { return Vec::new() };
     let sensors = |given: &Given| core::array::from_fn(|k| like.constant(given.inputs[k]));
     let start = &parts[first.settings.0].2;
-    let (mut feeling, mut remembered) = resting(start, sensors(first), like.constant(first.inputs[TRIM]));
+    let still = job.still(&shared).map(|pair| pair.map(|of| like.constant(of[first.settings.0])));
+    let [base, trim] = [BASE, TRIM].map(|place| like.constant(first.inputs[place]));
+    let (mut feeling, mut remembered) = resting(start, &still, base, trim);
     let mut found = Vec::with_capacity(given.len());
     for one in given {
         let (from, to) = one.settings;
@@ -294,9 +348,13 @@ fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> V
         let [.., trim, stiffness_factor, shaker, fade] = one.inputs.map(|input| [input; 2]);
         let inputs = Inputs { trim, stiffness_factor, shaker, fade, ..Inputs::NONE };
         let sample = Sample { sensors: sensors(one), pilot_force: like.zero() };
-        let e = control.command(&shared, (&mut feeling, &mut remembered), &inputs, &sample, |_| None);
+        let mut torque = like;
+        let e = control.command(&shared, (&mut feeling, &mut remembered), &inputs, &sample, |answer| {
+            torque = answer.torque;
+            None
+        });
         let [delta, rate] = feeling.motion.at;
-        found.push([e, remembered.recalled.heard, delta, rate].map(Into::into));
+        found.push([e, torque, delta, rate].map(Into::into));
     }
     found
 }

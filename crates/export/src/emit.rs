@@ -1,10 +1,10 @@
-//! C99 from what was traced: a line an operation, in the order in which they were asked for.
+//! C99 from what was traced: a law's parts, and its numbers.
 
+use crate::body::Body;
 use crate::controller::{INPUTS, Job, Program, name_of};
-use crate::dots::{Product, products};
-use crate::trace::{Bank, Graph, Node, One, Two};
+use crate::trace::{Bank, Graph, Node};
 use core::fmt::Write;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 /// A law as C: the parts of its files that follow from the trace.
 #[derive(Debug, Clone, Default)]
@@ -13,12 +13,14 @@ pub struct Source {
     pub states: Vec<(String, bool)>,
     /// The inputs that it reads.
     pub inputs: Vec<String>,
-    /// Body of a period; of one in which the feel is changed, where there are settings; of the start at rest.
+    /// Functions that a period calls.
+    pub functions: Vec<String>,
+    /// Body of a period.
     pub step: String,
-    /// While the feel is changed from one setting to another.
-    pub between: Option<String>,
     /// The start at rest.
     pub reset: String,
+    /// Tables that are the same in all settings.
+    pub same: String,
     /// Members of a setting's numbers, and for each setting what they hold.
     pub members: String,
     /// Initialisers, a setting each.
@@ -28,35 +30,25 @@ pub struct Source {
 }
 
 /// Displacement and rate of the feel, which are given out.
-const GIVEN: [usize; 2] = [INPUTS.len() + 3, INPUTS.len() + 4];
+const GIVEN: [usize; 2] = [INPUTS.len() + 7, INPUTS.len() + 8];
 
 impl Source {
     /// The law of a job.
     pub fn of(job: &Job) -> Self {
-        let step = job.period(false);
-        let between = (job.values.len() > 1).then(|| job.period(true));
-        let mut states = BTreeSet::from(GIVEN);
-        for program in between.iter().chain([&step]) {
-            states.extend(needed(program));
-        }
-        // What one of them needs, the other keeps.
-        for program in between.iter().chain([&step]) {
-            states = closed(program, states);
-        }
-        let reset = job.reset();
-        let mut writer =
-            Writer { job, tables: Vec::new(), matrices: HashMap::new(), numbers: Vec::new(), inputs: BTreeSet::new() };
-        let (step_text, operations) = writer.body(&step, &states);
-        let between_text = between.as_ref().map(|program| writer.body(program, &states).0);
-        let (reset_text, _) = writer.body(&reset, &states);
-        let (members, settings) = writer.data();
+        let (step, reset) = (job.period(), job.reset());
+        let states = needed(&step);
+        let mut writer = Writer::new(job.single);
+        let (step_text, operations) = writer.program(&step, &states, true);
+        let (reset_text, _) = writer.program(&reset, &states, false);
+        let (same, members, settings) = writer.data(job.values.len());
         let name = |&place: &usize| (name_of(place), name_of(place).ends_with("stuck"));
         Self {
             states: states.iter().map(name).collect(),
             inputs: writer.inputs.iter().map(|&place| name_of(place)).collect(),
+            functions: writer.functions.iter().map(ToString::to_string).collect(),
             step: step_text,
-            between: between_text,
             reset: reset_text,
+            same,
             members,
             settings,
             operations,
@@ -66,19 +58,25 @@ impl Source {
 
 /// The states that a program reads, directly or by others.
 fn needed(program: &Program) -> BTreeSet<usize> {
-    closed(program, BTreeSet::from(GIVEN))
-}
-
-fn closed(program: &Program, mut states: BTreeSet<usize>) -> BTreeSet<usize> {
+    let mut states = BTreeSet::from(GIVEN);
     loop {
-        let live = live(&program.graph, &wanted(program, &states), |_| None);
         let mut more = states.clone();
-        for (place, node) in program.graph.nodes.iter().enumerate() {
-            if let (true, &(Node::Input(input) | Node::Flag(input))) = (live[place], node)
+        let (graph, mut open) = (&program.graph, wanted(program, &states));
+        let mut seen = vec![false; graph.nodes.len()];
+        while let Some(node) = open.pop() {
+            if core::mem::replace(&mut seen[node as usize], true) {
+                continue;
+            }
+            let node = &graph.nodes[node as usize];
+            if let &(Node::Input(input) | Node::Flag(input)) = node
                 && input >= INPUTS.len()
             {
                 more.insert(input);
             }
+            if let Node::Part(roots, _) = node {
+                open.extend(roots);
+            }
+            open.extend(node.made_of());
         }
         if more == states {
             return states;
@@ -93,193 +91,180 @@ fn wanted(program: &Program, states: &BTreeSet<usize>) -> Vec<u32> {
     program.outputs.iter().map(|&(_, node)| node).chain(next).collect()
 }
 
-fn of(node: &Node) -> Vec<u32> {
-    match *node {
-        Node::Known(..) | Node::Data(..) | Node::Input(_) | Node::Flag(_) | Node::Holds(..) => Vec::new(),
-        Node::One(_, a) | Node::Not(a) => vec![a],
-        Node::Two(_, a, b) | Node::Less(a, b) | Node::And(a, b) | Node::Or(a, b) => vec![a, b],
-        Node::Select(a, b, c) => vec![a, b, c],
-    }
-}
-
-/// Which nodes are needed for `wanted`; `instead` says what else one is made of.
-fn live(graph: &Graph, wanted: &[u32], instead: impl Fn(u32) -> Option<Vec<u32>>) -> Vec<bool> {
-    let mut found = vec![false; graph.nodes.len()];
-    let mut open = wanted.to_vec();
-    while let Some(node) = open.pop() {
-        if !core::mem::replace(&mut found[node as usize], true) {
-            open.extend(instead(node).unwrap_or_else(|| of(&graph.nodes[node as usize])));
-        }
-    }
-    found
-}
-
 /// Bits of a number in each setting.
-type Bits = Vec<u64>;
+pub type Bits = Vec<u64>;
 
-struct Writer<'a> {
-    job: &'a Job,
-    /// Rows and columns of each matrix, row by row.
-    tables: Vec<Vec<Vec<Bits>>>,
-    matrices: HashMap<Vec<Vec<Bits>>, usize>,
+/// A function of C.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Function {
+    name: String,
+    gives: &'static str,
+    parameters: String,
+    lines: String,
+}
+
+impl core::fmt::Display for Function {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "static {} {}({})\n{{\n{}}}\n", self.gives, self.name, self.parameters, self.lines)
+    }
+}
+
+/// Some columns of a matrix: where they are, and which they are.
+#[derive(Debug, Clone)]
+pub struct Table {
+    /// Among the tables.
+    pub place: usize,
+    /// Of the matrix.
+    pub columns: Vec<usize>,
+}
+
+/// Rows and columns of matrices, row by row, each once.
+#[derive(Debug, Default)]
+struct Tables(Vec<Vec<Vec<Bits>>>);
+
+impl Tables {
+    fn table(&mut self, rows: &[Vec<Bits>], columns: Vec<usize>) -> Table {
+        let of = |row: &Vec<Bits>| columns.iter().map(|&column| row[column].clone()).collect();
+        let rows: Vec<Vec<Bits>> = rows.iter().map(of).collect();
+        let place = self.0.iter().position(|known| *known == rows).unwrap_or_else(|| {
+            if !columns.is_empty() {
+                self.0.push(rows);
+            }
+            self.0.len().saturating_sub(1)
+        });
+        Table { place, columns }
+    }
+}
+
+/// What all bodies of a law share: its numbers and functions.
+#[derive(Debug, Default)]
+pub struct Writer {
+    single: bool,
+    own: Tables,
+    same: Tables,
     numbers: Vec<Bits>,
+    functions: Vec<Function>,
     inputs: BTreeSet<usize>,
 }
 
-impl Writer<'_> {
-    /// The lines of a program, and its operations: as written, and in loops.
-    fn body(&mut self, program: &Program, states: &BTreeSet<usize>) -> (String, (usize, usize)) {
+impl Writer {
+    fn new(single: bool) -> Self {
+        Self { single, ..Self::default() }
+    }
+
+    /// The lines of a program, and its operations: as written, and in loops. If `checked`, nothing is given out or kept of what is no number.
+    fn program(&mut self, program: &Program, states: &BTreeSet<usize>, checked: bool) -> (String, (usize, usize)) {
         let graph = &program.graph;
-        let wanted = wanted(program, states);
-        let products = products(graph, &live(graph, &wanted, |_| None));
-        let mut row_of: HashMap<u32, (usize, usize)> = HashMap::new();
-        for (k, product) in products.iter().enumerate() {
-            for (row, &(_, node)) in product.rows.iter().enumerate() {
-                row_of.insert(node, (k, row));
-            }
-        }
-        let live = live(graph, &wanted, |node| row_of.get(&node).map(|&(k, _)| products[k].vector.clone()));
-        let (mut text, mut operations, mut written) = (String::new(), (0, 0), BTreeSet::new());
-        for (place, node) in graph.nodes.iter().enumerate().filter(|&(place, _)| live[place]) {
-            let name = u32::try_from(place).expect("a graph's places are 32 bits");
-            if let Some(&(k, _)) = row_of.get(&name) {
-                if written.insert(k) {
-                    let product = &products[k];
-                    self.product(graph, &mut text, product);
-                    let terms = product.rows.len() * (2 * product.vector.len() - 1);
-                    if product.rows.len() > 1 { operations.1 += terms } else { operations.0 += terms }
-                }
-                continue;
-            }
-            if let Some(line) = self.line(graph, name, node) {
-                text += &line;
-                operations.0 += usize::from(!of(node).is_empty());
-            }
-        }
-        for &(what, node) in &program.outputs {
-            let _ = writeln!(text, "    out->{what} = {};", self.spelled(graph, node));
-        }
+        let mut body = Body::of(self, graph, &wanted(program, states));
+        body.write_all();
+        let results = program.outputs.iter().map(|&(what, node)| format!("out->{what} = {};", body.spelled(node)));
+        let mut results: Vec<String> = results.collect();
         for &(place, node) in program.next.iter().filter(|(place, _)| states.contains(place)) {
             if !matches!(graph.nodes[node as usize], Node::Input(same) | Node::Flag(same) if same == place) {
-                let _ = writeln!(text, "    state->{} = {};", name_of(place), self.spelled(graph, node));
+                results.push(format!("state->{} = {};", name_of(place), body.spelled(node)));
             }
+        }
+        let asked = program.outputs.iter().map(|&(_, node)| format!("nothing({})", body.spelled(node)));
+        let asked = asked.collect::<Vec<_>>().join(" + ");
+        let (mut text, operations) = body.text();
+        if checked {
+            let zero = literal(0.0, self.single);
+            let _ = writeln!(text, "    const bool good = ({asked}) == {zero};\n    if (good) {{");
+        }
+        let indent = if checked { "        " } else { "    " };
+        for line in results {
+            let _ = writeln!(text, "{indent}{line}");
+        }
+        if checked {
+            text += "    }\n    return good;\n";
         }
         (text, operations)
     }
 
-    /// An operation as a line; nothing of what needs none.
-    fn line(&mut self, graph: &Graph, name: u32, node: &Node) -> Option<String> {
-        let mut s = |node: u32| self.spelled(graph, node);
-        let value = match *node {
-            Node::Known(..) | Node::Data(..) | Node::Holds(..) => return None,
-            Node::Input(place) if place < INPUTS.len() => {
-                self.inputs.insert(place);
-                format!("in->{}", name_of(place))
-            }
-            Node::Input(place) | Node::Flag(place) => format!("state->{}", name_of(place)),
-            Node::One(One::Neg, a) => format!("-{}", s(a)),
-            Node::One(One::Sqrt, a) => format!("REAL_SQRT({})", s(a)),
-            Node::One(One::Abs, a) => format!("REAL_ABS({})", s(a)),
-            Node::One(One::Round, a) => format!("nearest({})", s(a)),
-            Node::Two(Two::Add, a, b) => format!("{} + {}", s(a), s(b)),
-            Node::Two(Two::Sub, a, b) => format!("{} - {}", s(a), s(b)),
-            Node::Two(Two::Mul, a, b) => format!("{} * {}", s(a), s(b)),
-            Node::Two(Two::Div, a, b) => format!("{} / {}", s(a), s(b)),
-            Node::Two(Two::Min, a, b) => format!("smaller({}, {})", s(a), s(b)),
-            Node::Two(Two::Max, a, b) => format!("larger({}, {})", s(a), s(b)),
-            Node::Two(Two::TimesSign, a, b) => format!("with_sign({}, {})", s(a), s(b)),
-            Node::Less(a, b) => format!("{} < {}", s(a), s(b)),
-            Node::And(a, b) => format!("{} && {}", s(a), s(b)),
-            Node::Or(a, b) => format!("{} || {}", s(a), s(b)),
-            Node::Not(a) => format!("!{}", s(a)),
-            Node::Select(mask, yes, no) => format!("{} ? {} : {}", s(mask), s(yes), s(no)),
-        };
-        let kind = match node {
-            Node::Flag(_) | Node::Less(..) | Node::And(..) | Node::Or(..) | Node::Not(_) => "bool",
-            _ => "real",
-        };
-        Some(format!("    const {kind} v{name} = {value};\n"))
+    /// Notes that an input is read.
+    pub fn reads(&mut self, input: usize) {
+        self.inputs.insert(input);
     }
 
-    /// Rows times a vector: a loop over rows, or one row as it stands.
-    fn product(&mut self, graph: &Graph, text: &mut String, product: &Product) {
-        let bits = |node: &u32| match &graph.nodes[*node as usize] {
-            Node::Data(bits, _) => bits.clone(),
-            _ => unreachable!("a product's numbers are data"),
-        };
-        let rows: Vec<Vec<Bits>> = product.rows.iter().map(|(data, _)| data.iter().map(bits).collect()).collect();
-        let table = *self.matrices.entry(rows.clone()).or_insert_with(|| {
-            self.tables.push(rows);
-            self.tables.len() - 1
-        });
-        let bank = if product.bank == Bank::To { "to" } else { "from" };
-        let names: Vec<String> = product.vector.iter().map(|&node| self.spelled(graph, node)).collect();
-        let sum = |row: &str| {
-            let terms = names.iter().enumerate().map(|(k, name)| format!("({row}[{k}] * {name})"));
-            terms.collect::<Vec<_>>().join(" + ")
-        };
-        if let [(_, node)] = product.rows[..] {
-            let _ = writeln!(text, "    const real v{node} = {};", sum(&format!("{bank}->m{table}[0]")));
-            return;
-        }
-        let first = product.rows[0].1;
-        let count = product.rows.len();
-        let _ = writeln!(text, "    real r{first}[{count}];\n    for (unsigned int k = 0U; k < {count}U; ++k) {{");
-        let _ = writeln!(
-            text,
-            "        const real *const m = {bank}->m{table}[k];\n        r{first}[k] = {};\n    }}",
-            sum("m")
-        );
-        for (k, (_, node)) in product.rows.iter().enumerate() {
-            let _ = writeln!(text, "    const real v{node} = r{first}[{k}];");
-        }
+    /// How many functions there are.
+    pub fn functions(&self) -> usize {
+        self.functions.len()
     }
 
-    /// How a node is named where it is used.
-    fn spelled(&mut self, graph: &Graph, node: u32) -> String {
-        match &graph.nodes[node as usize] {
-            Node::Known(bits, Bank::All) => literal(f64::from_bits(bits[0]), self.job.single),
-            Node::Known(bits, bank) | Node::Data(bits, bank) => self.number(bits.clone(), *bank),
+    /// The name of a function, new or there already.
+    pub fn function(&mut self, gives: &'static str, parameters: String, lines: String) -> String {
+        let same = |known: &&Function| known.parameters == parameters && known.lines == lines;
+        if let Some(known) = self.functions.iter().find(same) {
+            return known.name.clone();
+        }
+        let name = format!("part_{}", self.functions.len());
+        self.functions.push(Function { name: name.clone(), gives, parameters, lines });
+        name
+    }
+
+    /// A matrix as two tables: the columns that are a setting's own, and those that are the same in all.
+    pub fn tables(&mut self, rows: &[Vec<Bits>]) -> (Table, Table) {
+        let alike = |bits: &Bits| bits.len() > 1 && bits.iter().all(|one| *one == bits[0]);
+        let columns = 0..rows.first().map_or(0, Vec::len);
+        let (same, own) = columns.partition(|&column| rows.iter().all(|row| alike(&row[column])));
+        (self.own.table(rows, own), self.same.table(rows, same))
+    }
+
+    /// What is known, as it is spelled in C; `setting` names where the numbers of a bank are. None of what is not known.
+    pub fn known(&mut self, graph: &Graph, node: u32, setting: impl Fn(Bank) -> String) -> Option<String> {
+        Some(match &graph.nodes[node as usize] {
+            Node::Known(bits, Bank::All) => literal(f64::from_bits(bits[0]), self.single),
+            Node::Known(bits, bank) | Node::Data(bits, bank) => self.number(bits.clone(), &setting(*bank)),
             Node::Holds(values, Bank::All) => values[0].to_string(),
             Node::Holds(values, bank) => {
                 let bits = values.iter().map(|&value| f64::from(u8::from(value)).to_bits()).collect();
-                format!("({} > {})", self.number(bits, *bank), literal(0.5, self.job.single))
+                format!("({} > {})", self.number(bits, &setting(*bank)), literal(0.5, self.single))
             }
-            _ => format!("v{node}"),
-        }
+            _ => return None,
+        })
     }
 
     /// One of a setting's numbers.
-    fn number(&mut self, bits: Bits, bank: Bank) -> String {
+    fn number(&mut self, bits: Bits, setting: &str) -> String {
         let place = self.numbers.iter().position(|known| *known == bits).unwrap_or_else(|| {
             self.numbers.push(bits);
             self.numbers.len() - 1
         });
-        format!("{}->n[{place}]", if bank == Bank::To { "to" } else { "from" })
+        format!("{setting}->n[{place}]")
     }
 
-    /// The members of a setting's numbers, and what each setting holds.
-    fn data(&self) -> (String, Vec<String>) {
-        let mut members = String::new();
-        for (k, table) in self.tables.iter().enumerate() {
-            let _ = writeln!(members, "    real m{k}[{}][{}];", table.len(), table[0].len());
+    /// What is the same in all settings, the members of a setting's numbers, and for each setting what they hold.
+    fn data(&self, settings: usize) -> (String, String, Vec<String>) {
+        let size = |table: &Vec<Vec<Bits>>| format!("[{}][{}]", table.len(), table[0].len());
+        let (mut same, mut members) = (String::new(), String::new());
+        for (k, table) in self.same.0.iter().enumerate() {
+            let _ = writeln!(same, "static const real same_{k}{} = {};\n", size(table), self.rows(table, 0));
+        }
+        for (k, table) in self.own.0.iter().enumerate() {
+            let _ = writeln!(members, "    real m{k}{};", size(table));
         }
         if !self.numbers.is_empty() {
             let _ = writeln!(members, "    real n[{}];", self.numbers.len());
         }
         let setting = |k: usize| {
-            let spelled = |bits: &Bits| literal(f64::from_bits(bits[k]), self.job.single);
-            let row = |row: &Vec<Bits>| format!("{{{}}}", row.iter().map(spelled).collect::<Vec<_>>().join(", "));
-            let table = |table: &Vec<Vec<Bits>>| {
-                format!("        {{{}}}", table.iter().map(row).collect::<Vec<_>>().join(",\n         "))
-            };
-            let mut parts: Vec<String> = self.tables.iter().map(table).collect();
+            let mut parts: Vec<String> = self.own.0.iter().map(|table| self.rows(table, k)).collect();
             if !self.numbers.is_empty() {
-                parts.push(format!("        {}", row(&self.numbers)));
+                parts.push(self.row(&self.numbers, k));
             }
-            format!("    {{\n{}\n    }}", parts.join(",\n"))
+            format!("    {{\n        {}\n    }}", parts.join(",\n        "))
         };
-        (members, (0..self.job.values.len()).map(setting).collect())
+        (same, members, (0..settings).map(setting).collect())
+    }
+
+    /// The numbers of a table in a setting.
+    fn rows(&self, table: &[Vec<Bits>], setting: usize) -> String {
+        let rows = table.iter().map(|row| self.row(row, setting)).collect::<Vec<_>>();
+        format!("{{{}}}", rows.join(",\n         "))
+    }
+
+    fn row(&self, row: &[Bits], setting: usize) -> String {
+        let spelled = row.iter().map(|bits| literal(f64::from_bits(bits[setting]), self.single));
+        format!("{{{}}}", spelled.collect::<Vec<_>>().join(", "))
     }
 }
 

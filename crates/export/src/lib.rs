@@ -9,10 +9,16 @@
 //! | [`trace`] | the number that writes down, and what it folds |
 //! | [`controller`] | the period and the start at rest, for any number type: traced, and run for reference |
 //! | [`dots`] | rows of a matrix found again among the operations, so that they become a loop over data |
-//! | [`emit`] | C |
+//! | [`blocks`] | where each operation is done: always, or in a branch |
+//! | [`made`] | what each is made of as C writes it |
+//! | [`body`] | the lines of a function of C |
+//! | [`emit`] | the parts of the files: functions, states, a setting's numbers |
 #![forbid(unsafe_code)]
 
+pub mod blocks;
+pub mod body;
 pub mod controller;
 pub mod dots;
 pub mod emit;
+pub mod made;
 pub mod trace;

@@ -7,6 +7,8 @@
 //! Sensors and states are taken to be finite, for what is not is turned away before: `0 x` is zero, and a limit that is infinite limits
 //! nothing. The sign of a zero is not kept.
 
+mod parts;
+
 use core::cell::RefCell;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use forcefeel_model::Scalar;
@@ -73,6 +75,12 @@ pub enum Node {
     Select(u32, u32, u32),
     /// A mask that is known in each setting.
     Holds(Vec<bool>, Bank),
+    /// What a part is given, by its place among that.
+    Given(usize),
+    /// A part, by the nodes that it gives, with what it is given here. If it gives one, it is that number.
+    Part(Vec<u32>, Vec<u32>),
+    /// One of the several numbers that a part gives.
+    Gives(u32, usize),
 }
 
 /// What was written down.
@@ -83,6 +91,10 @@ pub struct Graph {
     known: HashMap<Node, u32>,
     single: bool,
     settings: usize,
+    /// The input that says how far one setting has been changed into another.
+    share: Option<usize>,
+    /// Parts that have begun and not ended.
+    parts: usize,
 }
 
 thread_local! {
@@ -97,9 +109,10 @@ pub struct Trace(pub u32);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Mask(pub u32);
 
-/// What `work` gives, and the graph that it wrote; `single` where the target computes in single precision.
-pub fn traced<T>(single: bool, settings: usize, work: impl FnOnce() -> T) -> (T, Graph) {
-    GRAPH.with_borrow_mut(|graph| *graph = Graph { single, settings, ..Graph::default() });
+/// What `work` gives, and the graph that it wrote; `single` where the target computes in single precision, and by which input one setting
+/// is changed into another.
+pub fn traced<T>(single: bool, settings: usize, share: Option<usize>, work: impl FnOnce() -> T) -> (T, Graph) {
+    GRAPH.with_borrow_mut(|graph| *graph = Graph { single, settings, share, ..Graph::default() });
     let found = work();
     (found, GRAPH.with_borrow_mut(core::mem::take))
 }
@@ -182,6 +195,7 @@ impl Graph {
             Two::Mul if self.is(a, zero) || self.is(b, zero) => {
                 return self.number(&vec![0.0; self.settings], Bank::All);
             }
+            Two::Add if self.between(a, b) => return self.changed(a, b),
             Two::Min if self.is(a, most) => return b,
             Two::Max if self.is(a, least) => return b,
             Two::Min if self.is(b, most) => return a,
@@ -199,6 +213,25 @@ impl Graph {
             _ => {}
         }
         self.put(Node::Two(operation, a, b))
+    }
+
+    /// Whether `a + b` is `a + (a' - a) share`.
+    fn between(&self, a: u32, b: u32) -> bool {
+        let Node::Two(Two::Mul, change, share) = self.nodes[b as usize] else { return false };
+        let of_share = matches!(self.nodes[share as usize], Node::Input(place) if Some(place) == self.share);
+        of_share && matches!(self.nodes[change as usize], Node::Two(Two::Sub, _, from) if from == a)
+    }
+
+    /// `a + b` of what is between two settings: `a` itself while nothing is changed, and where both are the same.
+    fn changed(&mut self, a: u32, b: u32) -> u32 {
+        let Node::Two(Two::Mul, change, share) = self.nodes[b as usize] else { return a };
+        if matches!(self.nodes[change as usize], Node::Two(Two::Sub, to, _) if to == a) {
+            return a;
+        }
+        let zero = self.number(&vec![0.0; self.settings], Bank::All);
+        let changing = self.less(zero, share);
+        let sum = self.put(Node::Two(Two::Add, a, b));
+        self.select(changing, sum, a)
     }
 
     fn less(&mut self, a: u32, b: u32) -> u32 {
@@ -247,7 +280,18 @@ impl Graph {
             let found = x.iter().zip(y).map(|(&x, &y)| if and { x & y } else { x | y }).collect();
             return self.holds(found, bank);
         }
+        if and && (self.denies(a, b) || self.denies(b, a)) {
+            return self.holds(vec![false; self.settings], Bank::All);
+        }
         self.put(if and { Node::And(a, b) } else { Node::Or(a, b) })
+    }
+
+    /// Whether `b` is the opposite of `a`, or of one of the masks that must hold for `a`.
+    fn denies(&self, a: u32, b: u32) -> bool {
+        if self.nodes[b as usize] == Node::Not(a) {
+            return true;
+        }
+        matches!(self.nodes[a as usize], Node::And(one, other) if self.denies(one, b) || self.denies(other, b))
     }
 
     fn not(&mut self, a: u32) -> u32 {
@@ -262,6 +306,9 @@ impl Graph {
         if yes == no {
             return yes;
         }
+        if let Node::Not(mask) = self.nodes[mask as usize] {
+            return self.select(mask, no, yes);
+        }
         if let Some(value) = self.always(mask) {
             return if value { yes } else { no };
         }
@@ -274,6 +321,21 @@ impl Graph {
             return self.number(&found, bank);
         }
         self.put(Node::Select(mask, yes, no))
+    }
+}
+
+impl Node {
+    /// The nodes that it is made of; of a part, those that it is given.
+    pub fn made_of(&self) -> Vec<u32> {
+        match *self {
+            Self::Known(..) | Self::Data(..) | Self::Input(_) | Self::Flag(_) | Self::Holds(..) | Self::Given(_) => {
+                Vec::new()
+            }
+            Self::One(_, a) | Self::Not(a) | Self::Gives(a, _) => vec![a],
+            Self::Two(_, a, b) | Self::Less(a, b) | Self::And(a, b) | Self::Or(a, b) => vec![a, b],
+            Self::Select(a, b, c) => vec![a, b, c],
+            Self::Part(_, ref given) => given.clone(),
+        }
     }
 }
 
@@ -417,6 +479,34 @@ impl Scalar for Trace {
     }
     fn select(mask: Mask, yes: Self, no: Self) -> Self {
         put(|graph| graph.select(mask.0, yes.0, no.0))
+    }
+    fn part_begins<const N: usize>(given: [Self; N]) -> [Self; N] {
+        let parts = GRAPH.with_borrow_mut(|graph| {
+            graph.parts += 1;
+            graph.parts
+        });
+        // A part of a part is written out.
+        if parts == 1 { core::array::from_fn(|k| put(|graph| graph.put(Node::Given(k)))) } else { given }
+    }
+    fn part_ends<const N: usize, const M: usize>(given: [Self; N], found: [Self; M]) -> [Self; M] {
+        GRAPH.with_borrow_mut(|graph| {
+            graph.parts -= 1;
+            if graph.parts > 0 {
+                return found;
+            }
+            let given = given.map(|one| one.0);
+            let roots = graph.roots(found.map(|one| one.0));
+            if !graph.is_worth_a_function(&roots) {
+                let depends = graph.on_given();
+                return found.map(|one| Self(graph.written_out(one.0, (&depends, &given))));
+            }
+            let part = graph.put(Node::Part(roots.clone(), given.to_vec()));
+            found.map(|one| match roots.iter().position(|&root| root == one.0) {
+                None => one,
+                Some(0) if roots.len() == 1 => Self(part),
+                Some(k) => Self(graph.put(Node::Gives(part, k))),
+            })
+        })
     }
     fn slope_times(self, by: Self) -> Self {
         self * by

@@ -17,6 +17,8 @@ pub struct Case {
     pub faults: [Fault; 2],
     /// The hand.
     pub hand: Hand,
+    /// Where the column stands when the loop begins, and its neutral, in rad.
+    pub angle: f64,
     /// Samples.
     pub samples: usize,
     /// Seed of the sensors' noise.
@@ -42,6 +44,8 @@ const FADE: (f64, f64) = (20.0, 80.0);
 const SILENCE: (f64, f64) = (3.0, 20.0);
 const STOP: (f64, f64) = (1.0, 20.0);
 const LONG: (f64, f64) = (40.0, 120.0);
+/// Angle in rad to either side, within the travel of every loader.
+const FARTHEST_RAD: f64 = 0.1;
 /// Samples in which a fault may begin, and in which it must come to its end.
 const BEGINS: f64 = 250.0;
 /// See [`BEGINS`].
@@ -91,8 +95,11 @@ impl Case {
             phase: between((0.0, core::f64::consts::TAU)),
             lets_go: between((0.0, 2.0 * BEGINS)) as usize,
         };
+        // Half of them begin at zero.
+        let angle = between((-FARTHEST_RAD, FARTHEST_RAD)) * if between((0.0, 1.0)) < 0.5 { 0.0 } else { 1.0 };
         let last = faults.iter().map(|fault| if fault.kind == Kind::None { 0 } else { fault.from }).max().unwrap_or(0);
-        Self { loader, values: parameters.values(), faults, hand, samples: last + GOES_ON, seed: seed ^ number }
+        let values = parameters.values();
+        Self { loader, values, faults, hand, angle, samples: last + GOES_ON, seed: seed ^ number }
     }
 }
 

@@ -62,15 +62,14 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
     if let Some(numbers) = law {
         machine = machine.with_observer(Observer::from_numbers(numbers));
     }
-    let equilibrium = machine.held_at(&shared, 0.0, 0.0, 1.0);
+    let equilibrium = machine.held_at(&shared, case.angle, case.angle, 1.0);
     let mut state = machine.start(&shared, &equilibrium);
     let mut noise = ChaCha8Rng::seed_from_u64(case.seed);
     let mut supervisor = Supervisor::new(limits, 0.0);
     let control = *machine.control();
     let mut under_way = UnderWay::holding(0.0);
-    // It begins in the equilibrium, as a live loop on a machine that it knows does.
-    let begun = (machine.shown_at_rest(&shared.effects, &equilibrium), 0.0, 0.0);
-    let mut followed = Followed::begun(&control, machine.sensors_at_rest(&shared), begun);
+    // As a live loop on a machine that it does not know, it finds out by its sensors where the column stands.
+    let mut followed = Followed::new(&control, machine.sensors_at_rest(&shared.effects));
     let mut rows = Vec::<Row>::with_capacity(case.samples);
     let mut before = [Before::default(); 2];
     let mut given = 0.0;
@@ -82,7 +81,7 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
         let share = last.map_or(0.0, |allowed| allowed.share);
         // A person pushes as the feel comes.
         let hand = case.hand.at(sample, period) * share + pushed;
-        let neutral = last.map_or(0.0, |allowed| allowed.neutral(0.0));
+        let neutral = last.map_or(case.angle, |allowed| allowed.neutral(case.angle));
         let inputs = Inputs { force: [hand; 2], trim: [neutral; 2], ..Inputs::NONE };
         for step in 0..steps {
             let arrived = machine.arrive(&shared, &mut state, &inputs);

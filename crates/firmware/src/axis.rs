@@ -2,6 +2,7 @@
 
 use crate::loader::{Loader, Setting};
 use forcefeel_model::Scalar;
+use forcefeel_model::around::{Around, Led, Pace};
 use forcefeel_model::control::{Control, Sample};
 use forcefeel_model::followed::{Followed, Passed};
 use forcefeel_model::machine::{Inputs, Shared};
@@ -14,11 +15,11 @@ use forcefeel_model::transducers::SENSORS;
 pub struct Input<S> {
     /// Load cell (N), position of the drive's end (m), displacement of the column's base (m), force at the grip (N).
     pub sensors: [S; SENSORS],
-    /// Commanded neutral in rad.
+    /// Where the commanded neutral is to go, in rad.
     pub trim: S,
-    /// On the feel's spring.
+    /// Where the factor on the feel's spring is to go.
     pub stiffness_factor: S,
-    /// Swing of the stick shaker, -1 to 1.
+    /// How far the stick shaker is to be on, 0 to 1.
     pub shaker: S,
     /// How far the feel has been changed.
     pub share: S,
@@ -71,6 +72,8 @@ pub struct Axis<S: Scalar> {
     shared: Shared,
     control: Control<S>,
     settings: (u32, u32),
+    led: Led<S>,
+    pace: Pace<S>,
     followed: Followed<S>,
     sensors: [S; SENSORS],
     supervisor: Supervisor<S>,
@@ -90,6 +93,8 @@ impl<S: Scalar> Axis<S> {
             shared,
             control,
             settings: (0, 0),
+            led: Led::at(like.zero()),
+            pace: first.pace(like.constant(loader.period_s)),
             followed: Followed::new(&control, at_rest),
             sensors: [like.zero(); SENSORS],
             supervisor: Supervisor::new(limits, like),
@@ -166,6 +171,7 @@ impl<S: Scalar> Axis<S> {
         let like = given.trim;
         if self.settings.0 != given.from {
             self.control = from.control(&self.shared, like);
+            self.pace = from.pace(self.pace.period);
         }
         if self.settings != (given.from, given.to) {
             self.control.fade_to(&to.parameters(like), Some(&to.law(like)));
@@ -175,14 +181,16 @@ impl<S: Scalar> Axis<S> {
     }
 
     /// What the feel is told from outside.
-    fn inputs(&self, given: &Input<S>) -> Inputs
+    fn inputs(&mut self, given: &Input<S>) -> Inputs
     where
         S: Into<f64>,
     {
-        let trim = self.last.map_or(given.trim, |allowed| allowed.neutral(given.trim));
+        let Input { trim, stiffness_factor, shaker, share, added_force, .. } = *given;
+        let around = self.led.step(&Around { trim_rad: trim, stiffness_factor, shaker }, &self.pace);
+        let swing = self.led.swing(around.shaker, &self.pace);
+        let trim = self.last.map_or(around.trim_rad, |allowed| allowed.neutral(around.trim_rad));
         let [trim, stiffness_factor, shaker, fade, added_force] =
-            [trim, given.stiffness_factor, given.shaker, given.share, given.added_force]
-                .map(|number| [number.into(); 2]);
+            [trim, around.stiffness_factor, swing, share, added_force].map(|number| [number.into(); 2]);
         Inputs { trim, stiffness_factor, shaker, fade, added_force, ..Inputs::NONE }
     }
 }

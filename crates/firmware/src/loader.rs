@@ -1,6 +1,7 @@
 //! What an axis is made of, as C lays it out.
 
 use forcefeel_model::Scalar;
+use forcefeel_model::around::Pace;
 use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::control::Control;
@@ -78,6 +79,12 @@ impl Setting {
             DriveKind::Hydraulic => self.control_of::<S, OfHydraulic>(shared, like),
             DriveKind::Electric => self.control_of::<S, OfElectric>(shared, like),
         }
+    }
+
+    /// How evenly what is set around the feel comes, with this period in s.
+    pub fn pace<S: Scalar>(&self, period: S) -> Pace<S> {
+        let feel = self.parameters(period).feel;
+        Pace { trim_rate: feel.trim_rate, shaker_frequency: feel.shaker_frequency, period }
     }
 
     /// What drives it.

@@ -1,7 +1,5 @@
 //! When a cycle begins: at the beat of an absolute clock, or at once.
 
-use std::time::{Duration, Instant};
-
 /// What makes a loop wait.
 pub trait Clock {
     /// Waits for the next beat.
@@ -47,24 +45,25 @@ impl Clock for AtOnce {
 /// Real time: the monotonic clock of the machine.
 #[derive(Debug)]
 pub struct Monotonic {
-    start: Instant,
+    /// What beats are waited for and lateness is counted from. One origin: of two, taken a page fault apart, each beat would seem late by as
+    /// much.
+    start: system::Start,
     period_ns: u64,
     /// Beat that is waited for next, in ns from the start.
     next_ns: u64,
-    wait: wait::Wait,
 }
 
 impl Monotonic {
     /// Beats `period_s` apart, from now on.
     pub fn new(period_s: f64) -> Self {
         let period_ns = nanoseconds(period_s);
-        Self { start: Instant::now(), period_ns, next_ns: period_ns, wait: wait::Wait::from_now() }
+        Self { start: system::Start::now(), period_ns, next_ns: period_ns }
     }
 }
 
 impl Clock for Monotonic {
     fn wait(&mut self) -> Woken {
-        self.wait.until(self.start, self.next_ns);
+        self.start.sleep_until(self.next_ns);
         let late_ns = self.now_ns().saturating_sub(self.next_ns);
         let missed = late_ns / self.period_ns;
         self.next_ns += (missed + 1) * self.period_ns;
@@ -72,7 +71,7 @@ impl Clock for Monotonic {
     }
 
     fn now_ns(&self) -> u64 {
-        whole(self.start.elapsed())
+        self.start.elapsed_ns()
     }
 }
 
@@ -82,33 +81,32 @@ fn nanoseconds(period_s: f64) -> u64 {
     ((period_s * 1e9).round() as u64).max(1)
 }
 
-/// Nanoseconds of a duration of less than 500 years.
-fn whole(duration: Duration) -> u64 {
-    u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
-}
-
 #[cfg(target_os = "linux")]
-mod wait {
+mod system {
     use rustix::thread::{ClockId, clock_nanosleep_absolute};
     use rustix::time::{Timespec, clock_gettime};
-    use std::time::Instant;
 
-    /// Sleeps until an absolute time, so that no error adds up.
+    /// A moment of the system's clock.
     #[derive(Debug)]
-    pub struct Wait {
-        start: Timespec,
-    }
+    pub struct Start(Timespec);
 
-    impl Wait {
-        pub fn from_now() -> Self {
-            Self { start: clock_gettime(rustix::time::ClockId::Monotonic) }
+    impl Start {
+        pub fn now() -> Self {
+            Self(clock_gettime(rustix::time::ClockId::Monotonic))
         }
 
-        pub fn until(&self, _: Instant, ns: u64) {
+        pub fn elapsed_ns(&self) -> u64 {
+            let now = Self::now().0;
+            let ns = (now.tv_sec - self.0.tv_sec) * SECOND_I + now.tv_nsec - self.0.tv_nsec;
+            u64::try_from(ns).unwrap_or(0)
+        }
+
+        /// Sleeps until an absolute time, so that no error adds up.
+        pub fn sleep_until(&self, ns: u64) {
             let (s, ns) = (i64::try_from(ns / SECOND).unwrap_or(i64::MAX), i64::try_from(ns % SECOND).unwrap_or(0));
-            let sum = self.start.tv_nsec + ns;
+            let sum = self.0.tv_nsec + ns;
             let carry = i64::from(sum >= SECOND_I);
-            let then = Timespec { tv_sec: self.start.tv_sec + s + carry, tv_nsec: sum - carry * SECOND_I };
+            let then = Timespec { tv_sec: self.0.tv_sec + s + carry, tv_nsec: sum - carry * SECOND_I };
             // A signal ends the sleep early; the time is absolute, so it is slept on.
             while clock_nanosleep_absolute(ClockId::Monotonic, &then)
                 .is_err_and(|error| error == rustix::io::Errno::INTR)
@@ -121,20 +119,25 @@ mod wait {
 }
 
 #[cfg(not(target_os = "linux"))]
-mod wait {
+mod system {
     use std::time::{Duration, Instant};
 
-    /// Sleeps; other systems than Linux are for trying out.
+    /// A moment; other systems than Linux are for trying out.
     #[derive(Debug)]
-    pub struct Wait;
+    pub struct Start(Instant);
 
-    impl Wait {
-        pub fn from_now() -> Self {
-            Self
+    impl Start {
+        pub fn now() -> Self {
+            Self(Instant::now())
         }
 
-        pub fn until(&self, start: Instant, ns: u64) {
-            std::thread::sleep((start + Duration::from_nanos(ns)).saturating_duration_since(Instant::now()));
+        /// Nanoseconds since, for less than 500 years.
+        pub fn elapsed_ns(&self) -> u64 {
+            u64::try_from(self.0.elapsed().as_nanos()).unwrap_or(u64::MAX)
+        }
+
+        pub fn sleep_until(&self, ns: u64) {
+            std::thread::sleep((self.0 + Duration::from_nanos(ns)).saturating_duration_since(Instant::now()));
         }
     }
 }

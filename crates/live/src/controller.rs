@@ -7,7 +7,8 @@ use crate::input_output::{Command, Sampled};
 use crate::row::Row;
 use crate::setup::{Beginning, Setup};
 use crate::supervision::{Asked, Seen, Supervision, Verdict};
-use crate::wish::{Around, FeelWish, Wish};
+use crate::wish::{FeelWish, Wish};
+use forcefeel_model::around::{Around, Led, Pace};
 use forcefeel_model::control::Control;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::followed::Followed;
@@ -17,13 +18,6 @@ use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::supervisor::Wish as Mode;
 use forcefeel_model::transducers::SENSORS;
-
-/// Fastest change of the commanded neutral, in rad/s, where the feel itself sets no limit; full travel in some seconds.
-const TRIM_RATE: f64 = 0.1;
-/// Fastest change of the factor on the spring, in 1/s.
-const STIFFNESS_FACTOR_RATE: f64 = 1.0;
-/// Fastest change of the shaker's share, in 1/s.
-const SHAKER_RATE: f64 = 5.0;
 
 /// Law, feel and supervisor of a running loop.
 #[derive(Debug, Clone)]
@@ -36,7 +30,9 @@ pub struct Controller {
     sensors: [f64; SENSORS],
     supervision: Supervision,
     asked: Asked,
-    around: Around,
+    /// What is wished for once the supervisor has been asked for off.
+    after_off: Option<Mode>,
+    led: Led<f64>,
     wanted: Around,
     host: Option<Guided>,
     change: Option<Change>,
@@ -63,12 +59,11 @@ impl Controller {
         let at_rest = setup.at_rest();
         let (followed, sensors, neutral) = match setup.beginning {
             Some(Beginning { sensors, delta, neutral }) => {
-                (Followed::begun(&control, at_rest, (sensors, delta, neutral)), sensors, neutral)
+                (Followed::begun((&effects, &control), at_rest, (sensors, delta, neutral)), sensors, neutral)
             }
             None => (Followed::new(&control, at_rest), [0.0; SENSORS], 0.0),
         };
         let trim_rad = neutral * control.per_delta();
-        let around = Around { trim_rad, ..Around::NONE };
         Ok(Self {
             parameters,
             shared: Shared { effects, ..shared },
@@ -78,8 +73,9 @@ impl Controller {
             sensors,
             supervision: Supervision::new(setup)?,
             asked: Asked { wish: Mode::Off, acknowledge: false, stop: false },
-            around,
-            wanted: around,
+            after_off: Some(Mode::Off),
+            led: Led::at(trim_rad),
+            wanted: Around { trim_rad, ..Around::NONE },
             host: setup.host.then(|| Guided::new(setup)),
             change: None,
             waiting: None,
@@ -103,9 +99,9 @@ impl Controller {
         match wish {
             Wish::Feel(feel) => self.waiting = Some(*feel),
             Wish::Around(around) => self.wanted = *around,
-            Wish::On => self.asked.wish = Mode::Active,
-            Wish::Passive => self.asked.wish = Mode::Passive,
-            Wish::Off => self.asked.wish = Mode::Off,
+            Wish::On => self.wish(Mode::Active),
+            Wish::Passive => self.wish(Mode::Passive),
+            Wish::Off => self.wish(Mode::Off),
             Wish::Acknowledge => self.asked.acknowledge = true,
             Wish::Stop => self.asked.stop = true,
             Wish::Host(packet) => {
@@ -113,6 +109,18 @@ impl Controller {
                     host.take(packet);
                 }
             }
+        }
+    }
+
+    /// A supervisor starts nothing before it was asked for off: so off counts for a cycle, as it does for the first, even where another wish
+    /// comes within it.
+    fn wish(&mut self, wish: Mode) {
+        if wish == Mode::Off {
+            (self.asked.wish, self.after_off) = (wish, Some(wish));
+        } else if let Some(after) = &mut self.after_off {
+            *after = wish;
+        } else {
+            self.asked.wish = wish;
         }
     }
 
@@ -137,10 +145,10 @@ impl Controller {
             emergency_stop: sampled.is_some_and(|sampled| sampled.emergency_stop),
             missed,
             host_age: of_host.age,
-            // A supervisor wants to have been asked for nothing before it is asked for something.
-            asked: if self.cycle == 0 { Asked { wish: Mode::Off, ..asked } } else { asked },
+            asked,
         };
         (self.asked.acknowledge, self.asked.stop) = (false, false);
+        self.asked.wish = self.after_off.take().unwrap_or(self.asked.wish);
         self.sensors = seen.sensors;
         let (supervision, mut verdict) = (&mut self.supervision, Verdict::NONE);
         let sample = sampled.map(|sampled| &sampled.sample);
@@ -196,28 +204,14 @@ impl Controller {
 
     /// What the feel is told from outside in this cycle.
     fn inputs(&mut self, fade: f64, of_host: &OfHost) -> Inputs {
-        let towards = |now: f64, wanted: f64, rate: f64| {
-            let most = rate * self.period_s;
-            now + (wanted - now).clamp(-most, most)
-        };
-        let (now, wanted) = (self.around, self.wanted);
-        let trim_rate = self.parameters.feel.trim_rate.min(TRIM_RATE);
-        self.around = Around {
-            trim_rad: towards(now.trim_rad, wanted.trim_rad, trim_rate),
-            stiffness_factor: towards(now.stiffness_factor, wanted.stiffness_factor, STIFFNESS_FACTOR_RATE),
-            shaker: towards(now.shaker, wanted.shaker, SHAKER_RATE),
-        };
+        let feel = &self.parameters.feel;
+        let (trim_rate, shaker_frequency) = (feel.trim_rate, feel.shaker_frequency);
+        let pace = Pace { trim_rate, shaker_frequency, period: self.period_s };
+        let around = self.led.step(&self.wanted, &pace);
         // What the person sets and what the host does go together.
-        let trim_rad = self.around.trim_rad + of_host.neutral;
-        let stiffness_factor = self.around.stiffness_factor * of_host.stiffness_factor;
-        let shaker = self.around.shaker.max(of_host.shaker);
-        let swing = if shaker == 0.0 {
-            0.0
-        } else {
-            let turns =
-                self.parameters.feel.shaker_frequency / core::f64::consts::TAU * count(self.cycle) * self.period_s;
-            shaker * forcefeel_model::Scalar::sin(turns.fract() * core::f64::consts::TAU)
-        };
+        let trim_rad = around.trim_rad + of_host.neutral;
+        let stiffness_factor = around.stiffness_factor * of_host.stiffness_factor;
+        let swing = self.led.swing(around.shaker.max(of_host.shaker), &pace);
         Inputs {
             trim: [self.supervision.neutral(trim_rad); 2],
             stiffness_factor: [stiffness_factor; 2],

@@ -5,7 +5,7 @@ use crate::controller::Controller;
 use crate::cycle::Cycles;
 use crate::host_link::{self, Heard};
 use crate::input_output::{Disturbance, InputOutput};
-use crate::priority::{Granted, ask, give_back};
+use crate::priority::{Granted, ask};
 use crate::record::Record;
 use crate::row::{COLUMNS, Row};
 use crate::status::Status;
@@ -63,6 +63,10 @@ struct Kept {
 const ROWS: usize = 1 << 14;
 /// Wishes and disturbances for which it has.
 const WISHES: usize = 64;
+/// How long what takes the rows sleeps; by the clock the ring has room for 3 s.
+const NAP: Duration = Duration::from_millis(5);
+/// The same in virtual time, where the ring is full after some 6 ms; each time it wakes, it may cost a cycle some 50 us.
+const VIRTUAL_NAP: Duration = Duration::from_millis(2);
 /// How often a record is brought to its file.
 const FLUSH: Duration = Duration::from_millis(250);
 
@@ -100,9 +104,9 @@ impl Running {
         let looper = thread::Builder::new().name("forcefeel-loop".into()).spawn(move || {
             let _ends = ends;
             if real_time {
-                let _ = given.set(ask());
+                let (granted, _held) = ask();
+                let _ = given.set(granted);
                 run.run(&mut Monotonic::new(period_s), cycles);
-                give_back();
             } else {
                 run.run(&mut AtOnce::new(period_s), cycles);
             }
@@ -113,7 +117,7 @@ impl Running {
             record,
             kept: Arc::clone(&kept),
             history,
-            nap: if real_time { Duration::from_millis(5) } else { Duration::from_micros(200) },
+            nap: if real_time { NAP } else { VIRTUAL_NAP },
             time_s: 0.0,
         };
         let looks_on = Arc::clone(&status);

@@ -102,8 +102,8 @@ impl Setup {
     /// What the sensors show where the column rests: [`Machine::sensors_at_rest`].
     pub fn at_rest(&self) -> [[f64; SENSORS]; 2] {
         match self.drive() {
-            DriveKind::Hydraulic => self.machine::<OfHydraulic>().sensors_at_rest(&self.shared()),
-            DriveKind::Electric => self.machine::<OfElectric>().sensors_at_rest(&self.shared()),
+            DriveKind::Hydraulic => self.machine::<OfHydraulic>().sensors_at_rest(&self.shared().effects),
+            DriveKind::Electric => self.machine::<OfElectric>().sensors_at_rest(&self.shared().effects),
         }
     }
 

@@ -15,8 +15,10 @@
 //! | 64 | bit 0: emergency stop, u32 | | |
 //! | 68 | CRC-32 of bytes 0 to 67, u32 | | |
 //!
-//! The machine sends a sample to whoever asked last, once a period or whenever a command comes. A sample that is not newer than the last one,
-//! damaged or of another version is counted and dropped.
+//! The machine sends a sample to whoever asked last, once a period or whenever a command comes. A sample that is damaged, of another version or
+//! not newer than the last one is dropped. Newer is the higher sequence number. Of a machine that was silent for some cycles it may also be the
+//! later clock: it was started anew and counts from the beginning, which a packet that comes late does not look like. One whose clock begins
+//! anew too is taken after a longer silence, which the supervisor has latched.
 
 use crate::input_output::{Command, InputOutput, Sampled};
 use forcefeel_model::control::Sample;
@@ -39,8 +41,10 @@ const ASK: u16 = 3;
 /// How long a sample is waited for in virtual time.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Cycles without a sample after which the machine is asked again.
+/// Cycles without a sample after which the machine is asked again, and may count from the beginning.
 const ASK_AGAIN: u32 = 16;
+/// Cycles without a sample after which its clock may begin anew too: a second at 5 kHz, some at less.
+const FORGET: u32 = 5000;
 
 /// A sample with its sequence number and the machine's clock in ns.
 #[derive(Debug, Clone, Copy)]
@@ -149,8 +153,15 @@ fn part<const N: usize, const M: usize>(bytes: &[u8; N], at: usize) -> [u8; M] {
 pub struct Udp {
     socket: UdpSocket,
     waits: bool,
-    last: Option<u64>,
+    last: Option<Last>,
     silent: u32,
+}
+
+/// Of the last sample.
+#[derive(Debug, Clone, Copy)]
+struct Last {
+    sequence: u64,
+    clock_ns: u64,
 }
 
 impl Udp {
@@ -181,13 +192,20 @@ impl Udp {
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
                 Err(_) => return None,
             };
-            if let Some(Stamped { sequence, sampled, .. }) = sample_of(&bytes[..count])
-                && self.last.is_none_or(|last| sequence > last)
+            if let Some(stamped) = sample_of(&bytes[..count])
+                && self.is_newer(&stamped)
             {
-                self.last = Some(sequence);
+                let Stamped { sequence, clock_ns, sampled } = stamped;
+                self.last = Some(Last { sequence, clock_ns });
                 return Some(sampled);
             }
         }
+    }
+
+    fn is_newer(&self, stamped: &Stamped) -> bool {
+        self.last.is_none_or(|last| {
+            stamped.sequence > last.sequence || (self.silent >= ASK_AGAIN && stamped.clock_ns > last.clock_ns)
+        })
     }
 }
 
@@ -199,10 +217,11 @@ impl InputOutput for Udp {
         {
             newest = Some(newer);
         }
-        self.silent = if newest.is_some() { 0 } else { self.silent + 1 };
-        if self.silent >= ASK_AGAIN {
-            // A machine that was started anew counts from the beginning.
-            (self.silent, self.last) = (0, None);
+        self.silent = if newest.is_some() { 0 } else { self.silent.saturating_add(1) };
+        if self.silent >= FORGET {
+            self.last = None;
+        }
+        if self.silent > 0 && self.silent.is_multiple_of(ASK_AGAIN) {
             let _ = self.socket.send(&ask_bytes());
         }
         newest
@@ -210,6 +229,6 @@ impl InputOutput for Udp {
 
     fn write(&mut self, command: &Command) {
         // A packet that cannot be sent is one that is lost: the machine misses it, and acts.
-        let _ = self.socket.send(&command_bytes(command, self.last.unwrap_or(0)));
+        let _ = self.socket.send(&command_bytes(command, self.last.map_or(0, |last| last.sequence)));
     }
 }

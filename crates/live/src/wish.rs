@@ -1,5 +1,6 @@
 //! What is asked of a running loop. Wishes go through a ring, by value, and into the record with the cycle that took them.
 
+pub use forcefeel_model::around::Around;
 use forcefeel_model::host::FromHost;
 use forcefeel_model::host::packet::HOST_NUMBERS;
 use forcefeel_model::observer::NUMBERS;
@@ -36,22 +37,6 @@ pub struct FeelWish {
     pub observer: Option<[f64; NUMBERS]>,
     /// Cycles over which it is faded in, one at least.
     pub cycles: u32,
-}
-
-/// What the feel is told from outside.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Around {
-    /// Commanded neutral in rad.
-    pub trim_rad: f64,
-    /// Factor on the feel's spring.
-    pub stiffness_factor: f64,
-    /// How far the stick shaker is on, 0 to 1.
-    pub shaker: f64,
-}
-
-impl Around {
-    /// Nothing: the spring as it is.
-    pub const NONE: Self = Self { trim_rad: 0.0, stiffness_factor: 1.0, shaker: 0.0 };
 }
 
 impl Wish {

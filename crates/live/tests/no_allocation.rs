@@ -1,9 +1,10 @@
-//! A cycle allocates nothing: with the machine simulated, over UDP, while the feel changes, while it trips.
+//! A cycle allocates nothing: with the machine simulated, over UDP, while the feel changes, while it trips, under a host.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use forcefeel_live::clock::{AtOnce, Clock, Woken};
 use forcefeel_live::controller::Controller;
 use forcefeel_live::cycle::Cycles;
+use forcefeel_live::host_link::OfHost;
 use forcefeel_live::input_output::{Disturbance, Fault, InputOutput};
 use forcefeel_live::setup::Setup;
 use forcefeel_live::simulated::{Script, simulated};
@@ -12,6 +13,8 @@ use forcefeel_live::udp::Udp;
 use forcefeel_live::wish::{Around, FeelWish, Wish};
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
+use forcefeel_model::host::FromHost;
+use forcefeel_model::host::packet::switches::{ACTIVE, AUTOPILOT, JAM, PUSHER, TRIM_RUNAWAY};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
 use rtrb::RingBuffer;
 use std::sync::Arc;
@@ -110,4 +113,26 @@ fn a_cycle_over_udp_allocates_nothing() {
     let machine = Udp::connect(address, false).expect("a socket");
     let mut loop_ = cycles(&setup, Box::new(machine), &[Wish::On], &[]);
     run(&mut loop_, 200, &mut AtOnce::new(setup.period_s()));
+}
+
+#[test]
+fn a_cycle_under_a_host_allocates_nothing() {
+    let mut setup = Setup { host: true, ..setup(true) };
+    let (machine, beginning) = simulated(&setup, Script::NONE);
+    setup.beginning = Some(beginning);
+    let (mut sends, packets) = RingBuffer::new(16);
+    let (answers, mut told) = RingBuffer::new(16);
+    let mut loop_ = Cycles { host: Some(OfHost { packets, answers }), ..cycles(&setup, machine, &[Wish::On], &[]) };
+    let mut clock = AtOnce::new(setup.period_s());
+    let mut heard = 0;
+    // Everything that a host can ask for, one after the other, then its silence and its fade.
+    for (sequence, also) in [0, AUTOPILOT, PUSHER, JAM, TRIM_RUNAWAY].into_iter().enumerate() {
+        let sequence = u32::try_from(sequence).expect("a few") + 1;
+        let packet = FromHost { sequence, switches: ACTIVE | also, ..FromHost::none() };
+        sends.push(packet).expect("there is room");
+        run(&mut loop_, 200, &mut clock);
+        heard += std::iter::from_fn(|| told.pop().ok()).count();
+    }
+    run(&mut loop_, 3000, &mut clock);
+    assert_eq!(heard, 5);
 }

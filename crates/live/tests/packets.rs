@@ -1,9 +1,10 @@
 //! Packets: what was written is read, and nothing else is.
 
-use forcefeel_live::input_output::{Command, Sampled};
-use forcefeel_live::udp::{Request, Stamped, ask_bytes, command_bytes, request_of, sample_bytes, sample_of};
+use forcefeel_live::input_output::{Command, InputOutput, Sampled};
+use forcefeel_live::udp::{Request, Stamped, Udp, ask_bytes, command_bytes, request_of, sample_bytes, sample_of};
 use forcefeel_live::wish::{Around, Wish};
 use forcefeel_model::control::Sample;
+use std::net::UdpSocket;
 
 fn stamped() -> Stamped {
     let sample = Sample { sensors: [1.5, -0.25, 1e-300, 7.0], pilot_force: f64::NAN };
@@ -39,6 +40,52 @@ fn every_damaged_byte_is_seen() {
         assert!(request_of(&damaged).is_none(), "byte {k}");
     }
     assert!(sample_of(&sample[..63]).is_none() && sample_of(&command).is_none() && request_of(&[]).is_none());
+}
+
+/// So many cycles of which none has a sample.
+fn silent(loop_: &mut Udp, cycles: usize) {
+    for _ in 0..cycles {
+        assert!(loop_.read().is_none());
+    }
+}
+
+#[test]
+fn what_comes_late_twice_or_out_of_order_is_dropped_and_a_machine_that_begins_anew_is_not() {
+    let machine = UdpSocket::bind("127.0.0.1:0").expect("a socket");
+    let mut loop_ = Udp::connect(machine.local_addr().expect("an address"), false).expect("a socket");
+    let (_, at) = machine.recv_from(&mut [0; 64]).expect("a request");
+    let send = |sequence, clock_ns| {
+        let bytes = sample_bytes(&Stamped { sequence, clock_ns, ..stamped() });
+        machine.send_to(&bytes, at).expect("sent");
+    };
+    send(10, 1000);
+    assert!(loop_.read().is_some());
+    for sequence in [10, 9, 1] {
+        send(sequence, 2000);
+        silent(&mut loop_, 1);
+    }
+    // Held back while the line was cut, whatever the silence was.
+    for cycles in [1, 15, 16, 200] {
+        silent(&mut loop_, cycles);
+        for sequence in [8, 10, 7, 7] {
+            send(sequence, 900 + sequence);
+        }
+        silent(&mut loop_, 1);
+    }
+    send(11, 3000);
+    assert!(loop_.read().is_some());
+    // Started anew: it counts from one, its clock went on.
+    silent(&mut loop_, 16);
+    send(1, 4000);
+    assert!(loop_.read().is_some());
+    send(2, 4001);
+    assert!(loop_.read().is_some());
+    // Its power was off: its clock begins anew too.
+    silent(&mut loop_, 4000);
+    send(1, 1);
+    silent(&mut loop_, 1000);
+    send(1, 1);
+    assert!(loop_.read().is_some());
 }
 
 #[test]

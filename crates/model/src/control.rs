@@ -103,7 +103,7 @@ impl<S: Scalar> Control<S> {
         // There is no tachometer: the velocity is the last period's difference.
         let base_rate = (base - remembered.base) / period;
         remembered.base = base;
-        let y = [force, piston, base * self.per_base, grip];
+        let y = self.sampled(&[force, piston, base, grip]);
         let [delta, delta_rate] = feeling.motion.at;
         let added =
             shared.cancellation.map(|known| known.command(piston, (piston - remembered.position) / period, delta_rate));
@@ -121,6 +121,7 @@ impl<S: Scalar> Control<S> {
             let x = [piston, force / self.force_per_effort, delta, delta_rate, base, base_rate, sample.pilot_force];
             Says::of_gains(self.law.command(&x), self.law.feel_torque(force))
         };
+        let says = if shared.effects.surroundings { self.trimmed(says, feeling.neutral, fade) } else { says };
         let asked = added.map_or(says.command, |added| says.command + added);
         let allowed = allow(&Answer { command: asked, torque: says.torque, base_rate });
         if shared.effects.observer {
@@ -147,6 +148,14 @@ impl<S: Scalar> Control<S> {
         let beyond = self.converters.cut_off(e);
         self.give_way(shared, &mut feeling.motion, (gain, allowed.map_or(beyond, |e| asked - e + beyond)), period);
         self.converters.write(e)
+    }
+
+    /// What the law says where the neutral of the feel is not zero.
+    #[inline(always)]
+    fn trimmed(&self, says: Says<S>, neutral: S, fade: f64) -> Says<S> {
+        let (from, to) = (self.observer.per_neutral(), self.next_observer.per_neutral());
+        let of = |k: usize| if fade == 0.0 { from[k] } else { from[k] + (to[k] - from[k]).times(fade) } * neutral;
+        Says { command: says.command + of(0), torque: says.torque + of(1), ..says }
     }
 
     /// The feel gives way where the drive does not follow: `beyond` of its command, of which there is `gain` per `delta`.
@@ -185,13 +194,32 @@ impl<S: Scalar> Control<S> {
         next
     }
 
-    /// What the law remembers at rest, where the sensors show `sensors` and the programmed displacement is `delta`.
+    /// What the law remembers in equilibrium, where the sensors show `sensors`, the programmed displacement is `delta` and its neutral
+    /// `neutral`.
     #[inline(always)]
-    pub fn remember(&self, [force, position, base, grip]: [S; SENSORS], delta: S) -> Remembered<S> {
-        let y = [force, position, base * self.per_base, grip];
-        let estimate = self.observer.at_rest(&y, delta);
+    pub fn remember(&self, effects: &Effects, sensors: [S; SENSORS], [delta, neutral]: [S; 2]) -> Remembered<S> {
+        let y = self.sampled(&sensors);
+        let untrimmed = if effects.surroundings { self.observer.untrimmed(delta, neutral) } else { delta };
+        self.remembering(&sensors, self.observer.at_rest(&y, untrimmed), delta)
+    }
+
+    /// What the law remembers where it has looked on for long, without a command, at sensors that show `sensors`.
+    pub fn looking_on(&self, sensors: [S; SENSORS]) -> Remembered<S> {
+        let y = self.sampled(&sensors);
+        self.remembering(&sensors, self.observer.looking_on(&y, y[0].zero()), self.delta_at(sensors[2]))
+    }
+
+    /// Sensors as a law takes them, the column's as an angle.
+    #[inline(always)]
+    pub(crate) fn sampled(&self, &[force, position, base, grip]: &[S; SENSORS]) -> [S; SAMPLED] {
+        [force, position, base * self.per_base, grip]
+    }
+
+    #[inline(always)]
+    fn remembering(&self, sensors: &[S; SENSORS], estimate: Estimate<S>, delta: S) -> Remembered<S> {
+        let (y, [_, position, base, _]) = (self.sampled(sensors), *sensors);
         let recalled = self.observer.says(&estimate, &y, [delta, base.zero()], None).recalled;
-        Remembered { base, position: y[1], estimate, recalled }
+        Remembered { base, position, estimate, recalled }
     }
 
     /// The feel at rest at the programmed displacement `delta`, its neutral in the same unit.

@@ -87,8 +87,13 @@ impl<S: Scalar> Converters<S> {
     /// Load cell force and piston displacement as the controller reads their voltages.
     #[inline(always)]
     pub fn read(&self, force: S, piston: S) -> (S, S) {
-        let convert = |value: S, gain: S| (value * gain).within(self.input_range).quantized(self.input_step) / gain;
-        (convert(force, self.load_cell_gain), convert(piston, self.potentiometer_gain))
+        (self.converted(force, self.load_cell_gain), self.converted(piston, self.potentiometer_gain))
+    }
+
+    /// A value through a converter of the inputs.
+    #[inline(always)]
+    fn converted(&self, value: S, gain: S) -> S {
+        (value * gain).within(self.input_range).quantized(self.input_step) / gain
     }
 
     /// The voltage that the controller gives for a command.

@@ -74,12 +74,20 @@ impl<S: Scalar> FeelComputer<'_, S> {
     /// Acceleration of `delta`, dry friction left out.
     #[inline(always)]
     pub fn acceleration(&self, at: (S, S), torque: S, around: &Surroundings<S>) -> S {
-        let acceleration = self.feel.acceleration(self.effects, self.curve, at, torque, around);
+        let acceleration = self.acceleration_of(self.feel, at, torque, around);
         if self.fade == 0.0 {
             return acceleration;
         }
-        let next = self.next.acceleration(self.effects, self.curve, at, torque, around);
+        let next = self.acceleration_of(self.next, at, torque, around);
         acceleration + (next - acceleration).times(self.fade)
+    }
+
+    #[inline(always)]
+    fn acceleration_of(&self, feel: &FeelLaw<S>, at: (S, S), torque: S, around: &Surroundings<S>) -> S {
+        let given = [at.0, at.1];
+        let [delta, rate] = S::part_begins(given);
+        let found = feel.acceleration(self.effects, self.curve, (delta, rate), torque, around);
+        S::part_ends(given, [found])[0]
     }
 
     /// Dry friction.
@@ -91,11 +99,11 @@ impl<S: Scalar> FeelComputer<'_, S> {
     /// What the soft stops did inside a step.
     #[inline(always)]
     pub fn soft_stop_push(&self, way: (S, S), rate: S, h: S) -> Push<S> {
-        let push = self.feel.soft_stops.push(way, rate, h, self.feel.per_torque);
+        let push = Self::push_of(self.feel, way, rate, h);
         if self.fade == 0.0 {
             return push;
         }
-        let next = self.next.soft_stops.push(way, rate, h, self.next.per_torque);
+        let next = Self::push_of(self.next, way, rate, h);
         let between = |a: S, b: S| a + (b - a).times(self.fade);
         Push {
             velocity: between(push.velocity, next.velocity),
@@ -103,18 +111,33 @@ impl<S: Scalar> FeelComputer<'_, S> {
         }
     }
 
-    /// A period under a torque that stays: a Runge-Kutta step of its own.
+    #[inline(always)]
+    fn push_of(feel: &FeelLaw<S>, way: (S, S), rate: S, h: S) -> Push<S> {
+        let given = [way.0, way.1, rate];
+        let [before, after, rate] = S::part_begins(given);
+        let push = feel.soft_stops.push((before, after), rate, h, feel.per_torque);
+        let [velocity, displacement] = S::part_ends(given, [push.velocity, push.displacement]);
+        Push { velocity, displacement }
+    }
+
+    /// Acceleration of `delta` without dry friction, and with what it does.
+    #[inline(always)]
+    fn pull(&self, grip: &Grip<S>, at: (S, S), torque: S, around: &Surroundings<S>) -> (S, S) {
+        let free = self.acceleration(at, torque, around);
+        if self.effects.feel_friction {
+            (free, S::select(grip.stuck, free.zero(), free + grip.drag))
+        } else {
+            (free, free)
+        }
+    }
+
+    /// A period under a torque that stays: a Runge-Kutta step of its own. Its four stages are a loop round one piece of code, which is
+    /// so small enough to go whole into every vector's loop: a closure of its own would be called there, number by number.
     #[inline(always)]
     pub fn run(&self, motion: &mut FeelMotion<S>, torque: S, around: &Surroundings<S>, h: S) {
         let effects = self.effects;
-        let friction = effects.feel_friction;
-        let pull = |grip: &Grip<S>, [delta, rate]: [S; 2]| {
-            let free = self.acceleration((delta, rate), torque, around);
-            let held = S::select(grip.stuck, free.zero(), free + grip.drag);
-            (free, if friction { held } else { free })
-        };
-        if friction {
-            let (free, _) = pull(&motion.grip, motion.at);
+        if effects.feel_friction {
+            let (free, _) = self.pull(&motion.grip, (motion.at[0], motion.at[1]), torque, around);
             // The torque jumped to its value at the sample: what broke away, did so now.
             let before = motion.grip.pull;
             let per_h = h.constant(1.0) / h;
@@ -123,26 +146,31 @@ impl<S: Scalar> FeelComputer<'_, S> {
             motion.grip = friction.grip(found.velocity, free);
             motion.at = [motion.at[0] + found.displacement, found.velocity];
         }
-        let (start, grip) = (motion.at, motion.grip);
-        let moved = |[delta, rate]: [S; 2], by: S| [start[0] + by * delta, start[1] + by * rate];
-        let limits = (start[0], start[1]);
-        let slope = |x: [S; 2]| {
-            let (delta, rate) =
-                if effects.feel_limits { self.feel.held_within(limits, (x[0], x[1])) } else { (x[0], x[1]) };
-            [rate, pull(&grip, [delta, rate]).1]
-        };
-        let k_1 = slope(start);
-        let k_2 = slope(moved(k_1, h.times(0.5)));
-        let k_3 = slope(moved(k_2, h.times(0.5)));
-        let k_4 = slope(moved(k_3, h));
-        let sum = |k: usize| (k_1[k] + k_4[k]) + (k_2[k] + k_3[k]).times(2.0);
-        let mut end = moved([sum(0), sum(1)], h.times(1.0 / 6.0));
+        let start = (motion.at[0], motion.at[1]);
+        let half = h.times(0.5);
+        let mut slopes = [[h.zero(); 2]; 4];
+        for stage in 0..4 {
+            let by = if stage == 3 { h } else { half };
+            let at = if stage == 0 {
+                start
+            } else {
+                (start.0 + by * slopes[stage - 1][0], start.1 + by * slopes[stage - 1][1])
+            };
+            let within = if effects.feel_limits { self.feel.held_within(start, at) } else { at };
+            slopes[stage] = [within.1, self.pull(&motion.grip, within, torque, around).1];
+        }
+        let [k_1, k_2, k_3, k_4] = slopes;
+        let sixth = h.times(1.0 / 6.0);
+        let mut end = [start.0, start.1];
+        for k in 0..2 {
+            end[k] = end[k] + sixth * ((k_1[k] + k_4[k]) + (k_2[k] + k_3[k]).times(2.0));
+        }
         if effects.feel_limits {
-            let (delta, rate) = self.feel.limited((start[0], start[1]), (end[0], end[1]), h);
+            let (delta, rate) = self.feel.limited(start, (end[0], end[1]), h);
             end = [delta, rate];
         }
         if effects.feel_damping_and_stops {
-            let push = self.soft_stop_push((start[0], end[0]), end[1], h);
+            let push = self.soft_stop_push((start.0, end[0]), end[1], h);
             end = [end[0] + push.displacement, end[1] + push.velocity];
         }
         motion.at = end;

@@ -4,6 +4,7 @@
 
 use crate::Scalar;
 use crate::control::{Answer, Control, Feeling, Remembered, Sample};
+use crate::effects::Effects;
 use crate::machine::{Inputs, Shared};
 use crate::supervisor::{Allowed, finite};
 use crate::transducers::SENSORS;
@@ -33,7 +34,7 @@ pub struct Followed<S: Scalar> {
     feeling: Feeling<S>,
     /// Whether law and feel know where the column stands.
     placed: bool,
-    /// What the sensors show in equilibrium with the column at zero and at another angle: [`Machine::sensors_at_rest`].
+    /// What the sensors show with the column at rest at zero and at another angle: [`Machine::sensors_at_rest`].
     ///
     /// [`Machine::sensors_at_rest`]: crate::machine::Machine::sensors_at_rest
     at_rest: [[S; SENSORS]; 2],
@@ -45,24 +46,27 @@ impl<S: Scalar> Followed<S> {
     /// They find out at the first sample where the column stands.
     pub fn new(control: &Control<S>, at_rest: [[S; SENSORS]; 2]) -> Self {
         let zero = at_rest[0][0].zero();
-        let begun = Self::begun(control, at_rest, ([zero; SENSORS], zero, zero));
-        Self { placed: false, ..begun }
+        Self {
+            remembered: control.looking_on(at_rest[0]),
+            feeling: control.resting(zero, zero),
+            placed: false,
+            at_rest,
+            answer: Answer { command: zero, torque: zero, base_rate: zero },
+            command: zero,
+        }
     }
 
     /// They begin in an equilibrium: its sensors, and the feel's displacement and neutral.
     pub fn begun(
-        control: &Control<S>,
+        (effects, control): (&Effects, &Control<S>),
         at_rest: [[S; SENSORS]; 2],
         (sensors, delta, neutral): ([S; SENSORS], S, S),
     ) -> Self {
-        let zero = delta.zero();
         Self {
-            remembered: control.remember(sensors, delta),
+            remembered: control.remember(effects, sensors, [delta, neutral]),
             feeling: control.resting(delta, neutral),
             placed: true,
-            at_rest,
-            answer: Answer { command: zero, torque: zero, base_rate: zero },
-            command: zero,
+            ..Self::new(control, at_rest)
         }
     }
 
@@ -127,8 +131,8 @@ impl<S: Scalar> Followed<S> {
         if passed.enable { written } else { written.zero() }
     }
 
-    /// The law begins in the equilibrium where the column stands. What the drive's sensor and the load cell show besides is not taken for
-    /// rest: a law that integrates would make volts of their noise, and take long to forget it.
+    /// The law begins as if it had looked on for long where the column stands. What the drive's sensor and the load cell show besides is not
+    /// taken for rest: a law that integrates would make volts of their noise, and take long to forget it.
     fn place(&mut self, control: &Control<S>, sensors: &[S; SENSORS]) {
         if self.placed {
             return;
@@ -137,7 +141,7 @@ impl<S: Scalar> Followed<S> {
         let [zero, there] = &self.at_rest;
         let share = (sensors[2] - zero[2]) / (there[2] - zero[2]);
         let sensors_there = core::array::from_fn(|k| zero[k] + (there[k] - zero[k]) * share);
-        self.remembered = control.remember(sensors_there, control.delta_at(sensors[2]));
+        self.remembered = control.looking_on(sensors_there);
         self.rest(control, sensors[2]);
     }
 

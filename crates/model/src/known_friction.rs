@@ -28,9 +28,9 @@
 //! what it can teach is bounded by `g_-`, `g_+`.
 //!
 //! The set of torques of dry friction: B. Armstrong-Helouvry, P. Dupont, C. Canudas de Wit, A survey of models, analysis tools and
-//! compensation methods for the control of machines with friction, Automatica 30 (1994) 1083-1138. The play operator: M. A.
+//! compensation methods for the control of machines with friction, Automatica 30(7) (1994) 1083-1138. The play operator: M. A.
 //! Krasnosel'skii, A. V. Pokrovskii, Systems with Hysteresis, Springer 1989. A level learnt from what is left over, along the sign of
-//! the rate: B. Friedland, Y.-J. Park, On adaptive friction compensation, IEEE Trans. Automatic Control 37 (1992) 1609-1612.
+//! the rate, goes back to B. Friedland and Y.-J. Park (1991, as later papers cite them).
 
 use crate::Scalar;
 use crate::observer::{Estimate, KNOWN, MOST_STATES, SAMPLED, said};
@@ -129,6 +129,15 @@ impl<S: Scalar> KnownFriction<S> {
         recalled: Recalled<S>,
     ) -> (Recalled<S>, S) {
         let v = said(&self.rate, xi, y, feel);
+        let given = [estimated, v];
+        let found = self.at_rate(S::part_begins(given), &recalled);
+        let [heard, learnt, trusted, push, way, friction] = S::part_ends(given, found);
+        (Recalled { heard, learnt, trusted, push, way }, friction)
+    }
+
+    /// The next `T, g, h, T_b, w_b`, and `f`, where `T_o` is estimated at the rate `v`.
+    #[inline(always)]
+    fn at_rate(&self, [estimated, v]: [S; 2], recalled: &Recalled<S>) -> [S; 6] {
         let one = v.constant(1.0);
         // A law without friction, beside one with it in a batch, has no slow rate either.
         let slow = self.slow.max(v.constant(SLOWEST));
@@ -142,15 +151,10 @@ impl<S: Scalar> KnownFriction<S> {
         let drifted = recalled.heard + (total - recalled.heard) * self.leak;
         let played = drifted.clamp(total + low * band, total + high * band);
         let heard = S::select(v.zero().less(self.level), played, total);
-        let (learnt, trusted) = self.learnt(estimated, way, &recalled);
-        let recalled = Recalled {
-            heard,
-            learnt,
-            trusted,
-            push: recalled.push + (estimated - recalled.push) * self.blur,
-            way: recalled.way + (way - recalled.way) * self.blur,
-        };
-        (recalled, friction)
+        let (learnt, trusted) = self.learnt(estimated, way, recalled);
+        let push = recalled.push + (estimated - recalled.push) * self.blur;
+        let way = recalled.way + (way - recalled.way) * self.blur;
+        [heard, learnt, trusted, push, way, friction]
     }
 
     /// What is known beyond `F` after a sample, and trusted: what is estimated of a hand that is off was the friction's.

@@ -30,6 +30,7 @@
 //! | digital controller: its period from sample to command; when it acts, its converters | [`control`], [`controller`] |
 //! | its law with an observer, the friction that it knows | [`observer`], [`known_friction`] |
 //! | what it adds against a known disturbance of the drive | [`cancellation`] |
+//! | what a person sets around the feel, and how evenly it comes | [`around`] |
 //! | which of these are in play | [`effects`] |
 //! | what a bench measures of it | [`channels`] |
 //! | what keeps a live loader safe; law and feel under it | [`supervisor`], [`followed`] |
@@ -40,6 +41,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod around;
 mod bisect;
 pub mod cancellation;
 pub mod channels;

@@ -5,10 +5,11 @@
 //!
 //! | | |
 //! |---|---|
-//! | `T = t [xi; y; delta; delta']` | torque |
-//! | `e = c [xi; y; delta; delta']` | command |
+//! | `T = t [xi; y; delta; delta'] + t_n n` | torque; `n` the feel's neutral |
+//! | `e = c [xi; y; delta; delta'] + c_n n` | command |
 //! | `xi+ = A xi + B [y; e]` | state at the next sample, with `e` as the amplifier answers it |
-//! | `xi = R [y; delta]` | state at rest, with `e` its own command |
+//! | `xi = R [y; delta]` | state in the equilibrium of the loop that it closes, with `e` its own command |
+//! | `xi = A xi + B [y; e]` | state where it only looks on, for long |
 //!
 //! Regulators, Kalman filters, feed-forward from the feel and disturbance estimates are all sets of numbers of this one law,
 //! so the step need not know which it runs. Coordinates of `xi` are the law's own. What a law knows of the column's dry friction stands
@@ -24,7 +25,7 @@ pub const MOST_STATES: usize = 9;
 pub const SAMPLED: usize = 4;
 
 /// Numbers of a law, in the order of [`Observer::from_numbers`].
-pub const NUMBERS: usize = MOST_STATES * (MOST_STATES + 2 * (SAMPLED + 1)) + 2 * KNOWN + FRICTION_NUMBERS;
+pub const NUMBERS: usize = MOST_STATES * (MOST_STATES + 2 * (SAMPLED + 1)) + 2 * KNOWN + 2 + FRICTION_NUMBERS;
 
 /// What command and torque are made of: `[xi; y; delta; delta']`.
 pub(crate) const KNOWN: usize = MOST_STATES + SAMPLED + 2;
@@ -40,6 +41,7 @@ pub struct Observer<S> {
     command: [S; KNOWN],
     torque: [S; KNOWN],
     settled: [[S; SAMPLED + 1]; MOST_STATES],
+    neutral: [S; 2],
     friction: KnownFriction<S>,
 }
 
@@ -57,7 +59,7 @@ pub struct Says<S> {
 }
 
 impl<S: Scalar> Observer<S> {
-    /// The law of these numbers: `A` and `B` row by row, `c`, `t`, `R` row by row, then those of the friction; SI units.
+    /// The law of these numbers: `A` and `B` row by row, `c`, `t`, `R` row by row, `c_n`, `t_n`, then those of the friction; SI units.
     #[inline(always)]
     pub fn from_numbers(numbers: &[S; NUMBERS]) -> Self {
         let mut next = 0;
@@ -88,6 +90,7 @@ impl<S: Scalar> Observer<S> {
                 *entry = take();
             }
         }
+        law.neutral = [take(), take()];
         law.friction = KnownFriction::take(take);
         law
     }
@@ -102,6 +105,7 @@ impl<S: Scalar> Observer<S> {
             command: [zero; KNOWN],
             torque: [zero; KNOWN],
             settled: [[zero; SAMPLED + 1]; MOST_STATES],
+            neutral: [zero; 2],
             friction: KnownFriction::none(zero),
         }
     }
@@ -136,7 +140,44 @@ impl<S: Scalar> Observer<S> {
         next
     }
 
-    /// The state at rest.
+    /// The state where sensors and command have been the same for long: `(1 - A) xi = B [y; e]`.
+    ///
+    /// [`at_rest`](Self::at_rest) is no such state. It asks which command the law itself would settle at, and a law that integrates what the sensors are
+    /// apart settles, where they and the feel are apart by their noise, at thousands of volts.
+    #[expect(clippy::needless_range_loop, reason = "rows and columns by their numbers, as in the equation")]
+    pub fn looking_on(&self, y: &[S; SAMPLED], e: S) -> Estimate<S> {
+        let (zero, one) = (e.zero(), e.constant(1.0));
+        let mut rows = self.transition;
+        let mut right = self.next(&[zero; MOST_STATES], y, e, None);
+        for k in 0..MOST_STATES {
+            for j in 0..MOST_STATES {
+                rows[k][j] = if k == j { one - rows[k][j] } else { -rows[k][j] };
+            }
+        }
+        // Gauss: the largest of each column comes to the diagonal.
+        for k in 0..MOST_STATES {
+            for below in k + 1..MOST_STATES {
+                if S::any(rows[k][k].abs().less(rows[below][k].abs())) {
+                    rows.swap(k, below);
+                    right.swap(k, below);
+                }
+                let share = quotient(rows[below][k], rows[k][k]);
+                for j in k..MOST_STATES {
+                    rows[below][j] = rows[below][j] - share * rows[k][j];
+                }
+                right[below] = right[below] - share * right[k];
+            }
+        }
+        for k in (0..MOST_STATES).rev() {
+            for j in k + 1..MOST_STATES {
+                right[k] = right[k] - rows[k][j] * right[j];
+            }
+            right[k] = quotient(right[k], rows[k][k]);
+        }
+        right
+    }
+
+    /// The state in the equilibrium of the loop that it closes.
     #[inline(always)]
     pub fn at_rest(&self, y: &[S; SAMPLED], delta: S) -> Estimate<S> {
         let mut xi = [delta.zero(); MOST_STATES];
@@ -158,6 +199,25 @@ impl<S: Scalar> Observer<S> {
             }
         }
         per
+    }
+
+    /// Command and torque per radian of the feel's neutral.
+    #[inline(always)]
+    pub fn per_neutral(&self) -> [S; 2] {
+        self.neutral
+    }
+
+    /// Displacement at which a feel whose neutral is at zero asks for the same command.
+    #[inline(always)]
+    pub fn untrimmed(&self, delta: S, neutral: S) -> S {
+        delta + quotient(self.neutral[0], self.per_delta()) * neutral
+    }
+
+    /// Torque in equilibrium by the feel's displacement and neutral alone.
+    #[inline(always)]
+    pub fn feel_torque_at_rest(&self, delta: S, neutral: S) -> S {
+        let (direct, [.., whole]) = (self.torque[MOST_STATES + SAMPLED], self.torque_at_rest());
+        direct * delta + (whole - direct) * self.untrimmed(delta, neutral) + self.neutral[1] * neutral
     }
 
     /// Command per radian of the feel.
@@ -184,6 +244,11 @@ impl<S: Scalar> Says<S> {
             recalled: self.recalled.towards(next.recalled, share),
         }
     }
+}
+
+/// `a / b`; zero where there is nothing to divide by, as of a state that keeps what it has.
+fn quotient<S: Scalar>(a: S, b: S) -> S {
+    S::select(b.zero().less(b.abs()), a / b, b.zero())
 }
 
 /// What a row of numbers makes of `[xi; y; delta; delta']`.

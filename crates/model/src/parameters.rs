@@ -404,7 +404,7 @@ parameter_table! {
     /// What the supervisor of a loader that runs live allows; each row has a default, see the guide to safety.
     safety: Safety {}
     optional {
-        force_limit: "F_1", "force at the grip that stops the loader once it lasts; 14 CFR 25.143(d), pitch, for a short time", FORCE, 75.0, 0.1..1e4, off 75.0;
+        force_limit: "F_1", "force at the grip that stops the loader once it lasts; 14 CFR 25.143(d) has one for each axis, for a short time", FORCE, 75.0, 0.1..1e4, off 75.0;
         force_time: "t_1", "how long such a force may last", TIME, 5000.0, 1.0..1e5, off 5000.0;
         absolute_force: "F_2", "force at the grip that stops the loader at once; 14 CFR 25.397(c), largest at a wheel's rim or on pedals", FORCE, 300.0, 0.1..1e4, off 300.0;
         force_rate: "F'_max", "largest change of the force at the grip in time", FORCE_RATE, 20000.0, 1.0..1e7, off f64::INFINITY;

@@ -59,6 +59,18 @@ pub trait Scalar:
         self
     }
 
+    /// Begins a part of a period that is done several times, with what it is given. A number that writes down its operations puts others in
+    /// place of these, and so writes the part once.
+    #[inline(always)]
+    fn part_begins<const N: usize>(given: [Self; N]) -> [Self; N] {
+        given
+    }
+    /// Ends a part, with what [`part_begins`](Self::part_begins) was given, and with what was found.
+    #[inline(always)]
+    fn part_ends<const N: usize, const M: usize>(_given: [Self; N], found: [Self; M]) -> [Self; M] {
+        found
+    }
+
     /// `self` times a constant.
     #[inline(always)]
     fn times(self, factor: f64) -> Self {

@@ -116,7 +116,7 @@ impl<S: Scalar> Allowed<S> {
 /// A loader's supervisor.
 #[derive(Debug, Clone, Copy)]
 pub struct Supervisor<S> {
-    limits: Limits,
+    limits: Limits<S>,
     sensors: Sensors<S>,
     watch: Watch<S>,
     command: Command<S>,
@@ -130,7 +130,7 @@ impl<S: Scalar> Supervisor<S> {
     /// A loader that is off; `like`: any number of the kind. Numbers that stand for several runs at once have no one state.
     pub fn new(limits: Limits, like: S) -> Self {
         Self {
-            limits,
+            limits: limits.numbers_of(like),
             sensors: Sensors::new(like),
             watch: Watch::new(like),
             command: Command::new(like),
@@ -141,7 +141,7 @@ impl<S: Scalar> Supervisor<S> {
     }
 
     /// The limits.
-    pub fn limits(&self) -> &Limits {
+    pub fn limits(&self) -> &Limits<S> {
         &self.limits
     }
 
@@ -179,7 +179,7 @@ impl<S: Scalar> Supervisor<S> {
 
     /// What comes of the state.
     #[inline(always)]
-    fn act(&mut self, limits: &Limits, told: &Told<S>, mut found: Functions) -> Allowed<S> {
+    fn act(&mut self, limits: &Limits<S>, told: &Told<S>, mut found: Functions) -> Allowed<S> {
         let follows = self.sequence.follows();
         if self.sequence.is_cut() {
             self.command.cut();
@@ -210,13 +210,19 @@ impl<S: Scalar> Supervisor<S> {
 
     /// Holds the host's values, then leads to the default feel, and back when the host speaks again.
     #[inline(always)]
-    fn host(&mut self, limits: &Limits, age: Option<u32>, found: &mut Functions) {
+    fn host(&mut self, limits: &Limits<S>, age: Option<u32>, found: &mut Functions) {
         let silent = age.is_some_and(|samples| samples >= limits.host);
         *found = found.with(Function::HostSilent, silent);
-        let step = self.host_share.constant(limits.host_step);
+        let step = limits.host_step;
         let moved = if silent { self.host_share - step } else { self.host_share + step };
         self.host_share = moved.clamp(step.zero(), step.constant(1.0));
     }
+}
+
+/// A number of periods. It is one but where samples did not come, and a board need not convert that.
+#[inline(always)]
+fn count<S: Scalar>(periods: u32, like: S) -> S {
+    if periods == 1 { like.constant(1.0) } else { like.constant(f64::from(periods)) }
 }
 
 /// Whether one number is below another.

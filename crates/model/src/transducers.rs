@@ -121,8 +121,11 @@ impl<S: Scalar> Transducers<S> {
     /// A sample: with offset, with noise (`normal` is standard normal), in steps of the resolution.
     #[inline(always)]
     pub fn sample(&self, shown: [S; SENSORS], normal: [S; SENSORS]) -> [S; SENSORS] {
-        let one = |k: usize| (shown[k] + self.offset[k] + self.noise[k] * normal[k]).quantized(self.resolution[k]);
-        [one(0), one(1), one(2), one(3)]
+        let mut seen = shown;
+        for k in 0..SENSORS {
+            seen[k] = (shown[k] + self.offset[k] + self.noise[k] * normal[k]).quantized(self.resolution[k]);
+        }
+        seen
     }
 }
 

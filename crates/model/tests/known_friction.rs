@@ -20,7 +20,9 @@ const BLUR: f64 = 0.05;
 const TRUST: f64 = 2e-3;
 /// Length of `[xi; y; delta; delta']`.
 const KNOWN: usize = MOST_STATES + SAMPLED + 2;
-const TORQUE: usize = NUMBERS - FRICTION_NUMBERS - MOST_STATES * (SAMPLED + 1) - KNOWN;
+/// Command and torque per radian of the neutral.
+const OF_NEUTRAL: usize = 2;
+const TORQUE: usize = NUMBERS - FRICTION_NUMBERS - OF_NEUTRAL - MOST_STATES * (SAMPLED + 1) - KNOWN;
 const RATE: usize = NUMBERS - FRICTION_NUMBERS;
 
 /// A law whose first state is the torque on the column, its second the column's rate, and which moves the first by the friction.

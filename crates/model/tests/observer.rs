@@ -20,6 +20,9 @@ const C: usize = B + MOST_STATES * SIGNALS;
 const T: usize = C + KNOWN;
 const R: usize = T + KNOWN;
 
+/// Command and torque per radian of the neutral.
+const OF_NEUTRAL: usize = 2;
+
 /// Errors of sums of some fourteen products of numbers of one size.
 const SUM: f64 = 1e-14;
 const DRAWS: usize = 50;
@@ -45,7 +48,7 @@ fn random_law(draws: &mut Draws) -> ([f64; NUMBERS], Estimate<f64>, [f64; SAMPLE
 
 #[test]
 fn numbers_are_those_of_all_matrices() {
-    assert_eq!(R + MOST_STATES * SIGNALS + FRICTION_NUMBERS, NUMBERS);
+    assert_eq!(R + MOST_STATES * SIGNALS + OF_NEUTRAL + FRICTION_NUMBERS, NUMBERS);
 }
 
 #[test]
@@ -85,6 +88,32 @@ fn state_at_rest_is_the_matrix_times_sample_and_feel() {
             assert_within(xi, dot(row(&numbers, R, k, SIGNALS), &rests_by), SUM);
         }
     }
+}
+
+#[test]
+fn state_where_it_looks_on_is_the_one_that_comes_to_be() {
+    let mut draws = Draws::new(9);
+    for _ in 0..DRAWS {
+        let (mut numbers, mut xi, y, [e, _]) = random_law(&mut draws);
+        // Entries up to 1: a row's sum stays below 0.9, so what was there before is forgotten.
+        numbers[..B].iter_mut().for_each(|entry| *entry *= 0.1);
+        let law = Observer::from_numbers(&numbers);
+        let found = law.looking_on(&y, e);
+        for _ in 0..500 {
+            xi = law.next(&xi, &y, e, None);
+        }
+        for k in 0..MOST_STATES {
+            assert_within(found[k], xi[k], 100.0 * SUM); // sums of what is up to ten times as large
+        }
+    }
+}
+
+#[test]
+fn a_law_that_keeps_what_it_has_begins_with_nothing() {
+    let mut numbers = [0.0; NUMBERS];
+    numbers[0] = 1.0; // xi_0+ = xi_0
+    let found = Observer::from_numbers(&numbers).looking_on(&[1.0; SAMPLED], 1.0);
+    assert!(found.iter().all(|&xi: &f64| xi.abs() < f64::MIN_POSITIVE));
 }
 
 #[test]

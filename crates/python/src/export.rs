@@ -17,9 +17,10 @@ pub struct LawSource {
     /// Name of each state, and whether it is a flag.
     states: Vec<(String, bool)>,
     inputs: Vec<String>,
+    functions: Vec<String>,
     step: String,
-    between: Option<String>,
     reset: String,
+    same: String,
     members: String,
     settings: Vec<String>,
     operations: (usize, usize),
@@ -58,9 +59,9 @@ impl ExportedLaw {
 
     /// The law as C.
     fn source(&self, py: Python<'_>) -> LawSource {
-        let Source { states, inputs, step, between, reset, members, settings, operations } =
+        let Source { states, inputs, functions, step, reset, same, members, settings, operations } =
             py.detach(|| Source::of(&self.0));
-        LawSource { states, inputs, step, between, reset, members, settings, operations }
+        LawSource { states, inputs, functions, step, reset, same, members, settings, operations }
     }
 
     /// Command, torque, displacement and rate of the feel (samples, 4) for `inputs` (samples, 8) in settings `from`, `to` (samples, 2),

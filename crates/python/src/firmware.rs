@@ -153,7 +153,7 @@ fn standing<K: Kind>(loader: &Loader, settings: &[Setting]) -> [[f64; SAMPLED]; 
     let parameters = setting.parameters(0.0);
     let gains = Compensator::state_feedback(&parameters, [0.0; 7]);
     let machine = Machine::<f64, K::Of<f64>>::new(&parameters, gains, &shared).with_observer(setting.law(0.0));
-    machine.sensors_at_rest(&shared)
+    machine.sensors_at_rest(&shared.effects)
 }
 
 /// Files of the board's library, by their places below a workspace.

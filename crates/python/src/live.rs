@@ -210,13 +210,11 @@ impl LiveLoop {
         (edges, status.late.counts().to_vec(), status.work.counts().to_vec())
     }
 
-    /// Priority and locked memory, each as it was given or why not; nothing in virtual time.
-    fn granted(&self) -> Option<(Option<u8>, String, bool, String)> {
-        self.running.granted().map(|given| {
-            let why = |refused: Option<&String>| refused.cloned().unwrap_or_default();
-            let (fifo, locked) = (&given.fifo, &given.locked);
-            (fifo.as_ref().ok().copied(), why(fifo.as_ref().err()), locked.is_ok(), why(locked.as_ref().err()))
-        })
+    /// Why the thread got no priority, no locked memory, no processor that stays awake, each nothing where it did; nothing in virtual time.
+    fn refused(&self) -> Option<[Option<String>; 3]> {
+        self.running
+            .granted()
+            .map(|given| [&given.fifo, &given.locked, &given.awake].map(|it| it.as_ref().err().cloned()))
     }
 
     /// Ends the loop, its drive off, and closes the record.

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from forcefeel.cli.options import OUTPUT, FolderOptions, LawOption, LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.options import OUTPUT, FolderOptions, JsonOptions, LawOption, LoaderFile, LoaderOptions, option
 from forcefeel.cli.release_options import ASKED
 from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExportOptions(LoaderOptions, FolderOptions, OutputOptions):
+class ExportOptions(LoaderOptions, FolderOptions, JsonOptions):
     """The options of ``forcefeel export``."""
 
     to: Annotated[
@@ -84,17 +84,19 @@ def run(path: LoaderFile = None, /, *, options: ExportOptions) -> None:
 
     Example: forcefeel export elevator-2khz --law robust --to matlab --name pitch --out pitch
     """
-    from forcefeel.export import Target, write_export
+    from forcefeel.export import Target, export_folder, write_export
 
     if options.single and options.to not in {"c", "firmware"}:
         raise InputError(f"--single: is for --to c and firmware, and --to is {options.to}; leave it out")
     if options.target is not None and options.to != "firmware":
         raise InputError(f"--target: is for --to firmware, and --to is {options.to}; leave it out")
+    target = Target(options.to)
+    export_folder(target, options.name, triple=options.target).check(options.out, replace=options.replace)
     exported = options.exported(path)
     try:
         files = write_export(
             exported,
-            Target(options.to),
+            target,
             options.out,
             replace=options.replace,
             single=options.single,

@@ -1,5 +1,6 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
 from forcefeel.export.exported import Exported as Exported
+from forcefeel.export.folder import export_folder as export_folder
 from forcefeel.export.folder import write_export as write_export
 from forcefeel.export.target import Target as Target

@@ -42,6 +42,11 @@ _FILES = {
 }
 
 
+def c_names(name: str) -> tuple[str, ...]:
+    """What :func:`c_files` gives."""
+    return tuple(file.format(name) for file in _FILES.values())
+
+
 def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
     """The files by their names; ``single`` for a target that computes in single precision.
 
@@ -183,11 +188,12 @@ def _of_source(source: LawSource) -> dict[str, object]:
     return {
         "states": source.states,
         "step": source.step,
-        "between": source.between,
+        "functions": source.functions,
+        "same": source.same,
         "reset": source.reset,
         "members": source.members,
         "data": source.settings,
-        "code": "".join((source.step, source.between or "", source.reset, *source.settings)),
+        "code": "".join((*source.functions, source.step, source.reset, source.same, *source.settings)),
         "operations": f"{single} as written, {looped} in loops over data",
     }
 

@@ -37,6 +37,13 @@ _FILES = {
     "Makefile": "Makefile",
     "README.md": "README.md",
 }
+_OF_BOARD = ("reset.c", "board.ld")
+_LIBRARY = "libforcefeel.a"
+
+
+def firmware_names(name: str, triple: str | None) -> tuple[str, ...]:
+    """What :func:`firmware_files` gives."""
+    return (*(file.format(name) for file in _FILES.values()), *(_OF_BOARD if triple == BOARD else ()), _LIBRARY)
 
 
 def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> dict[str, str | bytes]:
@@ -72,8 +79,8 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
         for template, name in _FILES.items()
     }
     if triple == BOARD:
-        files |= {name: (_HERE / "board" / name).read_text(encoding="utf-8") for name in ("reset.c", "board.ld")}
-    return files | {"libforcefeel.a": _library(triple, single=single)}
+        files |= {name: (_HERE / "board" / name).read_text(encoding="utf-8") for name in _OF_BOARD}
+    return files | {_LIBRARY: _library(triple, single=single)}
 
 
 def board_axis(exported: Exported) -> BoardAxis:
@@ -112,7 +119,9 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     random = np.random.default_rng(_SEED)
     stirred = np.repeat(sweep[:1], PART, axis=0)
     stirred[:, 0] += 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
-    stirred[:, 4:7] += [0.02, 0.2, 0.5] * random.uniform(-1, 1, (PART, 3))
+    # Trim, factor and shaker jump each tenth of a second or so, and are led there.
+    stirred[:, 4:7] += np.repeat([0.02, 0.2, 0.5] * random.uniform(-1, 1, (-(-PART // 150), 3)), 150, axis=0)[:PART]
+    stirred[:, 6] = np.abs(stirred[:, 6])
     added = 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
     given = np.vstack([still, sweep, stopped, still, stirred])
     given = np.column_stack([given, np.concatenate([np.zeros(len(given) - PART), added])])

@@ -24,10 +24,16 @@ KINDS = {
 LONGEST_STEP_S = 1e-3
 """Of the machine, as of ``Scenario.step_s``."""
 
+_FILE = "{}_{}_fmi{}.fmu"
 _ICON = Path(__file__).parent / "fmu" / "icon.png"
 _ICONS = {"2.0": "model.png", "3.0": "terminalsAndIcons/icon.png"}
 _WHEN = (1980, 1, 1, 0, 0, 0)
 """Of every file in the zip: the same export gives the same bytes."""
+
+
+def fmu_names(name: str) -> tuple[str, ...]:
+    """What :func:`fmu_files` gives."""
+    return tuple(_FILE.format(name, kind, version[0]) for kind in KINDS for version in PLATFORMS)
 
 
 def fmu_files(exported: Exported) -> dict[str, str | bytes]:
@@ -63,7 +69,7 @@ def fmu_files(exported: Exported) -> dict[str, str | bytes]:
                 "resources/loader.txt": f"token {token}\n{resources}".encode(),
                 _ICONS[version]: icon,
             }
-            files[f"{identifier}_fmi{version[0]}.fmu"] = _zipped(contents)
+            files[_FILE.format(exported.name, kind, version[0])] = _zipped(contents)
     return files
 
 

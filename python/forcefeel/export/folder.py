@@ -2,14 +2,36 @@
 
 from pathlib import Path
 
-from forcefeel.export.c_code import c_files
+from forcefeel.export.c_code import c_files, c_names
 from forcefeel.export.exported import Exported
-from forcefeel.export.firmware_code import firmware_files
-from forcefeel.export.fmu_files import fmu_files
-from forcefeel.export.matlab import matlab_files
+from forcefeel.export.firmware_code import firmware_files, firmware_names
+from forcefeel.export.fmu_files import fmu_files, fmu_names
+from forcefeel.export.matlab import matlab_files, matlab_names
 from forcefeel.export.parameter_sheet import SHEET, parameter_sheet
 from forcefeel.export.target import Target
 from forcefeel.page.folder import OutputFolder
+
+
+def export_folder(target: Target, name: str, *, triple: str | None = None) -> OutputFolder:
+    """The folder of an export whose files begin with ``name``, which says before any work what would be in the way.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> ff.export.export_folder(ff.export.Target.TABLE, "pitch").files
+        ('pitch_parameters.csv',)
+    """
+    match target:
+        case Target.C:
+            names = c_names(name)
+        case Target.FIRMWARE:
+            names = firmware_names(name, triple)
+        case Target.FMU:
+            names = fmu_names(name)
+        case Target.MATLAB:
+            names = matlab_names(name)
+        case Target.TABLE:
+            names = (SHEET.format(name),)
+    return OutputFolder("the export", names, plots=False)
 
 
 def _files(exported: Exported, target: Target, *, single: bool, triple: str | None) -> dict[str, str | bytes]:
@@ -59,8 +81,8 @@ def write_export(
         >>> list(ff.export.write_export(exported, ff.export.Target.TABLE, Path("sheet")))
         ['pitch_parameters.csv']
     """
-    files = _files(exported, target, single=single, triple=triple)
-    folder = OutputFolder("the export", tuple(files), plots=False)
+    folder = export_folder(target, exported.name, triple=triple)
     folder.check(out, replace=replace)
+    files = _files(exported, target, single=single, triple=triple)
     folder.write(out, files)
     return {name: out / name for name in files}

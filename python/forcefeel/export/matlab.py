@@ -26,6 +26,11 @@ MATRICES, PYTHON, OCTAVE = "{}.mat", "{}_loop.py", "{}_loop.m"
 """Names of the files."""
 
 
+def matlab_names(name: str) -> tuple[str, ...]:
+    """What :func:`matlab_files` gives."""
+    return tuple(file.format(name) for file in (MATRICES, PYTHON, OCTAVE))
+
+
 def matlab_files(exported: Exported) -> dict[str, str | bytes]:
     """The matrices and both scripts, by their names."""
     name = exported.name

@@ -184,12 +184,16 @@ def _gains(law: Law, loader: Loader, place: int) -> Iterator[Row]:
 
 
 def _sampled(law: SampledCompensator, place: int, command: str) -> Iterator[Row]:
-    """The rows of a sampled law: [xi; y; delta; delta'] to torque and command, [xi; y; e] to the next xi."""
+    """The rows of a sampled law: [xi; y; delta; delta'; n] to torque and command, [xi; y; e] to the next xi."""
     n = law.states
     sampled = _SAMPLED[: law.input.shape[2] - 1]
     torque = Unit("N m", "N m", "lb in")
     for name, rows, of in (("command", law.command, Unit(command, command, command)), ("torque", law.torque, torque)):
         yield from _on(place, name, rows[place].tolist(), of, (n, sampled))
+        value = float(law.neutral[place, ("command", "torque").index(name)])
+        yield Row(
+            place + 1, "gain", f"law.{name}_neutral", f"{name} on the feel's neutral", value, _per(of, _FEEL[0][1])
+        )
     for row, column in product(range(n), range(n)):
         name = f"law.transition_{row + 1}_{column + 1}"
         value = float(law.transition[place, row, column])
@@ -200,7 +204,9 @@ def _sampled(law: SampledCompensator, place: int, command: str) -> Iterator[Row]
         yield Row(place + 1, "gain", name, f"xi_{row + 1} on {on}", value, _per(RATIO, per))
     for row, (column, (on, per)) in product(range(n), enumerate((*sampled, _FEEL[0]))):
         name, value = f"law.settled_{row + 1}_{column + 1}", float(law.settled[place, row, column])
-        yield Row(place + 1, "gain", name, f"xi_{row + 1} at rest on {on}", value, _per(RATIO, per))
+        yield Row(
+            place + 1, "gain", name, f"xi_{row + 1} in the closed loop's equilibrium on {on}", value, _per(RATIO, per)
+        )
     if law.knows_friction:
         yield from _friction(place, law.friction[place].tolist(), (n, sampled))
 

@@ -35,7 +35,7 @@ Numbers = Compensator | SampledCompensator | NDArray[np.float64] | None
 LAW_FILE = ".json"
 """How the name of a law's file ends."""
 
-FORMAT = 1
+FORMAT = 2
 """Version of the file; a new one where its keys change."""
 
 MOST_BYTES = 2**28
@@ -65,6 +65,7 @@ def _sampled_units(law: SampledCompensator) -> dict[str, object]:
         "command": ["V on", *on, *feel],
         "torque": ["N m on", *on, *feel],
         "friction": ["rad/s on", *on, *feel, *known, *learnt],
+        "neutral": ["V per rad of the feel's neutral", "N m per rad"],
     }
 
 
@@ -114,8 +115,8 @@ def _numbers_json(numbers: Numbers) -> dict[str, Any]:
         case None:
             return {"kind": "original"}
         case SampledCompensator():
-            names = NUMBERS if numbers.knows_friction else NUMBERS[:-1]
-            rows = {name: getattr(numbers, name).tolist() for name in names}
+            left_out = set() if numbers.knows_friction else {FRICTION}
+            rows = {name: getattr(numbers, name).tolist() for name in NUMBERS if name not in left_out}
             return {"kind": "sampled", "units": _sampled_units(numbers), **rows}
         case Compensator():
             return {"kind": "compensator", "units": gain_units, **compensator_json(numbers)}
@@ -209,9 +210,9 @@ def _compensator(keys: "_Keys", *_: float | None) -> Compensator:
 
 
 def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> SampledCompensator:
-    dimensions = dict(zip(NUMBERS, (3, 3, 2, 2, 2), strict=True))
-    arrays = (keys.array(name, count) for name, count in dimensions.items() if name != FRICTION or name in keys)
-    return SampledCompensator(period or 0.0, delay or 0.0, *arrays)
+    dimensions = dict(zip(NUMBERS, (3, 3, 2, 2, 2, 2), strict=True))
+    arrays = {name: keys.array(name, count) for name, count in dimensions.items() if name != FRICTION or name in keys}
+    return SampledCompensator(period or 0.0, delay or 0.0, **arrays)
 
 
 _READ: Mapping[str, Callable[["_Keys", float | None, float | None], Numbers]] = {

@@ -36,7 +36,7 @@ nonlinear machine in the loop's own thread, or ``Udp(address)``, a machine that 
 ``wait(cycles, timeout_s)``
     Until so many more cycles have gone by.
 ``granted``
-    What of priority and locked memory the system gave, a sentence each.
+    What the system gave of priority, locked memory and a processor that stays awake, a sentence each.
 
 ``read_live_record(path)`` gives a record's table, ``replay(path)`` runs it again and compares every bit. ``Machine(loader)`` is the
 simulated machine alone, for another process to serve.

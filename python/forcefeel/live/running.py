@@ -2,17 +2,18 @@
 
 import time
 from collections.abc import Mapping
-from threading import RLock
+from dataclasses import replace
+from threading import Lock, RLock
 from types import MappingProxyType, TracebackType
 from typing import Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel import _core
 from forcefeel.errors import InputError, expect_number
-from forcefeel.laws.law import Law, LawLike
-from forcefeel.live.setup import checked_feel, feel_numbers
+from forcefeel.laws.law import Law
+from forcefeel.live.asked import Asked, Loop
+from forcefeel.live.setup import checked_feel, feel_numbers, feel_rows
 from forcefeel.live.state import COLUMNS, STATES, HostState, State, Timing, Trip, timing_of, trips_of
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE
@@ -38,7 +39,8 @@ class Running:
     Attributes:
         columns: Names of the columns of ``history``, with their SI units at the end.
         period_s: The loop's period.
-        law: The law, as it is now.
+        asked: What is asked of it.
+        law: The law, as it is now; of a feel that a console in another process asked for it is that process's to know.
         fade_s: Over how long a feel that is set from now on is faded in.
 
     Example:
@@ -51,17 +53,13 @@ class Running:
 
     columns = COLUMNS
 
-    def __init__(self, loop: _core.LiveLoop, loader: Loader, law: Law, asked: LawLike, *, simulated: bool) -> None:
-        self._loop = loop
-        self._loader = loader
-        self._asked = asked
-        self._simulated = simulated
-        self._lock = RLock()
-        self._around = {"trim_rad": 0.0, "stiffness_factor": 1.0, "shaker": 0.0}
-        self._force_n = 0.0
-        self._angle_rad: float | None = None
+    def __init__(self, loop: Loop, asked: Asked, law: Law) -> None:
+        self.loop = loop
+        self.asked = asked
+        self._designs, self._lock = Lock(), RLock()  # a stop waits for no design
+        self._hand: dict[str, float | None] = {"force": 0.0, "hold_at": None}
         self.law = law
-        self.period_s: float = loader["controller.period"]
+        self.period_s: float = asked.loader["controller.period"]
         self.fade_s = FADE_S
 
     def __enter__(self) -> Self:
@@ -74,7 +72,7 @@ class Running:
 
     def end(self) -> None:
         """Ends the loop, its drive off, and closes the record; once more does nothing."""
-        self._loop.end()
+        self.loop.end()
 
     # What is asked of the loop.
 
@@ -101,7 +99,7 @@ class Running:
     @property
     def loader(self) -> Loader:
         """The loader with the feel as programmed now."""
-        return self._loader
+        return self.asked.loader
 
     @property
     def feel(self) -> Mapping[str, float]:
@@ -114,14 +112,14 @@ class Running:
         Raises:
             InputError: If a row is none of the feel, or there is no law for it.
         """
-        return MappingProxyType({key: self._loader[key] for key in TABLE if key.startswith("feel.")})
+        return MappingProxyType({key: self.loader[key] for key in TABLE if key.startswith("feel.")})
 
     @feel.setter
     def feel(self, rows: Mapping[str, str | float | bool | None]) -> None:
         checked_feel(rows)
-        with self._lock:
-            loader = self._loader.replace(rows)
-            law = Law.of(self._asked, loader) if self.law.sampled is not None else None
+        with self._designs:
+            loader = self.loader.replace(rows)
+            law = Law.of(self.asked.law, loader) if self.law.sampled is not None else None
             if law is not None and law.sampled is not None and self.law.sampled is not None:
                 came, had = law.sampled.states, self.law.sampled.states
                 if came != had:
@@ -130,12 +128,12 @@ class Running:
                     )
             observer = None if law is None or law.sampled is None else law.sampled.rows()[0]
             self._wish("feel", feel_numbers(loader.values, observer, max(1, round(self.fade_s / self.period_s))))
-            self._loader, self.law = loader, law or self.law
+            self.law = law or self.law
 
     @property
     def trim_rad(self) -> float:
         """Commanded neutral of the feel, rad; it goes there at ``feel.trim_rate``, at most 0.1 rad/s."""
-        return self._around["trim_rad"]
+        return self.asked.around["trim_rad"]
 
     @trim_rad.setter
     def trim_rad(self, angle: float) -> None:
@@ -144,7 +142,7 @@ class Running:
     @property
     def stiffness_factor(self) -> float:
         """Factor on the feel's spring, such as that of a dynamic pressure."""
-        return self._around["stiffness_factor"]
+        return self.asked.around["stiffness_factor"]
 
     @stiffness_factor.setter
     def stiffness_factor(self, factor: float) -> None:
@@ -153,7 +151,7 @@ class Running:
     @property
     def shaker(self) -> float:
         """How far the stick shaker is on, 0 to 1."""
-        return self._around["shaker"]
+        return self.asked.around["shaker"]
 
     @shaker.setter
     def shaker(self, share: float) -> None:
@@ -165,16 +163,14 @@ class Running:
         if not low <= value <= high:
             raise InputError(f"{name}: expected {low:g} to {high:g}, got {value:g}")
         with self._lock:
-            around = {**self._around, name: float(value)}
-            self._wish("around", list(around.values()))
-            self._around = around
+            self._wish("around", list({**self.asked.around, name: float(value)}.values()))
 
     # What is done to a simulated machine.
 
     @property
     def hand_force_n(self) -> float:
         """Force of the simulated hand at the grip, N, beside the one that holds an angle."""
-        return self._force_n
+        return self._hand["force"] or 0.0
 
     @hand_force_n.setter
     def hand_force_n(self, force: float) -> None:
@@ -182,12 +178,11 @@ class Running:
         if not abs(force) <= _MOST_FORCE_N:
             raise InputError(f"hand_force_n: expected at most {_MOST_FORCE_N:g} N either way, got {force:g}")
         self._disturb("force", number=float(force))
-        self._force_n = float(force)
 
     @property
     def hand_angle_rad(self) -> float | None:
         """Angle that the simulated hand takes the grip to and holds, rad; ``None``: it lets go."""
-        return self._angle_rad
+        return self._hand["hold_at"]
 
     @hand_angle_rad.setter
     def hand_angle_rad(self, angle: float | None) -> None:
@@ -196,7 +191,6 @@ class Running:
             if not abs(angle) <= _MOST_ANGLE_RAD:
                 raise InputError(f"hand_angle_rad: expected at most {_MOST_ANGLE_RAD:g} rad either way, got {angle:g}")
         self._disturb("hold_at", number=angle)
-        self._angle_rad = angle
 
     def break_(self, fault: Fault, sensor: Sensor | None = None, by: float = 0.0) -> None:
         """Breaks something of a simulated machine.
@@ -220,20 +214,47 @@ class Running:
             )
         expect_number("by", by)
         # A sample has the column's angle as the displacement of its base.
-        scale = self._loader["column.base_arm"] if sensor == "column" else 1.0
+        scale = self.loader["column.base_arm"] if sensor == "column" else 1.0
         self._disturb(fault, SENSORS.index(sensor or SENSORS[0]), float(by) * scale)
 
     def repair(self) -> None:
         """All of a simulated machine is well again."""
         self._disturb("repair")
 
+    @property
+    def fault(self) -> str:
+        """What is broken of a simulated machine, the last of it; empty if nothing is."""
+        return self.asked.fault
+
+    # What was asked for, here or by a console in another process.
+
+    def take_wish(self, name: str, numbers: list[float]) -> bool:
+        """Hands a wish on, by its name and numbers, and remembers it; whether the loop had room for it."""
+        with self._lock:
+            taken = self.loop.wish(name, numbers)
+            if taken and name == "feel":
+                self.asked = replace(self.asked, loader=self.loader.replace(feel_rows(numbers, self.loader)))
+            elif taken and name == "around":
+                self.asked = replace(self.asked, around=dict(zip(self.asked.around, numbers, strict=True)))
+        return taken
+
+    def take_disturbance(self, name: str, sensor: int, number: float | None) -> bool:
+        """The same with what is done to a simulated machine."""
+        with self._lock:
+            taken = self.loop.disturb(name, sensor, number)
+            if taken and name in self._hand:
+                self._hand[name] = number
+            elif taken:
+                self.asked = replace(self.asked, fault="" if name == "repair" else name)
+        return taken
+
     # What is seen of it.
 
     @property
     def state(self) -> State:
         """How it does."""
-        cycles, beats, missed, silent, lost, state, trips, ended = self._loop.status()
-        recorded, record_ended = self._loop.recorded()
+        cycles, beats, missed, silent, lost, state, trips, ended = self.loop.status()
+        recorded, record_ended = self.loop.recorded()
         return State(
             cycle=cycles,
             time_s=beats * self.period_s,
@@ -250,15 +271,15 @@ class Running:
     @property
     def trips(self) -> tuple[Trip, ...]:
         """The trips that are there or latched, with what happened and what to do."""
-        return trips_of(self._loop.status()[6])
+        return trips_of(self.loop.status()[6])
 
     @property
     def host(self) -> HostState | None:
         """The aircraft simulator as it is heard; ``None`` where none is listened to."""
-        if (heard := self._loop.heard()) is None:
+        if (heard := self.loop.heard()) is None:
             return None
         listens, packets, refused, last = heard
-        newest = self._loop.history(-1.0, 1)
+        newest = self.loop.history(-1.0, 1)
         share = float(newest[0, COLUMNS.index("host_share")]) if len(newest) else 0.0
         address, silent_s = last or ("", None)
         return HostState(listens, address, packets, refused, silent_s, share)
@@ -268,26 +289,21 @@ class Running:
 
         To go on where the last call ended, give the ``cycle`` of its last row.
         """
-        return self._loop.history(float(since), _ALL if most is None else max(0, int(most)))
+        return self.loop.history(float(since), _ALL if most is None else max(0, int(most)))
 
     @property
     def timing(self) -> Timing:
         """When the loop's thread did its work, since the start."""
-        return timing_of(*self._loop.timing(), self.period_s)
+        return timing_of(*self.loop.timing(), self.period_s)
 
     @property
     def granted(self) -> tuple[str, ...]:
         """What the system gave the loop's thread, a sentence each; nothing in virtual time."""
-        if (given := self._loop.granted()) is None:
+        if (refused := self.loop.refused()) is None:
             return ()
-        priority, no_priority, locked, not_locked = given
-        return (
-            f"runs first in, first out at priority {priority}"
-            if priority is not None
-            else f"runs without priority ({no_priority}): give the user an rtprio limit, or run as root",
-            "its memory is locked"
-            if locked
-            else f"its memory is not locked ({not_locked}): give the user a larger memlock limit, or run as root",
+        return tuple(
+            given if why is None else f"{not_given} ({why}): {remedy}, or run as root"
+            for why, (given, not_given, remedy) in zip(refused, _GRANTS, strict=True)
         )
 
     def wait(self, cycles: int, timeout_s: float = 60.0) -> None:
@@ -297,10 +313,10 @@ class Running:
             InputError: If that takes longer than ``timeout_s``.
         """
         # From where the loop is, which may be ahead of its history: what was asked for just now is within the cycles waited for.
-        goal = self._loop.status()[0] - 1 + cycles
+        goal = self.loop.status()[0] - 1 + cycles
         until = time.monotonic() + timeout_s
         while self._last_cycle() < goal:
-            if self._loop.status()[-1]:
+            if self.loop.status()[-1]:
                 self.end()  # the last rows are there when its threads are done
                 return
             if time.monotonic() > until:
@@ -310,26 +326,37 @@ class Running:
             time.sleep(_NAP_S)
 
     def _last_cycle(self) -> int:
-        newest = self._loop.history(-1.0, 1)
+        newest = self.loop.history(-1.0, 1)
         return int(newest[0, COLUMNS.index("cycle")]) if len(newest) else -1
 
     def _wish(self, name: str, numbers: list[float] | None = None) -> None:
-        if not self._loop.wish(name, numbers or []):
+        if not self.take_wish(name, numbers or []):
             raise InputError(
                 "the loop takes no wishes: its ring is full; the loop has ended, or 64 came within a cycle"
             )
 
     def _disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None:
-        if not self._simulated:
+        if not self.asked.simulated:
             raise InputError(
                 f"{name}: only a simulated machine has a hand and faults; this one is real, or is another process's"
             )
-        if not self._loop.disturb(name, sensor, number):
+        if not self.take_disturbance(name, sensor, number):
             raise InputError(
                 "the loop takes no disturbances: its ring is full; the loop has ended, or 64 came within a cycle"
             )
 
 
 _ALL = 2**62
+_GRANTS = (
+    ("runs first in, first out, at real-time priority", "runs without priority", "give the user an rtprio limit"),
+    ("its memory is locked", "its memory is not locked", "give the user a larger memlock limit"),
+    (
+        "the processor stays awake between cycles",
+        "the processor may sleep between cycles and wake late",
+        "let the user write /dev/cpu_dma_latency",
+    ),
+)
+"""What the loop asks of the system: the sentence where it is given, where it is not, and the remedy."""
+
 _MOST_FORCE_N = 2000.0
 _MOST_ANGLE_RAD = 1.5

@@ -1,6 +1,6 @@
 """A loader and its law as the loop takes them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader, check_loader
+from forcefeel.loader.parameters import OFF, TABLE
 from forcefeel.simulation.scenario import Scenario, Steps
 
 LEAST_PERIOD_S, MOST_PERIOD_S = 1 / 5000, 1 / 250
@@ -81,6 +82,12 @@ def script_of(
 def feel_numbers(values: NDArray[np.float64], observer: NDArray[np.float64] | None, cycles: int) -> list[float]:
     """A change of the feel as the loop takes it: cycles, a loader's values, the law with an observer that goes with them."""
     return [float(cycles), *values.tolist(), *([] if observer is None else observer.tolist())]
+
+
+def feel_rows(numbers: Sequence[float], loader: Loader) -> dict[str, float | None]:
+    """The rows of the feel that such a change has otherwise than a loader, as ``Loader.replace`` takes them."""
+    values = {key: value for key, value in zip(TABLE, numbers[1:], strict=False) if key.startswith("feel.")}
+    return {key: None if value == OFF.get(key) else value for key, value in values.items() if value != loader[key]}
 
 
 def checked_feel(rows: Mapping[str, object]) -> None:

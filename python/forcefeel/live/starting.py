@@ -5,6 +5,7 @@ from pathlib import Path
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.law import LawLike
+from forcefeel.live.asked import Asked
 from forcefeel.live.over import Over, Simulated, Udp
 from forcefeel.live.running import Running
 from forcefeel.live.setup import feel_numbers, live_law, made_of, script_of
@@ -91,7 +92,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
         )
     except OSError as error:
         raise InputError(f"cannot start: {error}") from error
-    return Running(loop, loader, driven_by, law, simulated=isinstance(over, Simulated))
+    return Running(loop, Asked(loader, law, isinstance(over, Simulated)), driven_by)
 
 
 def _listens(host: str | int, *, supervised: bool) -> str:

@@ -26,7 +26,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let shown = self.shown_at_rest(&shared.effects, equilibrium);
         Memory {
             under_way: UnderWay::holding(equilibrium.command),
-            control: self.control.remember(shown, equilibrium.delta),
+            control: self.control.remember(&shared.effects, shown, [equilibrium.delta, equilibrium.neutral]),
             command_signal: equilibrium.delta.zero(),
         }
     }

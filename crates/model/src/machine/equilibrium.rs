@@ -33,7 +33,7 @@ pub struct Equilibrium<S> {
     pub(super) base: S,
     pub(super) position: S,
     pub(super) delta: S,
-    neutral: S,
+    pub(super) neutral: S,
     pub(super) effort: S,
     /// Command that holds them.
     pub(super) command: S,
@@ -139,7 +139,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let spring = self.control.feel.spring(effects, shared.curve.as_ref(), delta, around)
             + self.control.feel.resistance(effects, around.start, delta, delta.zero());
         if effects.observer {
-            self.observed_equilibrium(effects, x_b, delta, spring)
+            let by_feel = self.control.observer.feel_torque_at_rest(delta, trimmed(effects, around.neutral));
+            self.observed_equilibrium(effects, x_b, spring - by_feel)
         } else {
             self.heard_equilibrium(spring)
         }
@@ -161,7 +162,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let pilot_force = -pull / self.column.per_pilot_force;
         let y = self.sampled_at_rest(effects, x_b, x_p, effort);
         let e = if effects.observer {
-            self.control.observer.says(&self.control.observer.at_rest(&y, delta), &y, [delta, zero], None).command
+            let law = &self.control.observer;
+            let untrimmed = law.untrimmed(delta, trimmed(effects, neutral));
+            law.says(&law.at_rest(&y, untrimmed), &y, [untrimmed, zero], None).command
         } else {
             let [force, piston, angle, _] = y;
             self.control.law.command(&[
@@ -185,19 +188,19 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         (effort, self.drive.stretch_at_rest(effort))
     }
 
-    /// Effort and stretch at which an observer hears the torque `T` in equilibrium, `T = t_F F_c + t_x x_p + t_theta theta + t_g F_g + t_delta delta`.
+    /// Effort and stretch at which an observer hears the torque `T` of the sensors in equilibrium, `T = t_F F_c + t_x x_p + t_theta theta + t_g F_g`.
     ///
     /// Where the drive hangs free within the link's play, there is no effort, and the law says where it hangs.
-    fn observed_equilibrium(&self, effects: &Effects, x_b: S, delta: S, torque: S) -> (S, S) {
+    fn observed_equilibrium(&self, effects: &Effects, x_b: S, torque: S) -> (S, S) {
         let link = self.drive.link();
-        let [per_force, per_piston, per_angle, per_grip, per_delta] = self.control.observer.torque_at_rest();
+        let [per_force, per_piston, per_angle, per_grip, _] = self.control.observer.torque_at_rest();
         let [force, piston, angle, grip] = self.sampled_at_rest(effects, x_b, link.ratio * x_b, x_b.zero());
         let per_stretch = self.drive.force_per_effort() * link.per_stiffness;
         // At rest the hand holds against the link, F_g per F_c.
         let against = self.grip.shown(-self.column.per_link_force / self.column.per_pilot_force, [x_b.zero(); 3]);
         let per_effort = (per_force + per_grip * against) * self.drive.force_per_effort() + per_piston * per_stretch;
         let known = per_force * force + per_angle * angle + per_grip * grip;
-        let left = torque - known - per_delta * delta - per_piston * piston;
+        let left = torque - known - per_piston * piston;
         let play = per_piston * link.half_play;
         let one = x_b.constant(1.0);
         let side = one.times_sign(left).times_sign(per_effort);
@@ -208,13 +211,16 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         (effort, stretch)
     }
 
-    /// What the sensors show where the column rests, untouched, with its neutral there: at zero and at another angle. At rest they are
+    /// What the sensors show where the column rests, untouched and without a command: at zero and at another angle. At rest they are
     /// straight between the two.
-    pub fn sensors_at_rest(&self, shared: &Shared) -> [[S; SENSORS]; 2] {
-        let one = self.control.per_base.constant(1.0);
+    pub fn sensors_at_rest(&self, effects: &Effects) -> [[S; SENSORS]; 2] {
+        let zero = self.control.per_base.zero();
         [0.0, ELSEWHERE_RAD].map(|angle| {
-            let angle = one.constant(angle);
-            self.shown_at_rest(&shared.effects, &self.held_at(shared, angle, angle, one))
+            let x_b = zero.constant(angle) / self.control.per_base;
+            // alpha R_b F_c + loads = 0: what pulls the column hangs on the drive.                       eq. (6) at rest
+            let force = -self.column.loads(effects, x_b, x_b, zero) / self.column.per_link_force;
+            let effort = self.drive.effort(force);
+            self.shown_there(effects, [x_b, self.drive.link().ratio * x_b + self.drive.stretch_at_rest(effort), effort])
         })
     }
 
@@ -236,8 +242,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// The same as the law takes it, the column's as an angle.
     #[inline(always)]
     fn sampled_at_rest(&self, effects: &Effects, x_b: S, x_p: S, effort: S) -> [S; SAMPLED] {
-        let [force, piston, base, grip] = self.shown_there(effects, [x_b, x_p, effort]);
-        [force, piston, base * self.control.per_base, grip]
+        self.control.sampled(&self.shown_there(effects, [x_b, x_p, effort]))
     }
 
     /// Force at the grip that holds the column against a force on the load cell.
@@ -276,6 +281,11 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             steps: 0,
         }
     }
+}
+
+/// The neutral as the law gets it.
+fn trimmed<S: Scalar>(effects: &Effects, neutral: S) -> S {
+    if effects.surroundings { neutral } else { neutral.zero() }
 }
 
 /// An angle that is not zero.

@@ -29,18 +29,18 @@ impl<S: Scalar> Command<S> {
 
     /// Whether the command that was given last has been at its limit for too long; while the feel comes it may be.
     #[inline(always)]
-    pub(super) fn saturated(&mut self, limits: &Limits, active: bool) -> bool {
-        let at = self.last.constant(AT_LIMIT * limits.command);
+    pub(super) fn saturated(&mut self, limits: &Limits<S>, active: bool) -> bool {
+        let at = limits.command.times(AT_LIMIT);
         self.saturated.holds(active && !below(self.last.abs(), at), limits.saturation)
     }
 
     /// The law's command as far as it is allowed.
     #[inline(always)]
-    pub(super) fn follow(&mut self, limits: &Limits, e: S, share: S, found: &mut Functions) -> S {
+    pub(super) fn follow(&mut self, limits: &Limits<S>, e: S, share: S, found: &mut Functions) -> S {
         let most = Self::largest(limits, share);
         let e = if finite(e) { e } else { self.last };
         let held = e.within(most);
-        let slowed = self.last + (held - self.last).within(e.constant(limits.command_step));
+        let slowed = self.last + (held - self.last).within(limits.command_step);
         let differs = |a: S, b: S| below(a.zero(), (a - b).abs());
         *found =
             found.with(Function::CommandLimit, differs(held, e)).with(Function::CommandRate, differs(slowed, held));
@@ -51,8 +51,8 @@ impl<S: Scalar> Command<S> {
 
     /// A sample nearer to zero; whether it is there.
     #[inline(always)]
-    pub(super) fn stop(&mut self, limits: &Limits) -> bool {
-        let step = self.last.constant(limits.stop_step);
+    pub(super) fn stop(&mut self, limits: &Limits<S>) -> bool {
+        let step = limits.stop_step;
         // What rounding leaves of the last step goes with it.
         let there = below(self.last.abs(), step.times(1.0 + STEP_ROUNDING));
         self.last = if there { step.zero() } else { self.last - self.last.within(step) };
@@ -66,9 +66,9 @@ impl<S: Scalar> Command<S> {
     }
 
     #[inline(always)]
-    fn largest(limits: &Limits, share: S) -> S {
+    fn largest(limits: &Limits<S>, share: S) -> S {
         let one = share.constant(1.0);
-        (one.times(limits.start_share) + share.times(1.0 - limits.start_share)).within(one).times(limits.command)
+        (one * limits.start_share + share * (one - limits.start_share)).within(one) * limits.command
     }
 }
 

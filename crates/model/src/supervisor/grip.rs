@@ -16,11 +16,11 @@
 //!
 //! Estimate by the momentum, without the acceleration: De Luca and Mattone, ICRA 2005, 999-1004.
 
-use super::below;
 use super::function::{CONFIRMED, Function, Functions};
 use super::lasting::Lasting;
 use super::limits::{ESTIMATE_BANDWIDTH, Limits};
 use super::sensors::Fresh;
+use super::{below, count};
 use crate::Scalar;
 
 /// What is known of the grip.
@@ -71,23 +71,25 @@ impl<S: Scalar> Watch<S> {
     #[inline(always)]
     pub(super) fn watch(
         &mut self,
-        limits: &Limits,
+        limits: &Limits<S>,
         Fresh { sensed: [force, _, angle], periods }: Fresh<S>,
         (follows, feel_acceleration): (bool, S),
         found: &mut Functions,
     ) {
-        let drive_torque = force.times(limits.lever);
-        let grip_force = drive_torque.times(1.0 / limits.grip_arm);
+        let one = force.constant(1.0);
+        let drive_torque = force * limits.lever;
+        let grip_force = drive_torque * (one / limits.grip_arm);
         let (last_angle, last_force) = self.last.unwrap_or((angle, grip_force));
         self.last = Some((angle, grip_force));
-        let count = f64::from(periods);
-        let (moved, changed) = ((angle - last_angle).times(1.0 / count), (grip_force - last_force).times(1.0 / count));
-        let rate = moved.times(1.0 / limits.period);
+        let count = count(periods, one);
+        let per_count = one / count;
+        let (moved, changed) = ((angle - last_angle) * per_count, (grip_force - last_force) * per_count);
+        let rate = moved * (one / limits.period);
         self.estimate(limits, [rate, drive_torque, feel_acceleration], limits.period * count);
-        self.grip = Grip { force: grip_force, hand_force: self.torque.times(1.0 / limits.grip_arm), rate };
-        let above = |value: S, limit: f64| below(value.constant(limit), value.abs());
+        self.grip = Grip { force: grip_force, hand_force: self.torque * (one / limits.grip_arm), rate };
+        let above = |value: S, limit: S| below(limit, value.abs());
         let [low, high] = limits.travel;
-        let beyond = below(angle, angle.constant(low)) || below(angle.constant(high), angle);
+        let beyond = below(angle, low) || below(high, angle);
         let now = [
             (Function::AbsoluteForce, above(grip_force, limits.absolute_force)),
             (Function::ForceRate, above(changed, limits.force_step)),
@@ -99,26 +101,26 @@ impl<S: Scalar> Watch<S> {
         }
         let lasts = self.force.holds(above(grip_force, limits.force_limit), limits.force);
         // The sensors' noise may look like a hand for a sample, once in a hundred thousand; a hand stays for two.
-        let hand = self.hand.holds(!below(self.torque.abs(), rate.constant(limits.hand_torque)), CONFIRMED);
+        let hand = self.hand.holds(!below(self.torque.abs(), limits.hand_torque), CONFIRMED);
         let runs = self.runaway.holds(follows && !hand && self.runs_away(limits), limits.runaway_condition);
         *found = found.with(Function::Force, lasts).with(Function::Runaway, runs);
     }
 
     #[inline(always)]
-    fn estimate(&mut self, limits: &Limits, [rate, drive_torque, of_feel]: [S; 3], time: f64) {
+    fn estimate(&mut self, limits: &Limits<S>, [rate, drive_torque, of_feel]: [S; 3], time: S) {
         // A step of the lag, no longer than it is.
-        let share = (ESTIMATE_BANDWIDTH * time).min(1.0);
+        let share = time.times(ESTIMATE_BANDWIDTH).min(time.constant(1.0));
         for (lagged, value) in self.lagged.iter_mut().zip([rate, drive_torque, of_feel]) {
-            *lagged = *lagged + (value - *lagged).times(share);
+            *lagged = *lagged + (value - *lagged) * share;
         }
-        self.impulse = self.impulse + (drive_torque + self.torque).times(time);
-        self.torque = (rate.times(limits.inertia) - self.impulse).times(share / time);
+        self.impulse = self.impulse + (drive_torque + self.torque) * time;
+        self.torque = (rate * limits.inertia - self.impulse) * (share / time);
     }
 
     #[inline(always)]
-    fn runs_away(&self, limits: &Limits) -> bool {
+    fn runs_away(&self, limits: &Limits<S>) -> bool {
         let [rate, drive_torque, feel_acceleration] = self.lagged;
-        let (power, of_feel) = (drive_torque * rate, (feel_acceleration * rate).times(limits.inertia));
-        below(of_feel, rate.constant(-limits.runaway_power)) && below(of_feel.times(0.5), power)
+        let (power, of_feel) = (drive_torque * rate, (feel_acceleration * rate) * limits.inertia);
+        below(of_feel, -limits.runaway_power) && below(of_feel.times(0.5), power)
     }
 }

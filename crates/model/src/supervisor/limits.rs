@@ -3,6 +3,7 @@
 //! `T` period · times become whole samples: at most that long where something is silent or late, at least one · `alpha R_b` travel of the
 //! drive per radian of the column · `e_max` largest command, in V of a valve's amplifier or in A of a motor
 
+use crate::Scalar;
 use crate::parameters::{DriveKind, Parameters};
 
 /// What keeps a loader from being supervised.
@@ -24,83 +25,131 @@ impl Refusal {
     }
 }
 
-/// Limits in SI units and samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
+/// What a limit is in another number type.
+trait In<S> {
+    type Found;
+    fn same(self, like: S) -> Self::Found;
+}
+
+impl<S: Scalar> In<S> for f64 {
+    type Found = S;
+    fn same(self, like: S) -> S {
+        like.constant(self)
+    }
+}
+
+impl<S: Scalar, const N: usize> In<S> for [f64; N] {
+    type Found = [S; N];
+    fn same(self, like: S) -> [S; N] {
+        self.map(|number| like.constant(number))
+    }
+}
+
+impl<S> In<S> for u32 {
+    type Found = Self;
+    fn same(self, _: S) -> Self {
+        self
+    }
+}
+
+impl<S> In<S> for bool {
+    type Found = Self;
+    fn same(self, _: S) -> Self {
+        self
+    }
+}
+
+/// One row a limit: its name and what it is.
+macro_rules! limits {
+    ($( $(#[doc = $doc:literal])+ $name:ident: $kind:ty, )*) => {
+        /// Limits in SI units and samples. A target that has no double precision keeps them in its own.
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct Limits<S = f64> { $( $(#[doc = $doc])+ pub $name: $kind, )* }
+
+        impl Limits {
+            /// The same limits in another number type.
+            pub fn numbers_of<S: Scalar>(&self, like: S) -> Limits<S> {
+                Limits { $( $name: In::<S>::same(self.$name, like), )* }
+            }
+        }
+    };
+}
+
+limits! {
     /// `T` in s.
-    pub period: f64,
+    period: S,
     /// `e_max`, in V or A.
-    pub command: f64,
+    command: S,
     /// Largest change of the command in a sample, in V or A.
-    pub command_step: f64,
+    command_step: S,
     /// Change of the command in a sample while the loader is stopped, in V or A.
-    pub stop_step: f64,
+    stop_step: S,
     /// Samples from a stop until the command is zero and the drive disabled.
-    pub stop: u32,
+    stop: u32,
     /// Share of the largest command with which the feel begins.
-    pub start_share: f64,
+    start_share: S,
     /// Share of the feel per sample while it comes or goes.
-    pub fade_step: f64,
+    fade_step: S,
     /// Share of the host's values per sample while they come or go.
-    pub host_step: f64,
+    host_step: S,
     /// Force at the grip in N: for a time, at once, and its largest change in a sample.
-    pub force_limit: f64,
+    force_limit: S,
     /// See [`force_limit`](Self::force_limit).
-    pub absolute_force: f64,
+    absolute_force: S,
     /// See [`force_limit`](Self::force_limit).
-    pub force_step: f64,
+    force_step: S,
     /// Largest change of the column's angle in a sample, in rad.
-    pub speed_step: f64,
+    speed_step: S,
     /// Angles in rad that the column may not pass; its stops with their margin.
-    pub travel: [f64; 2],
+    travel: [S; 2],
     /// The end stops themselves.
-    pub stops: [f64; 2],
+    stops: [S; 2],
     /// Margin of them.
-    pub travel_margin: f64,
+    travel_margin: S,
     /// Ranges of load cell (N), drive position (m), column angle (rad).
-    pub range: [f64; 3],
+    range: [S; 3],
     /// Changes in a sample that the machine cannot make, of the same.
-    pub jump: [f64; 3],
+    jump: [S; 3],
     /// By how much the link's stretch may differ from its spring's, in m of the drive, its play left out.
-    pub agreement_m: f64,
+    agreement_m: S,
     /// Samples after which the functions act, where not one or two.
-    pub agreement: u32,
+    agreement: u32,
     /// See [`agreement`](Self::agreement).
-    pub stuck: u32,
+    stuck: u32,
     /// See [`agreement`](Self::agreement).
-    pub silence: u32,
+    silence: u32,
     /// See [`agreement`](Self::agreement).
-    pub host: u32,
+    host: u32,
     /// See [`agreement`](Self::agreement).
-    pub overrun: u32,
+    overrun: u32,
     /// See [`agreement`](Self::agreement).
-    pub saturation: u32,
+    saturation: u32,
     /// See [`agreement`](Self::agreement).
-    pub force: u32,
+    force: u32,
     /// Samples of the condition and of the filter before it.
-    pub runaway: u32,
+    runaway: u32,
     /// Samples of the condition alone.
-    pub runaway_condition: u32,
+    runaway_condition: u32,
     /// Torque of the force at the grip below which there is no hand on it, in N m.
-    pub hand_torque: f64,
+    hand_torque: S,
     /// In W.
-    pub runaway_power: f64,
+    runaway_power: S,
     /// `R_p` in m.
-    pub grip_arm: f64,
+    grip_arm: S,
     /// `alpha R_b` in m.
-    pub lever: f64,
+    lever: S,
     /// `J` in N m s²/rad.
-    pub inertia: f64,
+    inertia: S,
     /// `R_b` in m.
-    pub base_arm: f64,
+    base_arm: S,
     /// Length in m that link and transmission give per N, their half play in m, and `c / k` in s.
-    pub link: [f64; 3],
+    link: [S; 3],
     /// Whether the column is led to its stops first.
-    pub travel_search: bool,
+    travel_search: bool,
     /// Neutral's change in a sample while it is, in rad.
-    pub search_step: f64,
+    search_step: S,
     /// Force at the grip at which a stop is found, in N.
-    pub search_force: f64,
+    search_force: S,
 }
 
 /// `w_o` of the hand's estimate, in rad/s: quick beside the times of the table, slow beside a sample.

@@ -8,6 +8,7 @@
 use super::below;
 use super::lasting::Lasting;
 use super::limits::Limits;
+use super::sensors::finite;
 use crate::Scalar;
 
 /// Samples for which a stop must be pressed.
@@ -51,8 +52,8 @@ impl<S: Scalar> Search<S> {
 
     /// A sample further.
     #[inline(always)]
-    pub(super) fn step(&mut self, limits: &Limits, angle: S, grip_force: S) -> Found {
-        let step = angle.constant(limits.search_step);
+    pub(super) fn step(&mut self, limits: &Limits<S>, angle: S, grip_force: S) -> Found {
+        let step = limits.search_step;
         let (end, way) = match self.leg {
             Leg::Low => (0, -step),
             Leg::High => (1, step),
@@ -64,11 +65,10 @@ impl<S: Scalar> Search<S> {
             }
         };
         self.neutral = self.neutral + way;
-        let pushes = below(angle.constant(limits.search_force), grip_force.times_sign(way));
+        let pushes = below(limits.search_force, grip_force.times_sign(way));
         if self.pressed.holds(pushes, PRESSED) {
             let known = limits.stops[end];
-            if known.is_finite() && !below((angle - angle.constant(known)).abs(), angle.constant(limits.travel_margin))
-            {
+            if finite(known) && !below((angle - known).abs(), limits.travel_margin) {
                 return Found::Other;
             }
             self.stops[end] = angle;
@@ -76,7 +76,7 @@ impl<S: Scalar> Search<S> {
             self.neutral = angle;
             self.leg = if self.leg == Leg::Low { Leg::High } else { Leg::Back };
         }
-        let from = if limits.stops[end].is_finite() { limits.stops[end].abs() } else { 0.0 };
-        if below(angle.constant(from + FARTHEST_RAD), self.neutral.abs()) { Found::Other } else { Found::Searching }
+        let from = if finite(limits.stops[end]) { limits.stops[end].abs() } else { angle.zero() };
+        if below(from + angle.constant(FARTHEST_RAD), self.neutral.abs()) { Found::Other } else { Found::Searching }
     }
 }

@@ -10,7 +10,7 @@
 use super::function::{Function, Functions};
 use super::lasting::Lasting;
 use super::limits::Limits;
-use super::{Told, below};
+use super::{Told, below, count};
 use crate::Scalar;
 use crate::transducers::SENSORS;
 
@@ -53,21 +53,21 @@ impl<S: Scalar> Sensors<S> {
 
     /// What is wrong with a sample, and the sample if it can be used.
     #[inline(always)]
-    pub(super) fn watch(&mut self, limits: &Limits, told: &Told<S>, found: &mut Functions) -> Option<Fresh<S>> {
+    pub(super) fn watch(&mut self, limits: &Limits<S>, told: &Told<S>, found: &mut Functions) -> Option<Fresh<S>> {
         if told.missed > 0 {
             self.missed = told.missed;
             *found = found.with(Function::Silence, told.missed >= limits.silence);
             return None;
         }
         let [force, position, base, _]: [S; SENSORS] = told.sensed;
-        let y = [force, position, base.times(1.0 / limits.base_arm)];
+        let y = [force, position, base * (base.constant(1.0) / limits.base_arm)];
         // The sensor at the grip measures a hand, which may do anything; it must be a number.
         if !told.sensed.iter().all(|&value| finite(value)) {
             *found = found.with(Function::NotANumber, true);
             self.missed = self.missed.saturating_add(1);
             return None;
         }
-        let beyond = |k: usize| below(y[k].constant(limits.range[k]), y[k].abs());
+        let beyond = |k: usize| below(limits.range[k], y[k].abs());
         *found = found.with(Function::OutOfRange, beyond(0) || beyond(1) || beyond(2));
         let periods = self.missed.saturating_add(1);
         self.missed = 0;
@@ -78,30 +78,30 @@ impl<S: Scalar> Sensors<S> {
     }
 
     #[inline(always)]
-    fn jump(&self, limits: &Limits, y: &[S; OF_LINK], periods: u32, found: &mut Functions) {
+    fn jump(&self, limits: &Limits<S>, y: &[S; OF_LINK], periods: u32, found: &mut Functions) {
         let Some(last) = &self.last else { return };
-        let jumped = |k: usize| below(y[k].constant(limits.jump[k] * f64::from(periods)), (y[k] - last[k]).abs());
+        let jumped = |k: usize| below(limits.jump[k] * count(periods, y[k]), (y[k] - last[k]).abs());
         *found = found.with(Function::Jump, jumped(0) || jumped(1) || jumped(2));
     }
 
     /// Eq. (9) against the three sensors, and each against what the other two make of it.
     #[inline(always)]
-    fn agree(&mut self, limits: &Limits, y: &[S; OF_LINK], periods: u32, found: &mut Functions) {
+    fn agree(&mut self, limits: &Limits<S>, y: &[S; OF_LINK], periods: u32, found: &mut Functions) {
         let [per_stiffness, half_play, damping_time] = limits.link;
         let [force, position, angle] = *y;
-        let (pulled, base) = (force.times(per_stiffness), angle.times(limits.lever));
+        let (pulled, base) = (force * per_stiffness, angle * limits.lever);
         let stretch = position - base;
         let first = self.last.is_none();
-        let rate = (stretch - self.stretch).times(1.0 / (limits.period * f64::from(periods)));
-        let damped = if first { rate.zero() } else { rate.times(damping_time) };
+        let rate = (stretch - self.stretch) * (force.constant(1.0) / (limits.period * count(periods, force)));
+        let damped = if first { rate.zero() } else { rate * damping_time };
         self.stretch = stretch;
         // |r| <= b + d_theta alpha R_b
         let left = (stretch + damped - pulled).abs();
-        let wrong = below(left.constant(half_play + limits.agreement_m), left);
+        let wrong = below(half_play + limits.agreement_m, left);
         let disagree = self.disagree.holds(wrong, limits.agreement);
         // k (x - alpha R_b theta), alpha R_b theta + F / k, x - F / k: all as travel of the drive
         let expected = [stretch, base + pulled, position - pulled];
-        let most = stretch.constant(2.0 * half_play + limits.agreement_m);
+        let most = half_play.times(2.0) + limits.agreement_m;
         let mut stuck = false;
         for k in 0..OF_LINK {
             let same = self.last.is_some_and(|last| !below((y[k] - last[k]).abs().zero(), (y[k] - last[k]).abs()));

@@ -139,7 +139,7 @@ impl<S: Scalar> Sequence<S> {
     #[inline(always)]
     pub(super) fn step(
         &mut self,
-        limits: &Limits,
+        limits: &Limits<S>,
         told: &Told<S>,
         (angle, grip_force): (S, S),
         found: &mut Functions,
@@ -199,7 +199,7 @@ impl<S: Scalar> Sequence<S> {
 
     /// Sensors are watched for as long as one may be stuck, without power; then there is power.
     #[inline(always)]
-    fn initialise(&mut self, limits: &Limits, angle: S) {
+    fn initialise(&mut self, limits: &Limits<S>, angle: S) {
         if self.search.is_some() {
             return;
         }
@@ -216,14 +216,14 @@ impl<S: Scalar> Sequence<S> {
     }
 
     #[inline(always)]
-    fn fade(&mut self, limits: &Limits, comes: bool, angle: S) {
+    fn fade(&mut self, limits: &Limits<S>, comes: bool, angle: S) {
         let whole = !below(self.share, self.share.constant(1.0));
         if comes != self.comes {
             // A fade that turns round goes back on its way: neutral does not jump.
             self.anchor = if whole { angle } else { self.anchor };
             self.comes = comes;
         }
-        let step = self.share.constant(limits.fade_step);
+        let step = limits.fade_step;
         let (zero, one) = (step.zero(), step.constant(1.0));
         self.share = (if comes { self.share + step } else { self.share - step }).clamp(zero, one);
         self.state = match (comes, below(self.share, one), below(zero, self.share)) {

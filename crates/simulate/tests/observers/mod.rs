@@ -118,9 +118,17 @@ impl Sampled {
         let settled = alone.lu().solve(&by_signal).expect("a state at rest");
         // Column by column of the transposed is row by row.
         let (a, b, r) = (self.transition.transpose(), self.input.transpose(), settled.transpose());
+        let of_neutral = [0.0; 2];
         let friction = [0.0; FRICTION_NUMBERS];
-        let parts =
-            [a.as_slice(), b.as_slice(), self.command.as_slice(), self.torque.as_slice(), r.as_slice(), &friction];
+        let parts = [
+            a.as_slice(),
+            b.as_slice(),
+            self.command.as_slice(),
+            self.torque.as_slice(),
+            r.as_slice(),
+            &of_neutral,
+            &friction,
+        ];
         parts.concat().try_into().expect("all numbers")
     }
 }

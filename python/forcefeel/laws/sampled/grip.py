@@ -29,12 +29,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feed_forward, follow
+from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer import observe, observed, readings
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
 from forcefeel.laws.sampled.sampled_compensator import SAMPLED, SampledCompensator
-from forcefeel.laws.sampled.tuning import Power, Tuning
+from forcefeel.laws.sampled.tuning import Tuning
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.sensors import has_grip_sensor
 
@@ -81,7 +82,7 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning, by_frequency: float 
     by_command[: places.count, 0], by_command[places.held] = plant.by_command, 1.0
     after = observed(plant) @ estimate + by_hand * hand[:, None, :]
     of_command = np.tile(by_command / scale.command_v, (settings, 1, 1))
-    return SampledCompensator(
+    law = SampledCompensator(
         period_s=plant.period_s,
         delay_s=plant.delay_s,
         transition=after[:, :, : places.observed],
@@ -89,6 +90,7 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning, by_frequency: float 
         command=command * scale.command_v,
         torque=np.hstack([hand * scale.torque_n_m, np.zeros((settings, 2))]),
     )
+    return trimmed(law, loader)
 
 
 def no_sensor(loader: Loader) -> str:
@@ -149,8 +151,7 @@ class _Gains:
         weight = tuning.command_weight
 
         def weighed(own: float) -> Tuning:
-            decades = weight.decades + by_frequency * float(np.log10(own))
-            return replace(tuning, command_weight=Power(decades, weight.slope))
+            return replace(tuning, command_weight=weight.times(by_frequency * float(np.log10(own))))
 
         regulators = np.array([regulate(plant, weighed(own), one).gains for one, own in kinds.tolist()])
         ratios, of_ratio = np.unique(ratio, return_inverse=True)

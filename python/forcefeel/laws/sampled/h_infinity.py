@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feed_forward
+from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer import observed, process_noise, readings, sensor_noise
 from forcefeel.laws.sampled.observer_law import Gains, assemble, feel_rows, followed
 from forcefeel.laws.sampled.plant import SampledPlant
@@ -198,7 +199,8 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning = H_INFINITY) -> Samp
         raise InputError(
             f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
         ) from error
-    return assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
+    law = assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
+    return trimmed(law, loader)
 
 
 def _gains(plant: SampledPlant, ratios: NDArray[np.float64], tuning: Tuning) -> Gains:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feel_moves
+from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import Scale, period_and_delay
 from forcefeel.laws.sampled.riccati import stationary
@@ -64,7 +65,7 @@ def design(loader: Loader, feel: ArrayLike) -> SampledCompensator:
         gains = np.array([_gains(a, loop.input, q, r) for a in loop.transition])
     except np.linalg.LinAlgError as error:
         raise InputError(f"feel: a setting has no law in double precision ({error})") from error
-    return _law(loop, gains, period, delay)
+    return trimmed(_law(loop, gains, period, delay), loader)
 
 
 def heard_torque(loader: Loader, feel: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -29,6 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feel_moves
 from forcefeel.laws.sampled.load_cell_loop import heard_torque
+from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.riccati import stationary
@@ -71,7 +72,7 @@ def design(loader: Loader, feel: ArrayLike) -> SampledCompensator:
         gains = np.array([_gains(a, by_command, np.outer(error, error), weight, by_torque) for a in whole])
     except np.linalg.LinAlgError as problem:
         raise InputError(f"feel: a setting has no law in double precision ({problem})") from problem
-    return _law(loader, plant, cancel, gains, torque)
+    return trimmed(_law(loader, plant, cancel, gains, torque), loader)
 
 
 def command_weight(loader: Loader, plant: SampledPlant) -> float:

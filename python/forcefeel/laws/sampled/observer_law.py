@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled.feedforward import feed_forward
 from forcefeel.laws.sampled.known_friction import known_friction
+from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer import observe, observed, readings
-from forcefeel.laws.sampled.plant import Places, SampledPlant
+from forcefeel.laws.sampled.plant import Places, SampledPlant, link_stiffness
 from forcefeel.laws.sampled.regulator import regulate
 from forcefeel.laws.sampled.sampled_compensator import SAMPLED, SampledCompensator
 from forcefeel.laws.sampled.tuning import Tuning
@@ -45,12 +46,13 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledCompensato
     plant = SampledPlant.of(loader)
     try:
         ahead = feed_forward(plant, rows)
-        gains = _gains(plant, rows, loader["column.inertia"], tuning)
+        gains = _gains(plant, rows, loader, tuning)
     except np.linalg.LinAlgError as error:
         raise InputError(
             f"tuning: no law in double precision ({error}); make the spread of weights and noises smaller"
         ) from error
-    return assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
+    law = assemble(plant, gains, *followed(plant.places, gains.regulator, ahead.states, ahead.command))
+    return trimmed(law, loader)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,13 +63,15 @@ class Gains:
     observer: NDArray[np.float64] = field(repr=False)
 
 
-def _gains(plant: SampledPlant, feel: NDArray[np.float64], column_inertia: float, tuning: Tuning) -> Gains:
-    """The gains of each setting; both Riccati equations once for each programmed inertia."""
-    inertias, of_setting = np.unique(feel[:, 0], return_inverse=True)
-    ratios = (inertias / column_inertia).tolist()
-    regulators = np.array([regulate(plant, tuning, ratio).gains for ratio in ratios])
-    observers = np.array([observe(plant, tuning, ratio).gains for ratio in ratios])
-    return Gains(regulators[of_setting], observers[of_setting])
+def _gains(plant: SampledPlant, feel: NDArray[np.float64], loader: Loader, tuning: Tuning) -> Gains:
+    """The gains of each setting: the observers once for each inertia, and the regulators where the weights do not ask for more."""
+    inertias, of_inertia = np.unique(feel[:, 0], return_inverse=True)
+    observers = [observe(plant, tuning, inertia / loader["column.inertia"]).gains for inertia in inertias.tolist()]
+    thrown = tuning.command_weight.throw or (tuning.rate_weight is not None and tuning.rate_weight.throw)
+    asked = feel[:, [0, 2]] / (loader["column.inertia"], link_stiffness(loader)) * (1.0, bool(thrown))
+    kinds, of_kind = np.unique(asked, axis=0, return_inverse=True)
+    regulators = [regulate(plant, tuning, *kind).gains for kind in kinds.tolist()]
+    return Gains(np.array(regulators)[of_kind], np.array(observers)[of_inertia])
 
 
 def followed(

@@ -246,6 +246,14 @@ def period_and_delay(loader: Loader) -> tuple[float, float]:
     return period, delay
 
 
+def link_stiffness(loader: Loader) -> float:
+    """Stiffness of link and, of a motor, transmission at the column, ``k (alpha R_b)^2`` in N m/rad."""
+    softness = 1 / loader["linkage.stiffness"]
+    if loader.drive == ELECTRIC:
+        softness += 1 / loader["transmission.stiffness"]
+    return float((loader["linkage.ratio"] * loader["column.base_arm"]) ** 2 / softness)
+
+
 def _continuous(loader: Loader, scale: Scale) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """A and B of eq. (17) in units of ``scale``, the feel computer left out; inputs T_p, e."""
     if loader.drive == ELECTRIC:

@@ -31,8 +31,8 @@ class Regulator:
     riccati_residual: float
 
 
-def regulate(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Regulator:
-    """The regulator for a programmed inertia of so many of the column's.
+def regulate(plant: SampledPlant, tuning: Tuning, inertia_ratio: float, stretch: float = 0.0) -> Regulator:
+    """The regulator for a programmed inertia of so many of the column's, and a stiffness of so many of the link's.
 
     Raises:
         numpy.linalg.LinAlgError: If there is none in double precision.
@@ -42,8 +42,8 @@ def regulate(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> Regul
     base, rate = plant.places.base, plant.places.base_rate
     q[base, base] = 1.0
     if tuning.rate_weight is not None:
-        q[rate, rate] = tuning.rate_weight.at(inertia_ratio)
-    r = np.array([[tuning.command_weight.at(inertia_ratio)]])
+        q[rate, rate] = tuning.rate_weight.at(inertia_ratio, stretch)
+    r = np.array([[tuning.command_weight.at(inertia_ratio, stretch)]])
     cost = stationary(a, b, q, r)
     gains = np.linalg.solve(r + b.T @ cost @ b, b.T @ cost @ a)
     return Regulator(gains[0], cost, residual(a, b, q, r, cost))

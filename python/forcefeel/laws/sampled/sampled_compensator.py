@@ -2,11 +2,11 @@
 
 ``xi`` its state, in coordinates of its own · ``y = [F_c, x_p, theta]`` the sampled load cell force (N), piston displacement (m)
 and column angle (rad); of a law for a force sensor at the grip ``y = [F_c, x_p, theta, F_g]``, with its force (N) · ``delta``,
-``delta'`` the feel computer's displacement and rate · ``e`` command in V · ``T`` torque in N m that the feel computer hears in the
-period
+``delta'`` the feel computer's displacement and rate, ``n`` its neutral · ``e`` command in V · ``T`` torque in N m that the feel
+computer hears in the period
 
-    T_k    = torque  [xi; y; delta; delta']
-    e_k    = command [xi; y; delta; delta']
+    T_k    = torque  [xi; y; delta; delta'] + t_n n
+    e_k    = command [xi; y; delta; delta'] + c_n n
     xi_k+1 = transition xi_k + input [y; e_k]        e_k as the amplifier answers it, after limits
 
 and, where it knows the column's dry friction, torque and state as ``crates/model/src/known_friction.rs`` says.
@@ -56,6 +56,8 @@ class SampledCompensator:
         friction: (settings, 2 n + 15), the dry friction that it knows: r, the column's rate in rad/s on the same as command; b, by
             which xi moves per N m of friction; F and M in N m, v_s in rad/s, l; and how it learns: ``g_-``, ``g_+`` in N m, a,
             q in N m, c, d. Zeros where it is not given: it knows of none.
+        neutral: (settings, 2), c_n in V and t_n in N m per radian of the feel's neutral: see ``laws.sampled.neutral``. Zeros where
+            it is not given.
         settled: (settings, n, 4), the state at rest per F_c, x_p, theta, delta; see ``_settled``.
 
     Arrays are read-only.
@@ -78,6 +80,7 @@ class SampledCompensator:
     command: NDArray[np.float64] = field(repr=False)
     torque: NDArray[np.float64] = field(repr=False)
     friction: NDArray[np.float64] = field(default_factory=lambda: np.empty(0), repr=False)
+    neutral: NDArray[np.float64] = field(default_factory=lambda: np.empty(0), repr=False)
     settled: NDArray[np.float64] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -144,8 +147,8 @@ class SampledCompensator:
     def rows(self) -> NDArray[np.float64]:
         """A row of ``_core.OBSERVER_NUMBERS`` numbers for each setting, as the engine takes them.
 
-        transition (9 by 9), input (9 by 5), command (15), torque (15), settled (9 by 5) and friction (33), row by row, with zeros
-        for the states, and for the force at the grip, that the law has not.
+        transition (9 by 9), input (9 by 5), command (15), torque (15), settled (9 by 5), neutral (2) and friction (34), row by
+        row, with zeros for the states, and for the force at the grip, that the law has not.
         """
         n, spare = self.states, MOST_STATES - self.states
         grip = [SAMPLED] * (SAMPLED_AT_GRIP - self.sampled)
@@ -160,13 +163,14 @@ class SampledCompensator:
             np.insert(self.command, absent, 0.0, axis=1),
             np.insert(self.torque, absent, 0.0, axis=1),
             wide(self.settled),
+            self.neutral,
             np.insert(self.friction, absent + [2 * n + self.sampled + _FEEL] * spare, 0.0, axis=1),
         )
         return np.ascontiguousarray(np.hstack([part.reshape(self.settings, -1) for part in parts]))
 
 
 FRICTION = "friction"
-NUMBERS = ("transition", "input", "command", "torque", FRICTION)
+NUMBERS = ("transition", "input", "command", "torque", FRICTION, "neutral")
 """The arrays that a law is made of, in the order in which it takes them."""
 
 
@@ -185,7 +189,15 @@ def _arrays(law: SampledCompensator) -> dict[str, NDArray[np.float64]]:
     known = (settings, 2 * n + sampled + _FEEL + OF_FRICTION)
     if not found[FRICTION].size:
         found[FRICTION] = np.zeros(known)
-    shapes = {"input": (settings, n, sampled + 1), "command": said, "torque": said, FRICTION: known}
+    if not found["neutral"].size:
+        found["neutral"] = np.zeros((settings, 2))
+    shapes = {
+        "input": (settings, n, sampled + 1),
+        "command": said,
+        "torque": said,
+        FRICTION: known,
+        "neutral": (settings, 2),
+    }
     for name, expected in shapes.items():
         if found[name].shape != expected:
             raise InputError(f"{name}: expected the shape {expected}, got {found[name].shape}")

@@ -34,8 +34,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError
+from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer_law import feel_rows
-from forcefeel.laws.sampled.plant import Scale, period_and_delay
+from forcefeel.laws.sampled.plant import Scale, link_stiffness, period_and_delay
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING, Loader, check_electric
 from forcefeel.loader.sensors import SENSORS, current_lag_s, sample_variance
@@ -136,7 +137,7 @@ def design(loader: Loader, feel: ArrayLike) -> SampledCompensator:
         open_ = open_[~bears]
         if not len(open_):
             break
-    return _laws(loader, coupling, rows, found)
+    return trimmed(_laws(loader, coupling, rows, found), loader)
 
 
 def _tried(coupling: Coupling, inertia: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
@@ -225,8 +226,7 @@ def _link(loader: Loader, feel: NDArray[np.float64]) -> float:
     Raises:
         InputError: If a programmed one is not below it.
     """
-    softness = 1 / loader["linkage.stiffness"] + 1 / loader["transmission.stiffness"]
-    link = (loader["linkage.ratio"] * loader["column.base_arm"]) ** 2 / softness
+    link = link_stiffness(loader)
     stiffest = int(np.argmax(feel[:, 2]))
     if not feel[stiffest, 2] < link:
         raise InputError(
@@ -234,4 +234,4 @@ def _link(loader: Loader, feel: NDArray[np.float64]) -> float:
             f"transmission have {to_text(link, 4)} N m/rad at the column: by the motor's encoder alone it cannot be made; "
             "stiffen linkage.stiffness or program less"
         )
-    return float(link)
+    return link

@@ -1,0 +1,363 @@
+//! The lines of a function of C: an operation each, in the order in which they were asked for.
+
+use crate::blocks::{ALWAYS, Blocks, Made};
+use crate::controller::{INPUTS, name_of};
+use crate::dots::{Product, products};
+use crate::emit::{Bits, Writer};
+use crate::made::{held, made_of, reached, within};
+use crate::trace::{Bank, Graph, Node, One, Two};
+use std::collections::{HashMap, HashSet};
+
+/// Operations in the arms of a select from which on they are worth a branch.
+const WORTH_A_BRANCH: usize = 2;
+
+/// The lines of a function while they are written.
+#[derive(Debug)]
+pub struct Body<'a> {
+    writer: &'a mut Writer,
+    graph: &'a Graph,
+    made: Made,
+    blocks: Blocks,
+    /// The nodes of each block in their order.
+    nodes: HashMap<usize, Vec<u32>>,
+    products: Vec<Product>,
+    /// The product of each row.
+    product_of: HashMap<u32, usize>,
+    /// What a function is given under names of its own; elsewhere a node's name is its number.
+    names: Option<HashMap<u32, String>>,
+    /// Banks whose settings a function is given.
+    banks: Vec<Bank>,
+    done: HashSet<u32>,
+    text: String,
+    indent: usize,
+    operations: (usize, usize),
+}
+
+impl<'a> Body<'a> {
+    /// A body that gives `wanted`.
+    pub fn of(writer: &'a mut Writer, graph: &'a Graph, wanted: &[u32]) -> Self {
+        Self::with(writer, graph, wanted, None)
+    }
+
+    /// The body of a part, whose names are those that it is given.
+    fn with(writer: &'a mut Writer, graph: &'a Graph, wanted: &[u32], names: Option<HashMap<u32, String>>) -> Self {
+        let mut made: Vec<Vec<u32>> = (0..graph.nodes.len()).map(|place| made_of(graph, place)).collect();
+        let given: HashSet<u32> = names.iter().flat_map(HashMap::keys).copied().collect();
+        for &node in &given {
+            made[node as usize] = Vec::new();
+        }
+        let (mut product_of, mut together) = (HashMap::new(), HashMap::new());
+        let products = products(graph, &reached(&made, wanted));
+        for (k, product) in products.iter().enumerate() {
+            let first = product.rows.iter().map(|&(_, node)| node).min();
+            for &(_, node) in &product.rows {
+                made[node as usize].clone_from(&product.vector);
+                product_of.insert(node, k);
+                together.extend(first.map(|first| (node, first)));
+            }
+        }
+        let done = given.clone();
+        let made = Made { of: made, together, given };
+        let blocks = Blocks::of(graph, &made, wanted);
+        let mut nodes: HashMap<usize, Vec<u32>> = HashMap::new();
+        for (&node, &block) in &blocks.of {
+            nodes.entry(block).or_default().push(node);
+        }
+        for nodes in nodes.values_mut() {
+            nodes.sort_unstable();
+        }
+        Self {
+            writer,
+            graph,
+            made,
+            blocks,
+            nodes,
+            products,
+            product_of,
+            names,
+            banks: Vec::new(),
+            done,
+            text: String::new(),
+            indent: 1,
+            operations: (0, 0),
+        }
+    }
+
+    /// Writes all operations.
+    pub fn write_all(&mut self) {
+        self.write_block(ALWAYS);
+    }
+
+    /// The lines, and their operations: as written, and in loops.
+    pub fn text(self) -> (String, (usize, usize)) {
+        (self.text, self.operations)
+    }
+
+    fn write_block(&mut self, block: usize) {
+        for node in self.nodes.get(&block).cloned().unwrap_or_default() {
+            self.write(node, block);
+        }
+    }
+
+    /// Writes a node, those of the block that it needs before.
+    fn write(&mut self, node: u32, block: usize) {
+        let node = self.blocks.meant(node);
+        if self.blocks.of.get(&node) != Some(&block) || !self.done.insert(node) {
+            return;
+        }
+        if let Some(&group) = self.blocks.group_of.get(&node) {
+            self.write_group(group);
+            return;
+        }
+        for one in self.made.of[node as usize].clone() {
+            self.write(one, block);
+        }
+        if let Node::Part(roots, given) = &self.graph.nodes[node as usize] {
+            let call = self.call(node, roots, given);
+            self.line(&call);
+        } else if let Some(&product) = self.product_of.get(&node) {
+            let product = self.products[product].clone();
+            self.done.extend(product.rows.iter().map(|&(_, node)| node));
+            self.write_product(&product);
+        } else if let Some(value) = self.value(node) {
+            let kind = self.kind(node);
+            let name = self.named(node);
+            self.line(&format!("const {kind} {name} = {value};"));
+            self.operations.0 += usize::from(!self.made.of[node as usize].is_empty());
+        }
+    }
+
+    /// Selects on one mask: a branch where that saves operations.
+    fn write_group(&mut self, group: usize) {
+        let group = self.blocks.groups[group].clone();
+        self.done.extend(group.members.iter().copied());
+        self.write(group.mask, group.block);
+        let within: Vec<u32> = group.arms.iter().flat_map(|&arm| self.all_within(arm)).collect();
+        let arms = |node: u32| match self.graph.nodes[node as usize] {
+            Node::Select(_, yes, no) => [yes, no],
+            _ => [node; 2],
+        };
+        let mut members: Vec<(u32, [u32; 2])> = group.members.iter().map(|&node| (node, arms(node))).collect();
+        members.sort_unstable();
+        let needs = within.iter().flat_map(|&node| self.made.of[node as usize].clone());
+        let needs: Vec<u32> = needs.chain(members.iter().flat_map(|&(_, arms)| arms)).collect();
+        for node in needs {
+            self.write(node, group.block);
+        }
+        let mask = self.spelled(group.mask);
+        if self.work(&within) < WORTH_A_BRANCH {
+            for arm in group.arms {
+                self.write_block(arm);
+            }
+            for (node, arms) in members {
+                let (name, [yes, no]) = (self.named(node), arms.map(|arm| self.spelled(arm)));
+                self.line(&format!("const real {name} = {mask} ? {yes} : {no};"));
+                self.operations.0 += 1;
+            }
+            return;
+        }
+        for &(node, _) in &members {
+            let name = self.named(node);
+            self.line(&format!("real {name};"));
+        }
+        for (arm, begin) in [format!("if ({mask}) {{"), "} else {".to_owned()].into_iter().enumerate() {
+            self.line(&begin);
+            self.indent += 1;
+            self.write_block(group.arms[arm]);
+            for &(node, arms) in &members {
+                let (name, value) = (self.named(node), self.spelled(arms[arm]));
+                self.line(&format!("{name} = {value};"));
+            }
+            self.indent -= 1;
+        }
+        self.line("}");
+        self.operations.0 += 1;
+    }
+
+    /// What is done in a block and those that lie in it.
+    fn all_within(&self, block: usize) -> Vec<u32> {
+        let inside = |&(other, _): &(&usize, &Vec<u32>)| self.blocks.around(*other).contains(&block);
+        self.nodes.iter().filter(inside).flat_map(|(_, nodes)| nodes.iter().copied()).collect()
+    }
+
+    /// How much nodes are to be computed.
+    fn work(&self, nodes: &[u32]) -> usize {
+        let of = |&node: &u32| match self.graph.nodes[node as usize] {
+            _ if self.product_of.contains_key(&node) => WORTH_A_BRANCH,
+            Node::Part(..) | Node::One(One::Sqrt | One::Round, _) | Node::Two(Two::Div, ..) => WORTH_A_BRANCH,
+            _ => usize::from(!self.made.of[node as usize].is_empty()),
+        };
+        nodes.iter().map(of).sum()
+    }
+
+    fn line(&mut self, line: &str) {
+        for _ in 0..self.indent {
+            self.text += "    ";
+        }
+        self.text += line;
+        self.text.push('\n');
+    }
+
+    /// What an operation is in C; nothing of what needs none.
+    fn value(&mut self, node: u32) -> Option<String> {
+        if let Some((x, limit)) = within(self.graph, node) {
+            return Some(format!("within({}, {})", self.spelled(x), self.spelled(limit)));
+        }
+        let graph = self.graph;
+        let mut s = |node: u32| self.spelled(node);
+        Some(match graph.nodes[node as usize] {
+            Node::Input(place) if place < INPUTS.len() => {
+                self.writer.reads(place);
+                format!("in->{}", name_of(place))
+            }
+            Node::Input(place) | Node::Flag(place) => format!("state->{}", name_of(place)),
+            Node::One(One::Neg, a) => format!("-{}", s(a)),
+            Node::One(One::Sqrt, a) => format!("REAL_SQRT({})", s(a)),
+            Node::One(One::Abs, a) => format!("REAL_ABS({})", s(a)),
+            Node::One(One::Round, a) => format!("nearest({})", s(a)),
+            Node::Two(Two::Add, a, b) => format!("{} + {}", s(a), s(b)),
+            Node::Two(Two::Sub, a, b) => format!("{} - {}", s(a), s(b)),
+            Node::Two(Two::Mul, a, b) => format!("{} * {}", s(a), s(b)),
+            Node::Two(Two::Div, a, b) => format!("{} / {}", s(a), s(b)),
+            Node::Two(Two::Min, a, b) => format!("smaller({}, {})", s(a), s(b)),
+            Node::Two(Two::Max, a, b) => format!("larger({}, {})", s(a), s(b)),
+            Node::Two(Two::TimesSign, a, b) => format!("with_sign({}, {})", s(a), s(b)),
+            Node::Less(a, b) => format!("{} < {}", s(a), s(b)),
+            Node::And(a, b) => format!("{} && {}", s(a), s(b)),
+            Node::Or(a, b) => format!("{} || {}", s(a), s(b)),
+            Node::Not(a) => format!("!{}", s(a)),
+            Node::Known(..) | Node::Data(..) | Node::Holds(..) | Node::Given(_) | Node::Select(..) | Node::Part(..) => {
+                return None;
+            }
+            Node::Gives(part, place) => format!("p{part}[{place}]"),
+        })
+    }
+
+    fn kind(&self, node: u32) -> &'static str {
+        match self.graph.nodes[node as usize] {
+            Node::Flag(_) | Node::Less(..) | Node::And(..) | Node::Or(..) | Node::Not(_) | Node::Holds(..) => "bool",
+            _ => "real",
+        }
+    }
+
+    /// Rows times a vector: a loop over rows, or one row as it stands.
+    fn write_product(&mut self, product: &Product) {
+        let bits = |node: &u32| match &self.graph.nodes[*node as usize] {
+            Node::Data(bits, _) => bits.clone(),
+            _ => unreachable!("a product's numbers are data"),
+        };
+        let rows: Vec<Vec<Bits>> = product.rows.iter().map(|(data, _)| data.iter().map(bits).collect()).collect();
+        let (own, same) = self.writer.tables(&rows);
+        let bank = self.setting(product.bank);
+        let vector: Vec<String> = product.vector.iter().map(|&node| self.spelled(node)).collect();
+        let (own_row, same_row) = (format!("{bank}->m{}", own.place), format!("same_{}", same.place));
+        let sum = |own_row: &str, same_row: &str| {
+            let place = |k: &usize| match own.columns.iter().position(|column| column == k) {
+                Some(place) => format!("{own_row}[{place}]"),
+                None => format!("{same_row}[{}]", same.columns.iter().filter(|&column| column < k).count()),
+            };
+            let terms = vector.iter().enumerate().map(|(k, name)| format!("({} * {name})", place(&k)));
+            terms.collect::<Vec<_>>().join(" + ")
+        };
+        let terms = product.rows.len() * (2 * product.vector.len() - 1);
+        if let [(_, node)] = product.rows[..] {
+            let name = self.named(node);
+            let sum = sum(&format!("{own_row}[0]"), &format!("{same_row}[0]"));
+            self.line(&format!("const real {name} = {sum};"));
+            self.operations.0 += terms;
+            return;
+        }
+        self.operations.1 += terms;
+        let (first, count) = (product.rows[0].1, product.rows.len());
+        self.line(&format!("real r{first}[{count}];"));
+        self.line(&format!("for (unsigned int k = 0U; k < {count}U; ++k) {{"));
+        for (name, table, row) in [("m", &own, own_row), ("c", &same, same_row)] {
+            if !table.columns.is_empty() {
+                self.line(&format!("    const real *const {name} = {row}[k];"));
+            }
+        }
+        self.line(&format!("    r{first}[k] = {};", sum("m", "c")));
+        self.line("}");
+        for (k, &(_, node)) in product.rows.iter().enumerate() {
+            let name = self.named(node);
+            self.line(&format!("const real {name} = r{first}[{k}];"));
+        }
+    }
+
+    /// A part with what it is given: a call of the function that is written of it.
+    fn call(&mut self, node: u32, roots: &[u32], given: &[u32]) -> String {
+        let held = held(self.graph, roots);
+        let inside = self.graph.nodes.iter().enumerate().filter_map(|(place, node)| match node {
+            Node::Given(k) => Some((u32::try_from(place).ok()?, format!("a{k}"))),
+            _ => None,
+        });
+        let kept = held.iter().enumerate().map(|(k, &node)| (node, format!("c{k}")));
+        let mut body = Body::with(self.writer, self.graph, roots, Some(inside.chain(kept).collect()));
+        // In the order in which what is given needs them, which is the same in each setting.
+        for &root in roots {
+            body.write(root, ALWAYS);
+        }
+        for (k, &root) in roots.iter().enumerate() {
+            let found = body.spelled(root);
+            body.line(&if roots.len() == 1 { format!("return {found};") } else { format!("r[{k}] = {found};") });
+        }
+        let (banks, lines, operations) = (body.banks, body.text, body.operations);
+        let pointers = (0..banks.len()).map(|k| format!("const setting *s{k}"));
+        let numbers = (0..given.len()).map(|k| format!("real a{k}"));
+        let kept = held.iter().enumerate().map(|(k, &node)| format!("{} c{k}", self.kind(node)));
+        let gives = if roots.len() == 1 { "real" } else { "void" };
+        let results = (roots.len() > 1).then(|| "real *r".to_owned());
+        let parameters = pointers.chain(results).chain(numbers).chain(kept).collect::<Vec<_>>().join(", ");
+        let known = self.writer.functions();
+        let name = self.writer.function(gives, parameters, lines);
+        if self.writer.functions() > known {
+            self.operations.0 += operations.0;
+        }
+        let settings: Vec<String> = banks.into_iter().map(|bank| self.setting(bank)).collect();
+        let results = if roots.len() == 1 { Vec::new() } else { vec![format!("p{node}")] };
+        let values: Vec<String> = given.iter().chain(&held).map(|&node| self.spelled(node)).collect();
+        let call = format!("{name}({});", [settings, results, values].concat().join(", "));
+        if roots.len() == 1 {
+            return format!("const real {} = {call}", self.named(node));
+        }
+        self.line(&format!("real p{node}[{}];", roots.len()));
+        call
+    }
+
+    /// Where the numbers of a bank are.
+    fn setting(&mut self, bank: Bank) -> String {
+        if self.names.is_none() {
+            return if bank == Bank::To { "to" } else { "from" }.to_owned();
+        }
+        let place = self.banks.iter().position(|&known| known == bank).unwrap_or_else(|| {
+            self.banks.push(bank);
+            self.banks.len() - 1
+        });
+        format!("s{place}")
+    }
+
+    /// How a node is named where it is used.
+    pub fn spelled(&mut self, node: u32) -> String {
+        let node = self.blocks.meant(node);
+        let bank = match &self.graph.nodes[node as usize] {
+            Node::Known(_, bank) | Node::Data(_, bank) | Node::Holds(_, bank) if *bank != Bank::All => {
+                self.setting(*bank)
+            }
+            _ => String::new(),
+        };
+        match self.writer.known(self.graph, node, |_| bank.clone()) {
+            Some(known) => known,
+            None => self.named(node),
+        }
+    }
+
+    fn named(&mut self, node: u32) -> String {
+        match &mut self.names {
+            None => format!("v{node}"),
+            Some(names) => {
+                let next = format!("t{}", names.len());
+                names.entry(node).or_insert(next).clone()
+            }
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! What a node is made of where it is written as C: what it waits for, and what a function is given.
+
+use crate::trace::{Graph, Node, One, Two};
+use std::collections::HashSet;
+
+/// What a node is made of, where C has a shorter word than the trace, and of a part what it holds on to as well.
+pub fn made_of(graph: &Graph, place: usize) -> Vec<u32> {
+    let node = &graph.nodes[place];
+    if let Some((x, limit)) = u32::try_from(place).ok().and_then(|node| within(graph, node)) {
+        return vec![x, limit];
+    }
+    match node {
+        Node::Part(roots, given) => [given.clone(), held(graph, roots)].concat(),
+        node => node.made_of(),
+    }
+}
+
+/// What a part needs besides what it is given.
+pub fn held(graph: &Graph, roots: &[u32]) -> Vec<u32> {
+    let on_given = graph.on_given();
+    let (mut open, mut seen, mut found) = (roots.to_vec(), HashSet::new(), Vec::new());
+    while let Some(node) = open.pop() {
+        if !seen.insert(node) {
+            continue;
+        }
+        if on_given[node as usize] {
+            open.extend(graph.nodes[node as usize].made_of());
+        } else if !matches!(graph.nodes[node as usize], Node::Known(..) | Node::Data(..) | Node::Holds(..)) {
+            found.push(node);
+        }
+    }
+    found
+}
+
+/// The number and the limit of what is held between a limit and its negative.
+pub fn within(graph: &Graph, node: u32) -> Option<(u32, u32)> {
+    let &Node::Two(Two::Min, inner, high) = &graph.nodes[node as usize] else { return None };
+    let &Node::Two(Two::Max, x, low) = &graph.nodes[inner as usize] else { return None };
+    let opposite = match (&graph.nodes[low as usize], &graph.nodes[high as usize]) {
+        (&Node::One(One::Neg, size), _) => size == high,
+        (Node::Known(low, _), Node::Known(high, _)) => {
+            low.iter().zip(high).all(|(&low, &high)| low == (-f64::from_bits(high)).to_bits())
+        }
+        _ => false,
+    };
+    (opposite && not_negative(graph, high)).then_some((x, high))
+}
+
+fn not_negative(graph: &Graph, node: u32) -> bool {
+    match &graph.nodes[node as usize] {
+        Node::Known(bits, _) => bits.iter().all(|&bits| f64::from_bits(bits) >= 0.0),
+        Node::One(One::Abs, _) => true,
+        &Node::Two(Two::Max, a, b) => not_negative(graph, a) || not_negative(graph, b),
+        _ => false,
+    }
+}
+
+/// Which nodes are needed for `wanted`.
+pub fn reached(made: &[Vec<u32>], wanted: &[u32]) -> Vec<bool> {
+    let mut found = vec![false; made.len()];
+    let mut open = wanted.to_vec();
+    while let Some(node) = open.pop() {
+        if !core::mem::replace(&mut found[node as usize], true) {
+            open.extend(&made[node as usize]);
+        }
+    }
+    found
+}
