@@ -79,13 +79,15 @@ int main(int argc, char **argv) {
     printf("machine at 127.0.0.1:%d\n", ntohs(here.sin_port));
     fflush(stdout);
     machine m = {0};
-    uint64_t sequence = 1;
+    uint64_t sequence = 1, following = 0;
     for (;;) {
         command_packet in;
         length = sizeof loop;
         const ssize_t came = recvfrom(link, &in, sizeof in, 0, (struct sockaddr *)&loop, &length);
         if (came != sizeof in || memcmp(in.magic, "FFLV", 4) || in.version != 1) continue;
         if (crc32(&in, sizeof in - 4) != in.crc) continue;
+        if (in.kind == 2 && in.cycle < following) continue; /* it comes late, or twice */
+        following = in.kind == 2 ? in.cycle + 1 : 0;        /* a loop that begins asks first */
         if (in.kind == 2) {
             move(&m, in.enable & 1 ? in.command : 0.0, period_s);
             sequence++;

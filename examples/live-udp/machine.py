@@ -27,14 +27,14 @@ def sample_packet(sequence: int, sensors: tuple[float, float, float, float, floa
     return packet + struct.pack("<I", zlib.crc32(packet))
 
 
-def read_command(packet: bytes) -> tuple[int, float, bool] | None:
-    """Kind, command and whether the drive is to be powered; nothing if the packet is damaged or none of ours."""
+def read_command(packet: bytes) -> tuple[int, int, float, bool] | None:
+    """Kind, cycle, command and whether the drive is to be powered; nothing if the packet is damaged or none of ours."""
     if len(packet) != 48 or zlib.crc32(packet[:44]) != struct.unpack_from("<I", packet, 44)[0]:
         return None
-    magic, version, kind, _cycle, _answers, command, enable = struct.unpack_from("<4sHHQQdI", packet)
+    magic, version, kind, cycle, _answers, command, enable = struct.unpack_from("<4sHHQQdI", packet)
     if (magic, version) != (MAGIC, VERSION):
         return None
-    return kind, command, bool(enable & 1)
+    return kind, cycle, command, bool(enable & 1)
 
 
 def serve(port: int, loader_name: str = "elevator-2khz") -> None:
@@ -43,12 +43,15 @@ def serve(port: int, loader_name: str = "elevator-2khz") -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as link:
         link.bind(("127.0.0.1", port))
         print(f"{loader_name} at 127.0.0.1:{link.getsockname()[1]}", flush=True)
-        sequence, sensors = 1, machine.read()
+        sequence, newest, sensors = 1, -1, machine.read()
         while True:
             packet, loop = link.recvfrom(64)
             if (read := read_command(packet)) is None:
                 continue
-            kind, command, enable = read
+            kind, cycle, command, enable = read
+            if kind == COMMAND and cycle <= newest:
+                continue  # it comes late, or twice
+            newest = cycle if kind == COMMAND else -1  # a loop that begins asks first
             if kind == COMMAND:
                 machine.write(command, enable)
                 sequence, sensors = sequence + 1, machine.read()

@@ -2,12 +2,11 @@
 
 import json
 import signal
-import subprocess
-import sys
 import threading
 import time
 
 import forcefeel as ff
+from tests.live.run_command import run_command
 
 PATIENCE_S = 100.0
 
@@ -41,30 +40,24 @@ def test_a_console_that_hangs_costs_the_loop_nothing():
 def test_a_run_that_is_stopped_counts_what_it_missed_and_ctrl_c_ends_it_whole(tmp_path):
     """SIGSTOP holds the whole process, its loop too; what is wired beside it is what acts then."""
     path = tmp_path / "live" / "record.mcap"
-    words = ("run", "elevator-2khz", "--headless", "--out", "live", "--json")
-    begun = [sys.executable, "-c", "from forcefeel.cli import main; main()", *words]
-    process = subprocess.Popen(begun, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     until = time.monotonic() + PATIENCE_S
 
-    def grown(most):
+    def grown(process, most):
         while not (path.exists() and path.stat().st_size > most):
             assert process.poll() is None, process.communicate()
             assert time.monotonic() < until
             time.sleep(0.02)
 
-    try:
-        grown(500_000)
+    with run_command("elevator-2khz", "--headless", "--out", "live", "--json", cwd=tmp_path) as process:
+        grown(process, 500_000)
         process.send_signal(signal.SIGSTOP)
         time.sleep(0.1)
         size = path.stat().st_size
         time.sleep(0.2)
         process.send_signal(signal.SIGCONT)
-        grown(size + 300_000)
+        grown(process, size + 300_000)
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=PATIENCE_S)
-    finally:
-        process.kill()
-        process.wait()
     assert (process.returncode, err) == (0, "")
     found = json.loads(out)
     assert found["missed"] >= 200

@@ -110,18 +110,21 @@ def _console(running: "Running", options: RunOptions) -> Iterator[None]:
         running.on()
         yield
         return
-    from forcefeel.live.console import server
+    from forcefeel.live.console.apart import ConsoleApart
+    from forcefeel.live.console.door import Door
     from forcefeel.qualification.programme.run import QualificationSetup
 
-    setup = QualificationSetup(system=options.units)
-    with server.Console(
-        running, port=options.port, bind=options.bind, token=not options.no_token, setup=setup
-    ) as console:
-        # Not to the output, which --json leaves to the result; at once, since whoever waits for it opens it.
-        print(f"console: {console.address}", file=sys.stderr, flush=True)
+    door = Door.at(options.port, options.bind, token=not options.no_token)
+    with ConsoleApart(running, door, QualificationSetup(system=options.units), _tell):
+        _tell(f"console: {door.address}")
         if not options.no_token:
-            print(f"to look on and stop: {console.watch_address}", file=sys.stderr, flush=True)
+            _tell(f"to look on and stop: {door.watch_address}")
         yield
+
+
+def _tell(sentence: str) -> None:
+    # Not to the output, which --json leaves to the result; at once, since whoever waits for it opens it.
+    print(sentence, file=sys.stderr, flush=True)
 
 
 def _wait(running: "Running", lasts_s: float) -> None:

@@ -9,7 +9,7 @@ from websockets.sync.client import connect
 from forcefeel.live import Console
 from tests.live.console.stand_in import StandIn
 
-PATIENCE_S = 10.0
+PATIENCE_S = 30.0
 
 
 class Talk:

@@ -35,7 +35,7 @@ class StandIn:
         self.columns, self._speed, self.period_s = COLUMNS, speed, 1e-3
         self.trim_rad, self.stiffness_factor, self.shaker = 0.0, 1.0, 0.0
         self.hand_force_n, self.hand_angle_rad = 0.0, None
-        self.host = None
+        self.host, self.fault = None, ""
         self.law = SimpleNamespace(name="robust")
         self.calls, self.trips = [], ()
         self._name, self._x, self._v, self._cycle = "passive", 0.0, 0.0, 0
@@ -148,7 +148,9 @@ class StandIn:
         self.trips = (
             ff.live.Trip("sensors silent", "The drive and its sensors sent nothing. Look at the cable to the drive."),
         )
+        self.fault = fault
         self._called(("break", fault, sensor, by), "tripped")
 
     def repair(self):
+        self.fault = ""
         self._called("repair")

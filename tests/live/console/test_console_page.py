@@ -9,6 +9,13 @@ LONGEST_MS = 40_000
 LEAST_PX = 44
 """Of what a finger has to meet."""
 
+PAD = """
+window.axes = null;
+window.looks = 0;
+navigator.getGamepads = () => (window.looks++, window.axes ? [null, { axes: window.axes }] : [null]);
+"""
+"""A game pad of a test: its axes, or none, and how often the page looked at it."""
+
 pytestmark = pytest.mark.browser
 
 
@@ -34,6 +41,7 @@ def page(request, browser, console):
     )
     window.on("pageerror", lambda error: window.complaints.append(str(error)))
     window.on("request", lambda asked: window.requested.append(asked.url))
+    window.add_init_script(PAD)
     window.goto(console.address)
     window.click("#on")
     window.locator("#state.active").wait_for()
@@ -49,16 +57,78 @@ def until(page, holds):
     pytest.fail("it did not come to that")
 
 
-def test_the_hand_drags_the_column(page, running):
+def grip(page):
     page.evaluate("window.scrollTo(0, 0)")
-    grip = page.locator("#column").bounding_box()
-    x, y = grip["x"] + grip["width"] / 2, grip["y"] + 40
+    box = page.locator("#column").bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + 40
+
+
+def test_the_hand_drags_the_column(page, running):
+    x, y = grip(page)
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + 40, y)
     until(page, lambda: running.hand_force_n > 10)
     page.mouse.up()
     until(page, lambda: running.hand_force_n == 0)
+
+
+def push(page, axis):
+    """As a hand does, that stays for longer than the page takes to look."""
+    page.evaluate("axis => { window.axes = axis; window.looks = 0; }", axis)
+    page.wait_for_function("window.looks > 1")
+
+
+def test_a_game_pad_pulls_from_its_middle_on_and_with_control_alone(page, running):
+    push(page, [0.0, -0.8])
+    page.wait_for_timeout(200)
+    assert running.hand_force_n == 0  # it was pushed when it came
+    push(page, [0.02, 0.05])
+    page.locator("#pad", has_text="a game pad pulls too").wait_for()
+    push(page, [0.1, -0.5])  # the axis that is pushed further
+    until(page, lambda: running.hand_force_n < -10)
+    half = running.hand_force_n
+    push(page, [0.1, 1.0])
+    until(page, lambda: running.hand_force_n == pytest.approx(-2 * half, rel=1e-6))  # of doubles as JSON
+    push(page, [0.0, 0.0])
+    until(page, lambda: running.hand_force_n == 0)
+    push(page, [0.6, 0.0])
+    until(page, lambda: running.hand_force_n > 10)
+    page.click("#take")
+    page.locator("#holder", has_text="Nobody").wait_for()
+    page.wait_for_timeout(300)
+    assert running.hand_force_n == 0
+    assert page.inner_text("#holder") == "Nobody holds control."
+    page.click("#take")
+    page.locator("#holder", has_text="You hold control.").wait_for()
+    page.wait_for_timeout(200)
+    assert running.hand_force_n == 0  # it has not been in its middle since
+    push(page, [0.0, 0.0])
+    page.wait_for_timeout(200)
+    push(page, [0.6, 0.0])
+    until(page, lambda: running.hand_force_n > 10)
+    push(page, None)  # its plug is pulled
+    until(page, lambda: running.hand_force_n == 0)
+
+
+def test_a_browser_that_is_closed_lets_go_and_leaves_the_loop(page, browser, console, running):
+    page.click("#take")
+    page.locator("#holder", has_text="Nobody").wait_for()
+    other = browser.new_context(viewport=page.viewport_size)
+    window = other.new_page()
+    window.goto(console.address)  # which takes control, since it is free
+    window.locator("#holder", has_text="You hold control.").wait_for()
+    window.mouse.move(*grip(window))
+    window.mouse.down()
+    window.mouse.move(grip(window)[0] + 40, grip(window)[1])
+    until(window, lambda: running.hand_force_n > 10)
+    page.locator("#on:disabled").wait_for()
+    other.close()
+    until(page, lambda: running.hand_force_n == 0)
+    page.locator("#holder", has_text="Nobody").wait_for()
+    assert running.state.name == "active"
+    page.click("#take")
+    page.locator("#holder", has_text="You hold control.").wait_for()
 
 
 def test_the_feel_is_changed(page, running):
@@ -72,10 +142,12 @@ def test_the_feel_is_changed(page, running):
 
 
 def test_a_release_is_made_and_judged_and_told_to_who_comes_later(page):
-    if page.viewport_size["width"] == WIDTHS[0]:
-        page.locator("[data-test=release][data-side=positive]:enabled").click()
-    page.locator("#judged:not([hidden])").wait_for()
-    assert page.inner_text("#judged strong") == "Release from 50 % of the throw, positive: passed"
+    side, earlier = ("positive", None) if page.viewport_size["width"] == WIDTHS[0] else ("negative", "positive")
+    if earlier:
+        page.locator("#judged strong", has_text=f"{earlier}: passed").wait_for()
+    page.locator(f"[data-test=release][data-side={side}]:enabled").click()
+    page.locator("#judged strong", has_text=side).wait_for()
+    assert page.inner_text("#judged strong") == f"Release from 50 % of the throw, {side}: passed"
     assert page.locator("#judged tbody tr").count() > 5
 
 

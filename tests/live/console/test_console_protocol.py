@@ -2,17 +2,21 @@
 
 import socket
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import forcefeel as ff
 from forcefeel.live import Console
-from forcefeel.live.console.telemetry import HEADER, packed
+from forcefeel.live.console.telemetry import FOUND_OVER_S, HEADER, Telemetry, channels, packed
+from forcefeel.units import UnitSystem
 from tests.live.console.conftest import Talk
 from tests.live.console.stand_in import StandIn
 
 SOON_S = 5.0
+LAG = 20
+"""Cycles."""
 
 
 def until(holds):
@@ -38,6 +42,40 @@ def test_frames_come_sixty_times_a_second_and_miss_no_row(talk):
     times, rows, numbers = zip(*heads, strict=True)
     assert np.diff(numbers).tolist() == [1] * 59
     assert sum(rows[1:]) == round((times[-1] - times[0]) / 1e-3)
+
+
+def test_frames_begin_though_the_history_lags_behind_the_loop(running):
+    """As the real one does: its rows come to the history some milliseconds after the cycle is counted."""
+    until(lambda: running.state.cycle > LAG)
+    told = SimpleNamespace(
+        columns=running.columns,
+        period_s=running.period_s,
+        state=SimpleNamespace(cycle=running.state.cycle + LAG),
+        history=running.history,
+    )
+    frames = Telemetry(told, channels(told, running.loader), UnitSystem.US)
+    assert HEADER.unpack(frames.frame()[: HEADER.size])[1:] == (1, 1)  # rows, number
+
+
+def test_the_force_that_the_law_finds_is_read_over_a_tenth_of_a_second(running):
+    rng, cycles = np.random.default_rng(7), 600
+    rows = np.zeros((cycles, len(running.columns)))
+    rows[:, running.columns.index("cycle")] = np.arange(cycles)
+    found = running.columns.index("feel_torque_n_m")
+    rows[:, found] = rng.normal(size=cycles)
+    loop = SimpleNamespace(columns=running.columns, period_s=running.period_s)
+    shown = channels(loop, running.loader)
+    frames = Telemetry(loop, shown, UnitSystem.SI)
+    cycle, place = 0, [one.column for one in shown].index("feel_torque_n_m")
+    while cycle < cycles:  # frames of rows as they come
+        loop.history = lambda since, most, end=cycle + 1: rows[max(int(since) + 1, end - most) : end]
+        last = np.frombuffer(frames.frame()[HEADER.size :], "<f4").reshape(-1, 3)[place, 2]
+        cycle += int(rng.integers(5, 40))
+    samples = round(FOUND_OVER_S / running.period_s)
+    end = int(frames._seen) + 1
+    mean = rows[end - samples : end, found].mean() / running.loader["column.grip_arm"]
+    assert last == pytest.approx(mean, rel=1e-5)  # of single precision
+    assert shown[place].label == "as the law finds it, over 0.1 s"
 
 
 def test_the_page_is_told_all_that_it_shows(talk):

@@ -26,12 +26,16 @@ from forcefeel.live.console.programmed import Programmed
 from forcefeel.live.console.telemetry import Telemetry, channels
 from forcefeel.live.console.timing import timing_json
 from forcefeel.live.console.watchers import Watcher, Watchers
+from forcefeel.live.console.wire import LAPSES_S
 from forcefeel.live.running import Running
 from forcefeel.qualification.programme.run import QualificationSetup
 from forcefeel.qualification.throw import Throw
 
-HAND_LAPSES_S = 0.5
+HAND_LAPSES_S = LAPSES_S
 """A hand of which nothing is heard for so long lets go: its page is gone, or the network."""
+
+HELD_UP_S = 1.5
+"""A server that did nothing for so long was held up: what was asked of it meanwhile is nobody's wish any more, but for a stop."""
 
 _STATUS_EACH, _TIMING_EACH = 6, 30
 """Ticks between two looks at them."""
@@ -55,7 +59,7 @@ class Desk:
         self._description = description(running, shown, (throw.low_rad, throw.high_rad), setup.system)
         self._has_hand = _has_hand(running)
         self._description["hand"] = self._has_hand
-        self._hand_until, self._fault = 0.0, ""
+        self._hand_until, self._ticked = 0.0, time.monotonic()
         self._rows: dict[str, float | None] = {}
         self._feel_asked, self._curve_asked = asyncio.Event(), asyncio.Event()
         self._programmed: Programmed | None = None
@@ -105,6 +109,9 @@ class Desk:
         Raises:
             InputError: If the watcher may not, or it cannot be done, with the reason.
         """
+        self._look_back()
+        if watcher.outdated and command.do != "stop":
+            raise InputError("the console was held up, and leaves out what was asked meanwhile; ask again")
         if command.do not in FOR_ALL and self.watchers.holder is not watcher:
             self.watchers.take(watcher)  # free, it goes to who first asks for something
         match command:
@@ -121,7 +128,6 @@ class Desk:
                 self._hand(command)
             case Break():
                 self._running.break_(command.fault, command.sensor, command.by)
-                self._fault = command.fault
             case RuleTest():
                 self._begin(command)
         if not isinstance(command, Hand):
@@ -143,10 +149,7 @@ class Desk:
                 self._running.off()
             case "abort":
                 self._break_off()
-            case "repair":
-                self._running.repair()
-                self._fault = ""
-            case "on" | "acknowledge":
+            case "on" | "acknowledge" | "repair":
                 getattr(self._running, what)()
 
     def _hand(self, hand: Hand) -> None:
@@ -231,10 +234,19 @@ class Desk:
     def _break_off(self) -> None:
         self._test_ended.set()
 
+    def _look_back(self) -> None:
+        """Where the server was held up: all begin anew, none of what they asked meanwhile is done late."""
+        before, self._ticked = self._ticked, time.monotonic()
+        if self._ticked - before > HELD_UP_S:
+            self._break_off()
+            self._let_go()
+            self.watchers.turn_out()
+
     # What they see.
 
     def tick(self) -> None:
         """Sends to all what is new."""
+        self._look_back()
         self._ticks += 1
         if self._hand_until and time.monotonic() > self._hand_until:
             self._let_go()
@@ -263,7 +275,7 @@ class Desk:
                 trim_rad=running.trim_rad,
                 stiffness_factor=running.stiffness_factor,
                 shaker=running.shaker,
-                fault=self._fault,
+                fault=running.fault,
                 host=host_json(running),
                 test=self._progress or None,
             ),

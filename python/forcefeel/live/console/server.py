@@ -17,16 +17,16 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 from forcefeel.errors import InputError
-from forcefeel.live.console.admission import Admission, Refused, Role, is_loopback
+from forcefeel.live.console.admission import Refused, Role
 from forcefeel.live.console.commands import LARGEST_BYTES, command_of
 from forcefeel.live.console.desk import Desk
+from forcefeel.live.console.door import DEFAULT_PORT, Door
 from forcefeel.live.console.files import answer, page_files
 from forcefeel.live.console.telemetry import RATE_HZ
 from forcefeel.live.console.watchers import MOST, Watcher, Watchers
 from forcefeel.live.running import Running
 from forcefeel.qualification.programme.run import QualificationSetup
 
-DEFAULT_PORT = 8731
 SOCKET = "/live"
 
 _SEND_BYTES = 32768
@@ -41,62 +41,21 @@ _LOG.addHandler(logging.NullHandler())
 _LOG.propagate = False  # who knocks wrongly must not fill the terminal
 
 
-class Console:
+class Server:
     """The server of a running loop, a context manager: leaving it ends the server, not the loop.
 
     Args:
         running: The loop.
-        port: Where it listens; 0 for any free one.
-        bind: The address that it listens at; only this machine reaches the usual one.
-        token: Whether it asks for a token.
+        door: Where it listens, and who gets in.
         setup: How the rule's tests are judged, and in which units all is shown.
-
-    Raises:
-        InputError: If the port is taken or the address is none of this machine's; if without a token others could reach it.
-
-    Example:
-        >>> import forcefeel as ff
-        >>> with ff.live.start(ff.digital_elevator(), "robust") as running, ff.live.Console(running, port=0) as console:
-        ...     console.address.partition("?token=")[1]
-        '?token='
     """
 
-    def __init__(
-        self,
-        running: Running,
-        *,
-        port: int = DEFAULT_PORT,
-        bind: str = "127.0.0.1",
-        token: bool = True,
-        setup: QualificationSetup | None = None,
-    ) -> None:
-        if not token and not is_loopback(bind):
-            raise InputError(
-                f"--no-token: whoever reaches {bind} could move the column; leave --no-token or --bind out, or reach this "
-                "machine by a tunnel: ssh -L"
-            )
-        self._socket = _listening(bind, port)
-        bound = self._socket.getsockname()[1]
-        self.admission = Admission(bound, bind, token)
-        self._desk = Desk(running, setup or QualificationSetup(), Watchers())
+    def __init__(self, running: Running, door: Door, setup: QualificationSetup) -> None:
+        self.door, self.admission = door, door.admission
+        self._desk = Desk(running, setup, Watchers())
         self._thread = threading.Thread(target=self._run, name="forcefeel console", daemon=True)
         self._ready, self._end = threading.Event(), asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
-
-    @property
-    def address(self) -> str:
-        """What to open to control; it holds the token."""
-        return self._address(self.admission.control)
-
-    @property
-    def watch_address(self) -> str:
-        """What to open to look on."""
-        return self._address(self.admission.watch)
-
-    def _address(self, token: str) -> str:
-        bind = self.admission.bind
-        name = socket.gethostname() if bind in ("0.0.0.0", "::") else f"[{bind}]" if ":" in bind else bind
-        return f"http://{name}:{self.admission.port}/" + (f"?token={token}" if self.admission.asked else "")
 
     def __enter__(self) -> Self:
         """Listens, from now on."""
@@ -119,7 +78,7 @@ class Console:
         self._loop = asyncio.get_running_loop()
         server = serve(
             self._watch,
-            sock=self._socket,
+            sock=self.door.listening,
             process_request=self._request,
             compression=None,
             server_header=None,
@@ -203,11 +162,43 @@ async def _every(period_s: float, do: Callable[[], Any]) -> None:
         await asyncio.sleep(following - time.monotonic())
 
 
-def _listening(bind: str, port: int) -> socket.socket:
-    family = socket.AF_INET6 if ":" in bind else socket.AF_INET
-    try:
-        return socket.create_server((bind, port), family=family, backlog=64)
-    except (OSError, OverflowError) as error:
-        raise InputError(
-            f"--port {port}, --bind {bind}: cannot listen there ({error}); give another --port, 0 for any that is free"
-        ) from error
+class Console(Server):
+    """The console of a running loop, served by a thread of this process; a context manager, which leaves the loop as it is.
+
+    Args:
+        running: The loop.
+        port: Where it listens; 0 for any free one.
+        bind: The address that it listens at; only this machine reaches the usual one.
+        token: Whether it asks for a token.
+        setup: How the rule's tests are judged, and in which units all is shown.
+
+    Raises:
+        InputError: If the port is taken or the address is none of this machine's; if without a token others could reach it.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> with ff.live.start(ff.digital_elevator(), "robust") as running, ff.live.Console(running, port=0) as console:
+        ...     console.address.partition("?token=")[1]
+        '?token='
+    """
+
+    def __init__(
+        self,
+        running: Running,
+        *,
+        port: int = DEFAULT_PORT,
+        bind: str = "127.0.0.1",
+        token: bool = True,
+        setup: QualificationSetup | None = None,
+    ) -> None:
+        super().__init__(running, Door.at(port, bind, token=token), setup or QualificationSetup())
+
+    @property
+    def address(self) -> str:
+        """What to open to control; it holds the token."""
+        return self.door.address
+
+    @property
+    def watch_address(self) -> str:
+        """What to open to look on."""
+        return self.door.watch_address

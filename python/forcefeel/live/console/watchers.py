@@ -4,6 +4,7 @@ Nobody waits for a watcher. What is sent is of two sorts: frames, of which one t
 kind has one, the newest, that a watcher gets when it can take it.
 """
 
+import asyncio
 import json
 import time
 from collections.abc import Iterable, Iterator
@@ -21,6 +22,8 @@ MOST = 32
 
 _EACH_SECOND, _AT_ONCE = 150.0, 300.0
 """Commands of one watcher, each second and at once; a hand that is dragged sends sixty a second."""
+_AGAIN = 1012
+"""RFC 6455's registry of close codes: the service begins anew."""
 _MOST_REFUSED = 20
 """Commands of one watcher that are none, after which it is turned out."""
 
@@ -35,6 +38,7 @@ class Watcher:
         role: What it may.
         seen: Version of each kind of notice that it was sent.
         refused: Commands of it that were none.
+        outdated: Whether it was there when the server was held up, and has to come again.
     """
 
     connection: ServerConnection
@@ -42,6 +46,7 @@ class Watcher:
     role: Role
     seen: dict[str, int] = field(default_factory=dict)
     refused: int = 0
+    outdated: bool = False
     _left: float = _AT_ONCE
     _at: float = field(default_factory=time.monotonic)
 
@@ -71,6 +76,7 @@ class Watchers:
         self._numbers = count(1)
         self._versions = count(1)
         self._notices: dict[str, tuple[int, str]] = {}
+        self._closing: set[asyncio.Future[None]] = set()
         self.holder: Watcher | None = None
 
     def __iter__(self) -> Iterator[Watcher]:
@@ -90,6 +96,14 @@ class Watchers:
         """Who went; tells whether control is free by that."""
         self._all.pop(watcher.connection, None)
         return self.give(watcher)
+
+    def turn_out(self) -> None:
+        """Ends the connections of all; their pages open others."""
+        for one in self:
+            one.outdated = True
+            task = asyncio.ensure_future(one.connection.close(_AGAIN, "the console was held up"))
+            self._closing.add(task)
+            task.add_done_callback(self._closing.discard)
 
     def take(self, watcher: Watcher) -> None:
         """Gives control to a watcher.

@@ -9,7 +9,8 @@ export class Column {
   constructor({ angle, force, hand }, send, mode) {
     this.svg = document.getElementById("column");
     Object.assign(this, { angle, force, send, mode, full: 100, now: 0, pulled: 0, hand: null, sent: 0 });
-    this.svg.onpointerdown = (event) => hand && this.grab(event);
+    Object.assign(this, { allowed: false, mine: false, centred: false });
+    this.svg.onpointerdown = (event) => hand && this.allowed && this.grab(event);
     this.svg.onpointermove = (event) => this.hand?.pointer === event.pointerId && this.drag(event);
     this.svg.onpointerup = this.svg.onpointercancel = (event) => this.hand?.pointer === event.pointerId && this.letGo();
     const turn = (at) => `${REACH * Math.sin(at)} ${-REACH * Math.cos(at)}`;
@@ -47,9 +48,22 @@ export class Column {
   }
 
   letGo() {
+    this.drop();
+    this.send({ do: "hand" });
+  }
+
+  drop() {
     this.hand = null;
     this.svg.classList.remove("held");
-    this.send({ do: "hand" });
+  }
+
+  // Who gives control up, or loses it, has no hand any more: a wish sent on would take control again.
+  allow(allowed, mine) {
+    if (!allowed || (this.mine && !mine)) {
+      this.drop();
+      this.centred = false;
+    }
+    Object.assign(this, { allowed, mine });
   }
 
   // Each time that the screen is drawn: what the hand wishes, once; and again before it lapses.
@@ -65,7 +79,9 @@ export class Column {
     const axis = [...(navigator.getGamepads?.() ?? [])].find(Boolean)?.axes ?? [];
     const pushed = axis.slice(0, 2).reduce((most, value) => (Math.abs(value) > Math.abs(most) ? value : most), 0);
     document.getElementById("pad").textContent = axis.length ? "a game pad pulls too" : "";
-    if (Math.abs(pushed) > PAD_DEAD && (!this.hand || this.hand.pointer === "pad")) {
+    // A stick that is pushed when control comes, or that rests elsewhere, has to be seen in its middle first.
+    this.centred ||= axis.length > 0 && Math.abs(pushed) <= PAD_DEAD;
+    if (Math.abs(pushed) > PAD_DEAD && this.allowed && this.centred && (!this.hand || this.hand.pointer === "pad")) {
       this.hand ??= { pointer: "pad" };
       this.wish({ force_n: (pushed * this.full) / this.force.scale });
     } else if (this.hand?.pointer === "pad") {

@@ -87,6 +87,7 @@ function show(now) {
   trips(now.trips, mine || free);
   const allowed = told.role === "control" && (mine || free);
   feel.enable(allowed);
+  column.allow(allowed && told.hand, mine);
   for (const button of document.querySelectorAll("main button, main select, main input[type=radio]")) button.disabled = !allowed;
   for (const button of document.querySelectorAll("[data-test]")) button.disabled = !allowed || Boolean(now.test) || now.state !== "active";
   by("on").setAttribute("aria-pressed", String(now.state === "active"));
@@ -137,7 +138,11 @@ function breakIt() {
 }
 
 by("stop").onclick = () => send({ do: "stop" });
-by("take").onclick = () => send({ do: status.holder === told.you ? "give" : "take" });
+by("take").onclick = () => {
+  const mine = status.holder === told.you;
+  if (mine) column.allow(false, false);
+  send({ do: mine ? "give" : "take" });
+};
 for (const what of ["on", "off", "repair", "abort"]) by(what).onclick = () => send({ do: what });
 by("break").onclick = breakIt;
 for (const button of document.querySelectorAll("[data-test]")) {
