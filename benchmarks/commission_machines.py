@@ -10,16 +10,15 @@ U.S. customary units: lb, in, s, mA, V, rad; the servo alone, its position loop 
     (J + m) w' = alpha R_b A p - d w - k_a theta - F_c R_p sgn w                                      eqs. (6), (7), and an arm
     e = - K_3 x  of the last sample but one, through its sensor, and the test signal                  eq. (13)
 
-At rest the column sticks while ``|alpha R_b A p - k_a theta| <= F_s R_p``. All that is linear takes exact steps by a matrix
-exponential for each machine; what the orifice takes from the flow, ``q - q_i``, is carried on straight from the last two steps
-(second order), and friction is constant over a step; where the column turns round in one, it rests at its end, or what is left
-of the step goes the other way. Angle, piston, force and current are within 1e-4 of the engine's r.m.s., friction and all.
+At rest the column sticks while ``|alpha R_b A p - k_a theta| <= F_s R_p``. All that is linear takes the exact steps of
+``rubbing_column.py``; what the orifice takes from the flow, ``q - q_i``, is carried on straight from the last two (second order).
+Angle, piston, force and current are within 1e-4 of the engine's r.m.s., friction and all.
 """
 
 from dataclasses import dataclass, fields
 
 import numpy as np
-from scipy.linalg import expm
+from rubbing_column import Places, Rubbing
 
 STEP_S, PERIOD_S = 1e-4, 5e-4
 LBF, INCH = 4.4482216152605, 0.0254  # N, m
@@ -51,7 +50,7 @@ OF_FILE = {
 """The file's row for each number of a machine, and its unit there in the SI one."""
 X, P, QI, QI_RATE, THETA, W, COMMAND, DEFICIT, DRY = range(9)
 """Places in the vector: states, then what is constant over a step: commanded flow, ``q - q_i``, the torque of friction."""
-STATES = 6
+PLACES = Places(THETA, W, DRY, states=6)
 
 
 @dataclass(frozen=True)
@@ -98,6 +97,16 @@ class Machines:
         """J + m."""
         return self.inertia + self.arm_inertia
 
+    @property
+    def held_by(self):
+        """Command that holds a force: none, the valve is shut."""
+        return 0.0 * self.area
+
+    @property
+    def command_limit(self):
+        """Largest command that the amplifier follows, V."""
+        return self.current_limit / self.admittance
+
 
 @dataclass(frozen=True)
 class Sensors:
@@ -126,23 +135,19 @@ def _rates(m):
     return a
 
 
-class Motion:
-    """Machines on their way from rest at zero, ``z`` (machines, 9), and which of them dry friction holds."""
+class Motion(Rubbing):
+    """Machines on their way from rest at zero, ``z`` (machines, 9)."""
 
     def __init__(self, m):
-        self.machines, many = m, len(m.area)
-        moving = _rates(m)
-        stuck = moving.copy()
-        stuck[:, [THETA, W]] = 0.0
-        self.slide, self.stick = (np.array([expm(STEP_S * one)[:STATES] for one in of]) for of in (moving, stuck))
-        self.coulomb, self.breakaway = (m.grip_arm * it for it in (m.coulomb_friction, m.static_friction))
-        self.z, self.rests, self.deficit = np.zeros((many, 9)), np.ones(many, dtype=bool), np.zeros(many)
+        friction = (m.grip_arm * m.coulomb_friction, m.grip_arm * m.static_friction)
+        super().__init__(_rates(m), PLACES, STEP_S, friction)
+        self.machines, self.deficit = m, np.zeros(len(m.area))
 
     def current(self, command):
         """What the amplifier gives, mA, of a command in V."""
         return np.clip(self.machines.admittance * command, -self.machines.current_limit, self.machines.current_limit)
 
-    def push(self, z):
+    def torque(self, z):
         """Torque on the column beside friction."""
         m = self.machines
         return m.lever * m.area * z[:, P] - m.arm_stiffness * z[:, THETA] - m.arm_damping * z[:, W]
@@ -154,37 +159,24 @@ class Motion:
         left = np.maximum(1 - np.sign(z[:, QI]) * z[:, P] / m.supply_pressure, 0.0)
         before, self.deficit = self.deficit, z[:, QI] * (np.sqrt(left) - 1)
         z[:, DEFICIT] = 1.5 * self.deficit - 0.5 * before
-        torque = self.push(z)
-        self.rests &= np.abs(torque) <= self.breakaway
-        way = np.where(z[:, W] != 0, np.sign(z[:, W]), np.sign(torque))
-        z[:, DRY] = -way * self.coulomb
-        after = (self.slide @ z[:, :, None])[:, :, 0]
-        turned = after[:, W] * way < 0
-        if self.rests.any():
-            after[self.rests] = (self.stick[self.rests] @ z[self.rests][:, :, None])[:, :, 0]
-        # A column that turns round goes on with what is left of the step, if friction does not hold it.
-        push = self.push(after)
-        held_now = turned & (np.abs(push) <= self.breakaway)
-        slower = np.clip((push + way * self.coulomb) / np.where(turned, push - way * self.coulomb, 1.0), 0.0, 1.0)
-        after[turned, W] *= slower[turned]
-        after[self.rests | held_now, W] = 0.0
-        self.rests |= held_now
-        z[:, :STATES] = after
+        self.advance()
 
 
-def run(m, signal, rate_hz, sensors, seed):
-    """Channels (machines, samples) in SI units under a test signal at the amplifier, V at the samples, straight between."""
+def run(m, signal, rate_hz, sensors, noise):
+    """Channels (machines, samples) in SI units under a test signal at the amplifier, V at the samples, straight between.
+
+    ``noise`` has the normal numbers of each machine's sensor, (periods, machines), so that neighbours have no say in them.
+    """
     many, samples = len(m.area), len(signal)
     motion = Motion(m)
     z = motion.z
     per_sample, per_period = round(1 / rate_hz / STEP_S), round(PERIOD_S / STEP_S)
-    random = np.random.default_rng(seed)
     lag, waiting, held = np.zeros(many), np.zeros(many), np.zeros(many)
     decay = np.exp(-sensors.bandwidth * STEP_S)
     kept = np.empty((samples, 6, many))
     for k in range((samples - 1) * per_sample + 1):
         if k % per_period == 0:
-            shown = np.round((lag + sensors.noise * random.standard_normal(many)) / sensors.step) * sensors.step
+            shown = np.round((lag + sensors.noise * noise[k // per_period]) / sensors.step) * sensors.step
             held, waiting = waiting, -m.potentiometer_gain * shown
         at, part = divmod(k, per_sample)
         ahead = signal[min(at + 1, samples - 1)]

@@ -2,10 +2,10 @@
 
     python benchmarks/drawn_loaders.py [loaders] [--drive electric]
 
-Each has twelve parameters of ``elevator-2khz``, or of the built-in electric loaders in turn, times a factor between 1/2 and 2,
-even in proportion, the same sensors and the same programmed feels. Counted are the settings that its limits allow
-(``envelope.forbidden``), which are those that no law renders. The seeds are none of those that the numbers of
-``laws/sampled/rules.py`` were found with.
+Known exactly is what their files state, as tolerances of 0.1 %. Each has twelve parameters of ``elevator-2khz``, or of the built-in
+electric loaders in turn, times a factor between 1/2 and 2, even in proportion, the same sensors and the same programmed feels.
+Counted are the settings that its limits allow (``envelope.forbidden``), which are those that no law renders. The search for the
+numbers of ``laws/sampled/rules.py`` saw none of the seeds; a choice between four of its results for motors did.
 """
 
 import os
@@ -22,7 +22,9 @@ import numpy as np
 import forcefeel as ff
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute_few
+from forcefeel.loader.known import machine_rows
 from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
+from forcefeel.loader.tolerances import Distribution, Tolerance
 
 VALVE = (
     "amplifier.admittance",
@@ -64,6 +66,8 @@ OPERATING_CURRENT, OPERATING_PRESSURE = 0.2, 0.33
 """Of the rated current and the supply's pressure, where the report takes the valve's gains."""
 GRID = {"stiffness": "1..100 %:5:log", "frequency": "0.5..4 Hz:4:log", "damping": "0.1, 0.4, 1.5"}
 RELEASES_DEG = (10.0, 2.0)
+KNOWN_TO = 1e-3
+"""By what share a parameter may be below its value, by the loader's file: what is known exactly."""
 LOADERS, FIRST_SEED = 50, 1000
 GOOD, PROMISED = 0.95, 0.9
 
@@ -85,12 +89,18 @@ def drawn(seed: int, drive: str = HYDRAULIC) -> ff.Loader:
     found = {key: float(nominal[key] * factor) for key, factor in zip(keys, factors, strict=True)}
     found["linkage.ratio"] = min(found["linkage.ratio"], 1.0)
     if electric:
-        return nominal.replace(found)
+        return known(nominal.replace(found))
     flow, drop = found["valve.rated_flow"], np.sqrt(1 - OPERATING_PRESSURE)
     found["valve.flow_limit"] = flow
     found["valve.current_gain"] = float(flow / nominal["valve.rated_current"] * drop)
     found["valve.pressure_gain"] = float(flow * OPERATING_CURRENT / (2 * found["valve.supply_pressure"] * drop))
-    return nominal.replace(found)
+    return known(nominal.replace(found))
+
+
+def known(loader: ff.Loader) -> ff.Loader:
+    """The loader with tolerances that say how well it is known."""
+    rows = {key: (1 - KNOWN_TO) * loader[key] for key in machine_rows(loader)}
+    return loader.with_tolerances({key: Tolerance(Distribution.UNIFORM, low, loader[key]) for key, low in rows.items()})
 
 
 def rendered(loader: ff.Loader, release_deg: float) -> Rendered:

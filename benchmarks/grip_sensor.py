@@ -5,13 +5,17 @@ Run ``python benchmarks/grip_sensor.py``; some minutes. ``elevator-2khz`` with `
 nothing, breaks away at what it slides with. The law comes from the file, the machine is off it: by nothing, by 20 % in the column's
 inertia or the linkage's ratio, or with a pilot's arm. Of the program come the law's numbers alone. Machines move by
 ``commission_machines.py``, which shares no line with the engine; releases from 10 deg over the frontier's 140 settings, spaced in
-proportion, are judged in the words of Part 60 (``tests/release_witness.py``). The force at the grip:
+proportion, are judged in the words of Part 60 (``tests/release_witness.py``). ``--electric`` takes ``elevator-electric``,
+``motor_machines.py`` and 40 settings. The force at the grip:
 
     F_g = F_p - (m theta'' + d theta' + k_a theta) / R_p         F_p = 0 from the release on
 
-Before that, curves of both reckonings one over the other, with sensors that are exact. Beside each share stands the program's own,
-and how many verdicts differ; the program fails what is unstable by its poles too, which a record need not show. Ends with an error
-if curves are apart, or a share is below what is promised: 95 % nominally and 90 % in every case with 2 lb.
+Before that, curves of both reckonings one over the other, with sensors that are exact. A column that sings hardly moves: at 90 to
+130 Hz its angle stays within hundredths of a degree, while the valve's current goes from limit to limit and a hand feels pounds.
+Part 60's words on the angle do not hear that, so a setting fails here too where the command still reaches the current's limit
+after ``SINGS_S``. Beside each share stands the program's own, which fails what is unstable by its poles, and how many verdicts
+differ. Ends with an error if curves are apart, more verdicts differ than ``MOST_DIFFER``, or a share is below what is promised:
+95 % nominally and 90 % in every case with 2 lb. ``--long 60`` lets what is unstable by its poles go on for a minute.
 """
 
 import os
@@ -21,7 +25,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import argparse
 import sys
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +33,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 
 import commission_machines as witness
+import motor_machines as motors
 from tolerances import HELD, NO_ARM, PASSES, UNSTABLE, feel_step, margin
 
 import forcefeel as ff
@@ -38,9 +43,11 @@ from forcefeel.frontier.run import DEFAULT_GRID
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import Release
 
+MOTOR_GRID = {"stiffness": "1.39..72 %:5:log", "frequency": "0.616..3.25 Hz:4:log", "damping": "0.1, 0.7"}
 LAW, FRICTION_LB, WITH_CASES_LB = "grip", (0.0, 1.0, 2.0, 3.0), 2.0
 SENSORS = ("load_cell", "potentiometer", "column_sensor", "grip_sensor")
 TORQUE = witness.LBF * witness.INCH
@@ -50,16 +57,62 @@ OVERLAID = {"stiffness": "5, 30 %", "frequency": "1, 3 Hz", "damping": "0.1, 0.7
 APART = 3e-3
 """Largest difference of two curves, of the deflection. Measured: 3e-6 where there is no arm or no friction; with both 2e-3, as what
 moves the arm jumps where the column turns round, and a sample sees it or does not."""
+SINGS_S = 0.5
+"""After the release: a command at rest is far below the limit by then. Measured: 18 % of it at most, or the limit and more."""
+MOST_DIFFER = 1
+"""Verdicts of a case that may differ: noise draws its own in each, and a setting may lie at an edge. Measured: one, loose arm."""
 PROMISED_NOMINAL, PROMISED_CASES = 0.95, 0.90
 
 
 def machines(loader, friction_lb, off, arm, count):
     """Of a loader file what the witness is told, one machine as often as there are settings."""
+    about_pivot = np.array(arm) * loader["column.grip_arm"] ** 2
+    arms = dict(zip(("arm_inertia", "arm_damping", "arm_stiffness"), about_pivot, strict=True))
+    if loader.drive == ELECTRIC:
+        numbers = {name: loader[key] * off.get(key, 1.0) for name, key in motors.OF_FILE.items()}
+        numbers |= {"friction": friction_lb * witness.LBF, **arms}
+        return motors.Machines(**{name: np.full(count, value) for name, value in numbers.items()})
     numbers = {name: loader[key] * off.get(key, 1.0) * factor for name, (key, factor) in witness.OF_FILE.items()}
     numbers |= dict.fromkeys(("coulomb_friction", "static_friction"), friction_lb)
     found = witness.Machines.of(**{name: np.full(count, value) for name, value in numbers.items()})
-    about_pivot = np.array(arm) * loader["column.grip_arm"] ** 2 / TORQUE
-    return replace(found, **dict(zip(("arm_inertia", "arm_damping", "arm_stiffness"), about_pivot, strict=True)))
+    return replace(found, **{name: value / TORQUE for name, value in arms.items()})
+
+
+class ValveMotion(witness.Motion):
+    """A valve's machines from rest in a hand, told and asked in SI units."""
+
+    def __init__(self, m, y, held):
+        super().__init__(m)
+        self.z[:, witness.X], self.z[:, witness.THETA] = y[:, 1] / witness.INCH, held
+        self.z[:, witness.P] = y[:, 0] / witness.LBF / m.area
+
+    def shown(self):
+        """Force of the link in N, the piston in m, the column's angle."""
+        force = self.machines.area * self.z[:, witness.P] * witness.LBF
+        return force, self.z[:, witness.X] * witness.INCH, self.z[:, witness.THETA]
+
+    def run(self, command, time_s):
+        """On for a time under a command in V."""
+        for _ in range(round(time_s / witness.STEP_S)):
+            self.step(self.current(command))
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A drive's witness: its motion, places of angle, rate and friction in it, the units of its machines' length and force."""
+
+    motion: type
+    angle: int
+    rate: int
+    dry: int
+    length: float
+    force: float
+
+
+KINDS = {
+    HYDRAULIC: Kind(ValveMotion, witness.THETA, witness.W, witness.DRY, witness.INCH, witness.LBF),
+    ELECTRIC: Kind(motors.Motion, motors.THETA, motors.W, motors.DRY, 1.0, 1.0),
+}
 
 
 def machine_of(case):
@@ -67,25 +120,27 @@ def machine_of(case):
     return {key: 1 + off for key, off in case.off.items()}, case.arm.values if case.arm else NO_ARM
 
 
-def settled(laws, m, feel):
+def settled(laws, m, feel, kind):
     """States at rest at the held angle in a hand, friction at nothing: x, p, F_g in SI units, xi and delta.
 
-    ``xi = A xi + B [y; 0]``, ``0 = c [xi; y; delta; 0]``, ``G delta = t [xi; y; delta; 0]``; unknown are xi, p A = F_c and delta.
+    ``xi = A xi + B [y; e]``, ``e = c [xi; y; delta; 0]``, ``G delta = t [xi; y; delta; 0]``; unknown are xi, F_c and delta; e
+    is the command that holds F_c.
     """
-    count, n = len(feel), laws.states
-    lever, arm = m.lever * witness.INCH, m.grip_arm * witness.INCH
-    per_force = np.stack(
-        [np.ones(count), 1 / (m.link_stiffness * witness.LBF / witness.INCH), 0 * arm, -lever / arm], 1
-    )
+    count, n, sensed = len(feel), laws.states, laws.input.shape[2] - 1
+    lever, arm = m.lever * kind.length, m.grip_arm * kind.length
+    per_force = np.stack([np.ones(count), kind.length / kind.force / m.link_stiffness, 0 * arm, -lever / arm], 1)
     alone = np.stack([0 * lever, lever * HELD, np.full(count, HELD), 0 * lever], 1)
+    per_force, alone = per_force[:, :sensed], alone[:, :sensed]
     equations, right = np.zeros((count, n + 2, n + 2)), np.zeros((count, n + 2))
     equations[:, :n, :n] = np.eye(n) - laws.transition
-    equations[:, :n, n] = -np.einsum("pij,pj->pi", laws.input[:, :, :4], per_force)
-    right[:, :n] = np.einsum("pij,pj->pi", laws.input[:, :, :4], alone)
+    told = np.concatenate([per_force, m.held_by[:, None]], 1)
+    equations[:, :n, n] = -np.einsum("pij,pj->pi", laws.input, told)
+    right[:, :n] = np.einsum("pij,pj->pi", laws.input[:, :, :sensed], alone)
     for row, law in ((n, laws.command), (n + 1, laws.torque)):
-        equations[:, row, :n], equations[:, row, n + 1] = law[:, :n], law[:, n + 4]
-        equations[:, row, n] = np.einsum("pj,pj->p", law[:, n : n + 4], per_force)
-        right[:, row] = -np.einsum("pj,pj->p", law[:, n : n + 4], alone)
+        equations[:, row, :n], equations[:, row, n + 1] = law[:, :n], law[:, n + sensed]
+        equations[:, row, n] = np.einsum("pj,pj->p", law[:, n : n + sensed], per_force)
+        right[:, row] = -np.einsum("pj,pj->p", law[:, n : n + sensed], alone)
+    equations[:, n, n] -= m.held_by
     equations[:, n + 1, n + 1] -= feel[:, 2]
     found = np.linalg.solve(equations, right[..., None])[..., 0]
     y = alone + per_force * found[:, n : n + 1]
@@ -93,26 +148,24 @@ def settled(laws, m, feel):
 
 
 def release(loader, laws, m, feel, record, random):
-    """Column angle (settings, samples) from the release on; without ``random`` the sensors are exact."""
+    """Column angle (settings, samples) from the release on, and when the command last reached the limit of the current, s.
+
+    Without ``random`` the sensors are exact.
+    """
     noise, step = (np.array([loader[f"{part}.{row}"] for part in SENSORS]) for row in ("noise", "resolution"))
-    y, xi, delta = settled(laws, m, feel)
-    motion, feels, count = witness.Motion(m), feel_step(feel), len(feel)
-    z, waiting = motion.z, np.zeros(count)
-    z[:, witness.X], z[:, witness.P], z[:, witness.THETA] = y[:, 1] / witness.INCH, y[:, 0] / witness.LBF / m.area, HELD
-    limit = m.current_limit / m.admittance
-    every, within = round(record.step_s / witness.PERIOD_S), round(witness.PERIOD_S / witness.STEP_S)
-    angles = np.empty((count, record.samples))
+    kind = KINDS[loader.drive]
+    y, xi, delta = settled(laws, m, feel, kind)
+    motion, feels, count = kind.motion(m, y, HELD), feel_step(feel), len(feel)
+    z, waiting = motion.z, m.held_by * y[:, 0]
+    limit, every = m.command_limit, round(record.step_s / witness.PERIOD_S)
+    angles, sung = np.empty((count, record.samples)), np.zeros(count)
     for k in range((record.samples - 1) * every + 1):
+        angle, rate = z[:, kind.angle], z[:, kind.rate]
         if k % every == 0:
-            angles[:, k // every] = z[:, witness.THETA]
-        pull = np.where(motion.rests & (k > 0), 0.0, motion.push(z) + z[:, witness.DRY])
-        at_arm = (
-            m.arm_inertia / m.turned * pull + m.arm_damping * z[:, witness.W] + m.arm_stiffness * z[:, witness.THETA]
-        )
-        force = m.area * z[:, witness.P] * witness.LBF
-        y = np.stack(
-            [force, z[:, witness.X] * witness.INCH, z[:, witness.THETA], -at_arm / m.grip_arm * witness.LBF], 1
-        )
+            angles[:, k // every] = angle
+        pull = np.where(motion.rests & (k > 0), 0.0, motion.push() + z[:, kind.dry])
+        at_arm = m.arm_inertia / m.turned * pull + m.arm_damping * rate + m.arm_stiffness * angle
+        y = np.stack([*motion.shown(), -at_arm / m.grip_arm * kind.force], 1)
         if random:
             y += noise * random.standard_normal(y.shape)
             y = np.where(step > 0, np.round(y / np.where(step > 0, step, 1.0)) * step, y)
@@ -121,25 +174,44 @@ def release(loader, laws, m, feel, record, random):
         told = np.concatenate([y, np.clip(e, -limit, limit)[:, None]], 1)
         xi = np.einsum("pij,pj->pi", laws.transition, xi) + np.einsum("pij,pj->pi", laws.input, told)
         delta = np.einsum("pij,pj->pi", feels, np.concatenate([delta, torque[:, None]], 1))
-        for _ in range(within):
-            motion.step(motion.current(waiting))
+        motion.run(waiting, witness.PERIOD_S)
         waiting = e
-        z[np.abs(z[:, witness.THETA]) > 100 * HELD] = 0.0  # what has run away has failed
-    return angles
+        sung[np.abs(e) >= limit] = k * witness.PERIOD_S
+        z[np.abs(angle) > 100 * HELD] = 0.0  # what has run away has failed
+    return angles, sung
 
 
 def judged(loader, plan, friction_lb, off, arm, seed):
-    """Which settings pass on a machine."""
-    feel, passes = plan.settings.feel(loader), np.zeros(plan.settings.count, dtype=bool)
+    """Which settings pass on a machine, and which sing."""
+    feel, (passes, singing) = plan.settings.feel(loader), np.zeros((2, plan.settings.count), dtype=bool)
     carried = feel + np.array(arm) * loader["column.grip_arm"] ** 2
     for frequency in plan.settings.frequency:
         which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
         record = Record.of(frequency, plan.settings.damping[0])
         m = machines(loader, friction_lb, off, arm, len(which))
         laws = METHODS[LAW].design(loader, feel[which])
-        paths = release(loader, laws, m, feel[which], record, np.random.default_rng([seed, which[0]]))
-        passes[which] = [margin(*pair, record, edge=0) > 0 for pair in zip(paths, carried[which], strict=True)]
-    return passes
+        paths, sung = release(loader, laws, m, feel[which], record, np.random.default_rng([seed, which[0]]))
+        sings = sung > SINGS_S
+        good = [margin(*pair, record, edge=0) > 0 for pair in zip(paths, carried[which], strict=True)]
+        passes[which], singing[which] = good & ~sings, sings
+    return passes, singing
+
+
+def long_records(loader, plan, grid, seconds, seed):
+    """Prints which of the settings that are unstable by their poles with an arm still sing at the end of long records."""
+    codes = ff.find_envelope(loader, (LAW,), grid, changes={}).codes(LAW)
+    feel, record = plan.settings.feel(loader), Record(witness.PERIOD_S, round(seconds / witness.PERIOD_S) + 1)
+    for case, code in zip([case for case in plan.cases if not case.off], codes, strict=True):
+        which = np.flatnonzero(code == UNSTABLE)
+        for friction in (0.0, WITH_CASES_LB) if len(which) else ():
+            m = machines(loader, friction, *machine_of(case), len(which))
+            laws = METHODS[LAW].design(loader, feel[which])
+            _, sung = release(loader, laws, m, feel[which], record, np.random.default_rng(seed))
+            ended = ", ".join(f"{last:.1f}" for last in sung)
+            print(
+                f"{case.name}, {friction:g} lb, settings {which}: at the limit until {ended} s of {seconds:g}",
+                flush=True,
+            )
 
 
 def with_friction(loader, friction_lb):
@@ -155,7 +227,7 @@ def laid_over(loader, friction_lb, off, arm):
     feel = plan.settings.feel(exact)
     record = Record(witness.PERIOD_S, 4001)
     m = machines(exact, friction_lb, off, arm, len(feel))
-    paths = release(exact, METHODS[LAW].design(exact, feel), m, feel, record, None)
+    paths, _ = release(exact, METHODS[LAW].design(exact, feel), m, feel, record, None)
     for one, path in zip(feel, paths, strict=True):
         asked = exact.replace(dict(zip(FEEL_SETTING, one.tolist(), strict=True)))
         truth = with_friction(asked.replace(machine), friction_lb)
@@ -167,10 +239,19 @@ def laid_over(loader, friction_lb, off, arm):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--seed", type=int, default=17)
-    seed, begun, wrong = parser.parse_args().seed, time.perf_counter(), []
+    parser.add_argument("--electric", action="store_true", help="elevator-electric in place of elevator-2khz")
+    parser.add_argument(
+        "--long", type=float, help="instead: records of so many seconds of what is unstable by its poles"
+    )
+    asked, begun, wrong = parser.parse_args(), time.perf_counter(), []
+    seed, built_in = asked.seed, ff.loader.electric("elevator-electric") if asked.electric else ff.digital_elevator()
     sensor = {"grip_sensor.gain": 1.0, "grip_sensor.noise": "0.02 lb", "grip_sensor.resolution": "0.01 lb"}
-    loader = ff.digital_elevator().replace(sensor)
-    plan = make_plan(loader, [LAW], DEFAULT_GRID, changes=CHANGES)
+    loader = built_in.replace(sensor)
+    grid = MOTOR_GRID if asked.electric else DEFAULT_GRID
+    plan = make_plan(loader, [LAW], grid, changes=CHANGES)
+    if asked.long:
+        long_records(loader, plan, grid, asked.long, seed)
+        return
     cases = {case.name: case for case in plan.cases}
     drawn_over = {name: (2.0, cases[name]) for name in OVERLAID_CASES} | {
         "nominal, no friction": (0.0, cases["nominal"])
@@ -183,17 +264,19 @@ def main():
     for friction in FRICTION_LB:
         asked = list(cases.values()) if friction == WITH_CASES_LB else [cases["nominal"]]
         rubbed = with_friction(loader, friction) if friction else loader
-        program = ff.find_envelope(rubbed, (LAW,), DEFAULT_GRID, changes=CHANGES)
+        program = ff.find_envelope(rubbed, (LAW,), grid, changes=CHANGES)
         codes = program.codes(LAW)[: len(asked)]
-        passes = np.array([judged(loader, plan, friction, *machine_of(case), seed) for case in asked])
-        for case, mine, code in zip(asked, passes, codes, strict=True):
+        passes, singing = np.moveaxis([judged(loader, plan, friction, *machine_of(case), seed) for case in asked], 1, 0)
+        for case, mine, sings, code in zip(asked, passes, singing, codes, strict=True):
             differ = mine != (code == PASSES)
-            slow = int((differ & (code == UNSTABLE)).sum())
             print(
                 f"{friction:g} lb, {case.name}: {mine.mean():.1%} of {mine.size} settings, by the program "
-                f"{(code == PASSES).mean():.1%}; {int(differ.sum())} verdicts differ, {slow} of them unstable by the poles alone",
+                f"{(code == PASSES).mean():.1%}; {int(differ.sum())} verdicts differ; {int(sings.sum())} sing, "
+                f"{int((code == UNSTABLE).sum())} are unstable by their poles, {int((sings & (code == UNSTABLE)).sum())} both",
                 flush=True,
             )
+            if differ.sum() > MOST_DIFFER:
+                wrong.append(f"{friction:g} lb, {case.name}: {int(differ.sum())} verdicts differ")
         if friction == WITH_CASES_LB:
             both = passes.all(axis=0).mean(), (codes == PASSES).all(axis=0).mean()
             print(

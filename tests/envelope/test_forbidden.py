@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 import forcefeel as ff
 from forcefeel.envelope.as_json import envelope_json
 from forcefeel.envelope.findings import envelope_conclusions
-from forcefeel.envelope.forbidden import COVERED, NOISE, angle_variance, forbidden, noise_floor
+from forcefeel.envelope.forbidden import COVERED, NOISE, THROW, angle_variance, forbidden, noise_floor
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute_few
 from forcefeel.loader.sensors import sample_variance
@@ -87,6 +87,16 @@ def test_what_the_file_does_not_limit_forbids_nothing():
             ff.loader.electric("sidestick-pitch").replace({"current_loop.voltage_limit": 2.0}),
             ("robust", "observer"),
             None,
+        ),
+        (
+            ff.digital_elevator().replace({"linkage.stiffness": "900 lb/in", "valve.flow_limit": "40 in^3/s"}),
+            ("robust", "agile", "observer"),
+            THROW,
+        ),
+        (
+            ff.loader.electric("sidestick-pitch").replace({"linkage.stiffness": 60000.0}),
+            ("robust", "observer"),
+            THROW,
         ),
     ],
 )

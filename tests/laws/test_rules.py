@@ -1,5 +1,7 @@
 """What tunes ``robust`` from the loader: what it follows, by how much, and what it does not follow."""
 
+from math import radians, sqrt
+
 import numpy as np
 import pytest
 
@@ -8,10 +10,19 @@ from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute_few
 from forcefeel.laws.sampled import robust_tuning
 from forcefeel.laws.sampled.rules import Units
+from forcefeel.laws.sampled.tuning import Power
+from forcefeel.loader.known import machine_rows
+from forcefeel.loader.tolerances import Distribution, Tolerance
 
 FEEL = [[6.8, 34.3, 1085.0]]
 SAME = 1e-6
 """Relative; the Riccati equations are solved in units of other size."""
+
+LIGHT = [[0.05, 0.05, 2.0]]
+UNHEARD = 0.01
+"""Of what the feel hears of the load cell otherwise."""
+HALF = 0.5
+"""Of eight light feels."""
 
 CLOSE = 0.1
 """Decades; the declared ones are rounded to what a data sheet says."""
@@ -20,6 +31,11 @@ CLOSE = 0.1
 @pytest.fixture(scope="module")
 def loader() -> ff.Loader:
     return ff.digital_elevator()
+
+
+@pytest.fixture(scope="module")
+def motor() -> ff.Loader:
+    return ff.loader.electric("aileron-wheel")
 
 
 def test_a_law_knows_no_pressure_or_current_that_its_plant_does_not(loader: ff.Loader) -> None:
@@ -56,6 +72,62 @@ def test_units_are_the_lag_and_what_moves_the_column_in_it(loader: ff.Loader) ->
     torque = loader["linkage.ratio"] * loader["column.base_arm"] * force
     assert found.torque == pytest.approx(loader["column.inertia"] / lag**2 / torque)
     assert found.time**2 * found.torque == pytest.approx(1.0)
+
+
+def known(motor: ff.Loader, share: float) -> ff.Loader:
+    """Each parameter may be less by so much."""
+    lows = {key: (1 - share) * motor[key] for key in machine_rows(motor)}
+    return motor.with_tolerances({key: Tolerance(Distribution.UNIFORM, low, motor[key]) for key, low in lows.items()})
+
+
+def test_a_motor_that_is_known_needs_no_load_cell(motor: ff.Loader) -> None:
+    """Ten times its noise then hardly moves the command; of a motor known to 20 % the law is the one without tolerances."""
+    exact, usual = known(motor, 0.01), known(motor, 0.2)
+    assert robust_tuning(usual) == robust_tuning(motor.with_tolerances(dict.fromkeys(motor.tolerances)))
+    gains = []
+    for one in (exact, usual):
+        law = ff.laws.method("robust").design(one, LIGHT)
+        cell = law.states
+        gains.append(abs(float(law.torque[0, cell])))
+    assert gains[0] < UNHEARD * gains[1]
+
+
+def test_between_the_two_the_numbers_are_even_in_proportion(motor: ff.Loader) -> None:
+    at = [robust_tuning(known(motor, share)).pressure_noise.decades for share in (0.01, sqrt(0.01 * 0.2), 0.2)]
+    assert at[1] == pytest.approx((at[0] + at[2]) / 2)
+    assert robust_tuning(known(motor, 0.001)) == robust_tuning(known(motor, 0.005))
+
+
+@pytest.mark.parametrize(
+    "row", [{"column.coulomb_friction": "1 N"}, {"load_cell.bandwidth": "500 Hz"}, {"grip_sensor.gain": 1.0}]
+)
+def test_what_no_linear_plant_has_makes_it_less_known(motor: ff.Loader, row: dict) -> None:
+    usual = known(motor, 0.2).replace(row)
+    assert robust_tuning(known(motor, 0.01).replace(row)) == robust_tuning(usual)
+
+
+def test_one_parameter_that_is_not_known_is_enough(motor: ff.Loader) -> None:
+    rest = known(motor, 0.01).with_tolerances({"motor.inertia": None})
+    assert robust_tuning(rest) == robust_tuning(known(motor, 0.2))
+
+
+def test_a_motor_that_is_known_renders_light_feels_that_the_load_cells_noise_covers(motor: ff.Loader) -> None:
+    """Of an aileron's wheel from 2 deg."""
+    grid = {"stiffness": "1, 3 %", "frequency": "1, 4 Hz", "damping": "0.1, 1.5"}
+    shares = []
+    for one in (known(motor, 0.01), known(motor, 0.2)):
+        plan = make_plan(one, ["robust"], grid, changes={}, arms=(), angle_rad=radians(2))
+        shares.append(compute_few(plan).shares("robust").passes)
+    assert shares[0] == 1.0
+    assert shares[1] <= HALF
+
+
+def test_the_heavier_the_feel_on_its_link_the_softer_the_regulator() -> None:
+    weight = Power(-1.0, throw=20.0)
+    assert weight.at(1.0, 0.5) == pytest.approx(0.1 * (1 + 20 * 0.25))
+    assert weight.at(1.0) == pytest.approx(0.1)
+    with pytest.raises(ff.InputError, match="throw: expected a finite number of zero or above"):
+        Power(0.0, throw=-1.0)
 
 
 def test_it_renders_with_an_encoder_of_20_bits(loader: ff.Loader) -> None:

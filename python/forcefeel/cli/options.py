@@ -91,10 +91,9 @@ LoaderOrProject = Annotated[
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
-class OutputOptions:
+class JsonOptions:
     """What every command has."""
 
-    units: Annotated[UnitSystem, option("Units of what is shown or written.", OUTPUT)] = UnitSystem.US
     json: Annotated[bool, option("Print the result as JSON.", OUTPUT)] = False
 
     def command_line(self, path: Path | None) -> str:
@@ -113,6 +112,14 @@ class OutputOptions:
             for one in value if isinstance(value, tuple) else (value,):
                 words += [name] if one is True else [name, _typed(one)]
         return shlex.join(words)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class OutputOptions(JsonOptions):
+    """What every command has that shows or writes numbers with units."""
+
+    units: Annotated[UnitSystem, option("Units of what is shown or written.", OUTPUT)] = UnitSystem.US
 
 
 def named_options(kind: type) -> Iterator[tuple[Field[Any], str, object]]:

@@ -96,9 +96,18 @@ def _more(found: Commission) -> list[str]:
         return [
             "Nothing of what was tried of the hardware (friction, sensors, controller, limits of the drive) would render more."
         ]
-    parts = [f"{one.change}: {share_text(one.passes)}" for one in found.checked.what_ifs[:_MOST]]
+    most = sorted(found.checked.what_ifs, key=lambda one: -one.passes)[:_MOST]
+    parts = [f"{one.change}: {share_text(one.passes)}" for one in most]
+    enough = next((one for one in found.checked.what_ifs if one.passes >= found.plan.share), None)
+    asked = share_text(found.plan.share)
+    least = (
+        f"What asks least of the machine and reaches {asked}: {enough.change}, {share_text(enough.passes)}."
+        if enough
+        else f"None of them alone reaches {asked}."
+    )
     return [
-        f"What would make it pass more, one thing at a time, a law of the same design made for it: {'; '.join(parts)}."
+        f"What would make it pass more, one thing at a time, a law made for it, run to the end: {'; '.join(parts)}.",
+        least,
     ]
 
 

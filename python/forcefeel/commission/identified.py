@@ -7,7 +7,7 @@ import numpy as np
 
 from forcefeel.bench.identification.bench_of import check_bench
 from forcefeel.bench.identification.findings import identification_conclusions
-from forcefeel.bench.identification.fit import identify
+from forcefeel.bench.identification.fit import identify, unseen_from_afar
 from forcefeel.bench.identification.result import Estimate, Identification, Status
 from forcefeel.bench.identification.unknowns import parameter_keys
 from forcefeel.bench.records import BenchRecord
@@ -81,6 +81,8 @@ def identify_loader(
     lost = DRY if DRY not in seen.fitted and not given else ""
     keys = [key for key in seen.fitted if not (lost and key == BREAKAWAY)]
     begun = _without(begun, lost)
+    if not given and BREAKAWAY in keys and BREAKAWAY in unseen_from_afar(begun, data, keys, law):
+        keys, begun = [key for key in keys if key != BREAKAWAY], _without(begun, BREAKAWAY)
     for _ in range(_ROUNDS):
         progress(f"fit of {len(keys)} parameters")
         try:

@@ -94,7 +94,7 @@ class Checked:
         drawn: Share of the settings that one of them renders, on average.
         drawn_least: That of the worst of them.
         findings: What fails, and in which case.
-        what_ifs: What would render more, the most first; empty where the asked share is reached.
+        what_ifs: What would render more, what asks least of the machine first; empty where the asked share is reached.
     """
 
     settings: int

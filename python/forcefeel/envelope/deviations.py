@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.loader.built_in import BUILT_IN
+from forcefeel.loader.known import ORIFICE
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import (
     ELECTRIC,
@@ -44,10 +45,7 @@ of the feel computer, which are numbers in a program."""
 MOTOR_CHANGES: Mapping[str, float] = MappingProxyType(dict.fromkeys((*MOTOR_PARAMETERS, FRICTION), USUAL_CHANGE))
 """Those of an electric loader."""
 
-_ORIFICE = {"valve.current_gain": "valve.rated_flow", "valve.pressure_gain": "valve.supply_pressure"}
-"""What stands for the gains C_i, C_p where the flow follows the orifice, eq. (1)."""
-
-_IDLE = {False: {*_ORIFICE.values(), "valve.rated_current"}, True: set(_ORIFICE)}
+_IDLE = {False: {*ORIFICE.values(), "valve.rated_current"}, True: set(ORIFICE)}
 """Rows of the valve that do nothing, without the orifice and with it."""
 
 _MACHINE = ("amplifier", "valve", "actuator", "motor", "winding", "current_loop", "transmission", "linkage", "column")
@@ -120,7 +118,7 @@ def deviations_of(loader: Loader) -> Mapping[str, Deviation]:
     orifice = bool(loader["valve.orifice"])
     of_drive = MOTOR_CHANGES if loader.drive == ELECTRIC else CHANGES
     usual = {key: share for key, share in of_drive.items() if key not in OFF or _has_shares(loader, key)}
-    assumed = {_ORIFICE.get(key, key) if orifice else key: share for key, share in usual.items()}
+    assumed = {ORIFICE.get(key, key) if orifice else key: share for key, share in usual.items()}
     found = {key: Deviation.within(share, Origin.ASSUMED) for key, share in assumed.items()}
     stated = {key: it for key, it in loader.tolerances.items() if _counts(loader, key)}
     if wrong := beyond(stated):

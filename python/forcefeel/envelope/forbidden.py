@@ -7,6 +7,12 @@
 more than the ideal's. Forbidden is a setting for which the drive takes longer with all that it has (``sizing.fastest``). Of a
 motor also one whose ``G theta_0`` it does not hold standing still (``sizing.too_small``).
 
+**Throw.** The torque ``G theta_0`` stretches the link, which throws the column as the hand lets go, before the drive can follow.
+The rule begins its first time where the column falls through 0.9 of ``theta_0``. Forbidden is a setting whose column does so
+earlier than the feel's by more than ``THROWN`` times that time's tolerance, although the drive runs after it with all that it has,
+from one delay after the release on (``sizing.letting_go``): a law that renders the feel once the throw is over crosses zero when
+the feel does, give or take the tolerance, and so fails.
+
 **Noise.** The column obeys ``J s^2 theta = T_p + T_l``. The torque ``T_l`` of the link is what a law makes of its samples of
 ``theta``, which have the noise ``n``. Whatever the linear law ``T_l = C (theta + n)``, with ``H`` what it renders of a hand's
 torque,
@@ -19,9 +25,11 @@ it less. Counted are the frequencies up to twice the feel's alone, above which a
 
     sigma^2 = (V T / pi) int_0^{2 w} |J s^2 H - 1|^2 d omega
 
-``V`` variance of what the column's sensor and, through the link, that of the drive's end tell of theta together; the load cell's
-noise comes on top. A sensor at the grip tells of ``T_p`` too, but for ``m s^2 theta`` of what lies outboard, with the variance
-``V_g``. Of all ``T_l = C (theta + n) + D (T_p - m s^2 theta + n_g)`` that render ``H``, the best one has in place of V
+``V`` variance of what the column's sensor and, through the link, that of the drive's end tell of theta together. The load cell's
+noise beside it is no part of the bound: where the machine is known ``T_l`` follows from the commands, and a law that so leaves the
+load cell out renders light feels that its noise covers in others (``laws.sampled.rules``). A sensor at the grip tells of ``T_p``
+too, but for ``m s^2 theta`` of what lies outboard, with the variance ``V_g``. Of all ``T_l = C (theta + n) +
+D (T_p - m s^2 theta + n_g)`` that render ``H``, the best one has in place of V
 
     V V_g / (V_g + ((J - m) omega^2)^2 V)
 
@@ -39,18 +47,22 @@ from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.releases import measured, pieces
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.sensors import SENSORS, has_grip_sensor, sample_variance, unseen_inertia
-from forcefeel.qualification.release_batch import ReleaseBatch
 from forcefeel.sizing.fastest import Fastest, Limit
+from forcefeel.sizing.letting_go import falls_through_s
 from forcefeel.sizing.too_small import Beyond
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import ANGLE, SECONDS
 
 NOISE = "the sensors' noise"
-REASONS = (*Limit, NOISE)
+THROW = "the link's throw"
+REASONS = (*Limit, NOISE, THROW)
 """Why a setting is forbidden."""
 
 COVERED = 1.0
 """Times the residual band: noise that is as large r.m.s. leaves the band, and counts as overshoots, at most turns."""
+
+THROWN = 2.0
+"""Times the tolerance of the first time: once for the rule, and once for the law, whose zero crossing may be off by it too."""
 
 _HIGHEST, _FREQUENCIES = 2.0, 401
 """Times the feel's frequency, and into how many the range is cut: some ten within the width of the least damped resonance."""
@@ -65,6 +77,9 @@ class Forbidden:
         fastest_s: The least time for the way back, (settings,).
         most_s: The longest that the rule allows, (settings,).
         noise_rad: sigma, (settings,); zero of an analog loader.
+        thrown_s: By when at the latest the link throws the column through the angle where the first time begins; infinite where it
+            need not, (settings,).
+        begins_s: When the feel comes there, (settings,).
         beyond: What the motor cannot hold.
     """
 
@@ -72,6 +87,8 @@ class Forbidden:
     fastest_s: Annotated[NDArray[np.float64], SECONDS] = field(repr=False)
     most_s: Annotated[NDArray[np.float64], SECONDS] = field(repr=False)
     noise_rad: Annotated[NDArray[np.float64], ANGLE] = field(repr=False)
+    thrown_s: Annotated[NDArray[np.float64], SECONDS] = field(repr=False)
+    begins_s: Annotated[NDArray[np.float64], SECONDS] = field(repr=False)
     beyond: Beyond = field(repr=False)
 
     @property
@@ -99,40 +116,75 @@ def forbidden(plan: Plan, *, threads: int | None = None) -> Forbidden:
     """
     loader, fastest, angle = plan.loader, Fastest.of(plan.loader), plan.release_rad
     feel, rules = plan.settings.feel(loader), plan.rules.release
-    swings, most = _most_s(plan, feel, threads_or_cores(threads))
+    first = _first_times(plan, feel, threads_or_cores(threads))
     stiffness, places = np.unique(feel[:, 2], return_inverse=True)
     of_speed, of_force = (
-        np.where(swings, *(times[places] for times in pair))
+        np.where(first.swings, *(times[places] for times in pair))
         for pair in zip(*(fastest.fall_s(angle, stiffness, rules.high, low) for low in (0.0, rules.low)), strict=True)
     )
+    thrown = falls_through_s(loader, angle, stiffness, rules.high)[places]
     noise, beyond = noise_floor(plan), Beyond.of(loader, feel[:, 2], angle)
     reason = np.full(len(feel), -1, dtype=np.int8)
     for which, why in (
+        (first.begins_s - thrown > THROWN * first.tolerance_s, THROW),
         (noise > COVERED * rules.residual_band * angle, NOISE),
-        (of_speed > most, fastest.of_speed),
-        (of_force > most, fastest.of_force),
+        (of_speed > first.most_s, fastest.of_speed),
+        (of_force > first.most_s, fastest.of_force),
         (beyond.settings, Limit.TORQUE),
     ):
         reason[which] = REASONS.index(why)
-    return Forbidden(reason, np.maximum(of_speed, of_force), most, noise, beyond)
+    return Forbidden(reason, np.maximum(of_speed, of_force), first.most_s, noise, thrown, first.begins_s, beyond)
 
 
-def _most_s(plan: Plan, feel: NDArray[np.float64], threads: int) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Which settings swing, and how long their way back may take by the rule."""
-    swings, most = np.zeros(len(feel), dtype=np.bool_), np.full(len(feel), np.inf)
+@dataclass(frozen=True, eq=False)
+class _FirstTimes:
+    """Of the feels: whether each swings, when the first time that the rule compares begins, and its tolerance; (settings,) each.
+
+    Endless is the tolerance of a time that the rule does not ask for.
+    """
+
+    swings: NDArray[np.bool_]
+    begins_s: NDArray[np.float64]
+    time_s: NDArray[np.float64]
+    tolerance_s: NDArray[np.float64]
+
+    @property
+    def most_s(self) -> NDArray[np.float64]:
+        """How long the way back may take."""
+        return self.time_s + self.tolerance_s
+
+
+def _first_times(plan: Plan, feel: NDArray[np.float64], threads: int) -> _FirstTimes:
+    count = len(feel)
+    swings, begins, time, tolerance = (
+        np.zeros(count, dtype=np.bool_),
+        np.zeros(count),
+        np.zeros(count),
+        np.full(count, np.inf),
+    )
+    level = plan.rules.release.high * plan.release_rad
     for which, record in pieces(plan):
         ideal = ideal_releases(feel[which], plan.release_rad, record.step_s, record.samples)
         found = measured(plan, record, ideal, threads)
         swings[which] = found.count > 0
-        most[which] = np.where(found.count > 0, _allowed(plan, "P0", found), _allowed(plan, "fall time", found))
-    return swings, most
+        begins[which] = _falls_through(ideal, level, record.step_s)
+        for turns, quantity, times in (
+            (True, "P0", found.cycles_s[:, 0]),
+            (False, "fall time", found.fall_time_s),
+        ):
+            these = (found.count > 0) == turns
+            limit = plan.test.tolerance(quantity)
+            time[which[these]] = times[these]
+            if limit is not None:
+                tolerance[which[these]] = limit.limit(times[these])
+    return _FirstTimes(swings, begins, time, tolerance)
 
 
-def _allowed(plan: Plan, quantity: str, found: ReleaseBatch) -> NDArray[np.float64]:
-    """A time and its tolerance; endless where the rule does not ask for it."""
-    time = found.cycles_s[:, 0] if quantity == "P0" else found.fall_time_s
-    tolerance = plan.test.tolerance(quantity)
-    return np.full(len(time), np.inf) if tolerance is None else np.asarray(time + tolerance.limit(time))
+def _falls_through(angles: NDArray[np.float64], level: float, step_s: float) -> NDArray[np.float64]:
+    """When each history, (settings, samples), first falls through a level that it begins above, between two samples."""
+    after = (angles < level).argmax(axis=1)
+    above, below = (angles[np.arange(len(angles)), place] for place in (after - 1, after))
+    return np.asarray((after - 1 + (above - level) / (above - below)) * step_s)
 
 
 def noise_floor(plan: Plan) -> NDArray[np.float64]:

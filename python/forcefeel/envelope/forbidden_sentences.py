@@ -4,7 +4,7 @@ from math import degrees
 
 import numpy as np
 
-from forcefeel.envelope.forbidden import NOISE, Forbidden
+from forcefeel.envelope.forbidden import NOISE, THROW, Forbidden
 from forcefeel.sizing.fastest import Limit
 from forcefeel.units import UnitSystem, to_text
 
@@ -28,6 +28,14 @@ def _sentence(found: Forbidden, reason: str, count: int, units: UnitSystem) -> s
             f"the noise of a law that renders them moves the column by up to {to_text(degrees(worst), 2)} deg r.m.s., more than "
             "the band in which the rule wants it at rest. What would do: a finer sensor of the column's angle, or a shorter "
             "controller.period."
+        )
+    if reason == THROW:
+        worst = int(np.argmax(np.where(which, found.begins_s - found.thrown_s, -np.inf)))
+        thrown, begins = (to_text(1e3 * float(times[worst]), 3) for times in (found.thrown_s, found.begins_s))
+        return head + (
+            f"as the hand lets go, the link that its torque has stretched throws the column by {thrown} ms to where the rule's "
+            "first time begins, although the drive runs after it with all that it has, and one of these feels comes there after "
+            f"{begins} ms. What would do: a stiffer link, a faster valve or current loop, a shorter delay, or a heavier column."
         )
     if (which & found.beyond.settings).any():
         return head + found.beyond.sentence(units)

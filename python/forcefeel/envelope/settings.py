@@ -132,10 +132,15 @@ class Settings:
         return np.column_stack([*_core.feel_from_frequencies(frequency, damping, stiffness), stiffness])
 
 
+_SHOWN_VALUES = 6
+"""How many of the values that were given a message quotes."""
+
+
 def _check(axis: Axis, values: Iterable[float]) -> None:
     found = np.array(tuple(values), dtype=np.float64)
     if found.ndim != 1 or len(found) < 2 or not np.all(np.isfinite(found)) or np.any(np.diff(found) <= 0):
-        raise InputError(f"grid: {axis.name}: expected two or more rising values, got {show(found.tolist())}")
+        given = ", ".join(f"{value:g}" for value in found.ravel()[:_SHOWN_VALUES]) or "none"
+        raise InputError(f"grid: {axis.name}: expected two or more rising values, as {axis.name}=0.3,1, got {given}")
     rounding = 1e-9  # relative; a limit in other units is still the limit
     if found[0] < axis.low * (1 - rounding) or found[-1] > axis.high * (1 + rounding):
         low, high, first, last = (_shown(axis, value) for value in (axis.low, axis.high, found[0], found[-1]))

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 import forcefeel as ff
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.identification.confidence import confidence_of
-from forcefeel.bench.identification.fit import identify
+from forcefeel.bench.identification.fit import identify, unseen_from_afar
 from forcefeel.bench.identification.friction_jumps import surroundings
 from forcefeel.bench.identification.problem import Problem
 from forcefeel.bench.identification.record_observation import RecordObservation
@@ -262,7 +262,10 @@ def test_jags_widen_a_standard_error_and_a_smooth_cost_does_not(jag):
         return 0.5 * away @ away + jag * (0.5 < away[1] < 2.0)
 
     problem = SimpleNamespace(
-        unknowns=[0, 1], cost=cost, bounds=lambda count: (np.full(count, -1.0), np.full(count, 1.0))
+        unknowns=[0, 1],
+        cost=cost,
+        costs=lambda places, noise: [cost(x, noise) for x in places],
+        bounds=lambda count: (np.full(count, -1.0), np.full(count, 1.0)),
     )
     place = SimpleNamespace(x=np.zeros(2), noise=None)
     independent = SimpleNamespace(
@@ -279,6 +282,15 @@ def test_a_smooth_record_widens_nothing(loader):
     problem = Problem(unknowns_of(start, keys), [RecordObservation(run, keys)])
     place = problem.search(problem.start(np.array([start[key] for key in keys])))
     assert np.all(surroundings(problem, place, confidence_of(problem, place)).growth < 1.01)
+    many = [place.x + 0.01 * k for k in (1, 2, 3)]  # runs side by side have the numbers of each alone
+    assert problem.costs(many, place.noise) == [problem.cost(x, place.noise) for x in many]
+
+
+def test_what_a_record_leaves_open_shows_from_afar(loader):
+    """A column that hardly moves never breaks away, so its record holds no breakaway force."""
+    start, keys = true_loader(loader), ("linkage.stiffness", "column.inertia", "column.static_friction")
+    sure = start.replace({"column.static_friction": "40 lb"})
+    assert unseen_from_afar(sure, [push_record(noise=0.01)], keys) == ("column.static_friction",)
 
 
 def test_a_record_under_another_experiment_leads_to_no_loader_file(loader):

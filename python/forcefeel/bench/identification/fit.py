@@ -24,7 +24,7 @@ from forcefeel.bench.identification.record_run import RecordRun
 from forcefeel.bench.identification.response_observation import ResponseObservation, relative_error
 from forcefeel.bench.identification.result import Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.bench.identification.rigid import rigid_test
-from forcefeel.bench.identification.search import search
+from forcefeel.bench.identification.search import from_afar, search
 from forcefeel.bench.identification.unknowns import Unknown, parameter_keys, unknowns_of
 from forcefeel.bench.plausibility import CLEAR, FAR, distance, misreading
 from forcefeel.bench.records import BenchRecord
@@ -129,6 +129,22 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     recorded = any(isinstance(it, BenchRecord) for it in used)
     advice = advice_of(found, law, unknowns, confidence.information, recorded=recorded)
     return replace(identified, advice=advice)
+
+
+def unseen_from_afar(
+    loader: Loader, data: Sequence[Response | BenchRecord], keys: Sequence[str], law: LawLike = None
+) -> tuple[str, ...]:
+    """Rows that data will hardly determine: all of the data leave them open where a search over their beginning ends.
+
+    A parameter to which data answer in nothing but jumps leads the whole search astray, and takes most of its time. To be asked
+    of what may be left out, before ``identify``, whose arguments these are.
+    """
+    unknowns = unknowns_of(loader, keys)
+    confidence = from_afar(Problem(unknowns, [_observe(it, loader, keys, law) for it in data]))
+    if confidence is None:
+        return ()
+    shares = confidence.quantile * half_widths(confidence.information)
+    return tuple(one.key for one, share in zip(unknowns, shares, strict=True) if not share < DETERMINED)
 
 
 def _check_valve(

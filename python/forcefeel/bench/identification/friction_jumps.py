@@ -8,6 +8,7 @@ away, and the slopes told ``a = b``, half the square of what coloured errors mad
 ``sqrt(max(b / a, 1) + J / a)``. A lower place that is found on the way is where the search goes on.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,16 +48,18 @@ def surroundings(problem: Problem, place: Place, confidence: Confidence) -> Surr
     """Looks at the cost about a place."""
     count = len(problem.unknowns)
     look = _Look(problem, place)
-    sizes, growth = confidence.sizes, np.ones(count)
-    for j, deviation in enumerate(confidence.deviation[:count]):
-        seen = bool(np.isfinite(deviation) and deviation > 0)
-        alone = np.where(np.arange(count) == j, deviation if seen else _BLIND, 0.0) * sizes
-        ridge = confidence.covariance[:count, j] / deviation * sizes if seen else alone
-        told = 0.5 * float(confidence.inflation[j]) ** 2 if seen else 0.5
-        found = _growth(look, (alone, ridge), told)
-        growth[j] = found if seen else 1.0  # without slopes there is no standard error to grow
-        for share in _ABROAD:
-            look.rise(np.where(np.arange(count) == j, share, 0.0) * sizes)
+    found = [_Direction.of(confidence, j, count) for j in range(count)]
+    alone = np.eye(count) * confidence.sizes
+    look.at([share * row for row in alone for share in _ABROAD])
+    look.at([h * step for one in found for h in _SIDES for step in one.steps])
+    open_, growth = set(range(count)), np.full(count, np.inf)
+    for far in _FAR:
+        look.at([h * far * step for j in open_ for h in _SIDES for step in found[j].steps])
+        for j in list(open_):
+            if (grown := found[j].growth(look, far)) is not None:
+                growth[j] = grown
+                open_.remove(j)
+    growth = np.where([one.seen for one in found], growth, 1.0)  # without slopes there is no standard error to grow
     return Surroundings(growth, look.lowest, look.drop)
 
 
@@ -67,32 +70,61 @@ class _Look:
         self._problem, self._place = problem, place
         self._here = problem.cost(place.x, place.noise)
         self._low, self._high = problem.bounds(len(place.x))
+        self._known: dict[bytes, float] = {}
         self.lowest, self.drop = place.x, 0.0
 
+    def at(self, steps: Sequence[NDArray[np.float64]]) -> None:
+        """Looks a step of the loader's unknowns away, several at once; beyond a bound there is nothing to be seen."""
+        places = []
+        for step in steps:
+            x = self._place.x.copy()
+            x[: len(step)] += step
+            self._known[step.tobytes()] = np.inf
+            if not np.any((x < self._low) | (x > self._high)):
+                places.append((step, x))
+        costs = self._problem.costs([x for _, x in places], self._place.noise)
+        for (step, x), cost in zip(places, costs, strict=True):
+            self._known[step.tobytes()] = rise = cost - self._here
+            if rise < -self.drop:
+                self.lowest, self.drop = x, -rise
+
     def rise(self, step: NDArray[np.float64]) -> float:
-        """Rise by a step of the loader's unknowns, in units of the noise; infinite beyond a bound, where nothing is to be seen."""
-        x = self._place.x.copy()
-        x[: len(step)] += step
-        if np.any((x < self._low) | (x > self._high)):
-            return np.inf
-        rise = self._problem.cost(x, self._place.noise) - self._here
-        if rise < -self.drop:
-            self.lowest, self.drop = x, -rise
-        return rise
+        """Rise by a step that was looked at, in units of the noise; infinite beyond a bound."""
+        return self._known[step.tobytes()]
 
 
-def _growth(look: _Look, directions: tuple[NDArray[np.float64], ...], told: float) -> float:
-    """Growth of one standard error; each direction is its step of one, ``told`` the parabola that the slopes promise."""
+@dataclass(frozen=True, eq=False)
+class _Direction:
+    """Where the cost of one unknown is looked at.
 
-    def rise(h: float) -> float:
-        return min(look.rise(h * direction) for direction in directions)
+    Attributes:
+        seen: Whether the slopes see anything of it.
+        steps: Steps of one standard error: alone, and along the ridge.
+        told: The parabola that the slopes promise.
+    """
 
-    inner = {h: rise(h) for h in _SIDES}
-    for far in _FAR:
-        outer = {h * far: it for h in _SIDES if np.isfinite(it := rise(h * far))}
-        if outer and min(outer.values()) > 0:
-            curvature = float(np.mean(list(outer.values()))) / far**2
-            jags = max((abs(it - curvature * h**2) for h, it in inner.items() if np.isfinite(it)), default=0.0)
-            return float(np.sqrt(max(told / curvature, 1.0) + jags / curvature))
-        inner.update(outer)
-    return float("inf")
+    seen: bool
+    steps: tuple[NDArray[np.float64], NDArray[np.float64]]
+    told: float
+
+    @classmethod
+    def of(cls, confidence: Confidence, j: int, count: int) -> "_Direction":
+        deviation, sizes = confidence.deviation[j], confidence.sizes
+        seen = bool(np.isfinite(deviation) and deviation > 0)
+        alone = np.where(np.arange(count) == j, deviation if seen else _BLIND, 0.0) * sizes
+        ridge = confidence.covariance[:count, j] / deviation * sizes if seen else alone
+        return cls(seen, (alone, ridge), 0.5 * float(confidence.inflation[j]) ** 2 if seen else 0.5)
+
+    def growth(self, look: _Look, far: float) -> float | None:
+        """Growth of the standard error where the parabola is in sight so far away, else nothing."""
+
+        def rise(h: float) -> float:
+            return min(look.rise(h * step) for step in self.steps)
+
+        outer = [it for h in _SIDES if np.isfinite(it := rise(h * far))]
+        if not outer or min(outer) <= 0:
+            return None
+        curvature = float(np.mean(outer)) / far**2
+        nearer = [h * near for near in (1.0, *_FAR) if near < far for h in _SIDES]
+        jags = max((abs(it - curvature * h**2) for h in nearer if np.isfinite(it := rise(h))), default=0.0)
+        return float(np.sqrt(max(self.told / curvature, 1.0) + jags / curvature))

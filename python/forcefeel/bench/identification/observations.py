@@ -4,6 +4,7 @@ A set of data is seen as groups of points of one kind, the lines of a response o
 how large it is, the fit finds. Beside the unknowns of the loader a set may have its own: when a grip was let go.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -74,6 +75,10 @@ class Observation(Protocol):
 
     def residual(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
         """The residual of ``compare`` alone, (points,)."""
+        ...
+
+    def residuals(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Sequence[NDArray[np.float64]]:
+        """The same for several loaders and the data's own unknowns with each, a row each."""
         ...
 
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:

@@ -34,6 +34,9 @@ _TO_DEVIATION = 1.4826
 _PRECISION, _COARSE_PRECISION = 1e-9, 1e-4
 """Relative change of cost or unknowns at which a search ends: far below the standard errors, or enough to tell places apart."""
 
+_SIDE_BY_SIDE = 16
+"""Places that are looked at together: what fills the engine's vector lanes, and no more in memory."""
+
 _MOST_STEPS = 60
 """Steps of one search: a smooth cost takes ten, one with jags may wander for ever."""
 
@@ -168,11 +171,17 @@ class Problem:
             noise = self._noise(self.compare(x)[0])
             if np.allclose(noise, before, rtol=_SAME_NOISE):
                 break
-        x = self.consistent(x)
-        residual, slopes = self.compare(x)
-        weight = self._weight(before)
         at_bound = np.asarray(found.active_mask[: len(self.unknowns)] != 0)
-        return Place(x, before, residual * weight, slopes * weight[:, np.newaxis], at_bound)
+        return self.place(self.consistent(x), at_bound, before)
+
+    def place(
+        self, x: NDArray[np.float64], at_bound: NDArray[np.bool_], noise: NDArray[np.float64] | None = None
+    ) -> Place:
+        """What is known of ``x``, at this noise or at what is left there."""
+        residual, slopes = self.compare(x)
+        noise = self._noise(residual) if noise is None else noise
+        weight = self._weight(noise)
+        return Place(x, noise, residual * weight, slopes * weight[:, np.newaxis], at_bound)
 
     def minimum(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
         """The nearest best ``x`` at this noise."""
@@ -186,6 +195,17 @@ class Problem:
         """What is left at ``x`` of the data, in units of this noise; infinite where the model diverges."""
         residual = self.residual(x) * self._weight(noise)
         return cost_of(residual, self.loss) if np.isfinite(residual).all() else float("inf")
+
+    def costs(self, places: Sequence[NDArray[np.float64]], noise: NDArray[np.float64]) -> list[float]:
+        """``cost`` of several places, whose runs stand side by side."""
+        weight, found = self._weight(noise), list[float]()
+        for first in range(0, len(places), _SIDE_BY_SIDE):
+            some = places[first : first + _SIDE_BY_SIDE]
+            values, own = np.array([self.values(x) for x in some]), zip(*map(self.own, some), strict=True)
+            left = [it.residuals(values, np.array(one)) for it, one in zip(self.observations, own, strict=True)]
+            rows = (np.concatenate(row) * weight for row in zip(*left, strict=True))
+            found += [cost_of(row, self.loss) if np.isfinite(row).all() else float("inf") for row in rows]
+        return found
 
     def prior_rows(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The priors as residuals and their slopes."""

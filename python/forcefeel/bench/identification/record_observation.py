@@ -82,7 +82,13 @@ class RecordObservation:
     def residual(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
         """Channel by channel, from one run."""
         found = self._modelled(values, own, ())
-        return np.ravel(self._without_offset(self._measured - found.value) / self._expected[:, np.newaxis])
+        return self._left(found.value)
+
+    def residuals(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Sequence[NDArray[np.float64]]:
+        """The same for several loaders, whose runs stand side by side where the record's samples are the engine's."""
+        if not self.run.on_samples:
+            return [self.residual(*pair) for pair in zip(values, own, strict=True)]
+        return [self._left(value) for value in self.run.together(self.run.loader.rows(self.keys, values))]
 
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
         """The channels beside the simulated ones, offsets included."""
@@ -100,6 +106,10 @@ class RecordObservation:
             channels = {name: values[early] for name, values in record.channels.items()}
             record = replace(record, time_s=record.time_s[early], channels=channels)
         return replace(self, run=replace(self.run, record=record, longest_step_s=COARSE_STEP_S))
+
+    def _left(self, value: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What a run leaves of the record."""
+        return np.ravel(self._without_offset(self._measured - value) / self._expected[:, np.newaxis])
 
     @cached_property
     def _measured(self) -> NDArray[np.float64]:

@@ -112,7 +112,7 @@ class RecordRun:
             later_s: By how much later than found in the record the grip was let go.
         """
         value, slopes = self._sloped(values, keys) if keys or not self._kept else self._alone(values)
-        if not self.released and self._on_samples:
+        if self.on_samples:
             return Histories(value, slopes, np.zeros_like(value))
         if not (np.isfinite(value).all() and np.isfinite(slopes).all()):
             lost = np.full((len(value), len(self.time_s)), np.nan)
@@ -121,6 +121,10 @@ class RecordRun:
         course = CubicSpline(np.arange(value.shape[1]) * self._sample_s, value, axis=1)
         bent = CubicSpline(np.arange(value.shape[1]) * self._sample_s, slopes, axis=2)
         return Histories(course(at), bent(at), course(at, 1))
+
+    def together(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The channels of several loaders, (loaders, parameters), as ``at`` gives them of each, where ``on_samples``."""
+        return self._runs(values) if self._kept else np.array([self.at(row, ()).value for row in values])
 
     def _sloped(
         self, values: NDArray[np.float64], keys: Sequence[str]
@@ -135,10 +139,16 @@ class RecordRun:
 
     def _alone(self, values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The channels without slopes, from a run that carries none."""
-        exact = values.copy()
-        exact[_NOISE_AND_STEPS] = 0.0  # they have no slopes, and so no part in the others either
-        value = self._engine.run(exact[np.newaxis], **self._law)[1][0]
+        value = self._runs(values[np.newaxis])[0]
         return value, np.empty((0, *value.shape))
+
+    def _runs(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        exact = values.copy()
+        exact[:, _NOISE_AND_STEPS] = 0.0  # they have no slopes, and so no part in the others either
+        law: dict[str, Any] = {
+            name: np.repeat(it, len(exact), axis=0) if name == "observers" else it for name, it in self._law.items()
+        }
+        return self._engine.run(exact, **law, threads=cores())[1]
 
     @cached_property
     def _kept(self) -> list[int]:
@@ -160,8 +170,12 @@ class RecordRun:
         return engine_step_s(self.loader, float(np.median(np.diff(self.record.time_s))), self.longest_step_s)
 
     @cached_property
-    def _on_samples(self) -> bool:
-        """Whether the record's samples are at whole steps, evenly."""
+    def on_samples(self) -> bool:
+        """Whether the run begins with the record, and its samples are at whole steps, evenly."""
+        return not self.released and self._even
+
+    @cached_property
+    def _even(self) -> bool:
         every = (self.time_s[-1] - self.time_s[0]) / (len(self.time_s) - 1) / self._step_s
         even = np.arange(len(self.time_s)) * round(every) * self._step_s
         return round(every) >= 1 and bool(np.max(np.abs(self.time_s - even)) < _EVEN * self._step_s * len(even))
@@ -169,7 +183,7 @@ class RecordRun:
     @cached_property
     def _sample_s(self) -> float:
         """Time between two samples of the engine."""
-        if self.released or not self._on_samples:
+        if not self.on_samples:
             return self._step_s
         return round(float(self.time_s[1]) / self._step_s) * self._step_s
 

@@ -64,6 +64,10 @@ class ResponseObservation:
         """The errors without their slopes."""
         return self.compare(values, own).residual
 
+    def residuals(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Sequence[NDArray[np.float64]]:
+        """The errors of several loaders."""
+        return [self.residual(*pair) for pair in zip(values, own, strict=True)]
+
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
         """The response beside the model's."""
         value, _ = self._modelled(values, ())

@@ -62,6 +62,16 @@ def search(
     return place, confidence, ends
 
 
+def from_afar(problem: Problem) -> Confidence | None:
+    """What all of the data tell where a search over the smaller set ends: one comparison. Nothing where the model diverges."""
+    coarse = replace(problem, observations=[it.coarse() for it in problem.observations], _last={})
+    begin = coarse.start(starts(problem.unknowns, 1)[0])
+    if not np.isfinite(coarse.compare(begin)[0]).all():
+        return None
+    place, _ = _settled(coarse, coarse.search(begin, coarse=True), coarse=True)
+    return confidence_of(problem, problem.place(place.x, place.at_bound))
+
+
 def _settled(problem: Problem, place: Place, *, coarse: bool) -> tuple[Place, Confidence]:
     """A place about which no lower one is in sight, and the confidence there, jags of the cost counted."""
     confidence = confidence_of(problem, place)

@@ -19,10 +19,13 @@ MOST_DECADES = 20
 
 @dataclass(frozen=True)
 class Power:
-    """The number ``10^(decades + slope log10(I / J))``, with I / J within ``SCHEDULED``.
+    """The number ``10^(decades + slope log10(I / J)) [1 + throw (G / k)^2]``, with I / J within ``SCHEDULED``.
+
+    ``G / k`` is the programmed stiffness as a share of the link's at the column: by so much of a release's angle the link is
+    stretched, and the energy in it, which goes with the square, throws the column as the hand lets go.
 
     Raises:
-        InputError: If one of the two is beyond ``MOST_DECADES``.
+        InputError: If decades or slope are beyond ``MOST_DECADES``, or the throw is below zero or not finite.
 
     Example:
         >>> import forcefeel as ff
@@ -32,17 +35,32 @@ class Power:
 
     decades: float
     slope: float = 0.0
+    throw: float = 0.0
 
     def __post_init__(self) -> None:
+        if not 0 <= self.throw < np.inf:
+            raise InputError(f"throw: expected a finite number of zero or above, got {self.throw:g}")
         for name in ("decades", "slope"):
             if not abs(getattr(self, name)) <= MOST_DECADES:
                 raise InputError(
                     f"{name}: expected a number from -{MOST_DECADES} to {MOST_DECADES}, got {getattr(self, name):g}"
                 )
 
-    def at(self, inertia_ratio: float) -> float:
-        """The number for a programmed inertia of so many of the column's."""
-        return float(10 ** (self.decades + self.slope * np.clip(np.log10(inertia_ratio), *SCHEDULED)))
+    def at(self, inertia_ratio: float, stretch: float = 0.0) -> float:
+        """The number for a programmed inertia of so many of the column's, and a stiffness of so many of the link's."""
+        power = self.decades + self.slope * np.clip(np.log10(inertia_ratio), *SCHEDULED)
+        return float(10**power * (1 + self.throw * stretch**2))
+
+    def times(self, decades: float) -> "Power":
+        """The same number so many decades higher."""
+        return replace(self, decades=self.decades + decades)
+
+    def towards(self, other: "Power", share: float) -> "Power":
+        """What lies between, in decades: all of the other at a share of one."""
+        parts = {
+            row.name: (1 - share) * getattr(self, row.name) + share * getattr(other, row.name) for row in fields(self)
+        }
+        return Power(**parts)
 
 
 @dataclass(frozen=True)
@@ -85,6 +103,12 @@ class Tuning:
             given, optional = getattr(self, row.name), row.default is None
             if not (isinstance(given, Power) or (optional and given is None)):
                 raise InputError(f"{row.name}: expected a Power{' or None' if optional else ''}, got {given!r}")
+
+    def towards(self, other: "Tuning", share: float) -> "Tuning":
+        """What lies between, number by number; what this one leaves out stays out."""
+        given = {row.name: getattr(self, row.name) for row in fields(self)}
+        between = {name: one.towards(getattr(other, name), share) for name, one in given.items() if one is not None}
+        return replace(self, **between)
 
 
 OBSERVER = Tuning(

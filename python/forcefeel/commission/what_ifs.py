@@ -1,0 +1,115 @@
+"""What would make a law render more: the machine with one thing changed, and a law made for that.
+
+In the order of what a change asks of the machine: something measured better, a part of the electronics exchanged, a part of the
+mechanics, a part added that moves with the grip. Each is released over the settings to its end, nominal and hands off.
+"""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from forcefeel.commission.plan import CommissionPlan
+from forcefeel.commission.result import WhatIf
+from forcefeel.commission.seen import BREAKAWAY, DRY
+from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.run import compute
+from forcefeel.errors import InputError
+from forcefeel.laws.sampled.grip import GRIP
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import OFF
+from forcefeel.loader.sensors import SENSORS, has_grip_sensor
+from forcefeel.loader.tolerances import Distribution, Tolerance
+
+_GAIN = 0.01
+"""Share from which on a change is worth a word."""
+
+_EXACT = 1e-6
+"""Of a friction that is known exactly."""
+
+_BITS = 23
+"""Of the finest encoder that is to be had."""
+
+_GRIP_SHARE = 2e-4
+"""Noise and steps of a force sensor at the grip, in the pilot's force: 0.02 lb of 100 lb."""
+
+
+def what_ifs(loader: Loader, name: str, plan: CommissionPlan, now: float) -> tuple[WhatIf, ...]:
+    """What other machines would render with a law made for them, those that render more; what asks least first.
+
+    Args:
+        loader: The machine, with the tolerance of its friction, which the law learns within.
+        name: The law's design; a force sensor at the grip has its own.
+        plan: What is asked.
+        now: The share that the machine renders as it is.
+    """
+    found = []
+    for change, law, other in _others(loader, name):
+        try:
+            asked = make_plan(other, [law], plan.grid, rule=plan.rule, changes={}, arms=())
+            found.append(WhatIf(change, compute(asked, threads=plan.threads).even_shares(law).passes))
+        except InputError:  # no law of this design for such a machine
+            continue
+    return tuple(one for one in found if one.passes >= now + _GAIN)
+
+
+def _others(loader: Loader, name: str) -> Iterator[tuple[str, str, Loader]]:
+    """What is changed, the law, and the machine."""
+    # The law follows how well the rest is known.
+    kept = _without_tolerances(loader, {BREAKAWAY})
+    if kept[DRY]:
+        exact = Tolerance(Distribution.UNIFORM, (1 - _EXACT) * kept[DRY], (1 + _EXACT) * kept[DRY])
+        yield "dry friction known exactly", name, kept.with_tolerances({DRY: exact})
+    for words, rows in _electronics(kept).items():
+        yield words, name, _without_tolerances(kept, rows).replace(rows)
+    if kept[DRY]:
+        yield "half the dry friction", name, _rubbing(kept, 0.5)
+        yield "no dry friction", name, _rubbing(kept, 0.0)
+    if kept["controller.period"] and not has_grip_sensor(kept):
+        least = _GRIP_SHARE * kept["pilot.force"]
+        rows = {"grip_sensor.gain": 1.0, "grip_sensor.noise": least, "grip_sensor.resolution": least}
+        yield f"a force sensor at the grip (law {GRIP})", GRIP, kept.replace(rows)
+
+
+def _without_tolerances(loader: Loader, rows: Iterable[str]) -> Loader:
+    return loader.with_tolerances({row: None for row in rows if row in loader.tolerances})
+
+
+def _electronics(loader: Loader) -> dict[str, dict[str, float | None]]:
+    """Rows of other sensors, another controller, another amplifier."""
+    found: dict[str, dict[str, float | None]] = {}
+    lags = [key for sensor in SENSORS if np.isfinite(loader[key := f"{sensor}.bandwidth"])]
+    if lags:
+        found["sensors without lag"] = dict.fromkeys(lags)
+    step = 2 * pi / 2**_BITS
+    coarse = [key for part in ("noise", "resolution") if loader[key := f"column_sensor.{part}"] > step]
+    if coarse:
+        found[f"encoder of {_BITS} bits at the column"] = dict.fromkeys(coarse, step)
+    noisy = [key for sensor in SENSORS for part in ("noise", "resolution") if loader[key := f"{sensor}.{part}"]]
+    if noisy:
+        found["a tenth of the sensors' noise"] = {key: loader[key] / 10 for key in noisy}
+    if loader["controller.period"]:
+        keys = ("controller.period", "controller.delay")
+        found["half the controller's period and delay"] = {key: loader[key] / 2 for key in keys}
+    limits = ("amplifier.current_limit", "valve.flow_limit", "current_loop.current_limit", "current_loop.voltage_limit")
+    narrow = [key for key in limits if key in loader.given and np.isfinite(loader[key])]
+    if narrow:
+        found["twice the drive's limits"] = {key: 2 * loader[key] for key in narrow}
+    return found
+
+
+def _rubbing(loader: Loader, share: float) -> Loader:
+    """The machine with a share of its dry friction, which is known to the same share of itself."""
+    known = loader.tolerances.get(DRY)
+    bare = _without_tolerances(loader, {DRY, BREAKAWAY})
+    if not share:
+        return bare.replace({DRY: None, BREAKAWAY: None})
+    breakaway = bare[BREAKAWAY]
+    less = bare.replace({DRY: share * bare[DRY], BREAKAWAY: share * breakaway if breakaway != OFF[BREAKAWAY] else None})
+    if known is None:
+        return less
+    values = {at: getattr(known, at) for at in ("low", "high", "peak", "deviation", "nominal")}
+    scaled: dict[str, Any] = {at: None if it is None else share * it for at, it in values.items()}
+    return less.with_tolerances({DRY: replace(known, **scaled)})

@@ -1,0 +1,94 @@
+"""How soon the link throws a column that is let go: held against an integrator, and against commands that are not the largest."""
+
+from math import radians
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import forcefeel as ff
+from forcefeel.sizing.letting_go import falls_through_s
+
+ANGLE, LEVEL = radians(10), 0.9
+SOFT = ff.digital_elevator().replace({"linkage.stiffness": "700 lb/in", "valve.flow_limit": "40 in^3/s"})
+MOTOR = ff.loader.electric("sidestick-pitch").replace({"linkage.stiffness": 60000.0})
+FINE = 0.02
+"""Relative; a swing is cut into six hundred moments, and the first after the fall is told."""
+EXACT = 1e-8
+"""Of the integrator."""
+
+
+def falls_through(loader, command):
+    """When the column of a loader falls through the level, its drive given a share of the largest command at each time."""
+    g = loader.__getitem__
+    lever = g("linkage.ratio") * g("column.base_arm")
+    held, delay = g("feel.maximum_stiffness") * ANGLE, g("controller.delay")
+    force = held / lever
+
+    def link(column, rate, end, end_rate):
+        return g("linkage.stiffness") * (lever * column - end) + g("linkage.damping") * (lever * rate - end_rate)
+
+    def valve(t, state):
+        column, rate, piston, pressure, flow, flow_rate = state
+        w, asked = g("valve.natural_frequency"), command(t - delay) * g("amplifier.current_limit") if t > delay else 0.0
+        gain = g("valve.rated_flow") / g("valve.rated_current")
+        jerk = w**2 * (gain * asked - flow) - 2 * g("valve.damping_ratio") * w * flow_rate
+        # The piston has no mass: F = p A, and its speed is what the link's damper then asks for.
+        speed = lever * rate - (pressure * g("actuator.area") - g("linkage.stiffness") * (lever * column - piston)) / g(
+            "linkage.damping"
+        )
+        through = min(flow, g("valve.flow_limit")) * np.sqrt(1 + pressure / g("valve.supply_pressure"))
+        oil = 4 * g("actuator.bulk_modulus") / g("actuator.oil_volume")
+        rates = -pressure * g("actuator.area") * lever / g("column.inertia"), speed
+        return [rate, rates[0], rates[1], oil * (g("actuator.area") * speed - through), flow_rate, jerk]
+
+    def motor(t, state):
+        column, rate, end, end_rate, current = state
+        per_ampere = g("motor.torque_constant") / g("transmission.travel")
+        mass = g("motor.inertia") / g("transmission.travel") ** 2
+        most = g("current_loop.current_limit")
+        asked = command(t - delay) * most if t > delay else -force / per_ampere
+        pulls = link(column, rate, end, end_rate)
+        moves = (per_ampere * current + pulls) / mass
+        lag = g("current_loop.bandwidth") * (asked - current)
+        return [rate, -lever * pulls / g("column.inertia"), end_rate, moves, lag]
+
+    end = lever * ANGLE - force / g("linkage.stiffness")
+    electric = loader.drive == "electric"
+    per_ampere = g("motor.torque_constant") / g("transmission.travel") if electric else 1.0
+    rest = [0.0, -force / per_ampere] if electric else [force / g("actuator.area"), 0.0, 0.0]
+
+    def through(t, state):
+        return state[0] - LEVEL * ANGLE
+
+    through.terminal = True
+    swing = 2 * np.pi * np.sqrt(g("column.inertia") / g("linkage.stiffness")) / lever
+    start = [ANGLE, 0.0, end, *rest]
+    found = solve_ivp(
+        motor if electric else valve, (0, swing), start, "LSODA", events=through, rtol=EXACT, atol=EXACT * ANGLE
+    )
+    return found.t_events[0][0] if len(found.t_events[0]) else np.inf
+
+
+@pytest.mark.parametrize("loader", [SOFT, MOTOR])
+def test_no_command_keeps_the_column_up_longer(loader):
+    (latest,) = falls_through_s(loader, ANGLE, np.array([loader["feel.maximum_stiffness"]]), LEVEL)
+    assert falls_through(loader, lambda t: 1.0) <= latest * (1 + FINE) < np.inf
+    random = np.random.default_rng(1)
+    for _ in range(5):
+        pieces = random.uniform(-1, 1, 8)
+        assert falls_through(loader, lambda t, pieces=pieces: pieces[min(int(t / 2e-3), 7)]) <= latest * (1 + FINE)
+
+
+def test_of_a_motor_it_is_the_time_itself():
+    (latest,) = falls_through_s(MOTOR, ANGLE, np.array([MOTOR["feel.maximum_stiffness"]]), LEVEL)
+    assert np.isfinite(latest)
+    assert falls_through(MOTOR, lambda t: 1.0) == pytest.approx(latest, rel=FINE)
+
+
+def test_a_stiff_link_throws_nothing_and_of_some_loaders_nothing_is_known():
+    stiffness = np.array([SOFT["feel.maximum_stiffness"]])
+    assert np.isinf(falls_through_s(ff.digital_elevator(), ANGLE, stiffness / 10, LEVEL)).all()
+    unknown = SOFT.replace({"linkage.backlash": "0.01 in"}), SOFT.replace({"valve.orifice": False})
+    assert np.isfinite(falls_through_s(SOFT, ANGLE, stiffness, LEVEL)).all()
+    assert np.isinf([falls_through_s(one, ANGLE, stiffness, LEVEL) for one in unknown]).all()
