@@ -1,9 +1,11 @@
 """``forcefeel run``."""
 
+import signal
 import sys
+import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from math import isfinite
 from pathlib import Path
@@ -62,9 +64,9 @@ class RunOptions(LoaderOptions, FolderOptions, OutputOptions):
 def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> None:
     """Run the loader live: a real-time loop on a machine, simulated or over the network.
 
-    It prints the address of its console, a page of this machine; whoever opens it first holds control. Ctrl-C takes the feel away
-    and ends it. The loop runs in a thread of its own at the period of the loader's controller. A Linux process is no safety
-    function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped.
+    It prints the address of its console, a page of this machine; whoever opens it first holds control. Ctrl-C, or SIGTERM, takes
+    the feel away and ends it. The loop runs in a thread of its own at the period of the loader's controller. A Linux process is no
+    safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped.
 
     Example: forcefeel run elevator-2khz --law robust --out run
     """
@@ -77,9 +79,12 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
     law = given_law(options.law, loader)
     record = None if options.out is None else _record(options.out, replace=options.replace)
     over = Simulated() if options.machine is None else Udp(options.machine)
-    with start(loader, law, over=over, host=options.host, record=record) as running, _console(running, options):
-        with suppress(KeyboardInterrupt):  # how a run without a duration ends
-            _wait(running, lasts)
+    with (
+        start(loader, law, over=over, host=options.host, record=record) as running,
+        _told_to_end() as told,
+        _console(running, options),
+    ):
+        _wait(running, lasts, told)
         running.off()
         time.sleep(_OFF_S)
     answer(
@@ -127,10 +132,22 @@ def _tell(sentence: str) -> None:
     print(sentence, file=sys.stderr, flush=True)
 
 
-def _wait(running: "Running", lasts_s: float) -> None:
+@contextmanager
+def _told_to_end() -> Iterator[threading.Event]:
+    """What Ctrl-C and SIGTERM set, at whatever moment they come: a loop is ended in its order, never in the middle of something."""
+    told = threading.Event()
+    before = {one: signal.signal(one, lambda *_: told.set()) for one in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield told
+    finally:
+        for one, handler in before.items():
+            signal.signal(one, handler)
+
+
+def _wait(running: "Running", lasts_s: float, told: threading.Event) -> None:
     end = time.monotonic() + lasts_s
-    while (left := end - time.monotonic()) > 0 and not running.state.ended:
-        time.sleep(min(left, _LOOK_S))
+    while (left := end - time.monotonic()) > 0 and not running.state.ended and not told.wait(min(left, _LOOK_S)):
+        pass
 
 
 def _record(out: Path, *, replace: bool) -> Path:

@@ -1,4 +1,4 @@
-"""The console in a process of its own: stopped, killed, killed again; and Ctrl-C while it is stopped. One after the other."""
+"""The console in a process of its own: stopped, killed, killed again; and a run told to end meanwhile. One after the other."""
 
 import json
 import os
@@ -135,12 +135,13 @@ def servers(process):
     ]
 
 
-def test_ctrl_c_ends_a_run_whose_server_is_stopped():
+@pytest.mark.parametrize("told", [signal.SIGINT, signal.SIGTERM], ids=lambda told: told.name)
+def test_a_run_is_ended_in_good_order_though_its_server_is_stopped(told):
     with run_command("elevator-2khz", "--port", "0", "--json") as process:
         address, watch = process.stderr.readline(), process.stderr.readline()
         (server,) = servers(process)
         os.kill(server, signal.SIGSTOP)
-        process.send_signal(signal.SIGINT)
+        process.send_signal(told)
         out, err = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, err) == (0, "")
     assert address.startswith("console: http://127.0.0.1:")

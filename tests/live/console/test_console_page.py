@@ -76,7 +76,7 @@ def test_the_hand_drags_the_column(page, running):
 def push(page, axis):
     """As a hand does, that stays for longer than the page takes to look."""
     page.evaluate("axis => { window.axes = axis; window.looks = 0; }", axis)
-    page.wait_for_function("window.looks > 1")
+    until(page, lambda: page.evaluate("window.looks") > 1)
 
 
 def test_a_game_pad_pulls_from_its_middle_on_and_with_control_alone(page, running):
