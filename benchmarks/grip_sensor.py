@@ -12,7 +12,7 @@ proportion, are judged in the words of Part 60 (``tests/release_witness.py``). `
 
 Before that, curves of both reckonings one over the other, with sensors that are exact. A column that sings hardly moves: at 90 to
 130 Hz its angle stays within hundredths of a degree, while the valve's current goes from limit to limit and a hand feels pounds.
-Part 60's words on the angle do not hear that, so a setting fails here too where the command still reaches the current's limit
+Part 60's words on the angle do not tell of it, so a setting fails here too where the command still reaches the current's limit
 after ``SINGS_S``. Beside each share stands the program's own, which fails what is unstable by its poles, and how many verdicts
 differ. Ends with an error if curves are apart, more verdicts differ than ``MOST_DIFFER``, or a share is below what is promised:
 95 % nominally and 90 % in every case with 2 lb. ``--long 60`` lets what is unstable by its poles go on for a minute.

@@ -142,7 +142,7 @@ fn law_that_repeats_the_gains_gives_their_run() {
 #[test]
 fn law_replayed_on_its_samples_gives_the_currents_of_the_run() {
     let inputs = swing(1200);
-    // A sample of the load cell lies between two steps of the history: a command that does not hear it.
+    // A sample of the load cell lies between two steps of the history: a command that does not depend on it.
     let gains = core::array::from_fn(|k| if k == 1 { 0.0 } else { DEAF[k] });
     let variants: [Changes<'_>; 2] = [&[], &[limited]];
     for changes in variants {
