@@ -30,7 +30,7 @@ _EXACT = 1e-6
 """Relative deviation of a parameter whose share in the data others carry: with their estimates its value is as good as any."""
 
 _ROUNDING = 1e-6
-"""Relative, of an estimate at a bound."""
+"""Of an estimate, relative to where its search began."""
 
 _WIDE = 3.0
 """Deviations at which its tolerance is cut off."""
@@ -94,7 +94,7 @@ def identify_loader(
             keys, begun = [key for key in keys if key != BREAKAWAY], _without(begun, BREAKAWAY)
             found = identify(begun, data, keys, law=law, starts=plan.starts)
         status = {one.unknown.key: one for one in found.estimates}
-        none = [key for key, one in status.items() if key in (DRY, BREAKAWAY) and _is_none(one.unknown.low, one)]
+        none = [key for key, one in status.items() if key in (DRY, BREAKAWAY) and _is_none(one)]
         weak = [key for key, one in status.items() if one.status is Status.UNDETERMINED]
         held = [key for key, one in status.items() if _at_end(one, loader[key])]
         if given or not (none or weak or held) or len(none) + len(weak) + len(held) == len(keys):
@@ -124,9 +124,9 @@ def identify_loader(
     return IdentifiedLoader(outcome, replace(found, loader=identified), identified)
 
 
-def _is_none(low: float, one: object) -> bool:
+def _is_none(one: Estimate) -> bool:
     """Whether a friction ended at nothing."""
-    return getattr(one, "status", None) is Status.AT_BOUND and getattr(one, "value", 1.0) <= low + 1e-9
+    return one.value < _ROUNDING * one.unknown.scale
 
 
 def _at_end(one: Estimate, stated: float) -> bool:
