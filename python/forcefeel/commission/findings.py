@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, UNSEEN, Commission
+from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, UNSEEN, Commission
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, TESTS
 from forcefeel.conclusions import Conclusions, of_result, share_text
 
@@ -18,7 +18,7 @@ def commission_conclusions(found: Commission) -> Conclusions:
     """The result in a sentence or two: what was found, which law, which tests it passes; and what would make it pass more."""
     lines = [*found.identified.wanting, *(f"The next experiment: {one}" for one in found.identified.advice)]
     if found.loader is not None:
-        lines += [_sorted(found, state) for state in (CARRIED, AT_END, UNSEEN)]
+        lines += [_sorted(found, state) for state in (CARRIED, AT_END, NOTHING, UNSEEN)]
     if found.checked is not None:
         lines += [_envelope(found), *_more(found)]
     if found.tested is not None and not found.tested.fulfilled:
@@ -73,6 +73,10 @@ def _sorted(found: Commission, state: str) -> str:
     if state == AT_END:
         return (
             f"The file's value of {named} is the last of its range, and the records hold it there: it counts as known."
+        )
+    if state == NOTHING:
+        return (
+            f"The records show nothing of {named}, which is within its standard errors of none: the machine has none."
         )
     return f"The records hardly show {named}: the file's value and tolerance stand, and count in the envelope."
 

@@ -13,7 +13,7 @@ from forcefeel.bench.identification.unknowns import parameter_keys
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, UNSEEN, Identified, ParameterFound
+from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, UNSEEN, Identified, ParameterFound
 from forcefeel.commission.seen import BREAKAWAY, DRY, Seen, candidates, seen_by, with_friction
 from forcefeel.commission.sensor_lag import SENSOR_OF, without_lag
 from forcefeel.errors import InputError
@@ -77,7 +77,7 @@ def identify_loader(
     # The bench ran under the law of the file, which knows of no friction that is only a place to begin from.
     law = Law.of(None, loader) if loader.drive == ELECTRIC else None
     seen = Seen(given, (), ()) if given else seen_by(begun, data, candidates(begun), law)
-    unseen, ended = list(seen.unseen), list[str]()
+    unseen, ended, nothing = list(seen.unseen), list[str](), list[str]()
     lost = DRY if DRY not in seen.fitted and not given else ""
     keys = [key for key in seen.fitted if not (lost and key == BREAKAWAY)]
     begun = _without(begun, lost)
@@ -104,6 +104,7 @@ def identify_loader(
         out = {*none, *weak, *held, *([BREAKAWAY] if DRY in (*none, *weak) else [])}
         unseen += [key for key in weak if key not in (DRY, BREAKAWAY)]
         ended += held
+        nothing += {DRY} & set(none)
         keys = [key for key in keys if key not in out]
         for key in out & {DRY, BREAKAWAY}:
             begun = _without(begun, key)
@@ -115,7 +116,7 @@ def identify_loader(
         good=good,
         verdict=conclusions.verdict,
         findings=conclusions.findings,
-        parameters=_parameters(loader, found, {CARRIED: seen.carried, AT_END: ended, UNSEEN: unseen})
+        parameters=_parameters(loader, found, {CARRIED: seen.carried, AT_END: ended, NOTHING: nothing, UNSEEN: unseen})
         if identified
         else (),
         wanting=wanting,
@@ -125,8 +126,8 @@ def identify_loader(
 
 
 def _is_none(one: Estimate) -> bool:
-    """Whether a friction ended at nothing."""
-    return one.value < _ROUNDING * one.unknown.scale
+    """Whether a friction is none: its 95 % interval holds nothing, or it is beside it but for rounding."""
+    return one.status is not Status.UNDETERMINED and (one.low <= 0 or one.value < _ROUNDING * one.unknown.scale)
 
 
 def _at_end(one: Estimate, stated: float) -> bool:
@@ -169,7 +170,7 @@ def _parameters(
         for one in found.estimates
     ]
     for state, keys in others.items():
-        rows += [ParameterFound(key, loader[key], loader[key], 0.0, state) for key in dict.fromkeys(keys)]
+        rows += [ParameterFound(key, loader[key], found.before[key], 0.0, state) for key in dict.fromkeys(keys)]
     order = list(TABLE)
     finite = [replace(row, before=row.before if np.isfinite(row.before) else 0.0) for row in rows]
     return tuple(sorted(finite, key=lambda row: order.index(row.key)))

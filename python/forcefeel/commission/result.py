@@ -8,7 +8,7 @@ from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 
 IDENTIFIED, CARRIED, UNSEEN = "identified", "within the others", "not seen"
-AT_END = "at the end of its range"
+AT_END, NOTHING = "at the end of its range", "none"
 """What became of a parameter."""
 
 
@@ -22,8 +22,8 @@ class ParameterFound:
         value: What holds from here on.
         error: Standard error as a share of the value; 0 where it is not identified.
         state: ``IDENTIFIED``; ``CARRIED`` of one whose share in the data the identified ones carry; ``AT_END`` of one whose value
-            in the file is the last that its row allows, and that the data would have there or beyond; ``UNSEEN`` of one that
-            keeps the file's value and tolerance.
+            in the file is the last that its row allows, and that the data would have there or beyond; ``NOTHING`` of a friction
+            that is within its errors of none; ``UNSEEN`` of one that keeps the file's value and tolerance.
     """
 
     key: str
