@@ -388,6 +388,12 @@ def sampled_loops(
     with a test signal on the command and a pilot force that stays through the period.
     """
 
+def grip_force(values: _Array, moments: _Array) -> _Array:
+    """What the grip's sensor shows, `K_g (F_p - (m_a + m_o) R_p theta'' - d_a R_p theta' - k_a R_p theta)`, its offset left out.
+
+    Of moments `F_p, theta, theta', theta''`, (moments, 4).
+    """
+
 def channels(drive: str = "hydraulic") -> list[tuple[str, str]]:
     """Name and SI unit of each channel of a bench with a loader of this drive."""
 

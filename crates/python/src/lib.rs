@@ -47,6 +47,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("PERIOD_BASE", forcefeel_model::machine::period::BASE)?;
     module.add("PERIOD_SHOWN", forcefeel_model::machine::period::SHOWN)?;
     module.add("PERIOD_COMMAND", forcefeel_model::machine::period::YOUNGEST)?;
+    module.add_function(wrap_pyfunction!(model::grip_force, module)?)?;
     module.add_function(wrap_pyfunction!(slopes::channels, module)?)?;
     module.add_function(wrap_pyfunction!(slopes::linear_slopes, module)?)?;
     module.add_function(wrap_pyfunction!(slopes::sampled_slopes, module)?)?;

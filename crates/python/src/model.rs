@@ -1,16 +1,17 @@
 //! The parameter table and the models.
 
-use crate::arrays::{Matrix, to_numpy, vector};
+use crate::arrays::{Matrix, rows, to_numpy, vector};
 use crate::errors::refused;
 use forcefeel_model::compensator::{Compensator as Law, Displacement};
 use forcefeel_model::drive::electric::plant::ElectricPlant;
 use forcefeel_model::dual::Dual;
+use forcefeel_model::grip_sensor::GripForce;
 use forcefeel_model::loader::{Compliant, DesignPlant, IdealFeel, Rigid, System};
 use forcefeel_model::parameters::{
     ALTERNATIVES, COUNT, DriveKind, Feel, Linkage, PARTS, Parameter as Row, Parameters, TABLE,
 };
 use forcefeel_solve::linearize as jacobians;
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 const HYDRAULIC: &str = "hydraulic";
@@ -93,6 +94,19 @@ type Matrices<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>);
 
 fn loader(values: &Values<'_>) -> PyResult<Parameters<f64>> {
     Ok(Parameters::from_values(&vector::<COUNT>("values", values)?))
+}
+
+/// What the grip's sensor shows at moments of the pilot's force, the column's angle, its rate and its acceleration, (moments, 4).
+#[pyfunction]
+pub fn grip_force<'py>(
+    py: Python<'py>,
+    values: Values<'py>,
+    moments: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let parameters = loader(&values)?;
+    let (sensor, per_base) = (GripForce::new(&parameters), parameters.column.angle(1.0));
+    let shown = |[force, motion @ ..]: [f64; 4]| sensor.shown(force, motion.map(|angle| angle / per_base));
+    Ok(PyArray1::from_iter(py, rows::<4>("moments", &moments)?.into_iter().map(shown)))
 }
 
 /// The law that drives the servo amplifier, as data.

@@ -52,7 +52,13 @@ OUTPUTS = MappingProxyType({name: si for drive in DRIVES for name, si in outputs
 """What is measured of it."""
 
 CHANNELS = MappingProxyType({**INPUTS, **OUTPUTS})
-"""All of them."""
+"""What of a bench is held against the model."""
+
+GRIP_FORCE = "grip_force"
+"""What a force sensor between hand and column shows, in a record in time: of the hand and not of the machine."""
+
+RECORDED = MappingProxyType({**CHANNELS, GRIP_FORCE: "N"})
+"""What a record in time may hold."""
 
 
 def channel(given: str) -> str:
@@ -86,4 +92,4 @@ _AMPERES = ("motor_current", "test_current", "command_current")
 
 def channel_unit(channel: str) -> Unit:
     """The units of a channel."""
-    return MOTOR_CURRENT if channel in _AMPERES else _UNITS[CHANNELS[channel]]
+    return MOTOR_CURRENT if channel in _AMPERES else _UNITS[RECORDED[channel]]

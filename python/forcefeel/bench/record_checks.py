@@ -7,7 +7,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel.bench.channels import CHANNELS, OUTPUTS
+from forcefeel.bench.channels import OUTPUTS, RECORDED
 from forcefeel.bench.clipping import clipped
 from forcefeel.bench.experiments import Drive
 from forcefeel.bench.records import BenchRecord
@@ -60,11 +60,11 @@ class Shown:
 
     def unit(self, channel: str) -> str:
         """The channel's unit."""
-        return self.units.get(channel) or CHANNELS[channel]
+        return self.units.get(channel) or RECORDED[channel]
 
     def __call__(self, channel: str, value: float, digits: int = 6) -> str:
         """The value with its unit."""
-        return f"{float(value) * factor(CHANNELS[channel], self.unit(channel)):.{digits}g} {self.unit(channel)}"
+        return f"{float(value) * factor(RECORDED[channel], self.unit(channel)):.{digits}g} {self.unit(channel)}"
 
 
 def check_record(
@@ -90,7 +90,7 @@ def check_record(
             raise InputError(
                 f"{where}: expected {name} at each of the times, got shapes {np.shape(values)}, {np.shape(record.time_s)}"
             )
-    if found := fault(columns, {"time": "s", **CHANNELS}):
+    if found := fault(columns, {"time": "s", **RECORDED}):
         row, sentence = found
         raise InputError(f"{where}: row {row}: {sentence}" if places is None else f"{places[row]}: {sentence}")
     if len(record.time_s) < FEWEST_SAMPLES:

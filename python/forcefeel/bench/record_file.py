@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from forcefeel.bench.channels import CHANNELS, OUTPUTS
+from forcefeel.bench.channels import OUTPUTS, RECORDED
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.record_checks import check_record
 from forcefeel.bench.records import HOLDS, BenchRecord, Hold
@@ -64,7 +64,7 @@ def record_of(
     Raises:
         InputError: As ``read_bench_record``.
     """
-    wanted = {"time": ("s",), **{name: (unit,) for name, unit in CHANNELS.items()}}
+    wanted = {"time": ("s",), **{name: (unit,) for name, unit in RECORDED.items()}}
     columns = by_wanted_name(str(table.path), "columns", columns, wanted)
     units = by_wanted_name(str(table.path), "units", units, (*wanted, *columns.values()))
     under = stated_experiment(table, experiment)

@@ -8,6 +8,7 @@ import numpy as np
 from forcefeel.bench.identification.bench_of import check_bench
 from forcefeel.bench.identification.findings import identification_conclusions
 from forcefeel.bench.identification.fit import identify, unseen_from_afar
+from forcefeel.bench.identification.grip_sensor import GripSensorFound, find_grip_sensor
 from forcefeel.bench.identification.result import Estimate, Identification, Status
 from forcefeel.bench.identification.unknowns import parameter_keys
 from forcefeel.bench.records import BenchRecord
@@ -20,7 +21,7 @@ from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, TABLE, limits_si, value_text
-from forcefeel.loader.sensors import sample_variance, sensors_of
+from forcefeel.loader.sensors import GRIP_SENSOR, sample_variance, sensors_of, without_grip_sensor
 from forcefeel.loader.tolerances import Distribution, Tolerance
 
 _ROUNDS = 4
@@ -31,6 +32,9 @@ _EXACT = 1e-6
 
 _ROUNDING = 1e-6
 """Of an estimate, relative to where its search began."""
+
+_NEGLIGIBLE = 0.01
+"""Of the friction where its search begins, the spring's pull at a degree: it holds the column within a hundredth of one."""
 
 _WIDE = 3.0
 """Deviations at which its tolerance is cut off."""
@@ -70,12 +74,13 @@ def identify_loader(
     """
     check_bench(loader, data)
     given = parameter_keys(tuple(plan.fit), loader.drive) if plan.fit else ()
-    begun = with_friction(loader) if not given else loader
+    bare = without_grip_sensor(loader)  # the machine is the same, and no law on a bench uses what is yet to be tried
+    begun = with_friction(bare) if not given else bare
     if not plan.own_instruments:
         data = [without_lag(one, loader) if isinstance(one, BenchRecord) else one for one in data]
     progress("what the data see")
     # The bench ran under the law of the file, which knows of no friction that is only a place to begin from.
-    law = Law.of(None, loader) if loader.drive == ELECTRIC else None
+    law = Law.of(None, bare) if loader.drive == ELECTRIC else None
     seen = Seen(given, (), ()) if given else seen_by(begun, data, candidates(begun), law)
     unseen, ended, nothing = list(seen.unseen), list[str](), list[str]()
     lost = DRY if DRY not in seen.fitted and not given else ""
@@ -95,7 +100,7 @@ def identify_loader(
             found = identify(begun, data, keys, law=law, starts=plan.starts)
         status = {one.unknown.key: one for one in found.estimates}
         none = [key for key, one in status.items() if key in (DRY, BREAKAWAY) and _is_none(one)]
-        weak = [key for key, one in status.items() if one.status is Status.UNDETERMINED]
+        weak = [key for key, one in status.items() if _is_open(one)]
         held = [key for key, one in status.items() if _at_end(one, loader[key])]
         if given or not (none or weak or held) or len(none) + len(weak) + len(held) == len(keys):
             break
@@ -109,25 +114,38 @@ def identify_loader(
         for key in out & {DRY, BREAKAWAY}:
             begun = _without(begun, key)
     identified = None if found.loader is None else _completed(found, loader, (*seen.carried, *ended))
-    wanting = (*_friction_wanting(lost), *_noise_wanting(loader, found))
+    if identified is not None:
+        identified = identified.replace({key: loader[key] for key in TABLE if loader[key] != bare[key]})
+    grip = GripSensorFound() if identified is None else find_grip_sensor(identified, data, law)
+    if identified is not None:
+        identified = identified.replace({key: value for key, (value, _) in grip.rows.items()})
+    wanting = (*_friction_wanting(lost), *grip.wrong, *_noise_wanting(loader, found, grip.noise))
     good = identified is not None and not wanting
     conclusions = identification_conclusions(replace(found, loader=identified), plan.units)
     outcome = Identified(
         good=good,
         verdict=conclusions.verdict,
-        findings=conclusions.findings,
-        parameters=_parameters(loader, found, {CARRIED: seen.carried, AT_END: ended, NOTHING: nothing, UNSEEN: unseen})
+        findings=(*conclusions.findings, *grip.said),
+        parameters=_parameters(
+            loader, found, grip, {CARRIED: seen.carried, AT_END: ended, NOTHING: nothing, UNSEEN: unseen}
+        )
         if identified
         else (),
         wanting=wanting,
-        advice=(*(one.sentence for one in found.advice), *_friction_advice(lost)),
+        advice=(*(one.sentence for one in found.advice), *_friction_advice(lost), *grip.advice),
     )
     return IdentifiedLoader(outcome, replace(found, loader=identified), identified)
 
 
 def _is_none(one: Estimate) -> bool:
-    """Whether a friction is none: its 95 % interval holds nothing, or it is beside it but for rounding."""
-    return one.status is not Status.UNDETERMINED and (one.low <= 0 or one.value < _ROUNDING * one.unknown.scale)
+    """Whether a friction is none: all of its 95 % interval is next to nothing, or it is itself but for rounding."""
+    return one.high < _NEGLIGIBLE * one.unknown.scale or one.value < _ROUNDING * one.unknown.scale
+
+
+def _is_open(one: Estimate) -> bool:
+    """Whether the data do not determine a parameter: of a friction, whether it may be none and may be more."""
+    dry = one.unknown.key in (DRY, BREAKAWAY)
+    return one.status is Status.UNDETERMINED or (dry and one.low <= 0 and not _is_none(one))
 
 
 def _at_end(one: Estimate, stated: float) -> bool:
@@ -161,13 +179,17 @@ def _exact(key: str, value: float) -> Tolerance:
 
 
 def _parameters(
-    loader: Loader, found: Identification, others: Mapping[str, Sequence[str]]
+    loader: Loader, found: Identification, grip: GripSensorFound, others: Mapping[str, Sequence[str]]
 ) -> tuple[ParameterFound, ...]:
     rows = [
         ParameterFound(
             one.unknown.key, loader[one.unknown.key], one.value, one.deviation / abs(one.value or 1.0), IDENTIFIED
         )
         for one in found.estimates
+    ]
+    rows += [
+        ParameterFound(key, loader[key], value, deviation / abs(value), IDENTIFIED)
+        for key, (value, deviation) in grip.rows.items()
     ]
     for state, keys in others.items():
         rows += [ParameterFound(key, loader[key], found.before[key], 0.0, state) for key in dict.fromkeys(keys)]
@@ -195,20 +217,20 @@ def _friction_advice(lost: str) -> tuple[str, ...]:
     )
 
 
-def _noise_wanting(loader: Loader, found: Identification) -> tuple[str, ...]:
+def _noise_wanting(loader: Loader, found: Identification, at_grip: float | None) -> tuple[str, ...]:
     """Sensors whose noise is declared as zero, with what the records show; a law for them is made for sensors that nobody has."""
     measured = {
-        SENSOR_OF[one.channel]: one
+        SENSOR_OF[one.channel]: one.residual_rms
         for one in found.fitted
         if one.channel in SENSOR_OF and isinstance(one.data, BenchRecord)
-    }
+    } | ({} if at_grip is None else {GRIP_SENSOR: at_grip})
     lines = []
     for sensor, variance in zip(sensors_of(loader), sample_variance(loader), strict=True):
         if variance > 0 or not loader["controller.period"]:
             continue
         key = f"{sensor}.noise"
         if sensor in measured:
-            least = value_text(TABLE[key], measured[sensor].residual_rms, 2)
+            least = value_text(TABLE[key], measured[sensor], 2)
             shown = f"the records show {least} r.m.s."
             remedy = f'state it in the loader file, or with --set {key}="{least}"'
         else:

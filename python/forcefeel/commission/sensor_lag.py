@@ -11,15 +11,18 @@ from math import isfinite
 
 from scipy.interpolate import CubicSpline
 
+from forcefeel.bench.channels import GRIP_FORCE
 from forcefeel.bench.experiments import Drive
 from forcefeel.bench.records import BenchRecord
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.sensors import GRIP_SENSOR
 
 SENSOR_OF = {
     "column_angle": "column_sensor",
     "piston_position": "potentiometer",
     "drive_position": "potentiometer",
     "load_cell_force": "load_cell",
+    GRIP_FORCE: GRIP_SENSOR,
 }
 """Which of the loader's sensors measures a channel; the other channels are of the bench's own instruments."""
 

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
-from forcefeel.bench.channels import channel_unit
+from forcefeel.bench.channels import GRIP_FORCE, channel_unit
 from forcefeel.bench.excitation import Excitation, ExcitationPlan, excite
 from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.identification.bench_of import check_bench
+from forcefeel.bench.identification.grip_sensor import grip_force, moments
 from forcefeel.bench.identification.record_run import RecordRun
 from forcefeel.bench.records import BenchRecord
 from forcefeel.commission.sensor_lag import SENSOR_OF
@@ -21,6 +22,7 @@ from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC, a_drive
+from forcefeel.loader.sensors import has_grip_sensor, without_grip_sensor
 from forcefeel.units import UnitSystem
 
 MEASURED: Mapping[str, tuple[str, ...]] = MappingProxyType(
@@ -117,12 +119,16 @@ def simulated_records(loader: Loader, truth: Loader, asked: BenchTime | None = N
     drive = {str(experiment.drive): signal.signal}
     asked_of = BenchRecord("bench", experiment, signal.time_s, {**drive, **blank})
     # The law on the bench is that of the file: nobody knows a better one yet.
-    run = RecordRun(asked_of, truth, Law.of(None, loader) if loader.drive == ELECTRIC else None)
-    exact = dict(zip(run.channels, run.at(truth.values, ()).value, strict=True))
+    # No law uses a sensor at the grip that is yet to be tried.
+    law = Law.of(None, without_grip_sensor(loader)) if loader.drive == ELECTRIC else None
+    run = RecordRun(asked_of, machine := without_grip_sensor(truth), law)
+    exact = dict(zip(run.channels, run.at(machine.values, ()).value, strict=True))
     if not all(np.isfinite(values).all() for values in exact.values()):
         raise InputError(
             f"bench: {truth.name} runs away under {experiment}; expected a machine that its file's loop holds"
         )
+    if has_grip_sensor(truth):
+        exact[GRIP_FORCE] = grip_force(truth, moments(asked_of, truth, law)) + truth["grip_sensor.offset"]
     random = np.random.default_rng(asked.seed)
     shown = {name: _shown(truth, name, values, asked.rate_hz, random) for name, values in exact.items()}
     record = BenchRecord("bench", experiment, signal.time_s, {**drive, **shown})

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import TABLE
 
 SENSORS = ("load_cell", "potentiometer", "column_sensor")
 """In the order in which a law samples them: F_c, x_p, theta."""
@@ -23,6 +24,11 @@ def has_grip_sensor(loader: Loader) -> bool:
         True
     """
     return bool(loader["grip_sensor.gain"])
+
+
+def without_grip_sensor(loader: Loader) -> Loader:
+    """The loader as it is before the sensor at its grip is trusted: its laws and its motion know nothing of it."""
+    return loader.replace({key: None for key in TABLE if key.startswith(f"{GRIP_SENSOR}.")})
 
 
 def sensors_of(loader: Loader) -> tuple[str, ...]:

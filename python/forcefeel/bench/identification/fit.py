@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.bench.channels import GRIP_FORCE, OUTPUTS
 from forcefeel.bench.estimate import estimate_response
 from forcefeel.bench.experiments import Drive, Loop
 from forcefeel.bench.identification.advice import advice_of
@@ -121,7 +122,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         inseparable=inseparable_sets(unknowns, confidence),
         advice=(),
         rigid=rigid,
-        notes=notes,
+        notes=(*notes, *_beside(data)),
     )
     if identified.determined:
         sound = explained(identified.fitted) and identified.within_bounds
@@ -147,6 +148,15 @@ def unseen_from_afar(
     return tuple(one.key for one, share in zip(unknowns, shares, strict=True) if not share < DETERMINED)
 
 
+def _beside(data: Sequence[Response | BenchRecord]) -> tuple[str, ...]:
+    """What records hold that no parameter is fitted to."""
+    held = any(isinstance(it, BenchRecord) and np.ptp(it.channels.get(GRIP_FORCE, 0.0)) > 0 for it in data)
+    sentence = (
+        f"{GRIP_FORCE} is not compared: it shows the hand. What it tells of the sensor at the grip, commission finds."
+    )
+    return (sentence,) * held
+
+
 def _check_valve(
     loader: Loader, keys: Sequence[str], data: Sequence[Response | BenchRecord], *, as_responses: bool
 ) -> None:
@@ -166,7 +176,7 @@ def _as_responses(data: Response | BenchRecord, loader: Loader) -> list[Response
         return [data]
     if data.experiment.drive is Drive.RELEASE:
         raise InputError(f"{data.name}: a release has no frequency response; leave it out, or fit records as they are")
-    return [_response_of(data, channel, loader) for channel in data.channels if channel not in set(Drive)]
+    return [_response_of(data, channel, loader) for channel in data.channels if channel in OUTPUTS]
 
 
 def _response_of(record: BenchRecord, channel: str, loader: Loader) -> Response:
@@ -206,7 +216,7 @@ def _seen_in(record: BenchRecord, loader: Loader) -> list[Response]:
     """The responses of a record as far as it has any: uneven samples, steps, slow sweeps and releases have none."""
     found = []
     for name in record.channels if record.experiment.drive is not Drive.RELEASE else ():
-        if name not in set(Drive):
+        if name in OUTPUTS:
             with suppress(InputError):
                 found.append(_response_of(record, name, loader))
     return found
