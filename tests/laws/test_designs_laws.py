@@ -13,7 +13,7 @@ from forcefeel.errors import InputError
 from forcefeel.laws.sampled import METHODS, OBSERVER, RECOVERED, Power, design, method, robust_tuning
 from forcefeel.laws.sampled.feedforward import feel_moves
 from forcefeel.laws.sampled.observer import observe
-from forcefeel.laws.sampled.plant import SampledPlant
+from forcefeel.laws.sampled.plant import SampledPlant, link_stiffness
 from forcefeel.laws.sampled.regulator import regulate
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import INDEX
@@ -129,7 +129,8 @@ def test_poles_are_the_regulators_the_observers_and_the_feels(tuning, delay):
     laws, plant = design(loader, FEELS, tuning), SampledPlant.of(loader)
     for k, feel in enumerate(FEELS):
         ratio = feel[0] / loader["column.inertia"]
-        regulator, observer = regulate(plant, tuning, ratio), observe(plant, tuning, ratio)
+        stretch = feel[2] / link_stiffness(loader)
+        regulator, observer = regulate(plant, tuning, ratio, stretch), observe(plant, tuning, ratio)
         error = observer.transition @ (np.eye(9) - observer.gains @ observer.reads)
         apart_each = (
             plant.transition - np.outer(plant.input, regulator.gains),

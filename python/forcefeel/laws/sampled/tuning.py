@@ -13,19 +13,22 @@ from forcefeel.errors import InputError
 SCHEDULED = (-2.0, 2.0)
 """Decades of I / J over which the numbers follow it; beyond, they stay as at the end."""
 
+STRETCHED = 20.0
+"""By how much the square of G / k counts beside one: a feel of a fifth of the link's stiffness nearly doubles a number."""
+
 MOST_DECADES = 20
 """Numbers farther from one drown the others in rounding."""
 
 
 @dataclass(frozen=True)
 class Power:
-    """The number ``10^(decades + slope log10(I / J)) [1 + throw (G / k)^2]``, with I / J within ``SCHEDULED``.
+    """The number ``10^(decades + slope log10(I / J)) [1 + STRETCHED (G / k)^2]^throw``, with I / J within ``SCHEDULED``.
 
     ``G / k`` is the programmed stiffness as a share of the link's at the column: by so much of a release's angle the link is
     stretched, and the energy in it, which goes with the square, throws the column as the hand lets go.
 
     Raises:
-        InputError: If decades or slope are beyond ``MOST_DECADES``, or the throw is below zero or not finite.
+        InputError: If decades, slope or throw are beyond ``MOST_DECADES``.
 
     Example:
         >>> import forcefeel as ff
@@ -38,9 +41,7 @@ class Power:
     throw: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0 <= self.throw < np.inf:
-            raise InputError(f"throw: expected a finite number of zero or above, got {self.throw:g}")
-        for name in ("decades", "slope"):
+        for name in ("decades", "slope", "throw"):
             if not abs(getattr(self, name)) <= MOST_DECADES:
                 raise InputError(
                     f"{name}: expected a number from -{MOST_DECADES} to {MOST_DECADES}, got {getattr(self, name):g}"
@@ -49,7 +50,7 @@ class Power:
     def at(self, inertia_ratio: float, stretch: float = 0.0) -> float:
         """The number for a programmed inertia of so many of the column's, and a stiffness of so many of the link's."""
         power = self.decades + self.slope * np.clip(np.log10(inertia_ratio), *SCHEDULED)
-        return float(10**power * (1 + self.throw * stretch**2))
+        return float(10**power * (1 + STRETCHED * stretch**2) ** self.throw)
 
     def times(self, decades: float) -> "Power":
         """The same number so many decades higher."""
