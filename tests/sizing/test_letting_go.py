@@ -13,7 +13,7 @@ ANGLE, LEVEL = radians(10), 0.9
 SOFT = ff.digital_elevator().replace({"linkage.stiffness": "700 lb/in", "valve.flow_limit": "40 in^3/s"})
 MOTOR = ff.loader.electric("sidestick-pitch").replace({"linkage.stiffness": 60000.0})
 FINE = 0.02
-"""Relative; a swing is cut into six hundred moments, and the first after the fall is told."""
+"""Relative; a swing is cut into moments, and the first after the fall is told."""
 EXACT = 1e-8
 """Of the integrator."""
 
@@ -22,7 +22,7 @@ def falls_through(loader, command):
     """When the column of a loader falls through the level, its drive given a share of the largest command at each time."""
     g = loader.__getitem__
     lever = g("linkage.ratio") * g("column.base_arm")
-    held, delay = g("feel.maximum_stiffness") * ANGLE, g("controller.delay")
+    held, delay = g("feel.maximum_stiffness") * ANGLE, g("controller.delay") + g("controller.period")
     force = held / lever
 
     def link(column, rate, end, end_rate):
@@ -84,6 +84,12 @@ def test_of_a_motor_it_is_the_time_itself():
     (latest,) = falls_through_s(MOTOR, ANGLE, np.array([MOTOR["feel.maximum_stiffness"]]), LEVEL)
     assert np.isfinite(latest)
     assert falls_through(MOTOR, lambda t: 1.0) == pytest.approx(latest, rel=FINE)
+
+
+def test_of_a_valve_it_is_the_time_itself():
+    """The spool's rise and the load's help are all in it."""
+    (latest,) = falls_through_s(SOFT, ANGLE, np.array([SOFT["feel.maximum_stiffness"]]), LEVEL)
+    assert falls_through(SOFT, lambda t: 1.0) == pytest.approx(latest, rel=FINE)
 
 
 def test_a_stiff_link_throws_nothing_and_of_some_loaders_nothing_is_known():

@@ -9,9 +9,9 @@ motor also one whose ``G theta_0`` it does not hold standing still (``sizing.too
 
 **Throw.** The torque ``G theta_0`` stretches the link, which throws the column as the hand lets go, before the drive can follow.
 The rule begins its first time where the column falls through 0.9 of ``theta_0``. Forbidden is a setting whose column does so
-earlier than the feel's by more than ``THROWN`` times that time's tolerance, although the drive runs after it with all that it has,
-from one delay after the release on (``sizing.letting_go``): a law that renders the feel once the throw is over crosses zero when
-the feel does, give or take the tolerance, and so fails.
+earlier than the feel's by more than ``THROWN`` times that time's tolerance, although the drive runs after it with all that it has
+from the first command on that can know of the release (``sizing.letting_go``): a law that renders the feel once the throw is over
+crosses zero when the feel does, give or take the tolerance, and so fails.
 
 **Noise.** The column obeys ``J s^2 theta = T_p + T_l``. The torque ``T_l`` of the link is what a law makes of its samples of
 ``theta``, which have the noise ``n``. Whatever the linear law ``T_l = C (theta + n)``, with ``H`` what it renders of a hand's
