@@ -48,6 +48,7 @@ __all__ = [
     "feel_steps",
     "feel_transitions",
     "fmu_variables",
+    "grip_force",
     "ideal_feel",
     "linear_slopes",
     "linkage_from_resonance",
