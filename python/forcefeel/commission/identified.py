@@ -101,6 +101,8 @@ def identify_loader(
         status = {one.unknown.key: one for one in found.estimates}
         none = [key for key, one in status.items() if key in (DRY, BREAKAWAY) and _is_none(one)]
         weak = [key for key, one in status.items() if _is_open(one)]
+        if BREAKAWAY in weak and not given:
+            weak = [BREAKAWAY]  # the jumps that it makes leave others open too, which are determined without it
         held = [key for key, one in status.items() if _at_end(one, loader[key])]
         if given or not (none or weak or held) or len(none) + len(weak) + len(held) == len(keys):
             break
