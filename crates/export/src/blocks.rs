@@ -1,7 +1,7 @@
 //! Where each operation is done: in every period, or only where the mask holds that chooses its result.
 //!
-//! A select whose arms need operations that nothing else needs becomes an `if`, and those operations stand in its arms; selects on one mask
-//! share one `if` where none of them waits for another. What is left out changes no bit: it would have been thrown away.
+//! A select whose arms need operations that nothing else needs becomes an `if`, and those operations stand in its arms; so does "and", whose
+//! second mask counts only where the first holds. Selects on one mask share one `if` where none of them waits for another. What is left out changes no bit: it would have been thrown away.
 //!
 //! Each operation stands in the innermost block that holds all of its uses (C. Click, Global code motion, global value numbering, PLDI 1995,
 //! pp. 246-257).
@@ -41,7 +41,7 @@ pub struct Blocks {
 }
 
 /// What a program's nodes are made of, where that is not what the trace says.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Made {
     /// The nodes that each is made of.
     pub of: Vec<Vec<u32>>,
@@ -49,6 +49,18 @@ pub struct Made {
     pub together: HashMap<u32, u32>,
     /// Nodes that a function is given.
     pub given: HashSet<u32>,
+}
+
+/// What a node chooses by, and what where that holds and where not; none where it then does not hold itself.
+pub fn choice(graph: &Graph, node: u32) -> Option<(u32, [Option<u32>; 2])> {
+    match graph.nodes[node as usize] {
+        Node::Select(mask, yes, no) => Some((mask, [Some(yes), Some(no)])),
+        Node::And(first, second) => Some(match graph.nodes[first as usize] {
+            Node::Not(mask) => (mask, [None, Some(second)]),
+            _ => (first, [Some(second), None]),
+        }),
+        _ => None,
+    }
 }
 
 impl Blocks {
@@ -85,23 +97,33 @@ impl Blocks {
             _ if made.given.contains(&node) => {
                 self.of.insert(node, ALWAYS);
             }
-            Node::Select(mask, yes, no) => {
-                if let Some(arm) = self.arm_of(mask, block) {
-                    let chosen = [yes, no][arm];
-                    self.instead.insert(node, chosen);
-                    self.used(chosen, block);
-                    return;
-                }
-                let group = self.group(made, (node, mask, block));
-                self.used(mask, block);
-                let arms = self.groups[group].arms;
-                self.used(yes, arms[0]);
-                self.used(no, arms[1]);
-            }
+            Node::Select(..) | Node::And(..) => self.choose(graph, made, (node, block)),
             _ if made.together.get(&node).is_some_and(|&first| first != node) => {}
             _ => {
                 for &one in &made.of[node as usize] {
                     self.used(one, block);
+                }
+            }
+        }
+    }
+
+    /// Places what chooses: in a group, or as what it comes to within an arm of its own mask.
+    fn choose(&mut self, graph: &Graph, made: &Made, (node, block): (u32, usize)) {
+        let Some((mask, chosen)) = choice(graph, node) else { return };
+        match self.arm_of(mask, block).map(|arm| chosen[arm]) {
+            Some(Some(chosen)) => {
+                self.instead.insert(node, chosen);
+                self.used(chosen, block);
+            }
+            // What holds not is spelled out.
+            Some(None) => made.of[node as usize].iter().for_each(|&one| self.used(one, block)),
+            None => {
+                let group = self.group(made, (node, mask, block));
+                self.used(mask, block);
+                for (chosen, arm) in chosen.into_iter().zip(self.groups[group].arms) {
+                    if let Some(chosen) = chosen {
+                        self.used(chosen, arm);
+                    }
                 }
             }
         }

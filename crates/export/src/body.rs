@@ -1,6 +1,6 @@
 //! The lines of a function of C: an operation each, in the order in which they were asked for.
 
-use crate::blocks::{ALWAYS, Blocks, Made};
+use crate::blocks::{ALWAYS, Blocks, Made, choice};
 use crate::controller::{INPUTS, name_of};
 use crate::dots::{Product, products};
 use crate::emit::{Bits, Writer};
@@ -133,14 +133,11 @@ impl<'a> Body<'a> {
         self.done.extend(group.members.iter().copied());
         self.write(group.mask, group.block);
         let within: Vec<u32> = group.arms.iter().flat_map(|&arm| self.all_within(arm)).collect();
-        let arms = |node: u32| match self.graph.nodes[node as usize] {
-            Node::Select(_, yes, no) => [yes, no],
-            _ => [node; 2],
-        };
-        let mut members: Vec<(u32, [u32; 2])> = group.members.iter().map(|&node| (node, arms(node))).collect();
+        let arms = |node: u32| choice(self.graph, node).map_or([None; 2], |(_, arms)| arms);
+        let mut members: Vec<(u32, [Option<u32>; 2])> = group.members.iter().map(|&node| (node, arms(node))).collect();
         members.sort_unstable();
         let needs = within.iter().flat_map(|&node| self.made.of[node as usize].clone());
-        let needs: Vec<u32> = needs.chain(members.iter().flat_map(|&(_, arms)| arms)).collect();
+        let needs: Vec<u32> = needs.chain(members.iter().flat_map(|&(_, arms)| arms.into_iter().flatten())).collect();
         for node in needs {
             self.write(node, group.block);
         }
@@ -150,22 +147,28 @@ impl<'a> Body<'a> {
                 self.write_block(arm);
             }
             for (node, arms) in members {
-                let (name, [yes, no]) = (self.named(node), arms.map(|arm| self.spelled(arm)));
-                self.line(&format!("const real {name} = {mask} ? {yes} : {no};"));
+                let (kind, name) = (self.kind(node), self.named(node));
+                let chosen = match arms.map(|arm| arm.map(|arm| self.spelled(arm))) {
+                    [Some(yes), Some(no)] => format!("{mask} ? {yes} : {no}"),
+                    [Some(second), None] => format!("{mask} && {second}"),
+                    [None, second] => format!("(!{mask}) && {}", second.unwrap_or_default()),
+                };
+                self.line(&format!("const {kind} {name} = {chosen};"));
                 self.operations.0 += 1;
             }
             return;
         }
         for &(node, _) in &members {
-            let name = self.named(node);
-            self.line(&format!("real {name};"));
+            let (kind, name) = (self.kind(node), self.named(node));
+            self.line(&format!("{kind} {name};"));
         }
         for (arm, begin) in [format!("if ({mask}) {{"), "} else {".to_owned()].into_iter().enumerate() {
             self.line(&begin);
             self.indent += 1;
             self.write_block(group.arms[arm]);
             for &(node, arms) in &members {
-                let (name, value) = (self.named(node), self.spelled(arms[arm]));
+                let name = self.named(node);
+                let value = arms[arm].map_or_else(|| "false".to_owned(), |chosen| self.spelled(chosen));
                 self.line(&format!("{name} = {value};"));
             }
             self.indent -= 1;

@@ -1,7 +1,9 @@
 //! C99 from what was traced: a law's parts, and its numbers.
 
+use crate::blocks::{Blocks, Made};
 use crate::body::Body;
 use crate::controller::{INPUTS, Job, Program, name_of};
+use crate::made::made_of;
 use crate::trace::{Bank, Graph, Node};
 use core::fmt::Write;
 use std::collections::BTreeSet;
@@ -58,26 +60,18 @@ impl Source {
 
 /// The states that a program reads, directly or by others.
 fn needed(program: &Program) -> BTreeSet<usize> {
+    let graph = &program.graph;
+    let of = (0..graph.nodes.len()).map(|place| made_of(graph, place)).collect();
+    let made = Made { of, ..Made::default() };
     let mut states = BTreeSet::from(GIVEN);
     loop {
         let mut more = states.clone();
-        let (graph, mut open) = (&program.graph, wanted(program, &states));
-        let mut seen = vec![false; graph.nodes.len()];
-        while let Some(node) = open.pop() {
-            if core::mem::replace(&mut seen[node as usize], true) {
-                continue;
-            }
-            let node = &graph.nodes[node as usize];
-            if let &(Node::Input(input) | Node::Flag(input)) = node
-                && input >= INPUTS.len()
-            {
-                more.insert(input);
-            }
-            if let Node::Part(roots, _) = node {
-                open.extend(roots);
-            }
-            open.extend(node.made_of());
-        }
+        // Placed, since a choice within an arm of its own mask reads nothing of its other arm.
+        let blocks = Blocks::of(graph, &made, &wanted(program, &states));
+        more.extend(blocks.of.keys().filter_map(|&node| match graph.nodes[node as usize] {
+            Node::Input(input) | Node::Flag(input) if input >= INPUTS.len() => Some(input),
+            _ => None,
+        }));
         if more == states {
             return states;
         }

@@ -73,11 +73,11 @@ impl<S: Scalar> DryFriction<S> {
         Self { kinetic: between(self.kinetic, next.kinetic), breakaway: between(self.breakaway, next.breakaway) }
     }
 
-    /// The friction of a step that begins with velocity `v` and friction-free acceleration `a`.
+    /// The friction of a step that begins with velocity `v` and friction-free acceleration `a`, which is asked for only of what rests.
     #[inline(always)]
     pub fn grip(&self, v: S, a: S) -> Grip<S> {
         let rests = at_rest(v);
-        let stuck = rests & a.zero().less(self.breakaway) & !self.breakaway.less(a.abs());
+        let stuck = rests & (a.zero().less(self.breakaway) & !self.breakaway.less(a.abs()));
         let drag = -self.kinetic.times_sign(S::select(rests, a, v));
         Grip { stuck, drag, velocity: v, pull: a }
     }
@@ -123,7 +123,8 @@ impl<S: Scalar> DryFriction<S> {
     }
 }
 
+/// Whether a velocity is none.
 #[inline(always)]
-fn at_rest<S: Scalar>(v: S) -> S::Mask {
+pub fn at_rest<S: Scalar>(v: S) -> S::Mask {
     !v.zero().less(v.abs())
 }

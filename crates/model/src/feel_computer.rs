@@ -9,7 +9,7 @@ use crate::Scalar;
 use crate::bisect::bisect;
 use crate::contact::Push;
 use crate::curve::Curve;
-use crate::dry_friction::{DryFriction, Grip};
+use crate::dry_friction::{DryFriction, Grip, at_rest};
 use crate::effects::Effects;
 use crate::feel::{FeelLaw, Surroundings};
 use crate::machine::SEARCH_RAD;
@@ -120,30 +120,30 @@ impl<S: Scalar> FeelComputer<'_, S> {
         Push { velocity, displacement }
     }
 
-    /// Acceleration of `delta` without dry friction, and with what it does.
-    #[inline(always)]
-    fn pull(&self, grip: &Grip<S>, at: (S, S), torque: S, around: &Surroundings<S>) -> (S, S) {
-        let free = self.acceleration(at, torque, around);
-        if self.effects.feel_friction {
-            (free, S::select(grip.stuck, free.zero(), free + grip.drag))
-        } else {
-            (free, free)
-        }
-    }
-
     /// A period under a torque that stays: a Runge-Kutta step of its own. Its four stages are a loop round one piece of code, which is
     /// so small enough to go whole into every vector's loop: a closure of its own would be called there, number by number.
     #[inline(always)]
     pub fn run(&self, motion: &mut FeelMotion<S>, torque: S, around: &Surroundings<S>, h: S) {
         let effects = self.effects;
+        // Acceleration without dry friction at the start of the step, where it is known before the stages ask for it.
+        let mut known = None;
         if effects.feel_friction {
-            let (free, _) = self.pull(&motion.grip, (motion.at[0], motion.at[1]), torque, around);
             // The torque jumped to its value at the sample: what broke away, did so now.
             let before = motion.grip.pull;
             let per_h = h.constant(1.0) / h;
             let friction = self.friction();
             let found = friction.settled(&motion.grip, motion.at[1], before, (h, per_h));
+            // What moves, slides on; what rests may be held.
+            let (rests, rested) = (at_rest(found.velocity), at_rest(motion.at[1]));
+            let free = if S::any(rests) {
+                let free = self.acceleration((motion.at[0], motion.at[1]), torque, around);
+                S::select(rests, free, free.zero())
+            } else {
+                torque.zero()
+            };
             motion.grip = friction.grip(found.velocity, free);
+            // What rested and rests is where it was.
+            known = Some((rests & rested, free));
             motion.at = [motion.at[0] + found.displacement, found.velocity];
         }
         let start = (motion.at[0], motion.at[1]);
@@ -157,7 +157,16 @@ impl<S: Scalar> FeelComputer<'_, S> {
                 (start.0 + by * slopes[stage - 1][0], start.1 + by * slopes[stage - 1][1])
             };
             let within = if effects.feel_limits { self.feel.held_within(start, at) } else { at };
-            slopes[stage] = [within.1, self.pull(&motion.grip, within, torque, around).1];
+            let mut acceleration = self.acceleration(within, torque, around);
+            if stage == 0
+                && let Some((unmoved, free)) = known
+            {
+                acceleration = S::select(unmoved, free, acceleration);
+            }
+            if effects.feel_friction {
+                acceleration = S::select(motion.grip.stuck, h.zero(), acceleration + motion.grip.drag);
+            }
+            slopes[stage] = [within.1, acceleration];
         }
         let [k_1, k_2, k_3, k_4] = slopes;
         let sixth = h.times(1.0 / 6.0);

@@ -7,8 +7,14 @@ use std::collections::HashSet;
 const WORTH_A_FUNCTION: usize = 20;
 
 impl Graph {
-    /// Whether enough operations of nodes depend on what a part is given.
+    /// Whether a part is a function: of a law that changes between settings, where enough operations depend on what it is given.
+    ///
+    /// A law of one setting asks for each part a few times, and takes fewer instructions where it is written out; one of many has two
+    /// laws' parts in a period, and would not be within its bytes.
     pub(super) fn is_worth_a_function(&self, roots: &[u32]) -> bool {
+        if self.settings == 1 {
+            return false;
+        }
         let depends = self.on_given();
         let mut open = roots.to_vec();
         let mut seen = HashSet::new();
