@@ -3,6 +3,7 @@
 import pytest
 
 import forcefeel as ff
+from forcefeel.live.console import desk
 
 WIDTHS = (1280, 390)
 LONGEST_MS = 40_000
@@ -16,6 +17,13 @@ navigator.getGamepads = () => (window.looks++, window.axes ? [null, { axes: wind
 """
 """A game pad of a test: its axes, or none, and how often the page looked at it."""
 
+SOCKETS = """
+window.sockets = [];
+const Real = WebSocket;
+window.WebSocket = class extends Real { constructor(...to) { super(...to); window.sockets.push(this); } };
+"""
+"""The page's connections, for a test to cut."""
+
 pytestmark = pytest.mark.browser
 
 
@@ -27,8 +35,11 @@ def running():
 
 @pytest.fixture(scope="module")
 def console(running):
-    with ff.live.Console(running, port=0) as found:
-        yield found
+    """A server that a busy machine does not hold up: what it then leaves out is tried in ``test_console_apart``."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(desk, "HELD_UP_S", LONGEST_MS / 1e3)
+        with ff.live.Console(running, port=0) as found:
+            yield found
 
 
 @pytest.fixture(scope="module", params=WIDTHS)
@@ -42,6 +53,7 @@ def page(request, browser, console):
     window.on("pageerror", lambda error: window.complaints.append(str(error)))
     window.on("request", lambda asked: window.requested.append(asked.url))
     window.add_init_script(PAD)
+    window.add_init_script(SOCKETS)
     window.goto(console.address)
     window.click("#on")
     window.locator("#state.active").wait_for()
@@ -155,6 +167,20 @@ def test_a_stop_is_seen_cleared_and_left(page):
     page.keyboard.press("Escape")
     page.locator("#state.tripped").wait_for()
     assert "stop" in page.inner_text("#trips").lower()
+    page.click("#trips button")
+    page.locator("#trips li").wait_for(state="detached")
+    page.click("#off")
+    page.click("#on")
+    page.locator("#state.active").wait_for()
+
+
+def test_a_stop_without_a_connection_is_the_first_thing_of_the_next(page, running):
+    """The page's socket is closed under it, which opens another a second later."""
+    page.evaluate("() => { for (const one of window.sockets) one.close(); }")
+    page.locator("#state.lost").wait_for()
+    page.keyboard.press("Escape")
+    until(page, lambda: running.state.name == "tripped")
+    page.locator("#state.tripped").wait_for()
     page.click("#trips button")
     page.locator("#trips li").wait_for(state="detached")
     page.click("#off")

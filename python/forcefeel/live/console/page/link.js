@@ -7,6 +7,7 @@ export class Link {
   // `on` holds a function for each kind of notice, and `frame`, `opened`, `lost`.
   constructor(on) {
     this.on = on;
+    this.owed = null;
     this.open();
   }
 
@@ -14,7 +15,11 @@ export class Link {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     this.socket = new WebSocket(`${scheme}://${location.host}/live`);
     this.socket.binaryType = "arraybuffer";
-    this.socket.onopen = () => this.on.opened();
+    this.socket.onopen = () => {
+      this.on.opened();
+      if (this.owed) this.send(this.owed);
+      this.owed = null;
+    };
     this.socket.onmessage = ({ data }) => (typeof data === "string" ? this.notice(JSON.parse(data)) : this.frame(data));
     this.socket.onclose = () => {
       this.on.lost();
@@ -31,7 +36,9 @@ export class Link {
     this.on.frame(head.getFloat64(0, true), new Float32Array(data, HEADER_BYTES));
   }
 
+  // Of what is asked without a connection a stop alone is not lost: it is the first thing that the next one carries.
   send(command) {
     if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(command));
+    else if (command.do === "stop") this.owed = command;
   }
 }
