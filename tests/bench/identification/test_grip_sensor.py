@@ -17,6 +17,7 @@ from forcefeel.commission.plan import CommissionPlan
 RATE_HZ, SAMPLES, PERIOD_S = 1000.0, 4000, 5e-4
 TRUE = {GAIN: 1.06, MASS: 0.4, OFFSET: -0.7}
 NOISE_N, STEP_N = 0.05, 0.02
+BESIDE = "is neither the hand's recorded force nor what moves the mass"
 SURE = 4.0
 """Standard errors; the noise has one seed."""
 NOISE_WITHIN = 0.2
@@ -64,6 +65,10 @@ def shaken():
     return recorded("servo-closed", 0.08, test_signal="test_signal")
 
 
+def noise(seed):
+    return NOISE_N * np.random.default_rng(seed).standard_normal(SAMPLES)
+
+
 def in_place_of(record, signal):
     return replace(record, channels={**record.channels, "grip_force": signal})
 
@@ -94,16 +99,25 @@ def test_a_measured_hand_tells_the_gain(loader):
 @pytest.mark.parametrize(
     ("seen", "sentence"),
     [
-        (
-            lambda shown: NOISE_N * np.random.default_rng(3).standard_normal(SAMPLES),
-            "shows nothing of what moves the mass",
-        ),
+        (lambda shown: noise(3), "shows nothing of what moves the mass"),
+        (lambda shown: noise(16), "shows nothing of what moves the mass"),  # by chance 3.7 deviations of nothing
+        (lambda shown: np.where(np.arange(SAMPLES) % 1000 < 200, TRUE[OFFSET], shown), BESIDE),
+        (lambda shown: np.clip(shown, -0.2 * np.ptp(shown), 0.2 * np.ptp(shown)) + noise(4), BESIDE),
         (lambda shown: np.full(SAMPLES, 1.5), "shows 0.337 lb from the first sample to the last"),
         (lambda shown: -shown, "with the wrong sign"),
         (lambda shown: shown / bench_machine.LBF**2, "0.071 times as much of what moves the mass"),
         (lambda shown: np.clip(shown, -0.5 * np.ptp(shown), 0.2 * np.ptp(shown)), "is cut off at"),
     ],
-    ids=["sees-nothing", "stuck", "reversed", "too-little", "clipped"],
+    ids=[
+        "sees-nothing",
+        "but-by-chance",
+        "drops-out",
+        "cut-off-ahead-of-noise",
+        "stuck",
+        "reversed",
+        "too-little",
+        "clipped",
+    ],
 )
 def test_one_that_sees_nothing_or_something_else_is_named(loader, shaken, seen, sentence):
     found = find_grip_sensor(loader, [in_place_of(shaken, seen(shaken.channels["grip_force"]))], None)

@@ -22,6 +22,7 @@ from forcefeel import _core
 from forcefeel.bench.channels import GRIP_FORCE
 from forcefeel.bench.clipping import clipped
 from forcefeel.bench.experiments import Drive
+from forcefeel.bench.identification.misfit import UNEXPLAINED, runs_on_and_jumps
 from forcefeel.bench.identification.record_run import RecordRun
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
@@ -92,7 +93,10 @@ def find_grip_sensor(loader: Loader, data: Sequence[Response | BenchRecord], law
         return GripSensorFound(said=(sentence,) * moving)
     used = [one for one in records if one.experiment.drive is not Drive.RELEASE]
     if not used:
-        sentence = f"No record holds {GRIP_FORCE}: the rows of grip_sensor stand as the file has them, and nothing was tried of it."
+        sentence = (
+            f"No record{' but a release' * bool(records)} holds {GRIP_FORCE}: the rows of grip_sensor stand as the file "
+            "has them, and nothing was tried of it."
+        )
         return GripSensorFound(said=(sentence,), advice=(_RECORD_IT,))
     best = max(used, key=lambda one: one.experiment.drive is Drive.PILOT_FORCE)
     return _Shown.of(best, loader, law).found()
@@ -137,6 +141,12 @@ class _Shown:
         hand, loaded = (grip_force(loader.replace({GAIN: 1.0, MASS: mass}), at) for mass in (None, 1.0))
         return cls(loader, record.name, record.channels[GRIP_FORCE], grip_force(loader, at), hand, loaded - hand)
 
+    @property
+    def declared(self) -> float:
+        """Noise of a sample by the file, its steps included, r.m.s., N."""
+        noise, step = (self.loader[f"{GRIP_SENSOR}.{row}"] for row in ("noise", "resolution"))
+        return float(np.hypot(noise, step / np.sqrt(12)))
+
     def found(self) -> GripSensorFound:
         """The sensor by this record."""
         if sentence := self._stopped():
@@ -148,7 +158,8 @@ class _Shown:
         numbers = dict(zip((*by_hand, MASS, OFFSET), zip(value.tolist(), deviation.tolist(), strict=True), strict=True))
         tried = [self._contradicts(key, *numbers[key]) for key in (*by_hand, MASS)]
         rows = self._rows(numbers)
-        if wrong := tuple(sentence for sentence in (*tried, self._out_of_range(rows)) if sentence):
+        told = [sentence for sentence in (*tried, self._out_of_range(rows)) if sentence]
+        if wrong := tuple(told or self._unexplained(self.measured - columns @ value)):
             return GripSensorFound(noise=left, wrong=wrong)
         return GripSensorFound(rows, left, (), self._said(left, rows), () if GAIN in rows else (_PULL,))
 
@@ -193,7 +204,9 @@ class _Shown:
         promised = self.loader[GAIN] * (1.0 if key == GAIN else max(self.loader[MASS], _LEAST_MASS))
         if value < -_CLEAR * deviation:
             return f"{self.name}: {GRIP_FORCE} shows {what} with the wrong sign: turn the sensor's polarity, or that of the channel"
-        if abs(value) <= _SURE * deviation and promised > _CLEAR * deviation:
+        # Noise alone is beyond two deviations once in twenty times: what is far below the promise is nothing too.
+        low = not _is_told(value, deviation) and value + _SURE * deviation < promised / _FAR[key]
+        if (low or value <= _SURE * deviation) and promised > _CLEAR * deviation:
             swing = float(np.std(promised * (self.of_hand if key == GAIN else self.of_mass)))
             should = value_text(TABLE[OFFSET], swing, 2)
             return (
@@ -207,14 +220,24 @@ class _Shown:
             )
         return ""
 
+    def _unexplained(self, left: NDArray[np.float64]) -> list[str]:
+        """Whether it shows something else beside: what is left runs on, and is too much of all that it shows, as of any channel."""
+        missed, _ = runs_on_and_jumps(left)
+        moves = float(np.std(self.measured))
+        if missed <= max(UNEXPLAINED * moves, _NOISIER * self.declared):
+            return []
+        return [
+            f"{self.name}: {missed / moves:.0%} of what {GRIP_FORCE} shows is neither the hand's recorded force nor what moves the "
+            f"mass outboard of it, {value_text(TABLE[OFFSET], missed, 2)} r.m.s.: it is cut off, drops out, drifts, is another "
+            "signal, or a hand was on the grip"
+        ]
+
     def _said(self, left: float, rows: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
-        noise, step = (self.loader[f"{GRIP_SENSOR}.{row}"] for row in ("noise", "resolution"))
-        declared = float(np.hypot(noise, step / np.sqrt(12)))
         lines = []
-        if noise and left > _NOISIER * declared:
+        if self.loader[f"{GRIP_SENSOR}.noise"] and left > _NOISIER * self.declared:
             lines.append(
                 f"{self.name}: {GRIP_FORCE} is {value_text(TABLE[OFFSET], left, 2)} r.m.s. off what it should show, and "
-                f"{value_text(TABLE[OFFSET], declared, 2)} by the file: state the noise that it has."
+                f"{value_text(TABLE[OFFSET], self.declared, 2)} by the file: state the noise that it has."
             )
         if GAIN not in rows and MASS not in rows:
             lines.append(

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from forcefeel.bench.channels import channel_unit
 from forcefeel.bench.identification.digits import percent, rounded, title_of
@@ -47,7 +48,11 @@ def missed_and_noise(one: Fitted) -> tuple[float, float]:
 
     Source: J. von Neumann et al., The mean square successive difference, Annals of Mathematical Statistics 12 (1941) 153.
     """
-    left = one.measured.real - one.modelled.real
+    return runs_on_and_jumps(one.measured.real - one.modelled.real)
+
+
+def runs_on_and_jumps(left: NDArray[np.float64]) -> tuple[float, float]:
+    """The two parts of a residual, as of ``missed_and_noise``."""
     jumps = float(np.mean(np.diff(left) ** 2)) / 2
     return math.sqrt(max(float(np.mean(left**2)) - jumps, 0.0)), math.sqrt(jumps)
 
