@@ -18,7 +18,7 @@ Angle, piston, force and current are within 1e-4 of the engine's r.m.s., frictio
 from dataclasses import dataclass, fields
 
 import numpy as np
-from rubbing_column import Places, Rubbing
+from rubbing_column import OnLink, Places, Rubbing
 
 STEP_S, PERIOD_S = 1e-4, 5e-4
 LBF, INCH = 4.4482216152605, 0.0254  # N, m
@@ -54,7 +54,7 @@ PLACES = Places(THETA, W, DRY, states=6)
 
 
 @dataclass(frozen=True)
-class Machines:
+class Machines(OnLink):
     """Numbers of the machines, (machines,) each."""
 
     admittance: np.ndarray
@@ -86,16 +86,6 @@ class Machines:
     def of(cls, **values):
         """Machines of numbers or arrays."""
         return cls(**{name: np.atleast_1d(np.asarray(it, float)) for name, it in values.items()})
-
-    @property
-    def lever(self):
-        """alpha R_b."""
-        return self.ratio * self.base_arm
-
-    @property
-    def turned(self):
-        """J + m."""
-        return self.inertia + self.arm_inertia
 
     @property
     def held_by(self):

@@ -17,7 +17,7 @@ At rest the column sticks while ``|alpha R_b F - k_a theta| <= F_c R_p``. What i
 from dataclasses import dataclass
 
 import numpy as np
-from rubbing_column import Places, Rubbing
+from rubbing_column import OnLink, Places, Rubbing
 
 STEP_S = 5e-5
 """A third of the current loop's time constant."""
@@ -46,7 +46,7 @@ PLACES = Places(THETA, W, DRY, states=5)
 
 
 @dataclass(frozen=True)
-class Machines:
+class Machines(OnLink):
     """Numbers of the machines, (machines,) each; friction as forces at the grip, arms about the column's pivot."""
 
     torque_constant: np.ndarray
@@ -67,16 +67,6 @@ class Machines:
     arm_inertia: np.ndarray
     arm_damping: np.ndarray
     arm_stiffness: np.ndarray
-
-    @property
-    def lever(self):
-        """alpha R_b."""
-        return self.ratio * self.base_arm
-
-    @property
-    def turned(self):
-        """J + m."""
-        return self.inertia + self.arm_inertia
 
     @property
     def held_by(self):

@@ -24,6 +24,20 @@ class Places:
     states: int
 
 
+class OnLink:
+    """Machines of either drive, by the linkage's ratio, the column's arms and inertia, and a pilot's arm."""
+
+    @property
+    def lever(self):
+        """alpha R_b."""
+        return self.ratio * self.base_arm
+
+    @property
+    def turned(self):
+        """J + m."""
+        return self.inertia + self.arm_inertia
+
+
 class Rubbing:
     """Machines on their way, ``z`` (machines, n), and which of them dry friction holds.
 
