@@ -1,10 +1,13 @@
 """A parameter at an end of what its row allows: the file's value, or a friction that is none."""
 
+import pytest
+
 import forcefeel as ff
 from forcefeel.commission.findings import commission_conclusions
 from forcefeel.commission.identified import identify_loader
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import AT_END, NOTHING, Commission
+from forcefeel.commission.seen import BREAKAWAY, DRY
 from forcefeel.commission.simulated_bench import BenchTime, simulated_records
 
 
@@ -26,11 +29,14 @@ def test_it_counts_as_known_where_the_records_hold_it_there():
     assert sentence in said
 
 
-def test_a_column_without_friction_has_none():
+@pytest.mark.parametrize("stated", [None, "0.3 lb"])
+def test_a_column_without_friction_has_none(stated):
     """Beside nothing a search ends with some estimate; of the breakaway, to which the data answer in jumps, with a wrong one."""
-    loader = ff.digital_elevator()
-    found = identify_loader(loader, simulated_records(loader, loader, BenchTime(3.0, 500.0, 2)), CommissionPlan())
+    truth = ff.digital_elevator()
+    loader = truth.replace({DRY: stated}).with_tolerances({DRY: {"uniform": ["0.2 lb", "0.4 lb"]}})
+    found = identify_loader(loader, simulated_records(truth, truth, BenchTime(3.0, 500.0, 2)), CommissionPlan())
     assert found.outcome.good
     assert found.loader is not None
-    assert (found.loader["column.coulomb_friction"], found.loader["column.static_friction"]) == (0.0, 0.0)
-    assert {one.key for one in found.outcome.parameters if one.state == NOTHING} == {"column.coulomb_friction"}
+    assert (found.loader[DRY], found.loader[BREAKAWAY]) == (0.0, 0.0)
+    assert {one.key for one in found.outcome.parameters if one.state == NOTHING} == {DRY}
+    assert DRY not in found.loader.tolerances

@@ -10,11 +10,12 @@ import forcefeel as ff
 from forcefeel.bench.records import BenchRecord
 from forcefeel.commission.identified import identify_loader
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.seen import DRY, candidates, seen_by, with_friction
+from forcefeel.commission.seen import BREAKAWAY, DRY, candidates, seen_by, with_friction
 from forcefeel.commission.simulated_bench import BenchTime, simulated_records
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "bench"
 FILE = ff.digital_elevator()
+LBF = 4.4482216152605  # N
 TIME = BenchTime(time_s=4.0, rate_hz=500.0)
 
 
@@ -92,3 +93,12 @@ def test_the_tolerance_of_what_others_carry_is_none(records):
     low, high = found.loader.tolerances["column.base_arm"].ends
     assert high - low < 1e-5 * high
     assert found.outcome.good, found.outcome
+
+
+@pytest.mark.parametrize("stated", ["0.3 lb", "3 lb"])
+def test_the_friction_that_the_file_states_leads_no_search_astray(records, stated):
+    """From a friction that is too small nothing breaks away; a breakaway force that is only a place to begin from is nobody's."""
+    found = identify_loader(FILE.replace({DRY: stated}), records, CommissionPlan()).loader
+    assert found is not None
+    assert found[DRY] == pytest.approx(1.5 * LBF, rel=2e-3)
+    assert found[BREAKAWAY] == 0.0  # four seconds do not tell it, and the file does not state it

@@ -26,7 +26,7 @@ from forcefeel.bench.responses import Response
 from forcefeel.envelope.deviations import deviations_of
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import ELECTRIC, OFF
+from forcefeel.loader.parameters import ELECTRIC
 
 DRY, BREAKAWAY = "column.coulomb_friction", "column.static_friction"
 
@@ -69,15 +69,19 @@ class Seen:
 
 
 def with_friction(loader: Loader) -> Loader:
-    """The loader with a dry friction to begin from, where its file states none; tolerances that only bound a search are left out.
+    """The loader with a dry friction to begin from; tolerances that only bound a search are left out.
 
-    A parameter's estimate carries the share of others that cannot be told from it, and may so lie beyond its own tolerance.
+    A search ends at a small friction from a large one: from a small one it sees no column break away. Only a file that knows its
+    friction, by a normal tolerance, says where to begin. A parameter's estimate carries the share of others that cannot be told
+    from it, and may so lie beyond its own tolerance.
     """
     bounds = [key for key, it in loader.tolerances.items() if it.deviation is None]
     bare = loader.with_tolerances(dict.fromkeys(bounds))
-    dry = bare[DRY] or bare["feel.stiffness"] * _FRICTION_AT_RAD / bare["column.grip_arm"]
-    given = {DRY: dry} if not bare[DRY] else {}
-    return bare.replace(given | ({BREAKAWAY: _BREAKAWAY_SHARE * dry} if bare[BREAKAWAY] == OFF[BREAKAWAY] else {}))
+    known = bool({DRY, BREAKAWAY} & set(bare.tolerances))
+    usual = bare["feel.stiffness"] * _FRICTION_AT_RAD / bare["column.grip_arm"]
+    dry = bare[DRY] if known and bare[DRY] else max(bare[DRY], usual)
+    breakaway = bare[BREAKAWAY] if known and bare[BREAKAWAY] else _BREAKAWAY_SHARE * dry
+    return bare.replace({DRY: dry, BREAKAWAY: breakaway})
 
 
 def candidates(loader: Loader) -> tuple[str, ...]:

@@ -127,8 +127,11 @@ def test_one_that_sees_nothing_or_something_else_is_named(loader, shaken, seen, 
 
 def test_no_law_is_handed_over_for_a_sensor_that_sees_nothing(loader, shaken):
     quick, blind = CommissionPlan(fit=("k",)), in_place_of(shaken, 0.0 * shaken.time_s)
-    good, bad = (identify_loader(loader, [one], quick) for one in (shaken, blind))
+    stated = loader.with_tolerances({GAIN: "5 %", MASS: "20 %"})
+    good, bad = (identify_loader(stated, [one], quick) for one in (shaken, blind))
     assert good.loader is not None
+    assert good.loader.tolerances[GAIN] == stated.tolerances[GAIN]  # hands off nothing shows it
+    assert good.loader.tolerances[MASS].deviation < 1e-2 * good.loader[MASS]
     assert good.loader[OFFSET] == pytest.approx(TRUE[OFFSET], rel=OFFSET_WITHIN)
     assert {MASS, OFFSET} <= {one.key for one in good.outcome.parameters}
     (wanting,) = (one for one in bad.outcome.wanting if "grip_force" in one)

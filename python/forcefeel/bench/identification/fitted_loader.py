@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from forcefeel.bench.identification.result import Estimate, Identification, data_of
+from forcefeel.bench.identification.result import Identification, data_of
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.loader.loader import Loader
@@ -25,16 +25,24 @@ def fitted_loader(found: Identification) -> Loader:
     """
     values = {it.unknown.key: it.value for it in found.estimates}
     without = found.before.with_tolerances(dict.fromkeys(values)).replace(values)
-    loader = without.with_tolerances({it.unknown.key: _tolerance(it) for it in found.estimates})
+    loader = without.with_tolerances(
+        {it.unknown.key: normal_about(it.unknown.key, it.value, it.deviation) for it in found.estimates}
+    )
     symbols = ", ".join(it.unknown.symbol for it in found.estimates)
     data = "; ".join(_named(it) for it in data_of(found.fitted))
     return replace(loader, source=f"{found.before.source}; {symbols} identified from {data}".lstrip("; "))
 
 
-def _tolerance(estimate: Estimate) -> Tolerance:
-    """Normal about the estimate, cut off within the table's range."""
-    low, high = limits_si(TABLE[estimate.unknown.key])
-    value, deviation = estimate.value, max(estimate.deviation, _SUREST * abs(estimate.value))
+def normal_about(key: str, value: float, deviation: float) -> Tolerance:
+    """The tolerance of what was found of a parameter: normal, cut off within the table's range.
+
+    Args:
+        key: Of the parameter.
+        value: Found, SI units.
+        deviation: Standard error, SI units; no less than the smallest that a file states.
+    """
+    low, high = limits_si(TABLE[key])
+    deviation = max(deviation, _SUREST * abs(value))
     low, high = max(low, value - _CUT_AT * deviation), min(high, value + _CUT_AT * deviation)
     return Tolerance(Distribution.NORMAL, low, high, peak=value, deviation=deviation, nominal=value)
 

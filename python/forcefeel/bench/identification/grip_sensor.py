@@ -30,7 +30,13 @@ from forcefeel.bench.stated import drive_channel
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import TABLE, limits_si, value_text
-from forcefeel.loader.sensors import GRIP_SENSOR, has_grip_sensor, without_grip_sensor
+from forcefeel.loader.sensors import (
+    GRIP_SENSOR,
+    has_grip_sensor,
+    sample_variance,
+    sensors_of,
+    without_grip_sensor,
+)
 
 GAIN, MASS, OFFSET = (f"{GRIP_SENSOR}.{name}" for name in ("gain", "mass", "offset"))
 
@@ -144,22 +150,22 @@ class _Shown:
     @property
     def declared(self) -> float:
         """Noise of a sample by the file, its steps included, r.m.s., N."""
-        noise, step = (self.loader[f"{GRIP_SENSOR}.{row}"] for row in ("noise", "resolution"))
-        return float(np.hypot(noise, step / np.sqrt(12)))
+        return float(np.sqrt(sample_variance(self.loader)[sensors_of(self.loader).index(GRIP_SENSOR)]))
 
     def found(self) -> GripSensorFound:
         """The sensor by this record."""
         if sentence := self._stopped():
             return GripSensorFound(wrong=(sentence,))
         by_hand = [GAIN] if np.ptp(self.of_hand) > 0 else []
-        columns = np.column_stack([*([self.of_hand] * len(by_hand)), self.of_mass, np.ones_like(self.of_mass)])
+        columns = np.column_stack([*(self.of_hand for _ in by_hand), self.of_mass, np.ones_like(self.of_mass)])
         value, deviation = _jackknife(columns, self.measured)
-        left = float(np.std(self.measured - columns @ value))
+        residual = self.measured - columns @ value
+        left = float(np.std(residual))
         numbers = dict(zip((*by_hand, MASS, OFFSET), zip(value.tolist(), deviation.tolist(), strict=True), strict=True))
         tried = [self._contradicts(key, *numbers[key]) for key in (*by_hand, MASS)]
         rows = self._rows(numbers)
         told = [sentence for sentence in (*tried, self._out_of_range(rows)) if sentence]
-        if wrong := tuple(told or self._unexplained(self.measured - columns @ value)):
+        if wrong := tuple(told or self._unexplained(residual)):
             return GripSensorFound(noise=left, wrong=wrong)
         return GripSensorFound(rows, left, (), self._said(left, rows), () if GAIN in rows else (_PULL,))
 
