@@ -25,6 +25,7 @@ def commission_json(found: Commission) -> dict[str, Json]:
             "verdict": found.identified.verdict,
             "wanting": list(found.identified.wanting),
             "next_experiment": list(found.identified.advice),
+            "noticed": list(found.identified.noticed),
             "parameters": {
                 one.key: {
                     "file": quantity(one.before, unit(TABLE[one.key]), units),

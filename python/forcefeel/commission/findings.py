@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, UNSEEN, Commission
+from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, UNSEEN, Checked, Commission
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, TESTS
 from forcefeel.conclusions import Conclusions, of_result, share_text
 
@@ -17,6 +17,7 @@ _MOST = 3
 def commission_conclusions(found: Commission) -> Conclusions:
     """The result in a sentence or two: what was found, which law, which tests it passes; and what would make it pass more."""
     lines = [*found.identified.wanting, *(f"The next experiment: {one}" for one in found.identified.advice)]
+    lines += found.identified.noticed
     if found.loader is not None:
         lines += [_sorted(found, state) for state in (CARRIED, AT_END, NOTHING, UNSEEN)]
     if found.checked is not None:
@@ -87,9 +88,16 @@ def _envelope(found: Commission) -> str:
         return ""
     return (
         f"Over {one.settings} settings, equal steps in proportion counting the same: {share_text(one.passes)} nominally, "
-        f"{share_text(one.every_case)} in every case, pilots' arms included; of {one.machines} machines with all tolerances at "
-        f"once the worst renders {share_text(one.drawn_least)}."
+        f"{share_text(one.every_case)} in every case, pilots' arms included; {_drawn(one)}."
     )
+
+
+def _drawn(checked: Checked) -> str:
+    """What the machines with all tolerances at once render."""
+    least = share_text(checked.drawn_least)
+    if checked.machines == 1:
+        return f"the one machine with all tolerances at once renders {least}"
+    return f"of {checked.machines} machines with all tolerances at once the worst renders {least}"
 
 
 def _more(found: Commission) -> list[str]:

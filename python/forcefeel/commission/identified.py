@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from forcefeel.bench.channels import GRIP_FORCE
 from forcefeel.bench.identification.bench_of import check_bench
 from forcefeel.bench.identification.findings import identification_conclusions
 from forcefeel.bench.identification.fit import identify
@@ -93,11 +94,12 @@ def identify_loader(
     conclusions = identification_conclusions(replace(found, loader=identified), plan.units)
     outcome = Identified(
         good=good,
-        verdict=conclusions.verdict,
-        findings=(*conclusions.findings, *grip.said),
+        verdict=" ".join((conclusions.verdict, *_beside_the_fit(grip))),
+        findings=conclusions.findings,
         parameters=_parameters(loader, fits, grip) if identified else (),
         wanting=wanting,
         advice=(*(one.sentence for one in found.advice), *remedy, *grip.advice),
+        noticed=grip.said,
     )
     return IdentifiedLoader(outcome, replace(found, loader=identified), identified)
 
@@ -116,6 +118,11 @@ def _with_found(loader: Loader, grip: GripSensorFound) -> Loader:
     bare = loader.with_tolerances(dict.fromkeys(key for key in grip.rows if key in loader.tolerances))
     told = bare.replace({key: value for key, (value, _) in grip.rows.items()})
     return told.with_tolerances({key: normal_about(key, *it) for key, it in grip.rows.items()})
+
+
+def _beside_the_fit(grip: GripSensorFound) -> tuple[str, ...]:
+    """What is identified of the grip's sensor, which no motion of the loader shows."""
+    return (f"{GRIP_FORCE} determines {' and '.join(grip.rows)} beside them.",) if grip.rows else ()
 
 
 def _parameters(loader: Loader, fits: Fits, grip: GripSensorFound) -> tuple[ParameterFound, ...]:

@@ -44,6 +44,7 @@ class Identified:
         parameters: Each parameter of the plant.
         wanting: What is needed and not determined or not stated, a sentence each; empty if nothing.
         advice: The next experiment, a sentence each.
+        noticed: What else the records show, a sentence each: nothing that forbids a law.
     """
 
     good: bool
@@ -52,6 +53,7 @@ class Identified:
     parameters: tuple[ParameterFound, ...] = ()
     wanting: tuple[str, ...] = ()
     advice: tuple[str, ...] = ()
+    noticed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
