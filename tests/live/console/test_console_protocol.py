@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from websockets.exceptions import ConnectionClosed
 
 import forcefeel as ff
 from forcefeel.live import Console
@@ -123,6 +124,21 @@ def test_one_holds_control_and_anyone_may_stop(console, running):
         second.status(holder=its)
         looker.send(do="take")
         assert "for watching" in looker.notice("refused")["reason"]
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_a_frame_that_cannot_be_made_ends_the_server_and_not_the_pictures_alone(console, running, monkeypatch):
+    def none(_):
+        raise ZeroDivisionError
+
+    with Talk(console) as mine:
+        mine.send(do="hand", force_n=30.0)
+        until(lambda: running.hand_force_n == 30.0)
+        monkeypatch.setattr(Telemetry, "frame", none)
+        until(lambda: not console.serves)
+        assert running.hand_force_n == 0.0
+        with pytest.raises(ConnectionClosed):
+            mine.notice("never")
 
 
 def test_a_hand_lapses_and_goes_with_its_page(console, running):

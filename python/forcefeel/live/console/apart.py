@@ -134,9 +134,11 @@ def serve() -> None:
     begins: _Begins = pickle.load(sys.stdin.buffer)
     asked = begins.asked
     running = Running(LoopOverWire(wire), asked, live_law(asked.law, asked.loader))
-    with Server(running, Door(listening, begins.admission), begins.setup):
+    with Server(running, Door(listening, begins.admission), begins.setup) as server:
         while not ends.wait(_LOOKS_S):
             running.loop.status()  # ends this process where there is no loop
+            if not server.serves:
+                sys.exit(1)
 
 
 _LOOKS_S = 0.2

@@ -7,7 +7,7 @@ asked for meanwhile the newest counts.
 import asyncio
 import json
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 from contextlib import suppress
 from threading import Event
 from types import TracebackType
@@ -66,22 +66,21 @@ class Desk:
         self._test: asyncio.Task[None] | None = None
         self._test_ended = Event()
         self._progress: dict[str, Json] = {}
-        self._tasks: list[asyncio.Task[None]] = []
 
     async def __aenter__(self) -> Self:
-        """Begins to see to what takes a while."""
-        for event, work in ((self._feel_asked, self._change_feel), (self._curve_asked, self._draw_curve)):
-            self._tasks.append(asyncio.create_task(_whenever(event, work)))
+        """Opens."""
         return self
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
     ) -> None:
-        """Ends it; a hand that was there lets go."""
-        for task in self._tasks:
-            task.cancel()
+        """Closes; a hand that was there lets go."""
         self._break_off()
         self._let_go()
+
+    def works(self) -> tuple[Coroutine[None, None, None], ...]:
+        """What takes a while, for whoever runs it while the desk is open."""
+        return (_whenever(self._feel_asked, self._change_feel), _whenever(self._curve_asked, self._draw_curve))
 
     # Who comes and goes.
 

@@ -71,6 +71,11 @@ class Server:
             self._loop.call_soon_threadsafe(self._end.set)
             self._thread.join(_PATIENCE_S)
 
+    @property
+    def serves(self) -> bool:
+        """Whether it has begun and not ended."""
+        return self._thread.is_alive()
+
     def _run(self) -> None:
         asyncio.run(self._serve())
 
@@ -91,11 +96,13 @@ class Server:
             ping_timeout=_ANSWER_WITHIN_S,
             logger=_LOG,
         )
-        async with server, self._desk:
-            ticking = asyncio.create_task(_every(1 / RATE_HZ, self._desk.tick))
+        # What fails of the group ends the server, whose watchers are told so; a picture that stands still would tell them nothing.
+        async with server, self._desk, asyncio.TaskGroup() as tasks:
+            works = [tasks.create_task(one) for one in (_every(1 / RATE_HZ, self._desk.tick), *self._desk.works())]
             self._ready.set()
             await self._end.wait()
-            ticking.cancel()
+            for one in works:
+                one.cancel()
 
     # HTTP.
 
