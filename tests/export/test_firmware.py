@@ -70,11 +70,18 @@ def test_this_machine_gives_the_same_bits(here):
     assert re.search(r"^roll: \d{5} samples, 0 differ$", run(here, "make", "test"), re.MULTILINE)
 
 
-def test_aarch64_gives_the_same_bits(tmp_path):
+def test_this_machine_gives_the_same_bits_in_single_precision(tmp_path):
+    needs("cargo", "gcc")
+    text = run(exported(valve(), tmp_path, single=True), "make", "test")
+    assert re.search(r"^pitch: \d{5} samples, 0 differ$", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize(("law", "single"), [(motor, False), (valve, True)])
+def test_aarch64_gives_the_same_bits(tmp_path, law, single):
     needs("cargo", "aarch64-linux-gnu-gcc", "qemu-aarch64", f"rust target {AARCH64}")
-    exported(motor(), tmp_path, triple=AARCH64)
+    exported(law(), tmp_path, triple=AARCH64, single=single)
     text = run(tmp_path, "make", "test", "CC=aarch64-linux-gnu-gcc -static", "RUN=qemu-aarch64")
-    assert re.search(r"^roll: \d{5} samples, 0 differ$", text, re.MULTILINE)
+    assert re.search(r"^(roll|pitch): \d{5} samples, 0 differ$", text, re.MULTILINE)
 
 
 def test_a_board_with_a_unit_for_double_precision_gives_the_same_bits(tmp_path, monkeypatch):

@@ -20,7 +20,7 @@ from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation.scenario import Steps
 from tests.command_line import runner
 from tests.export.fmus import STEP_S, Imported, unzipped
-from tests.export.toolchain import CONVERTERS, KNOTS, NONLINEAR
+from tests.export.toolchain import CONVERTERS, KNOTS, NONLINEAR, needs, run
 
 pytestmark = pytest.mark.skipif(
     (sys.platform, platform.machine()) != ("linux", "x86_64"), reason="FMUs are made on Linux x86_64 so far"
@@ -117,6 +117,19 @@ def test_a_step_gives_the_bits_of_simulate(fmus, loader, version):
     assert {len(of) for of in names.values()} == {1}
     for name, (of,) in names.items():
         assert np.array_equal(found[name], history[of].values), name
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+@pytest.mark.parametrize("loader", ["rough", "motor"])
+def test_another_importer_gets_the_same_bits(fmus, loader, version):
+    needs("library tbb")  # of ecos
+    out, exported = fmus[loader]
+    scenario = ff.Scenario(ff.Step(80.0), duration_s=0.3, seed=7)
+    history = ff.simulate(exported.loader, scenario, exported.law).history
+    fmu = out / f"pitch_loader_{version}.fmu"
+    said = run(out, sys.executable, Path(__file__).with_name("ecos.py"), fmu, 300, "pilot_force=80.0", "seed=7")
+    found = [float.fromhex(line.split()[1]) for line in said.splitlines() if line.startswith("angle")]
+    assert found == history.column_angle_rad.values[1:].tolist()
 
 
 @pytest.mark.parametrize("loader", LOADERS)

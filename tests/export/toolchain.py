@@ -3,6 +3,7 @@
 import os
 import shutil
 import subprocess
+from ctypes.util import find_library
 from dataclasses import replace
 from pathlib import Path
 
@@ -67,7 +68,7 @@ def written(exported, out, *, single=False):
 
 
 def needs(*commands):
-    """Skips the test where a command or ``rust target ...`` is missing, aloud; fails where they are required."""
+    """Skips the test where a command, ``rust target ...`` or ``library ...`` is missing, aloud; fails where they are required."""
     missing = [command for command in commands if not _is_there(command)]
     if missing and os.environ.get("FORCEFEEL_REQUIRE_TARGETS") == "1":
         pytest.fail(f"not found: {', '.join(missing)}; run tests/export/install")
@@ -76,6 +77,8 @@ def needs(*commands):
 
 
 def _is_there(command):
+    if command.startswith("library "):
+        return find_library(command.removeprefix("library ")) is not None
     name = command.removeprefix("rust target ")
     if name == command or not shutil.which("rustc"):
         return shutil.which(command) is not None
