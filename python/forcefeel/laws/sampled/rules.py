@@ -187,7 +187,25 @@ def robust_tuning(loader: Loader) -> Tuning:
         >>> noisier > fine
         True
     """
-    return _in_units(loader, _NUMBERS[loader.drive].towards(_NUMBERS_KNOWN[loader.drive], _knowledge(loader)))
+    found = _in_units(loader, _NUMBERS[loader.drive].towards(_NUMBERS_KNOWN[loader.drive], _knowledge(loader)))
+    return replace(found, torque_walk=found.torque_walk.times(_slower(loader)))
+
+
+QUIET = 1e-6
+"""Noise of the column's angle, in rad by root of the loader's unit of time, to which the filter's estimate of the rate still tells
+which way dry friction acts: that of an encoder of 21 bits on ``elevator-2khz``."""
+
+
+def _slower(loader: Loader) -> float:
+    """Decades by which the pilot's torque is believed to change slower where a valve's law gives known dry friction back.
+
+    The sign of the friction is that of the estimated rate, whose noise goes as ``s w^(3/2)`` with the angle's noise s and the
+    filter's rate ``w = (W / s_f)^(1/3)``. Since the filter is told of ``s_f ~ s^(1/2)``, a walk ``W ~ s^(-3/2)`` keeps it as it is.
+    """
+    if loader.drive == ELECTRIC or has_grip_sensor(loader) or not loader["column.coulomb_friction"]:
+        return 0.0
+    _, angle = _declared(loader)
+    return -1.5 * max(log10(angle / sqrt(Units.of(loader).time) / QUIET), 0.0)
 
 
 def _knowledge(loader: Loader) -> float:
