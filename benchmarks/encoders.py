@@ -1,9 +1,10 @@
 """The law ``robust`` for encoders of 17, 20 and 23 bits: its numbers, and what each renders on its own encoder and on the others.
 
-    python benchmarks/encoders.py [loader]
+    python benchmarks/encoders.py [loader] [friction]
 
 Noise and resolution of the column's angle are both one step, 360 deg / 2^bits. A row is the law that was designed for an encoder, a
-column the encoder that it runs on; 60 settings, nominal plant, hands off.
+column the encoder that it runs on; 60 settings, nominal plant, hands off. With dry friction of the column, such as "1 lb" at the
+grip, machine and law have that.
 """
 
 import os
@@ -31,7 +32,8 @@ def with_encoder(loader: ff.Loader, bits: int) -> ff.Loader:
 
 
 def main() -> None:
-    loader = open_loader(sys.argv[1] if len(sys.argv) > 1 else "elevator-2khz")
+    name, friction = (*sys.argv[1:], *("elevator-2khz", "")[len(sys.argv) - 1 :])
+    loader = open_loader(name).replace({"column.coulomb_friction": friction} if friction else {})
     loaders = {bits: with_encoder(loader, bits) for bits in BITS}
     own = [[loader[f"feel.{row}"] for row in ("inertia", "damping", "stiffness")]]
     for bits, one in loaders.items():
@@ -39,7 +41,8 @@ def main() -> None:
         law = ff.laws.method("robust").design(one, own)
         gain = float(abs(law.command[0, law.states + 2]))
         print(
-            f"{bits} bits: angle noise 10^{tuning.angle_noise.decades:.2f}, command for the angle's sample {gain:.3g} per rad"
+            f"{bits} bits: angle noise 10^{tuning.angle_noise.decades:.2f}, torque's walk 10^{tuning.torque_walk.decades:.2f}, "
+            f"command for the angle's sample {gain:.3g} per rad"
         )
     tunings = {bits: ff.laws.tuned(str(bits), "", robust_tuning(one)) for bits, one in loaders.items()}
     bad = []
