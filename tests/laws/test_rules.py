@@ -1,17 +1,20 @@
 """What tunes ``robust`` from the loader: what it follows, by how much, and what it does not follow."""
 
-from math import radians, sqrt
+from math import pi, radians, sqrt
 
 import numpy as np
 import pytest
+from scipy.linalg import solve_discrete_lyapunov
 
 import forcefeel as ff
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute_few
-from forcefeel.laws.sampled import robust_tuning
+from forcefeel.laws.sampled import design, robust_tuning
 from forcefeel.laws.sampled.rules import Units
-from forcefeel.laws.sampled.tuning import Power
+from forcefeel.laws.sampled.sampled_compensator import SAMPLED
+from forcefeel.laws.sampled.tuning import Power, Tuning
 from forcefeel.loader.known import machine_rows
+from forcefeel.loader.sensors import sample_variance
 from forcefeel.loader.tolerances import Distribution, Tolerance
 
 FEEL = [[6.8, 34.3, 1085.0]]
@@ -23,6 +26,12 @@ UNHEARD = 0.01
 """Of what the feel hears of the load cell otherwise."""
 HALF = 0.5
 """Of eight light feels."""
+
+FRICTION = "column.coulomb_friction"
+AS_QUIET = 0.2
+"""The power -3/2 holds of a filter that is fast beside the plant."""
+RENDERED = 0.8
+"""Of eight settings, at most."""
 
 CLOSE = 0.1
 """Decades; the declared ones are rounded to what a data sheet says."""
@@ -149,3 +158,42 @@ def test_it_renders_with_an_encoder_of_20_bits(loader: ff.Loader) -> None:
     grid = {"stiffness": "1..100 %:4:log", "frequency": "1, 4 Hz", "damping": "0.1, 0.7"}
     plan = make_plan(coarse, ["robust"], grid, changes={}, arms=())
     assert compute_few(plan).shares("robust").passes >= 15 / 16
+
+
+def rate_noise(loader: ff.Loader, tuning: Tuning) -> float:
+    """R.m.s. in rad/s of the estimated rate from the sensors' noise: ``P = A P A' + B R B'``, of a law that gives friction back."""
+    law = design(loader, FEEL, tuning)
+    noise = np.diag(sample_variance(loader) * (1.0, 0.0, 1.0))
+    by_sensors = law.input[0, :, :SAMPLED]
+    of_state = solve_discrete_lyapunov(law.transition[0], by_sensors @ noise @ by_sensors.T)
+    row = law.friction[0]
+    of_xi, of_y = row[: law.states], row[law.states : law.states + SAMPLED]
+    return float(np.sqrt(of_xi @ of_state @ of_xi + of_y @ noise @ of_y))
+
+
+def with_encoder(loader: ff.Loader, bits: int) -> ff.Loader:
+    return loader.replace(dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), 2 * pi / 2**bits))
+
+
+def test_the_rate_that_friction_is_given_back_by_is_as_quiet_with_a_coarse_encoder(loader: ff.Loader) -> None:
+    rubbing = loader.replace({FRICTION: "2 lb"})
+    quiet = rate_noise(with_encoder(rubbing, 21), robust_tuning(with_encoder(loader, 21)))
+    for bits in (17, 19):
+        coarse = with_encoder(rubbing, bits)
+        assert rate_noise(coarse, robust_tuning(coarse)) == pytest.approx(quiet, rel=AS_QUIET)
+        assert rate_noise(coarse, robust_tuning(with_encoder(loader, bits))) > 2 * quiet
+
+
+def test_with_it_a_column_that_rubs_renders_what_noise_took(loader: ff.Loader) -> None:
+    coarse = with_encoder(loader, 18).replace({FRICTION: "2 lb"}).with_tolerances({FRICTION: "1 %"})
+    laws = {"slower": robust_tuning(coarse), "as without friction": robust_tuning(with_encoder(loader, 18))}
+    grid = {"stiffness": "5, 10 %", "frequency": "1, 3 Hz", "damping": "0.2, 1"}
+    tuned = {name: ff.laws.tuned(name, "", one) for name, one in laws.items()}
+    found = compute_few(make_plan(coarse, tuned, grid, changes={}, arms=()))
+    slower, other = (found.shares(name).passes for name in laws)
+    assert slower == 1.0
+    assert other <= RENDERED
+
+
+def test_a_fine_encoder_changes_nothing(loader: ff.Loader) -> None:
+    assert robust_tuning(loader.replace({FRICTION: "2 lb"})) == robust_tuning(loader)
