@@ -158,12 +158,12 @@ impl Writer {
                 results.push(format!("state->{} = {};", name_of(place), body.spelled(node)));
             }
         }
-        let asked = program.outputs.iter().map(|&(_, node)| format!("nothing({})", body.spelled(node)));
-        let asked = asked.collect::<Vec<_>>().join(" + ");
+        let asked: Vec<String> = program.outputs.iter().map(|&(_, node)| body.spelled(node)).collect();
+        let asked = asked.join(" + ");
         let (mut text, operations) = body.text();
         if checked {
             let zero = literal(0.0, self.single);
-            let _ = writeln!(text, "    const bool good = ({asked}) == {zero};\n    if (good) {{");
+            let _ = writeln!(text, "    const bool good = nothing({asked}) == {zero};\n    if (good) {{");
         }
         let indent = if checked { "        " } else { "    " };
         for line in results {

@@ -167,10 +167,29 @@ impl Graph {
             let found: Vec<f64> = values.into_iter().map(of).collect();
             return self.number(&found, bank);
         }
-        if let (One::Neg, &Node::One(One::Neg, inner)) = (operation, &self.nodes[a as usize]) {
-            return inner;
+        if operation == One::Neg
+            && let Some(reversed) = self.reversed(a)
+        {
+            return reversed;
         }
         self.put(Node::One(operation, a))
+    }
+
+    /// `-a`, where that takes no operation.
+    fn reversed(&mut self, a: u32) -> Option<u32> {
+        match self.nodes[a as usize] {
+            Node::Known(..) => Some(self.one(One::Neg, a)),
+            Node::One(One::Neg, inner) => Some(inner),
+            Node::Two(Two::TimesSign, size, of) => {
+                let size = self.reversed(size)?;
+                Some(self.two(Two::TimesSign, size, of))
+            }
+            Node::Select(mask, yes, no) => {
+                let (yes, no) = (self.reversed(yes)?, self.reversed(no)?);
+                Some(self.select(mask, yes, no))
+            }
+            _ => None,
+        }
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "numbers of single precision, held in double")]
@@ -185,11 +204,18 @@ impl Graph {
             let found: Vec<f64> = x.into_iter().zip(y).map(|(x, y)| of(x, y)).collect();
             return self.number(&found, bank);
         }
+        // a + (-b) = a - b, a - (-b) = a + b
+        match (operation, &self.nodes[b as usize]) {
+            (Two::Add, &Node::One(One::Neg, inner)) => return self.two(Two::Sub, a, inner),
+            (Two::Sub, &Node::One(One::Neg, inner)) => return self.two(Two::Add, a, inner),
+            _ => {}
+        }
         let (zero, one) = (|x: f64| x == 0.0, |x: f64| x.to_bits() == 1f64.to_bits());
         let (most, least) = (|x: f64| x == f64::INFINITY, |x: f64| x == f64::NEG_INFINITY);
         match operation {
             Two::Add if self.is(a, zero) => return b,
             Two::Add | Two::Sub if self.is(b, zero) => return a,
+            Two::Sub if self.is(a, zero) => return self.one(One::Neg, b),
             Two::Mul if self.is(a, one) => return b,
             Two::Mul | Two::Div if self.is(b, one) => return a,
             Two::Mul if self.is(a, zero) || self.is(b, zero) => {

@@ -101,7 +101,7 @@ impl<S: Scalar> ColumnMotion<S> {
             sum = self.gravity * lean.sin() - self.drag * v - self.spring * x_b;
         }
         if effects.column_stops {
-            sum = sum + self.stops.force(self.stops.touch(start), x_b, v);
+            sum = sum + self.stops.force(start, (x_b, v));
         }
         sum
     }

@@ -37,13 +37,16 @@ impl<S: Scalar> Stops<S> {
         x.less(self.low) | self.high.less(x)
     }
 
-    /// Force of the stops on what touches them; zero elsewhere. A stop pushes and never pulls.
+    /// Force of the stops on what is at `x` within a step that began at `start`; zero where that lay in none of them. A stop pushes and
+    /// never pulls.
     #[inline(always)]
-    pub fn force(&self, touches: S::Mask, x: S, x_rate: S) -> S {
-        let depth = x - x.clamp(self.low, self.high);
-        // F = -(k d + c x'), as long as it points out of the stop
-        let push = self.stiffness * depth + self.damping * x_rate;
-        S::select(touches & x.zero().less(push * depth), -push, x.zero())
+    pub fn force(&self, start: S, (x, x_rate): (S, S)) -> S {
+        // F = -(k (x - x_stop) + c x'), as long as it points out of the stop
+        let resisted = self.damping * x_rate;
+        let zero = x.zero();
+        let of_high = (self.stiffness * (self.high - x) - resisted).min(zero);
+        let of_low = (self.stiffness * (self.low - x) - resisted).max(zero);
+        S::select(self.high.less(start), of_high, S::select(start.less(self.low), of_low, zero))
     }
 
     /// What a stop did from the touch to the end of a step that went from `x_0` to `x`, `x'` as if there were none. `per_force`

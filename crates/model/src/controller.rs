@@ -90,10 +90,10 @@ impl<S: Scalar> Converters<S> {
         (self.converted(force, self.load_cell_gain), self.converted(piston, self.potentiometer_gain))
     }
 
-    /// A value through a converter of the inputs.
+    /// A value through a converter of the inputs, which takes `gain` volts per unit of it.
     #[inline(always)]
     fn converted(&self, value: S, gain: S) -> S {
-        (value * gain).within(self.input_range).quantized(self.input_step) / gain
+        value.within(self.input_range / gain).quantized(self.input_step / gain)
     }
 
     /// The voltage that the controller gives for a command.

@@ -87,28 +87,29 @@ pub struct FeelLaw<S> {
 /// A force that builds up over a travel.
 #[derive(Debug, Clone, Copy)]
 struct Ramp<S> {
-    force: S,
-    per_travel: S,
+    slope: S,
+    travel: S,
 }
 
 impl<S: Scalar> Ramp<S> {
     #[inline(always)]
     fn new(force: S, travel: S) -> Self {
-        Self { force, per_travel: travel.constant(1.0) / travel }
+        Self { slope: force / travel, travel }
     }
 
-    /// Up to the full force, and no further.
+    /// Up to the full force, and no further: `(|x + t| - |x - t|) / 2` is `x` within `t`. Magnitudes cost a small processor less than
+    /// comparisons.
     #[inline(always)]
     fn held(&self, x: S) -> S {
-        self.force * (x * self.per_travel).within(x.constant(1.0))
+        self.slope.times(0.5) * ((x + self.travel).abs() - (x - self.travel).abs())
     }
 
-    /// Up to the full force and back to nothing after as much travel again.
+    /// Up to the full force and back to nothing after as much travel again: `min(|x|, 2 t - |x|)` is `z = t - |t - |x||`, and of that
+    /// `max(z, 0)` is `(z + |z|) / 2`.
     #[inline(always)]
     fn passed(&self, x: S) -> S {
-        let u = x * self.per_travel;
-        let height = u.abs().min(u.constant(2.0) - u.abs()).max(u.zero());
-        self.force * height.times_sign(u)
+        let height = self.travel - (self.travel - x.abs()).abs();
+        self.slope.times(0.5) * (height + height.abs()).times_sign(x)
     }
 }
 
@@ -185,43 +186,59 @@ impl<S: Scalar> FeelLaw<S> {
         torque: S,
         around: &Surroundings<S>,
     ) -> S {
-        let resistance = self.damping * delta_rate
-            + self.spring(effects, curve, delta, around)
-            + self.resistance(effects, around.start, delta, delta_rate);
+        // First what does not depend on I, B and G: of two feels, one changed into the other, it is the same.
+        let resistance =
+            self.built_up(effects, delta, around) + self.resistance(effects, around.start, delta, delta_rate);
         let torque = if effects.surroundings {
             torque + self.shaker * around.shaker + self.grip_force * around.added_force
         } else {
             torque
         };
-        (torque - resistance) * self.per_torque
+        let linear = self.damping * delta_rate + self.gradient(effects, curve, delta, around);
+        (torque - resistance - linear) * self.per_torque
     }
 
     /// Torque of everything that depends on the displacement alone.
     #[inline(always)]
     pub fn spring(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &Surroundings<S>) -> S {
-        let x = if effects.surroundings { delta - around.neutral } else { delta };
+        self.gradient(effects, curve, delta, around) + self.built_up(effects, delta, around)
+    }
+
+    /// Torque of the spring: straight, or a curve, beyond the deadband.
+    #[inline(always)]
+    fn gradient(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &Surroundings<S>) -> S {
+        let x = Self::from_neutral(effects, delta, around);
         let beyond = if effects.feel_spring { x - x.within(self.deadband) } else { x };
-        let spring = match curve {
-            None => self.stiffness * beyond,
-            Some(curve) => self.grip_force * curve.at(beyond / self.per_angle),
-        };
-        let spring = if effects.surroundings { around.stiffness_factor * spring } else { spring };
-        if !effects.feel_spring {
-            return spring;
+        let factor = |of: S| if effects.surroundings { around.stiffness_factor * of } else { of };
+        match curve {
+            None => factor(self.stiffness) * beyond,
+            Some(curve) => factor(self.grip_force) * curve.at(beyond / self.per_angle),
         }
-        spring
-            + self.breakout.held(x)
+    }
+
+    /// Torque of what is built up over a travel: breakout, preload, detent, hysteresis.
+    #[inline(always)]
+    fn built_up(&self, effects: &Effects, delta: S, around: &Surroundings<S>) -> S {
+        if !effects.feel_spring {
+            return delta.zero();
+        }
+        self.breakout.held(Self::from_neutral(effects, delta, around))
             + self.preload
             + self.detent.passed(delta - self.detent_position)
             + self.hysteresis.held(delta - around.slider)
+    }
+
+    #[inline(always)]
+    fn from_neutral(effects: &Effects, delta: S, around: &Surroundings<S>) -> S {
+        if effects.surroundings { delta - around.neutral } else { delta }
     }
 
     /// Torque of quadratic damping and soft stops.
     #[inline(always)]
     pub fn resistance(&self, effects: &Effects, start: S, delta: S, delta_rate: S) -> S {
         if effects.feel_damping_and_stops {
-            let touches = self.soft_stops.touch(start);
-            self.quadratic_damping * delta_rate * delta_rate.abs() - self.soft_stops.force(touches, delta, delta_rate)
+            let pushed = self.soft_stops.force(start, (delta, delta_rate));
+            self.quadratic_damping * delta_rate * delta_rate.abs() - pushed
         } else {
             delta.zero()
         }
@@ -230,27 +247,32 @@ impl<S: Scalar> FeelLaw<S> {
     /// Where the hysteresis leaves its slider once `delta` has been reached.
     #[inline(always)]
     pub fn dragged(&self, slider: S, delta: S) -> S {
-        let travel = delta.constant(1.0) / self.hysteresis.per_travel;
-        slider.clamp(delta - travel, delta + travel)
+        slider.clamp(delta - self.hysteresis.travel, delta + self.hysteresis.travel)
+    }
+
+    /// Most speed inside a step that begins with `delta_rate`.
+    #[inline(always)]
+    pub fn fastest(&self, delta_rate: S) -> S {
+        self.velocity_limit.max(delta_rate.abs())
     }
 
     /// `(delta, delta')` inside a step from `before`, held within hard stops and velocity limit. A stop that is met inside the
     /// step takes the velocity at its end.
     #[inline(always)]
     pub fn held_within(&self, before: (S, S), (delta, delta_rate): (S, S)) -> (S, S) {
-        let rate = delta_rate.within(self.velocity_limit.max(before.1.abs()));
+        let rate = delta_rate.within(self.fastest(before.1));
         let at_high = !before.0.less(self.high) & !self.high.less(before.0);
         let at_low = !before.0.less(self.low) & !self.low.less(before.0);
         let rate = S::select(at_high, rate.min(rate.zero()), S::select(at_low, rate.max(rate.zero()), rate));
-        let (low, high) = self.bounds(before.0, delta);
+        let (low, high) = self.bounds(before.0);
         (delta.clamp(low, high), rate)
     }
 
-    /// Where a step from `before` to `delta` may end: anywhere beyond a stop that it began beyond.
+    /// Where a step from `before` may end: anywhere on the side of a stop that it began beyond.
     #[inline(always)]
-    fn bounds(&self, before: S, delta: S) -> (S, S) {
-        let low = S::select(before.less(self.low), delta, self.low);
-        (low, S::select(self.high.less(before), delta, self.high))
+    fn bounds(&self, before: S) -> (S, S) {
+        let low = S::select(before.less(self.low), before.constant(f64::NEG_INFINITY), self.low);
+        (low, S::select(self.high.less(before), before.constant(f64::INFINITY), self.high))
     }
 
     /// The trimmed neutral after `h` seconds of following the command, an angle.
@@ -271,10 +293,10 @@ impl<S: Scalar> FeelLaw<S> {
         let slowed = before.1.abs() * kept;
         let rate = delta_rate.within(self.velocity_limit.max(slowed));
         let zero = rate.zero();
-        let (low, high) = self.bounds(before.0, delta);
+        let (low, high) = self.bounds(before.0);
         let outwards = |beyond: S::Mask| S::select(beyond, slowed, zero);
-        let rate = S::select(delta.less(high), rate, rate.min(outwards(self.high.less(before.0))));
-        let rate = S::select(low.less(delta), rate, rate.max(-outwards(before.0.less(self.low))));
+        let rate = S::select(delta.less(self.high), rate, rate.min(outwards(self.high.less(before.0))));
+        let rate = S::select(self.low.less(delta), rate, rate.max(-outwards(before.0.less(self.low))));
         (delta.clamp(low, high), rate)
     }
 }

@@ -74,19 +74,13 @@ impl<S: Scalar> FeelComputer<'_, S> {
     /// Acceleration of `delta`, dry friction left out.
     #[inline(always)]
     pub fn acceleration(&self, at: (S, S), torque: S, around: &Surroundings<S>) -> S {
-        let acceleration = self.acceleration_of(self.feel, at, torque, around);
-        if self.fade == 0.0 {
-            return acceleration;
-        }
-        let next = self.acceleration_of(self.next, at, torque, around);
-        acceleration + (next - acceleration).times(self.fade)
-    }
-
-    #[inline(always)]
-    fn acceleration_of(&self, feel: &FeelLaw<S>, at: (S, S), torque: S, around: &Surroundings<S>) -> S {
         let given = [at.0, at.1];
         let [delta, rate] = S::part_begins(given);
-        let found = feel.acceleration(self.effects, self.curve, (delta, rate), torque, around);
+        let of = |feel: &FeelLaw<S>| feel.acceleration(self.effects, self.curve, (delta, rate), torque, around);
+        let mut found = of(self.feel);
+        if self.fade != 0.0 {
+            found = found + (of(self.next) - found).times(self.fade);
+        }
         S::part_ends(given, [found])[0]
     }
 
@@ -133,8 +127,9 @@ impl<S: Scalar> FeelComputer<'_, S> {
             let per_h = h.constant(1.0) / h;
             let friction = self.friction();
             let found = friction.settled(&motion.grip, motion.at[1], before, (h, per_h));
+            motion.at = [motion.at[0] + found.displacement, found.velocity];
             // What moves, slides on; what rests may be held.
-            let (rests, rested) = (at_rest(found.velocity), at_rest(motion.at[1]));
+            let rests = at_rest(found.velocity);
             let free = if S::any(rests) {
                 let free = self.acceleration((motion.at[0], motion.at[1]), torque, around);
                 S::select(rests, free, free.zero())
@@ -142,29 +137,31 @@ impl<S: Scalar> FeelComputer<'_, S> {
                 torque.zero()
             };
             motion.grip = friction.grip(found.velocity, free);
-            // What rested and rests is where it was.
-            known = Some((rests & rested, free));
-            motion.at = [motion.at[0] + found.displacement, found.velocity];
+            known = Some((rests, free));
         }
         let start = (motion.at[0], motion.at[1]);
+        let fastest = self.feel.fastest(start.1);
         let half = h.times(0.5);
         let mut slopes = [[h.zero(); 2]; 4];
         for stage in 0..4 {
             let by = if stage == 3 { h } else { half };
-            let at = if stage == 0 {
-                start
-            } else {
-                (start.0 + by * slopes[stage - 1][0], start.1 + by * slopes[stage - 1][1])
-            };
-            let within = if effects.feel_limits { self.feel.held_within(start, at) } else { at };
+            let mut within = start;
+            if stage > 0 {
+                let [rate, acceleration] = slopes[stage - 1];
+                within = (start.0 + by * rate, start.1 + by * acceleration);
+                // A hard stop that is met takes hold at the end of the step: nothing follows the feel within it.
+                if effects.feel_limits {
+                    within.1 = within.1.within(fastest);
+                }
+            }
             let mut acceleration = self.acceleration(within, torque, around);
             if stage == 0
-                && let Some((unmoved, free)) = known
+                && let Some((rests, free)) = known
             {
-                acceleration = S::select(unmoved, free, acceleration);
+                acceleration = S::select(rests, free, acceleration);
             }
             if effects.feel_friction {
-                acceleration = S::select(motion.grip.stuck, h.zero(), acceleration + motion.grip.drag);
+                acceleration = acceleration + motion.grip.drag;
             }
             slopes[stage] = [within.1, acceleration];
         }
@@ -173,6 +170,10 @@ impl<S: Scalar> FeelComputer<'_, S> {
         let mut end = [start.0, start.1];
         for k in 0..2 {
             end[k] = end[k] + sixth * ((k_1[k] + k_4[k]) + (k_2[k] + k_3[k]).times(2.0));
+        }
+        if effects.feel_friction {
+            // What sticks has no velocity.
+            end = [S::select(motion.grip.stuck, start.0, end[0]), S::select(motion.grip.stuck, start.1, end[1])];
         }
         if effects.feel_limits {
             let (delta, rate) = self.feel.limited(start, (end[0], end[1]), h);

@@ -145,11 +145,13 @@ impl<S: Scalar> KnownFriction<S> {
         let level = self.level + recalled.learnt;
         let friction = level * way;
         let total = estimated - friction;
-        let (low, high) = ((v - slow).times(2.0) / slow, (v + slow).times(2.0) / slow);
-        let (low, high) = (low.within(one), high.within(one));
-        let band = level + self.margin * (high - low).times(0.5);
-        let drifted = recalled.heard + (total - recalled.heard) * self.leak;
-        let played = drifted.clamp(total + low * band, total + high * band);
+        let two = v.constant(2.0);
+        let per_slow = two / slow;
+        let (low, high) = ((v * per_slow - two).within(one), (v * per_slow + two).within(one));
+        let band = level + self.margin.times(0.5) * (high - low);
+        // What drifted, less the total.
+        let apart = (recalled.heard - total) * (one - self.leak);
+        let played = total + apart.clamp(low * band, high * band);
         let heard = S::select(v.zero().less(self.level), played, total);
         let (learnt, trusted) = self.learnt(estimated, way, recalled);
         let push = recalled.push + (estimated - recalled.push) * self.blur;

@@ -65,7 +65,7 @@ impl Part for Contact {
         };
         let push = stops.push((x[0], x[1]), x[2], one.times(1e-3), one.times(0.7));
         let (time, at_touch) = since_touch(x[1] - stops.high, x[1] - x[0], x[2], one.times(1e-3));
-        vec![push.velocity, push.displacement, stops.force(stops.touch(x[0]), x[1], x[2]), time, at_touch]
+        vec![push.velocity, push.displacement, stops.force(x[0], (x[1], x[2])), time, at_touch]
     }
 }
 
