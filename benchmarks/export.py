@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.export.toolchain import BOARD, CONVERTERS, KNOTS, NONLINEAR, USUAL
 
 PROMISED_INSTRUCTIONS, PROMISED_BYTES = 1000, 8192
-WITHIN = ("C, I, B, G", "C, every nonlinear part of the feel", "C, changing between four settings")
+WITHIN = ("C, I, B, G", "C, law's friction and converters too", "C, changing between four settings")
 FEEL = {key: value for key, value in NONLINEAR.items() if key.startswith("feel.")}
 PERIODS, TIMES = 1000, 32
 CPU = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=auto", "-O2", "-ffp-contract=off")

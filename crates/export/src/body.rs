@@ -243,7 +243,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Rows times a vector: a loop over rows, or one row as it stands.
+    /// Rows times a vector: in a law of one setting as they stand, in one of many, which would be too long so, a loop over rows.
     fn write_product(&mut self, product: &Product) {
         let bits = |node: &u32| match &self.graph.nodes[*node as usize] {
             Node::Data(bits, _) => bits.clone(),
@@ -263,10 +263,12 @@ impl<'a> Body<'a> {
             terms.collect::<Vec<_>>().join(" + ")
         };
         let terms = product.rows.len() * (2 * product.vector.len() - 1);
-        if let [(_, node)] = product.rows[..] {
-            let name = self.named(node);
-            let sum = sum(&format!("{own_row}[0]"), &format!("{same_row}[0]"));
-            self.line(&format!("const real {name} = {sum};"));
+        if self.graph.settings == 1 || product.rows.len() == 1 {
+            for (k, &(_, node)) in product.rows.iter().enumerate() {
+                let name = self.named(node);
+                let sum = sum(&format!("{own_row}[{k}]"), &format!("{same_row}[{k}]"));
+                self.line(&format!("const real {name} = {sum};"));
+            }
             self.operations.0 += terms;
             return;
         }

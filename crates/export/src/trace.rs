@@ -90,7 +90,8 @@ pub struct Graph {
     pub nodes: Vec<Node>,
     known: HashMap<Node, u32>,
     single: bool,
-    settings: usize,
+    /// How many settings of the feel it is of.
+    pub settings: usize,
     /// The input that says how far one setting has been changed into another.
     share: Option<usize>,
     /// Parts that have begun and not ended.
@@ -271,10 +272,16 @@ impl Graph {
         if a == b || self.is(a, most) || self.is(b, least) {
             return self.holds(vec![false; self.settings], Bank::All);
         }
-        if self.is(b, most) || self.is(a, least) {
+        if self.is(b, most) || self.is(a, least) || self.is(a, |x| x == 0.0) && self.is_something(b) {
             return self.holds(vec![true; self.settings], Bank::All);
         }
         self.put(Node::Less(a, b))
+    }
+
+    /// Whether it is the magnitude of data that are nowhere zero: what is zero is left out of the code, so no other data may stand there.
+    fn is_something(&self, node: u32) -> bool {
+        let Node::One(One::Abs, data) = self.nodes[node as usize] else { return false };
+        matches!(&self.nodes[data as usize], Node::Data(bits, _) if bits.iter().all(|&bits| f64::from_bits(bits) != 0.0))
     }
 
     fn holds(&mut self, values: Vec<bool>, bank: Bank) -> u32 {
@@ -329,6 +336,18 @@ impl Graph {
     }
 
     fn select(&mut self, mask: u32, yes: u32, no: u32) -> u32 {
+        // Within an arm the same mask is known.
+        let of_arm = |node: u32, held: bool| match self.nodes[node as usize] {
+            Node::Select(same, yes, no) if same == mask => {
+                if held {
+                    yes
+                } else {
+                    no
+                }
+            }
+            _ => node,
+        };
+        let (yes, no) = (of_arm(yes, true), of_arm(no, false));
         if yes == no {
             return yes;
         }

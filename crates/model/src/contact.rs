@@ -46,7 +46,7 @@ impl<S: Scalar> Stops<S> {
         let zero = x.zero();
         let of_high = (self.stiffness * (self.high - x) - resisted).min(zero);
         let of_low = (self.stiffness * (self.low - x) - resisted).max(zero);
-        S::select(self.high.less(start), of_high, S::select(start.less(self.low), of_low, zero))
+        S::select(self.touch(start), S::select(self.high.less(start), of_high, of_low), zero)
     }
 
     /// What a stop did from the touch to the end of a step that went from `x_0` to `x`, `x'` as if there were none. `per_force`
@@ -73,16 +73,16 @@ impl<S: Scalar> Stops<S> {
     }
 }
 
-/// Time since a touch, and velocity at it, of what went `way` in the last step, is now `depth` beyond and has the velocity
-/// `x_rate`; its velocity a straight line over the step.
+/// Time since a touch, and velocity at it, of what went `way` in the last step, is now `depth` beyond, a part of that way, and has the
+/// velocity `x_rate`; its velocity a straight line over the step.
 #[inline(always)]
 pub fn since_touch<S: Scalar>(depth: S, way: S, x_rate: S, h: S) -> (S, S) {
-    let share = (depth / way).clamp(way.zero(), way.constant(1.0));
+    let share = depth / way;
     // x'_0 = 2 (x - x_0) / h - x'
     let at_touch = x_rate - (x_rate - way / h).times(2.0) * share;
     let mean = (at_touch + x_rate).times(0.5);
     let straight = share * h;
     // Where the velocity turns about inside the step, the straight line is as good as any.
-    let time = S::select(way.zero().less(mean * depth), (depth / mean).clamp(way.zero(), h), straight);
+    let time = S::select(way.zero().less(mean * depth), (depth / mean).min(h), straight);
     (time, at_touch)
 }

@@ -128,24 +128,27 @@ impl<S: Scalar> Control<S> {
             remembered.recalled = says.recalled;
             // What the amplifier answers together with what is added.
             let e = allowed.map_or(says.command, |allowed| says.command + (allowed - asked));
-            let e = e - self.converters.cut_off(added.map_or(e, |added| e + added));
+            let e = added.map_or_else(
+                || self.converters.within_range(e),
+                |added| self.converters.within_range(e + added) - added,
+            );
             remembered.estimate = self.next_estimate(&remembered.estimate, &y, e, (known.map(|_| says.friction), fade));
         }
         let e = allowed.unwrap_or(asked);
-        // The neutral moves through the period: half of it before the feel runs, half after.
+        // The neutral moves through the period; the feel runs about where it is at half of it.
         let trim = period.constant(inputs.trim[0]);
-        feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period.times(0.5));
-        let at = (feeling.neutral, feeling.motion.slider, feeling.motion.at[0]);
+        let neutral = self.feel.trimmed(feeling.neutral, trim, period.times(0.5));
+        let at = (neutral, feeling.motion.slider, feeling.motion.at[0]);
         let around = self.around(&shared.effects, at, inputs, (Moment::Start, period));
         self.feel_computer(shared, fade).run(&mut feeling.motion, says.torque, &around, period);
-        feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period.times(0.5));
+        feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period);
         let gain = if shared.effects.observer {
             let (from, to) = (self.observer.per_delta(), self.next_observer.per_delta());
             from + (to - from).times(fade)
         } else {
             self.law.gains[2]
         };
-        let beyond = self.converters.cut_off(e);
+        let beyond = e - self.converters.within_range(e);
         self.give_way(shared, &mut feeling.motion, (gain, allowed.map_or(beyond, |e| asked - e + beyond)), period);
         self.converters.write(e)
     }

@@ -102,10 +102,10 @@ impl<S: Scalar> Converters<S> {
         e.within(self.output_range).quantized(self.output_step)
     }
 
-    /// By how much the amplifier's answer falls short of the command.
+    /// What the amplifier answers of a command.
     #[inline(always)]
-    pub fn cut_off(&self, e: S) -> S {
-        e - e.within(self.output_range.min(self.current_range))
+    pub fn within_range(&self, e: S) -> S {
+        e.within(self.output_range.min(self.current_range))
     }
 }
 

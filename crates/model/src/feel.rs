@@ -187,21 +187,27 @@ impl<S: Scalar> FeelLaw<S> {
         around: &Surroundings<S>,
     ) -> S {
         // First what does not depend on I, B and G: of two feels, one changed into the other, it is the same.
-        let resistance =
-            self.built_up(effects, delta, around) + self.resistance(effects, around.start, delta, delta_rate);
         let torque = if effects.surroundings {
             torque + self.shaker * around.shaker + self.grip_force * around.added_force
         } else {
             torque
         };
-        let linear = self.damping * delta_rate + self.gradient(effects, curve, delta, around);
-        (torque - resistance - linear) * self.per_torque
+        let torque = if effects.feel_spring { torque - self.preload } else { torque };
+        let others = self.built_up(effects, delta, around) - self.pushed(effects, around.start, (delta, delta_rate));
+        let damping = if effects.feel_damping_and_stops {
+            self.damping + self.quadratic_damping * delta_rate.abs()
+        } else {
+            self.damping
+        };
+        let linear = damping * delta_rate + self.gradient(effects, curve, delta, around);
+        (torque - others - linear) * self.per_torque
     }
 
     /// Torque of everything that depends on the displacement alone.
     #[inline(always)]
     pub fn spring(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &Surroundings<S>) -> S {
-        self.gradient(effects, curve, delta, around) + self.built_up(effects, delta, around)
+        let spring = self.gradient(effects, curve, delta, around) + self.built_up(effects, delta, around);
+        if effects.feel_spring { spring + self.preload } else { spring }
     }
 
     /// Torque of the spring: straight, or a curve, beyond the deadband.
@@ -216,14 +222,13 @@ impl<S: Scalar> FeelLaw<S> {
         }
     }
 
-    /// Torque of what is built up over a travel: breakout, preload, detent, hysteresis.
+    /// Torque of what is built up over a travel: breakout, detent, hysteresis.
     #[inline(always)]
     fn built_up(&self, effects: &Effects, delta: S, around: &Surroundings<S>) -> S {
         if !effects.feel_spring {
             return delta.zero();
         }
         self.breakout.held(Self::from_neutral(effects, delta, around))
-            + self.preload
             + self.detent.passed(delta - self.detent_position)
             + self.hysteresis.held(delta - around.slider)
     }
@@ -233,15 +238,10 @@ impl<S: Scalar> FeelLaw<S> {
         if effects.surroundings { delta - around.neutral } else { delta }
     }
 
-    /// Torque of quadratic damping and soft stops.
+    /// Torque of the soft stops on what is at `(delta, delta')` within a step that began at `start`.
     #[inline(always)]
-    pub fn resistance(&self, effects: &Effects, start: S, delta: S, delta_rate: S) -> S {
-        if effects.feel_damping_and_stops {
-            let pushed = self.soft_stops.force(start, (delta, delta_rate));
-            self.quadratic_damping * delta_rate * delta_rate.abs() - pushed
-        } else {
-            delta.zero()
-        }
+    pub fn pushed(&self, effects: &Effects, start: S, at: (S, S)) -> S {
+        if effects.feel_damping_and_stops { self.soft_stops.force(start, at) } else { start.zero() }
     }
 
     /// Where the hysteresis leaves its slider once `delta` has been reached.
@@ -250,29 +250,18 @@ impl<S: Scalar> FeelLaw<S> {
         slider.clamp(delta - self.hysteresis.travel, delta + self.hysteresis.travel)
     }
 
-    /// Most speed inside a step that begins with `delta_rate`.
-    #[inline(always)]
-    pub fn fastest(&self, delta_rate: S) -> S {
-        self.velocity_limit.max(delta_rate.abs())
-    }
-
     /// `(delta, delta')` inside a step from `before`, held within hard stops and velocity limit. A stop that is met inside the
     /// step takes the velocity at its end.
     #[inline(always)]
     pub fn held_within(&self, before: (S, S), (delta, delta_rate): (S, S)) -> (S, S) {
-        let rate = delta_rate.within(self.fastest(before.1));
+        let rate = delta_rate.within(self.velocity_limit.max(before.1.abs()));
         let at_high = !before.0.less(self.high) & !self.high.less(before.0);
         let at_low = !before.0.less(self.low) & !self.low.less(before.0);
         let rate = S::select(at_high, rate.min(rate.zero()), S::select(at_low, rate.max(rate.zero()), rate));
-        let (low, high) = self.bounds(before.0);
+        // Anywhere on the side of a stop that it began beyond.
+        let low = S::select(before.0.less(self.low), delta, self.low);
+        let high = S::select(self.high.less(before.0), delta, self.high);
         (delta.clamp(low, high), rate)
-    }
-
-    /// Where a step from `before` may end: anywhere on the side of a stop that it began beyond.
-    #[inline(always)]
-    fn bounds(&self, before: S) -> (S, S) {
-        let low = S::select(before.less(self.low), before.constant(f64::NEG_INFINITY), self.low);
-        (low, S::select(self.high.less(before), before.constant(f64::INFINITY), self.high))
     }
 
     /// The trimmed neutral after `h` seconds of following the command, an angle.
@@ -284,24 +273,44 @@ impl<S: Scalar> FeelLaw<S> {
     }
 
     /// `(delta, delta')` after a step from `before`, held within hard stops and velocity limit.
-    ///
-    /// A velocity limit that has just been programmed takes hold over some hundredths of a second, and so does a stop behind a
-    /// control that moves on outwards; it lets the control come back and does not throw it.
     #[inline(always)]
     pub fn limited(&self, before: (S, S), (delta, delta_rate): (S, S), h: S) -> (S, S) {
-        let kept = (h.constant(1.0) - h.times(1.0 / LIMIT_TAKES_HOLD_S)).max(h.zero());
-        let slowed = before.1.abs() * kept;
-        let rate = delta_rate.within(self.velocity_limit.max(slowed));
-        let zero = rate.zero();
-        let (low, high) = self.bounds(before.0);
-        let outwards = |beyond: S::Mask| S::select(beyond, slowed, zero);
-        let rate = S::select(delta.less(self.high), rate, rate.min(outwards(self.high.less(before.0))));
-        let rate = S::select(self.low.less(delta), rate, rate.max(-outwards(before.0.less(self.low))));
-        (delta.clamp(low, high), rate)
+        self.stopped(before, (delta, self.slowed(before.1, delta_rate, h)), h)
+    }
+
+    /// `delta'` after a step that began with `before`, held within the velocity limit.
+    ///
+    /// One that has just been programmed takes hold over some hundredths of a second.
+    #[inline(always)]
+    pub fn slowed(&self, before: S, delta_rate: S, h: S) -> S {
+        delta_rate.within(self.velocity_limit.max(before.abs() * taken_hold(h)))
+    }
+
+    /// `(delta, delta')` after a step from `before`, held within the hard stops.
+    ///
+    /// A stop behind a control that moves on outwards takes hold over some hundredths of a second; it lets the control come back and
+    /// does not throw it.
+    #[inline(always)]
+    pub fn stopped(&self, before: (S, S), (delta, rate): (S, S), h: S) -> (S, S) {
+        let (outwards, zero) = (before.1.abs() * taken_hold(h), rate.zero());
+        // Each stop for itself, so that what meets none asks no more.
+        let stop = |beyond: S::Mask, place: S| (S::select(beyond, delta, place), S::select(beyond, outwards, zero));
+        let (high, upwards) = stop(self.high.less(before.0), self.high);
+        let (low, downwards) = stop(before.0.less(self.low), self.low);
+        let between = |of_low: S, free: S, of_high: S| {
+            S::select(delta.less(self.high), S::select(self.low.less(delta), free, of_low), of_high)
+        };
+        (between(low, delta, high), between(rate.max(-downwards), rate, rate.min(upwards)))
     }
 }
 
-/// Time in which a newly programmed velocity limit takes hold.
+/// What a limit that takes hold leaves of a speed beyond it in a step.
+#[inline(always)]
+fn taken_hold<S: Scalar>(h: S) -> S {
+    (h.constant(1.0) - h.times(1.0 / LIMIT_TAKES_HOLD_S)).max(h.zero())
+}
+
+/// Time in which a newly programmed limit takes hold.
 const LIMIT_TAKES_HOLD_S: f64 = 0.02;
 
 #[inline(always)]

@@ -62,7 +62,7 @@ impl<S: Scalar> FeelComputer<'_, S> {
         let left = |delta: S| {
             let around = Surroundings::at_rest(neutral, stiffness_factor, delta);
             let spring = self.feel.spring(self.effects, self.curve, delta, &around);
-            spring + self.feel.resistance(self.effects, delta, delta, delta.zero()) - torque
+            spring - self.feel.pushed(self.effects, delta, (delta, delta.zero())) - torque
         };
         let zero = torque.zero();
         let reach = self.feel.per_angle.times(SEARCH_RAD);
@@ -119,6 +119,7 @@ impl<S: Scalar> FeelComputer<'_, S> {
     #[inline(always)]
     pub fn run(&self, motion: &mut FeelMotion<S>, torque: S, around: &Surroundings<S>, h: S) {
         let effects = self.effects;
+        let mut around = *around;
         // Acceleration without dry friction at the start of the step, where it is known before the stages ask for it.
         let mut known = None;
         if effects.feel_friction {
@@ -128,10 +129,11 @@ impl<S: Scalar> FeelComputer<'_, S> {
             let friction = self.friction();
             let found = friction.settled(&motion.grip, motion.at[1], before, (h, per_h));
             motion.at = [motion.at[0] + found.displacement, found.velocity];
+            around.start = motion.at[0];
             // What moves, slides on; what rests may be held.
             let rests = at_rest(found.velocity);
             let free = if S::any(rests) {
-                let free = self.acceleration((motion.at[0], motion.at[1]), torque, around);
+                let free = self.acceleration((motion.at[0], motion.at[1]), torque, &around);
                 S::select(rests, free, free.zero())
             } else {
                 torque.zero()
@@ -140,21 +142,16 @@ impl<S: Scalar> FeelComputer<'_, S> {
             known = Some((rests, free));
         }
         let start = (motion.at[0], motion.at[1]);
-        let fastest = self.feel.fastest(start.1);
         let half = h.times(0.5);
         let mut slopes = [[h.zero(); 2]; 4];
         for stage in 0..4 {
             let by = if stage == 3 { h } else { half };
-            let mut within = start;
-            if stage > 0 {
-                let [rate, acceleration] = slopes[stage - 1];
-                within = (start.0 + by * rate, start.1 + by * acceleration);
-                // A hard stop that is met takes hold at the end of the step: nothing follows the feel within it.
-                if effects.feel_limits {
-                    within.1 = within.1.within(fastest);
-                }
-            }
-            let mut acceleration = self.acceleration(within, torque, around);
+            let at = if stage == 0 {
+                start
+            } else {
+                (start.0 + by * slopes[stage - 1][0], start.1 + by * slopes[stage - 1][1])
+            };
+            let mut acceleration = self.acceleration(at, torque, &around);
             if stage == 0
                 && let Some((rests, free)) = known
             {
@@ -163,7 +160,7 @@ impl<S: Scalar> FeelComputer<'_, S> {
             if effects.feel_friction {
                 acceleration = acceleration + motion.grip.drag;
             }
-            slopes[stage] = [within.1, acceleration];
+            slopes[stage] = [at.1, acceleration];
         }
         let [k_1, k_2, k_3, k_4] = slopes;
         let sixth = h.times(1.0 / 6.0);
@@ -176,7 +173,9 @@ impl<S: Scalar> FeelComputer<'_, S> {
             end = [S::select(motion.grip.stuck, start.0, end[0]), S::select(motion.grip.stuck, start.1, end[1])];
         }
         if effects.feel_limits {
-            let (delta, rate) = self.feel.limited(start, (end[0], end[1]), h);
+            // A limit that is met takes hold at the end: nothing follows the feel within the step. What was too fast went too far.
+            let rate = self.feel.slowed(start.1, end[1], h);
+            let (delta, rate) = self.feel.stopped(start, (end[0] - (end[1] - rate) * half, rate), h);
             end = [delta, rate];
         }
         if effects.feel_damping_and_stops {

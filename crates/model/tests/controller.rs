@@ -48,9 +48,9 @@ fn output_is_written_in_steps_and_cut_off_at_its_range() {
 }
 
 #[test]
-fn cut_off_is_what_amplifier_or_converter_cannot_give() {
+fn amplifier_answers_within_its_own_range_and_the_converters() {
     for (e, cut) in [(1.4, 0.0), (-1.5, 0.0), (1.75, 0.25), (-9.0, -7.5)] {
-        assert_within(converters().cut_off(e), cut, 1e-15); // the limit is a quotient
+        assert_within(e - converters().within_range(e), cut, 1e-15); // the limit is a quotient
     }
 }
 
@@ -58,7 +58,7 @@ fn cut_off_is_what_amplifier_or_converter_cannot_give() {
 fn converters_that_are_not_given_change_no_bit() {
     let converters = Converters::new(&Parameters::elevator());
     for e in [-1e6, -0.1, 0.3, 7e4] {
-        assert_eq!((converters.write(e), converters.cut_off(e)), (e, 0.0));
+        assert_eq!((converters.write(e), converters.within_range(e)), (e, e));
         let (force, piston) = converters.read(e, e);
         assert_near(force, e, ROUNDING); // to volts and back
         assert_near(piston, e, ROUNDING);

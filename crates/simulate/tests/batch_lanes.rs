@@ -135,7 +135,7 @@ impl Part for Controller {
     fn results<S: Scalar>(x: &[S]) -> Vec<S> {
         let converters = Converters::new(&parameters(x[0]));
         let (force, piston) = converters.read(x[1], x[2]);
-        vec![force, piston, converters.write(x[3]), converters.cut_off(x[3])]
+        vec![force, piston, converters.write(x[3]), converters.within_range(x[3])]
     }
 }
 

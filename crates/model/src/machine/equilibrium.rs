@@ -137,7 +137,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let effects = &shared.effects;
         // S(delta) = T                                                                            eq. (11) at rest
         let spring = self.control.feel.spring(effects, shared.curve.as_ref(), delta, around)
-            + self.control.feel.resistance(effects, around.start, delta, delta.zero());
+            - self.control.feel.pushed(effects, around.start, (delta, delta.zero()));
         if effects.observer {
             let by_feel = self.control.observer.feel_torque_at_rest(delta, trimmed(effects, around.neutral));
             self.observed_equilibrium(effects, x_b, spring - by_feel)
