@@ -74,7 +74,7 @@ impl<S: Scalar> Stops<S> {
 }
 
 /// Time since a touch, and velocity at it, of what went `way` in the last step, is now `depth` beyond, a part of that way, and has the
-/// velocity `x_rate`; its velocity a straight line over the step.
+/// velocity `x_rate`; its velocity a straight line over the step. A way of zero, of what did not touch, gives no number.
 #[inline(always)]
 pub fn since_touch<S: Scalar>(depth: S, way: S, x_rate: S, h: S) -> (S, S) {
     let share = depth / way;

@@ -110,6 +110,26 @@ fn link_that_closes_its_play_leaves_a_saturated_neighbour_alone() {
 }
 
 #[test]
+fn control_that_meets_its_hard_stop_leaves_a_neighbour_that_sticks_alone() {
+    // What sticks has gone no way, which the time since a touch is a part of.
+    let (inputs, mut values) = (steps(400, STEP), drawn(RUNS, 0.0));
+    for (k, values) in values.iter_mut().enumerate() {
+        let mut p = Parameters::from_values(values);
+        p.feel.hard_stop_high = 0.01;
+        if k % 2 == 1 {
+            (p.feel.coulomb_friction, p.feel.static_friction) = (1e4, 1e4);
+        }
+        *values = p.values();
+    }
+    let (together, _) = run(&job(&inputs, &values, None), 1);
+    for (k, one) in values.iter().enumerate() {
+        let (alone, _) = run(&job(&inputs, core::slice::from_ref(one), None), 1);
+        assert!(together[k].iter().take(3).all(|value| value.is_finite()), "run {k}: {:?}", together[k]);
+        assert_eq!(bits_of(&alone), bits(&together[k]), "run {k}");
+    }
+}
+
+#[test]
 fn every_size_of_a_last_group_is_written_whole() {
     let (inputs, values) = (steps(20, STEP), drawn(18, 0.1));
     let whole = run(&Job { outputs: &[0, 6], ..job(&inputs, &values, None) }, 1);
