@@ -4,7 +4,7 @@ use crate::blocks::{ALWAYS, Blocks, Made, choice};
 use crate::controller::{INPUTS, name_of};
 use crate::dots::{Product, products};
 use crate::emit::{Bits, Writer};
-use crate::made::{held, made_of, reached, within};
+use crate::made::{held, made_of, of_few_steps, reached, within};
 use crate::trace::{Bank, Graph, Node, One, Two};
 use std::collections::{HashMap, HashSet};
 
@@ -217,6 +217,7 @@ impl<'a> Body<'a> {
             Node::One(One::Neg, a) => format!("-{}", s(a)),
             Node::One(One::Sqrt, a) => format!("REAL_SQRT({})", s(a)),
             Node::One(One::Abs, a) => format!("REAL_ABS({})", s(a)),
+            Node::One(One::Round, a) if of_few_steps(graph, a) => format!("nearest_of_few({})", s(a)),
             Node::One(One::Round, a) => format!("nearest({})", s(a)),
             Node::Two(Two::Add, a, b) => format!("{} + {}", s(a), s(b)),
             Node::Two(Two::Sub, a, b) => format!("{} - {}", s(a), s(b)),

@@ -66,3 +66,20 @@ pub fn reached(made: &[Vec<u32>], wanted: &[u32]) -> Vec<bool> {
     }
     found
 }
+
+/// Whether a number is what lies within a known limit over a known step, some millions of them at most: what rounds it need not ask
+/// whether it has digits behind the point.
+pub fn of_few_steps(graph: &Graph, node: u32) -> bool {
+    let known = |node: u32| match &graph.nodes[node as usize] {
+        Node::Known(bits, _) => Some(bits.iter().map(|&bits| f64::from_bits(bits)).collect::<Vec<_>>()),
+        _ => None,
+    };
+    let &Node::Two(Two::Div, x, step) = &graph.nodes[node as usize] else { return false };
+    let Some((limits, steps)) = within(graph, x).and_then(|(_, limit)| known(limit)).zip(known(step)) else {
+        return false;
+    };
+    limits.iter().zip(&steps).all(|(limit, step)| limit / step < MOST_STEPS)
+}
+
+/// A quarter of what single precision counts without a gap.
+const MOST_STEPS: f64 = 4_194_304.0;

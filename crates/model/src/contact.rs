@@ -37,15 +37,16 @@ impl<S: Scalar> Stops<S> {
         x.less(self.low) | self.high.less(x)
     }
 
-    /// Force of the stops on what is at `x` within a step that began at `start`; zero where that lay in none of them. A stop pushes and
-    /// never pulls.
+    /// Force of the stops on what is at `x` within a step that began at `start`; zero where that lay in none of them, and where the stop
+    /// has been left: a stop pushes and never pulls.
     #[inline(always)]
     pub fn force(&self, start: S, (x, x_rate): (S, S)) -> S {
-        // F = -(k (x - x_stop) + c x'), as long as it points out of the stop
-        let resisted = self.damping * x_rate;
+        // F = -(k (x - x_stop) + c x'), as long as it points out of the stop: of m the larger of it and zero is (m + |m|) / 2
+        let (k, resisted) = (self.stiffness.times(-0.5), self.damping.times(-0.5) * x_rate);
         let zero = x.zero();
-        let of_high = (self.stiffness * (self.high - x) - resisted).min(zero);
-        let of_low = (self.stiffness * (self.low - x) - resisted).max(zero);
+        let (of_high, of_low) = (k * (x - self.high) + resisted, k * (x - self.low) + resisted);
+        let of_high = S::select(self.high.less(x), of_high - of_high.abs(), zero);
+        let of_low = S::select(x.less(self.low), of_low + of_low.abs(), zero);
         S::select(self.touch(start), S::select(self.high.less(start), of_high, of_low), zero)
     }
 
