@@ -59,7 +59,7 @@ impl<S: Scalar> Stops<S> {
             return Push { velocity: x.zero(), displacement: x.zero() };
         }
         let depth = x - x.clamp(self.low, self.high);
-        let (time, at_touch) = since_touch(depth, x - x_0, x_rate, h);
+        let (time, at_touch) = since_touch(touched, (depth, x - x_0), x_rate, h);
         let (k, c) = (self.stiffness * per_force, self.damping * per_force);
         // The force without the stop's own effect on the velocity, a straight line over T; that effect to first order.
         let (first, last) = (c * at_touch, k * depth + c * x_rate);
@@ -75,10 +75,11 @@ impl<S: Scalar> Stops<S> {
 }
 
 /// Time since a touch, and velocity at it, of what went `way` in the last step, is now `depth` beyond, a part of that way, and has the
-/// velocity `x_rate`; its velocity a straight line over the step. A way of zero, of what did not touch, gives no number.
+/// velocity `x_rate`; its velocity a straight line over the step. Of what has not `met` a stop it is some number.
 #[inline(always)]
-pub fn since_touch<S: Scalar>(depth: S, way: S, x_rate: S, h: S) -> (S, S) {
-    let share = depth / way;
+pub fn since_touch<S: Scalar>(met: S::Mask, (depth, way): (S, S), x_rate: S, h: S) -> (S, S) {
+    // What has not, may have gone no way.
+    let share = depth / S::select(met, way, way.constant(1.0));
     // x'_0 = 2 (x - x_0) / h - x'
     let at_touch = x_rate - (x_rate - way / h).times(2.0) * share;
     let mean = (at_touch + x_rate).times(0.5);

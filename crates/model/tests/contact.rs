@@ -54,7 +54,7 @@ fn lower_stop_is_the_upper_one_mirrored() {
 fn touch_under_constant_velocity_is_timed_exactly() {
     let (x_0, v, h) = (0.1997, 0.8, 1e-3);
     let x: f64 = x_0 + v * h;
-    let (time, at_touch) = since_touch(x - 0.2, x - x_0, v, h);
+    let (time, at_touch) = since_touch(true, (x - 0.2, x - x_0), v, h);
     assert_near(time, (x - 0.2) / v, ROUNDING);
     assert_near(at_touch, v, 1e-12); // x - x_0 has three digits less than x
 }
@@ -98,7 +98,7 @@ fn time_since_touch_is_of_second_order_under_acceleration() {
             let (v, a) = (1.0, -150.0);
             let x_0 = STOPS.high - free((0.0, v), a, share * h).0;
             let (x, rate) = free((x_0, v), a, h);
-            let (time, at_touch) = since_touch(x - STOPS.high, x - x_0, rate, h);
+            let (time, at_touch) = since_touch(true, (x - STOPS.high, x - x_0), rate, h);
             let touched = reaches((x_0, v), a);
             (time - (h - touched)).abs() / h + (at_touch - (v + a * touched)).abs()
         });

@@ -64,7 +64,7 @@ impl Part for Contact {
             damping: one.times(9.0),
         };
         let push = stops.push((x[0], x[1]), x[2], one.times(1e-3), one.times(0.7));
-        let (time, at_touch) = since_touch(x[1] - stops.high, x[1] - x[0], x[2], one.times(1e-3));
+        let (time, at_touch) = since_touch(stops.touch(x[1]), (x[1] - stops.high, x[1] - x[0]), x[2], one.times(1e-3));
         vec![push.velocity, push.displacement, stops.force(x[0], (x[1], x[2])), time, at_touch]
     }
 }

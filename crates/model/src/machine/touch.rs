@@ -74,8 +74,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let zero = depth.zero();
         let met = zero.less(depth.abs()) & zero.less((before.0 - held).abs());
         if S::any(met) {
-            let way = S::select(met, delta - before.0, zero.constant(1.0));
-            let (time, at_stop) = since_touch(depth, way, free.1, self.step);
+            let (time, at_stop) = since_touch(met, (depth, delta - before.0), free.1, self.step);
             // The servo was told of a velocity that the control no longer had.
             let told = self.control.law.gains[3] * (at_stop + free.1).times(-0.5);
             let jump = self.drive.command_jump(effects, &begun.now, told) * time;

@@ -29,8 +29,7 @@ impl<S: Scalar> Hydraulic<S> {
         }
         let depth = stretch - stretch.within(balance.half_play);
         let rate = q_i * self.per_area - balance.ratio * w;
-        let way = S::select(met, stretch - before, zero.constant(1.0));
-        let (time, _) = since_touch(depth, way, rate, h);
+        let (time, _) = since_touch(met, (depth, stretch - before), rate, h);
         let first = balance.linked(effects, &begun.side, z - depth, q_i, x_b, w);
         let last = balance.linked(effects, &begun.side, z, q_i, x_b, w);
         let met = met & zero.less(first.pressure * stretch) & zero.less(last.pressure * stretch);
