@@ -68,15 +68,17 @@ def small(body: str) -> str:
 
 
 def _few(line: str) -> str:
-    line = re.sub(r"\s+#[^\"']*$", "", line)
-    name = line.split()[1]
-    asked = name in _FEW and line.startswith("forcefeel")
-    if not asked or (name == "compensate" and not re.search("--envelope", line)):
+    command, *comment = re.split(r"(?<=\S)\s+(?=# )", line, maxsplit=1)
+    name = command.split()[1]
+    takes_settings = name in _FEW and command.startswith("forcefeel")
+    if not takes_settings or (name == "compensate" and "--envelope" not in command):
         return line
-    given = re.findall(r"--grid [\"'](\w+)=", line)
-    added = re.findall(r'--\w+ (?:"[^"]*"|\S+)', _FEW[name])
-    wanted = [one for one in added if not (one.startswith("--grid") and re.search(r'"(\w+)=', one)[1] in given)]
-    return " ".join([line, *wanted])
+    axes = re.findall(r"--grid [\"'](\w+)=", command)
+    options = re.findall(r'--\w+ (?:"[^"]*"|\S+)', _FEW[name])
+    added = [
+        option for option in options if not (option.startswith("--grid") and re.search(r'"(\w+)=', option)[1] in axes)
+    ]
+    return " ".join([command, *added, *comment])
 
 
 def elsewhere(namespace: dict[str, object]) -> None:

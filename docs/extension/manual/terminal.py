@@ -16,8 +16,8 @@ EXAMPLES = "examples"
 """What the folder of a page has of the project, as a copy, where its commands name it."""
 
 COLUMNS = 80
-ANSWERED = (0, 1)
-"""Exit status of a command that answers, also where the answer is bad."""
+BAD_ANSWER = "exit status 1"
+"""In the comment behind a command: its answer is bad, and the page says so. All other commands end with 0."""
 
 INSTALLS = ("git", "make", "python", "pip", "source", "dask")
 """What installs or serves; the build itself and the test of the wheel try it."""
@@ -91,7 +91,7 @@ class Terminal:
         """Types the lines of a block, each where the folders without a name of those before are gone if it is ``fresh``.
 
         Raises:
-            ValueError: If a command is not of a kind that is known here, or its input is bad.
+            ValueError: If a command is not of a kind that is known here, or ends with another exit status than its line states.
         """
         answers = []
         for line in commands(body):
@@ -116,8 +116,9 @@ class Terminal:
         if program != "forcefeel":
             raise ValueError(f"{program}: no command that is known here")
         status, output = answered(words, self.folder)
-        if status not in ANSWERED:
-            raise ValueError(f"{line}: exit status {status}: {output[-1500:]}")
+        stated = int(BAD_ANSWER in line.partition(" # ")[2])
+        if status != stated:
+            raise ValueError(f"{line}: expected exit status {stated}, got {status}: {output[-1500:]}")
         return Answer(line, output, status)
 
     def _cd(self, folder: str) -> None:
