@@ -80,7 +80,7 @@ def check_output_file(path: Path, *, replace: bool = True) -> None:
     """
     kind = output_kind(path)
     if kind not in {None, Kind.FILE}:
-        raise InputError(f"{path}: {_told(path, kind)}; expected to write a file of that name; {_remedy(kind)}")
+        raise InputError(f"{path}: {_told(path, kind)}; expected to write a file of that name; {_REMEDY}")
     if kind and not replace:
         raise InputError(f"{path}: is there already; give another name, or --replace to replace it")
 
@@ -97,7 +97,7 @@ def check_output_folder(path: Path, expected: str) -> None:
     """
     kind = output_kind(path)
     if kind not in {None, Kind.FOLDER}:
-        raise InputError(f"{path}: {_told(path, kind)}; expected {expected}; {_remedy(kind)}")
+        raise InputError(f"{path}: {_told(path, kind)}; expected {expected}; {_REMEDY}")
 
 
 def _told(path: Path, kind: Kind | None) -> str:
@@ -106,8 +106,7 @@ def _told(path: Path, kind: Kind | None) -> str:
     return f"is a link to {path.readlink()}, and links are not followed"
 
 
-def _remedy(kind: Kind | None) -> str:
-    return f"name another one, or move the {kind and kind.split()[1]} away"
+_REMEDY = "name another one, or move it away"
 
 
 def make_folder(path: Path, expected: str = "a folder that can be written") -> None:

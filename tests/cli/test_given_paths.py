@@ -164,7 +164,7 @@ def test_a_message_says_where_a_link_leads(run, tmp_path):
     _, _, err = run("size", "elevator", "--out", "out", "--replace")
     assert err == (
         "forcefeel: out: is a link to folder, and links are not followed; expected a folder for the sizing; name another one, or "
-        "move the link away"
+        "move it away"
     )
 
 
