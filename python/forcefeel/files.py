@@ -1,14 +1,147 @@
-"""Files: read if they are whole files of a stated size, and written so that they appear whole or not at all."""
+"""Paths that a user names, and their files: read if they are regular files of a stated size, written whole or not at all.
 
+Reading follows links. Writing does not: what is replaced is a regular file, and what is written into is a folder, never a link, a
+pipe or a device.
+"""
+
+import hashlib
 import os
+import secrets
 import stat
-import tempfile
+from enum import StrEnum
 from pathlib import Path
 
 from forcefeel.errors import InputError
 
 MOST_TEXT_BYTES = 2**20
 """Largest file that a person writes: a loader file, a weighting matrix, the knots of a schedule."""
+
+TOKEN_BYTES = 4
+"""Of a random name that nothing else has."""
+
+_LONGEST_PART = 200
+"""Bytes: of the 255 that most file systems allow for a name, what leaves room for a token and a mark."""
+
+
+class Kind(StrEnum):
+    """What lies at a path."""
+
+    FILE = "a file"
+    FOLDER = "a folder"
+    LINK = "a link"
+    OTHER = "a pipe or a device"
+
+    @classmethod
+    def of(cls, status: os.stat_result) -> "Kind":
+        """The kind that the file system says."""
+        kinds = {stat.S_IFREG: cls.FILE, stat.S_IFDIR: cls.FOLDER, stat.S_IFLNK: cls.LINK}
+        return kinds.get(stat.S_IFMT(status.st_mode), cls.OTHER)
+
+
+def input_kind(path: Path) -> Kind | None:
+    """What a path leads to, links followed; ``None`` where that is nothing: an attempt to read it says why."""
+    try:
+        return Kind.of(path.stat())
+    except (OSError, ValueError):  # too long a name, a loop of links; a zero byte
+        return None
+
+
+def input_files(folder: Path) -> list[Path]:
+    """What lies in a folder, by name.
+
+    Raises:
+        InputError: If it cannot be read.
+    """
+    try:
+        return sorted(folder.iterdir())
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be read ({error.strerror}); expected a folder of files") from error
+
+
+def output_kind(path: Path) -> Kind | None:
+    """What lies at a path, of a link the link itself; ``None`` where nothing does.
+
+    Raises:
+        InputError: If nothing can be written there.
+    """
+    try:
+        return Kind.of(path.lstat())
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be written ({_reason(error)}); name another path") from error
+
+
+def check_output_file(path: Path, *, replace: bool = True) -> None:
+    """Refuses to write a file where something else lies.
+
+    Raises:
+        InputError: If a link, a folder, a pipe or a device is there, a file that is not to be replaced, or none can be.
+    """
+    kind = output_kind(path)
+    if kind not in {None, Kind.FILE}:
+        raise InputError(f"{path}: {_told(path, kind)}; expected to write a file of that name; {_REMEDY}")
+    if kind and not replace:
+        raise InputError(f"{path}: is there already; give another name, or --replace to replace it")
+
+
+def check_output_folder(path: Path, expected: str) -> None:
+    """Refuses to write into what is no folder.
+
+    Args:
+        path: The folder.
+        expected: What it should be, for the message: ``a folder for the report``.
+
+    Raises:
+        InputError: If a link, a file, a pipe or a device is there, or no folder can be.
+    """
+    kind = output_kind(path)
+    if kind not in {None, Kind.FOLDER}:
+        raise InputError(f"{path}: {_told(path, kind)}; expected {expected}; {_REMEDY}")
+
+
+def _told(path: Path, kind: Kind | None) -> str:
+    if kind is not Kind.LINK:
+        return f"is {kind}"
+    return f"is a link to {path.readlink()}, and links are not followed"
+
+
+_REMEDY = "name another one, or move it away"
+
+
+def make_folder(path: Path, expected: str = "a folder that can be written") -> None:
+    """Makes a folder and those above it, where they are not there.
+
+    Args:
+        path: The folder.
+        expected: What it should be, for the message.
+
+    Raises:
+        InputError: If it cannot be made, or something else is there.
+    """
+    check_output_folder(path, expected)
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be made ({error.strerror}); expected {expected}; name another one") from error
+
+
+def is_same(one: Path, other: Path) -> bool:
+    """Whether two paths lead to the same; not where one of them leads nowhere."""
+    try:
+        return one.samefile(other)
+    except (OSError, ValueError):
+        return False
+
+
+def part_of_name(name: str) -> str:
+    """A file's name as part of another: itself, or its hash where the other would be too long for a file system."""
+    data = os.fsencode(name)
+    return name if len(data) <= _LONGEST_PART else hashlib.sha256(data).hexdigest()
+
+
+def _reason(error: OSError | ValueError) -> str:
+    return getattr(error, "strerror", None) or str(error)
 
 
 def read_input(path: Path, most_bytes: int, expected: str) -> bytes:
@@ -24,9 +157,8 @@ def read_input(path: Path, most_bytes: int, expected: str) -> bytes:
     """
     try:
         status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            kind = "a folder" if stat.S_ISDIR(status.st_mode) else "a pipe or a device"
-            remedy = "name a file in it" if kind == "a folder" else "write it to a file first"
+        if (kind := Kind.of(status)) is not Kind.FILE:
+            remedy = "name a file in it" if kind is Kind.FOLDER else "write it to a file first"
             raise InputError(f"{path}: is {kind}; expected {expected}; {remedy}")
         if status.st_size > most_bytes:
             most, remedy = _size(most_bytes), "leave out what is not needed"
@@ -36,8 +168,7 @@ def read_input(path: Path, most_bytes: int, expected: str) -> bytes:
     except InputError:
         raise
     except (OSError, ValueError) as error:  # a name with a zero byte is a ValueError
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{path}: cannot be read ({reason}); expected {expected}") from error
+        raise InputError(f"{path}: cannot be read ({_reason(error)}); expected {expected}") from error
     if len(data) > status.st_size:
         raise InputError(
             f"{path}: grows while it is read; expected {expected} that is complete; wait until it is written"
@@ -51,25 +182,22 @@ def _size(size: int) -> str:
 
 
 def write_whole(path: Path, contents: str | bytes) -> None:
-    """Writes ``contents``, text in UTF-8, to ``path``, so that nobody ever sees half of it.
+    """Writes ``contents``, text in UTF-8, to ``path``, so that nobody ever sees half of it, with the rights that the umask leaves.
 
     Raises:
-        InputError: If the folder is not there or cannot be written.
+        InputError: As ``check_output_file``, or if the folder is not there or cannot be written.
     """
+    check_output_file(path)
+    aside = path.with_name(f".{part_of_name(path.name)}.{secrets.token_hex(TOKEN_BYTES)}")
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        with aside.open("xb") as file:
+            file.write(contents.encode() if isinstance(contents, str) else contents)
+        aside.replace(path)
     except OSError as error:
+        aside.unlink(missing_ok=True)
         raise InputError(
             f"{path}: cannot be written ({error.strerror}); expected a writable folder {path.parent}"
         ) from error
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(contents.encode() if isinstance(contents, str) else contents)
-        Path(name).chmod(0o644)
-        Path(name).replace(path)
-    except OSError as error:
-        Path(name).unlink(missing_ok=True)
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from error
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        aside.unlink(missing_ok=True)
         raise

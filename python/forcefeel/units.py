@@ -18,7 +18,7 @@ from enum import StrEnum
 from functools import cache
 from importlib import resources
 from numbers import Real
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, SupportsFloat, cast
 
 from forcefeel.errors import InputError, expect
 
@@ -273,12 +273,17 @@ def parse(given: object, unit_si: str, example: str) -> float:
 def _split(given: str | Real) -> tuple[float | None, str]:
     """The number, if there is one, and the unit."""
     if not isinstance(given, str):
-        try:
-            return float(given), ""
-        except OverflowError:
-            return math.inf, ""
+        return as_float(given), ""
     match = _VALUE.fullmatch(" ".join(given.split()))
     return (float(match["number"]), match["unit"] or "") if match else (None, "")
+
+
+def as_float(number: SupportsFloat) -> float:
+    """A number as a file may hold it; infinite beyond every float, and so refused where a finite one is expected."""
+    try:
+        return float(number)
+    except OverflowError:
+        return math.inf
 
 
 def show(given: object) -> str:

@@ -1,5 +1,8 @@
 """What the program ends with: 1 is an answer, 2 the user's input, 70 a fault of its own, 130 Ctrl-C."""
 
+import os
+import signal
+import subprocess
 import sys
 
 import pytest
@@ -7,6 +10,8 @@ import pytest
 from forcefeel.cli import BAD_INPUT, FAULT, INTERRUPTED, TRACEBACK, main
 from forcefeel.design import workflow
 from forcefeel.errors import InputError
+
+UNSTABLE = ("analyze", "--set", "feel.inertia=0.6 lb in s^2/rad", "--set", "feel.stiffness=96 lb in/rad")
 
 
 class PanicException(BaseException):
@@ -91,3 +96,30 @@ def test_a_message_is_of_bounded_length_and_says_what_it_leaves_out():
     assert len(lines) == 21
     assert len(str(InputError("x" * 10**6))) == 4000
     assert str(InputError(str(InputError("x\n" * 5000)))) == str(InputError("x\n" * 5000))
+
+
+@pytest.mark.skipif(os.name != "posix", reason="of pipes as POSIX has them")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--help",),
+        ("analyze", "--help"),
+        ("--version",),
+        ("analyze",),
+        ("analyze", "--json"),
+        ("new", "my.toml"),
+        UNSTABLE,
+    ],
+    ids=" ".join,
+)
+def test_a_reader_that_ends_early_is_no_bad_answer(tmp_path, words):
+    """``forcefeel ... | head -1``: 128 and the number of SIGPIPE, as shells report programs that it ends; no word beside it."""
+    program = "from forcefeel.cli import main; main()"
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-c", program, *words], stdout=writing, stderr=subprocess.PIPE, cwd=tmp_path, check=False
+    )
+    os.close(writing)
+    assert done.stderr == b""
+    assert done.returncode == 128 + signal.SIGPIPE == 141

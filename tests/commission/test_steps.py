@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import pytest
 
 import forcefeel as ff
+from forcefeel.commission.findings import commission_conclusions
 from forcefeel.commission.page.folder import check_folder, write_commission
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, ParameterFound, RuleTests, WhatIf
@@ -136,3 +137,12 @@ def test_a_law_that_is_not_good_is_not_handed_over_as_if_it_were(commissioned, t
     assert "no law is handed over as good" in text
     assert (tmp_path / "law-not-good.json").exists()
     assert not (tmp_path / "law.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"), [((), "0 parameters"), ((INERTIA,), "1 parameter"), ((INERTIA,) * 2, "2 parameters")]
+)
+def test_a_number_of_parameters_has_its_plural(commissioned, parameters, said):
+    found = replace(commissioned, identified=Identified(True, "", parameters=parameters))
+    verb = "is" if len(parameters) == 1 else "are"
+    assert commission_conclusions(found).verdict.startswith(f"{said} of elevator-2khz {verb} identified")

@@ -1,5 +1,8 @@
 """The envelope against slow routes: single runs, closed forms, NumPy's poles, python-control's frequency response."""
 
+import dataclasses
+import typing
+
 import control
 import numpy as np
 import pytest
@@ -9,7 +12,7 @@ from forcefeel.envelope import passivity, releases
 from forcefeel.envelope.cases import Kind, PilotArm
 from forcefeel.envelope.deviations import CHANGES
 from forcefeel.envelope.ideal import ideal_releases
-from forcefeel.envelope.plan import make_plan
+from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.result import PASSES, UNSTABLE, Failure, failure_of
 from forcefeel.errors import InputError
 from forcefeel.laws.analog.recursion import NAMED_DESIGNS, DesignSettings
@@ -300,3 +303,18 @@ def test_a_loader_with_optional_rows_is_stepped():
 def test_bad_input_is_named(arguments, message):
     with pytest.raises(InputError, match=message):
         make_plan(ff.elevator(), **arguments)
+
+
+@pytest.mark.parametrize(
+    "function",
+    [ff.find_envelope, ff.envelope.make_plan, ff.find_frontier, ff.choice.score_methods],
+    ids=lambda it: it.__name__,
+)
+def test_the_options_of_a_plan_are_known_to_type_checkers(function):
+    """Each by its name and type, so that a slip is seen before anything runs; and refused where it runs."""
+    (options,) = typing.get_args(typing.get_type_hints(function)["options"])
+    of_plan = {field.name: field.type for field in dataclasses.fields(Plan) if field.init}
+    asked = {name: kind for name, kind in of_plan.items() if name not in {"given", "compensators", "settings"}}
+    assert typing.get_type_hints(options) == {name: typing.get_type_hints(Plan)[name] for name in asked}
+    with pytest.raises(TypeError, match="angle_rat"):
+        function(ff.elevator(), angle_rat=0.1)

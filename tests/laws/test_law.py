@@ -205,10 +205,7 @@ def test_a_saved_law_takes_a_names_place(run, tmp_path):
     saved = (tmp_path / "law.json").read_text(encoding="utf-8")
     for method in ([], ["--method", "observer", "--out", "other"]):
         status, _, err = run("compensate", "elevator-2khz", *method, "--save-law", "law.json")
-        assert (status, "law.json: is there already; name another file with --save-law, or --replace" in err) == (
-            2,
-            True,
-        )
+        assert (status, "law.json: is there already; give another name, or --replace" in err) == (2, True)
     assert (tmp_path / "law.json").read_text(encoding="utf-8") == saved
     assert not (tmp_path / "other").exists()
     assert run("compensate", "elevator", "--save-law", "law.json", "--replace")[0] == 0

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from forcefeel.errors import InputError
-from forcefeel.loader.built_in import elevator
+from forcefeel.loader.built_in import electric, elevator
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import (
     ALTERNATIVES,
@@ -230,3 +230,20 @@ def test_scaling_the_feel_keeps_frequency_and_damping_ratio(scale: float) -> Non
     others = [key for key in TABLE if scaled[key] != loader[key]]
     assert set(others) <= {"feel.inertia", "feel.damping", "feel.stiffness", "pilot.force"}
     assert loader == elevator()
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+def test_a_loader_reads_as_a_mapping_of_its_own_rows(drive):
+    loader = elevator() if drive == "hydraulic" else electric("elevator-electric")
+    own = [key for key, row in TABLE.items() if row.drive in (None, drive)]
+    assert list(loader) == list(loader.keys()) == own
+    assert len(loader) == len(own)
+    assert dict(loader) == dict(loader.items()) == {**loader} == {key: loader.values[INDEX[key]] for key in own}
+    assert "linkage.stiffness" in loader
+    assert ("valve.current_gain" in loader) is (drive == "hydraulic")
+    assert "linkage.stifness" not in loader
+    assert 3 not in loader
+    assert loader.get("linkage.stiffness") == loader["linkage.stiffness"]
+    assert loader.get("linkage.stifness", 1.0) == 1.0
+    with pytest.raises(InputError, match=r"unknown parameter 'linkage\.stifness'; did you mean"):
+        loader["linkage.stifness"]

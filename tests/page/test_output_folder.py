@@ -78,12 +78,40 @@ def test_a_system_that_cannot_exchange_folders_moves_the_files(out, monkeypatch)
     assert left(out) == left(out.parent) == []
 
 
-def test_a_link_leads_to_the_folder(out):
+def test_a_link_is_not_followed_but_above_the_folder(out):
     link = out.parent / "link"
     link.symlink_to(out, target_is_directory=True)
-    FOLDER.write(link, NEW)
-    assert link.is_symlink()
-    assert held(out) == WRITTEN
+    before = held(out)
+    with pytest.raises(InputError, match=r"link: is a link to .*out, and links are not followed; expected a folder"):
+        FOLDER.write(link, NEW)
+    assert held(out) == before
+    FOLDER.write(link / "within", NEW)
+    assert held(out) == before | {f"within/{name}": text for name, text in WRITTEN.items()}
+
+
+@pytest.mark.parametrize("name", ["results.json", "tables", "extra.csv", "tables/a.csv"])
+@pytest.mark.parametrize("notes", [False, True])
+def test_a_link_in_the_folder_is_neither_followed_nor_replaced(out, tmp_path, name, notes):
+    """Whether files move in one by one, or the whole folder is exchanged."""
+    if notes:
+        (out / "notes.txt").write_text("mine")
+    (out / name).unlink(missing_ok=True)
+    (out / name).parent.mkdir(exist_ok=True)
+    (tmp_path / "mine").mkdir()
+    (out / name).symlink_to(tmp_path / "mine")
+    before = held(tmp_path)
+    with pytest.raises(InputError, match=f"{name}: is a link to .*mine, and links are not followed"):
+        FOLDER.write(out, NEW)
+    assert held(tmp_path) == before
+    assert (out / name).is_symlink()
+
+
+@pytest.mark.parametrize("name", ["x" * 255, "é" * 127])
+def test_a_folder_of_any_legal_name_is_written_and_replaced(tmp_path, name):
+    for _ in range(2):
+        FOLDER.write(tmp_path / name, NEW)
+        assert held(tmp_path / name) == WRITTEN
+    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 @pytest.mark.parametrize("notes", [False, True])

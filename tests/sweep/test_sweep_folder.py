@@ -3,7 +3,7 @@
 import dataclasses
 import io
 import json
-import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -147,8 +147,13 @@ def test_a_piece_is_written_whole(tmp_path, monkeypatch):
     interrupt(small(), tmp_path)
     before = names(tmp_path / "chunks")
 
-    really = os.fdopen
-    monkeypatch.setattr("forcefeel.files.os.fdopen", lambda *args: _Full(really(*args)))
+    really = Path.open
+
+    def opened(*args, **named):
+        file = really(*args, **named)
+        return _Full(file) if "xb" in args else file
+
+    monkeypatch.setattr(Path, "open", opened)
     with pytest.raises(InputError, match=r"00003\.npy: cannot be written \(No space left on device\)"):
         run_sweep(small(), tmp_path, resume=True)
     assert names(tmp_path / "chunks") == before
@@ -299,7 +304,7 @@ def test_a_file_where_the_folder_should_be(tmp_path):
     (tmp_path / "sweep").write_text("mine", encoding="utf-8")
     with pytest.raises(InputError, match="sweep: is a file; expected a folder"):
         run_sweep(small(), tmp_path / "sweep")
-    with pytest.raises(InputError, match="cannot be made"):
+    with pytest.raises(InputError, match=r"deeper: cannot be written \(Not a directory\)"):
         run_sweep(small(), tmp_path / "sweep" / "deeper")
     assert (tmp_path / "sweep").read_text(encoding="utf-8") == "mine"
 

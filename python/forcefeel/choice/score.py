@@ -4,13 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from types import MappingProxyType
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.choice.demand import AnyDemand, largest_demand, of_all
 from forcefeel.choice.own_setting import OwnSetting, own_setting
-from forcefeel.envelope.plan import Plan, make_plan
+from forcefeel.envelope.plan import Plan, PlanOptions, make_plan
 from forcefeel.envelope.result import CaseShares, Envelope, Shares
 from forcefeel.envelope.run import Progress, compute
 from forcefeel.errors import InputError
@@ -110,7 +111,7 @@ def score_methods(
     over_envelope: bool = True,
     threads: int | None = None,
     progress: Progress = lambda done, total: None,
-    **options: object,
+    **options: Unpack[PlanOptions],
 ) -> Scored:
     """Designs with each method and scores it.
 

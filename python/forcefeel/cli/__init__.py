@@ -1,11 +1,12 @@
 """The command line: ``app.py`` lists the commands, each has a file of its name."""
 
+import contextlib
 import os
 import sys
 import traceback
 from typing import NoReturn
 
-from forcefeel.cli.exit_status import BAD_INPUT, FAULT, INTERRUPTED
+from forcefeel.cli.exit_status import BAD_INPUT, FAULT, INTERRUPTED, UNREAD
 from forcefeel.errors import InputError, shortened
 from forcefeel.printable import visible
 
@@ -17,14 +18,17 @@ _LONGEST = 300
 
 
 def main() -> None:
-    """Runs the command line: exit status 0 fine, 1 the answer is bad, 2 the input is bad, 70 a fault of forcefeel itself."""
+    """Runs the command line: exit status 0 fine, 1 the answer is bad, 2 the input is bad, else as ``exit_status`` has it."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a stream without the letters of a name shows their numbers
             stream.reconfigure(errors="backslashreplace")
     try:
         from forcefeel.cli import app
 
-        app.run(sys.argv[1:])
+        try:
+            app.run(sys.argv[1:])
+        finally:
+            sys.stdout.flush()  # while a full disk can still be told
         sys.exit(0)
     except SystemExit:
         raise
@@ -32,6 +36,9 @@ def main() -> None:
         _end("interrupted", INTERRUPTED)
     except InputError as error:
         _end(str(error), BAD_INPUT)
+    except BrokenPipeError:
+        _leave_unread()
+        sys.exit(UNREAD)
     except MemoryError:
         _end("this machine's memory does not suffice; ask for less at a time", BAD_INPUT)
     except BaseException as error:  # a panic of the engine is no Exception
@@ -47,6 +54,12 @@ def main() -> None:
 def _end(message: str, status: int) -> NoReturn:
     print(f"forcefeel: {visible(message)}", file=sys.stderr)
     sys.exit(status)
+
+
+def _leave_unread() -> None:
+    """Drops what is still to be printed, which the interpreter would try once more at its end."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _not_understood(error: BaseException) -> str | None:

@@ -18,6 +18,7 @@ from cyclopts.exceptions import (
 )
 
 from forcefeel.cli.options import HELP_ALL
+from forcefeel.cli.terminal import Output
 from forcefeel.errors import InputError
 
 _LOADER = "[LOADER]"
@@ -65,6 +66,7 @@ def command_line(*, listed: bool) -> App:
         default_parameter=Parameter(negative=()),
         suppress_keyboard_interrupt=False,
         result_action="return_none",
+        console=Output(),
     )
     for place, (name, takes) in enumerate(_COMMANDS.items()):
         app.command(

@@ -24,6 +24,7 @@ from forcefeel.cli.progress import Bar
 from forcefeel.cli.scenario_text import value
 from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
+from forcefeel.files import input_kind
 
 if TYPE_CHECKING:
     from forcefeel.bench.records import BenchRecord
@@ -145,7 +146,7 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
     from forcefeel.commission.simulated_bench import BenchTime
     from forcefeel.loader.built_in import open_loader
 
-    inputs = [one for one in (path, options.bench, *options.data) if one is not None and one.exists()]
+    inputs = [one for one in (path, options.bench, *options.data) if one is not None and input_kind(one)]
     command = options.command_line(path)
     check_folder(options.out, command, replace=options.replace, inputs=inputs)  # before the work, not after it
     loader, data, plan = options.loader(path), options.measured(), options.plan()
@@ -183,7 +184,7 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
 
 
 def _there(out: Path, name: str) -> Path | None:
-    return out / name if (out / name).exists() else None
+    return out / name if input_kind(out / name) else None
 
 
 def law_file(out: Path) -> Path | None:

@@ -11,3 +11,6 @@ FAULT = 70
 
 INTERRUPTED = 130
 """After Ctrl-C, as shells have it: 128 and the number of the signal."""
+
+UNREAD = 141
+"""Where a reader of the output ends early, as ``head`` does: as shells report a program that SIGPIPE ends, 128 and its number."""

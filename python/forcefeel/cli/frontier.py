@@ -55,9 +55,9 @@ class FrontierOptions(ReleaseOptions, AngleOptions, FolderOptions, ThreadOptions
 
         grid = text.assignments("--grid", self.grid, "stiffness=1..100 %:7:log")
         loader = self.loader(path)
-        given = {"rule": self.rule, "angle_rad": self.angle_rad, "changes": self.deviations(loader)}
+        changes = self.deviations(loader)
         with law_option_named():
-            return frontier_plan(loader, self.law, grid, **given)
+            return frontier_plan(loader, self.law, grid, rule=self.rule, angle_rad=self.angle_rad, changes=changes)
 
 
 def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOptions()) -> None:

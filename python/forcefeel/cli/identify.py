@@ -27,6 +27,7 @@ from forcefeel.cli.options import (
 from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
+from forcefeel.files import input_kind
 from forcefeel.units import UnitSystem
 
 if TYPE_CHECKING:
@@ -177,7 +178,7 @@ def _loader_file(path: Path | None) -> list[Path]:
     """The loader file, where it is one and not a built-in loader."""
     from forcefeel.loader.built_in import BUILT_IN
 
-    return [] if path is None or (str(path) in BUILT_IN and not path.exists()) else [path]
+    return [] if path is None or (str(path) in BUILT_IN and not input_kind(path)) else [path]
 
 
 def _estimated(found: "Identification", given: "Sequence[Response | BenchRecord]") -> "list[Response]":

@@ -9,7 +9,7 @@ from cyclopts import Group, Parameter
 from forcefeel.cli.options import OUTPUT, OutputOptions, option
 from forcefeel.cli.terminal import print_json
 from forcefeel.errors import InputError
-from forcefeel.files import write_whole
+from forcefeel.files import check_output_file, write_whole
 from forcefeel.loader.axes import AXIS_OF, ELECTRIC_AXES, HYDRAULIC_AXES, control_of
 from forcefeel.printable import visible
 
@@ -54,10 +54,7 @@ def run(
     """
     from forcefeel.loader.built_in import BUILT_IN
 
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; expected the name of a file to write")
-    if path.exists() and not options.replace:
-        raise InputError(f"{path}: is there already; choose another name, or --replace to replace it")
+    check_output_file(path, replace=options.replace)
     loader = BUILT_IN[_chosen(options)]()
     write_whole(path, loader.to_toml(options.units))
     if options.json:

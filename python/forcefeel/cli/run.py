@@ -156,10 +156,11 @@ def _record(out: Path, *, replace: bool) -> Path:
     Raises:
         InputError: If it cannot be there, or is there and not to be replaced.
     """
+    from forcefeel.files import make_folder
     from forcefeel.page.folder import OutputFolder
 
     OutputFolder("the run", (RECORD,), plots=False).check(out, replace=replace)
-    out.mkdir(parents=True, exist_ok=True)
+    make_folder(out)
     return out / RECORD
 
 

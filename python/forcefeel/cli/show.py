@@ -88,7 +88,12 @@ def compensation(
     console.show(gains)
     console.print("c_7 is not fed back: the pilot's force is not measured.", highlight=False)
     console.print(f"recursion (22): {found.note}", style="" if found.reached else "bold red", highlight=False)
-    console.print(f"residual of eqs. (22) at these gains, kept for ever: {found.riccati_residual:.1e}")
+    residual = (
+        f"residual of eqs. (22) at these gains, kept for ever: {found.riccati_residual:.1e}"
+        if isfinite(found.riccati_residual)
+        else "residual of eqs. (22): none, because a state does not decay under these gains"
+    )
+    console.print(residual)
     _say_left_out(console, loader)
     if not isinstance(demand, Peaks):
         console.print("the loop with these gains is unstable", style="bold red")

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable, Collection, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from rich.cells import cell_len
 from rich.console import Console, RenderableType
@@ -17,7 +17,15 @@ _FRAME = 3
 """Characters of a column's border and blanks."""
 
 
-class Terminal(Console):
+class Output(Console):
+    """A console that ends a command as ``print`` does where nobody reads what it prints: ``main`` says with which status."""
+
+    def on_broken_pipe(self) -> NoReturn:
+        """Raises the ``BrokenPipeError`` that is being handled."""
+        raise  # noqa: PLE0704  it is, by the caller
+
+
+class Terminal(Output):
     """A console on which text is text; what is to be red says so by its style."""
 
     def __init__(self) -> None:

@@ -35,7 +35,8 @@ def _verdict(found: Commission) -> str:
     if found.loader is None:
         return f"{name} is not set up: {_small(found.identified.verdict)}"
     known = [one for one in found.identified.parameters if one.state == IDENTIFIED]
-    said = f"{len(known)} parameter{'s'[: len(known) - 1]} of {name} {'is' if len(known) == 1 else 'are'} identified"
+    counted = f"{len(known)} parameter of {name} is" if len(known) == 1 else f"{len(known)} parameters of {name} are"
+    said = f"{counted} identified"
     if found.chosen is None or not found.chosen.name or found.checked is None or found.tested is None:
         return f"{said}, and no law is eligible: {_small(found.chosen.verdict) if found.chosen else ''}"
     law, checked = found.chosen.name, found.checked

@@ -23,6 +23,7 @@ from forcefeel.commission.tested import run_tests
 from forcefeel.envelope.page.folder import write_envelope
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
+from forcefeel.files import Kind, input_kind, make_folder, output_kind, write_whole
 from forcefeel.laws.law import Law
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.loader import Loader, check_loader, load
@@ -104,7 +105,7 @@ def _set_up(
         IDENTIFICATION, text, Identified, lambda folder: _identify(folder, loader, data, plan, progress)
     )
     told = Commission(plan, loader, identified, folders=_folders(bench))
-    if not (out / IDENTIFICATION / LOADER).is_file():
+    if input_kind(out / IDENTIFICATION / LOADER) is not Kind.FILE:
         return replace(told, folders=_some(told.folders, IDENTIFICATION), resumed=tuple(state.resumed))
     found = load(out / IDENTIFICATION / LOADER)
     text = digest(text, found.fingerprint)
@@ -126,7 +127,7 @@ def _set_up(
 @contextmanager
 def _left_as_it_was(out: Path) -> Iterator[None]:
     """Makes the folder; takes it away again where bad input ends the work before anything is in it."""
-    there = out.exists()
+    there = output_kind(out)
     make_folder(out)
     try:
         yield
@@ -134,18 +135,6 @@ def _left_as_it_was(out: Path) -> Iterator[None]:
         if not there and not any(out.iterdir()):
             out.rmdir()
         raise
-
-
-def make_folder(out: Path) -> None:
-    """Makes the folder.
-
-    Raises:
-        InputError: If it cannot be made.
-    """
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{out}: cannot be made ({error.strerror}); expected a folder that can be written") from error
 
 
 def _simulated(
@@ -156,8 +145,8 @@ def _simulated(
     def make(folder: Path) -> bool:
         progress(BENCH, f"{asked.time_s:g} s of record")
         (record,) = simulated_records(loader, bench, asked)
-        folder.mkdir(exist_ok=True)
-        (folder / RECORD).write_text(record_csv(record), encoding="utf-8")
+        make_folder(folder)
+        write_whole(folder / RECORD, record_csv(record))
         return True
 
     text = digest(loader.to_toml(UnitSystem.SI), bench.to_toml(UnitSystem.SI), asdict(asked))

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite, radians
 from types import MappingProxyType
-from typing import Annotated
+from typing import Annotated, TypedDict, Unpack
 
 from forcefeel.envelope.cases import REFERENCE_ARMS, Case, PilotArm, make_cases
 from forcefeel.envelope.deviations import Deviation, chosen_deviations
@@ -140,6 +140,18 @@ class Plan:
         return all(rows) and self.rules.release.verified
 
 
+class PlanOptions(TypedDict, total=False):
+    """The options of ``Plan``, for functions that take them as keywords; what each means stands there."""
+
+    rule: str
+    changes: Mapping[str, float | Deviation] | None
+    arms: Sequence[PilotArm]
+    angle_rad: float | None
+    draws: Draws
+    smaller_rad: Sequence[float]
+    axis: Axis | None
+
+
 def _check_angle(name: str, angle: float) -> None:
     expect_number(name, angle)
     if not (isfinite(angle) and 0 < angle <= _LARGEST_ANGLE):
@@ -155,7 +167,7 @@ def make_plan(
     loader: Loader,
     compensators: Sequence[str] | Mapping[str, LawLike] = ("original", "published", "converged"),
     grid: Mapping[str, str | Sequence[float]] | None = None,
-    **options: object,
+    **options: Unpack[PlanOptions],
 ) -> Plan:
     """A plan from names and text.
 
@@ -180,4 +192,4 @@ def make_plan(
     for name, law in chosen.items():
         check_given(law, f"compensators: {name}")
     expect("grid", grid or {}, Mapping, 'values by axis such as {"stiffness": "1..100 %:40:log"}')
-    return Plan(loader, chosen, Settings.of(grid or {}), **options)  # type: ignore[arg-type]
+    return Plan(loader, chosen, Settings.of(grid or {}), **options)

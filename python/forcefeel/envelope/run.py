@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ from forcefeel.envelope.cases import NOMINAL, Case, PilotArm
 from forcefeel.envelope.forbidden import forbidden
 from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.passivity import passivity
-from forcefeel.envelope.plan import Plan, make_plan
+from forcefeel.envelope.plan import Plan, PlanOptions, make_plan
 from forcefeel.envelope.releases import Record, carrying, measured, pieces, released
 from forcefeel.envelope.result import PASSES, UNSTABLE, AngleShares, Envelope
 from forcefeel.envelope.settings import AXES
@@ -33,7 +33,7 @@ def find_envelope(
     *,
     threads: int | None = None,
     progress: Progress = lambda done, total: None,
-    **options: object,
+    **options: Unpack[PlanOptions],
 ) -> Envelope:
     """Which programmed feels a loader renders: where its loop is stable, and where a release passes the rule's tolerances.
 

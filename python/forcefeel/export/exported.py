@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
-from forcefeel.loader.feel_settings import own_feel
+from forcefeel.loader.feel_settings import check_feel_range, own_feel
 from forcefeel.loader.loader import Loader
 from forcefeel.units import show
 
@@ -28,8 +28,8 @@ class Exported:
         name: By which files and names in them begin.
 
     Raises:
-        InputError: If the law was made for another loader, rate or drive, is gains of an analog law on a digital controller, or the
-            name is no identifier of C.
+        InputError: If the law was made for another loader, rate or drive, is gains of an analog law on a digital controller, has a
+            setting that no loader may have, or the name is no identifier of C.
 
     Example:
         >>> import forcefeel as ff
@@ -50,6 +50,7 @@ class Exported:
             )
         self.law.check(self.loader)
         self._check_time()
+        check_feel_range(self.settings, lambda setting: f"in setting {setting + 1}")
         made_for = self.law.loader_hash
         if made_for and made_for != self.loader.fingerprint:
             raise InputError(

@@ -19,8 +19,8 @@ from forcefeel.flight_schedule.axes import ScheduleAxis, check_axes, mesh, place
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled.methods import method as method_of
 from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
+from forcefeel.loader.feel_settings import check_feel_range
 from forcefeel.loader.loader import FEEL_SETTING, Loader
-from forcefeel.loader.parameters import TABLE, in_range, range_text, value_text
 from forcefeel.simulation import FeelChange
 
 _FEEL = len(FEEL_SETTING)
@@ -180,7 +180,8 @@ def design_schedule(
     if values.shape != shape:
         raise InputError(f"feel: expected I, B, G at every knot, the shape {shape}, got {values.shape}")
     rows = values.reshape(-1, _FEEL)
-    _check_range(found, rows)
+    # Ranges are intervals, so what is between knots is in them too.
+    check_feel_range(rows, lambda knot: f"at {place_text(found, mesh([axis.values for axis in found])[knot])}")
     return FlightSchedule(loader, method, found, values, way.design(loader, rows))
 
 
@@ -213,15 +214,3 @@ def second_order_feel(
     given = (2 * np.pi * frequency, damping, stiffness)
     inertia, damping = _core.feel_from_frequencies(*(np.ravel(one) for one in given))
     return np.stack([inertia.reshape(stiffness.shape), damping.reshape(stiffness.shape), stiffness], axis=-1)
-
-
-def _check_range(axes: Sequence[ScheduleAxis], rows: NDArray[np.float64]) -> None:
-    """Refuses a feel that no loader may have; ranges are intervals, so what is between knots is in them too."""
-    where = mesh([axis.values for axis in axes])
-    for k, key in enumerate(FEEL_SETTING):
-        row = TABLE[key]
-        for point, value in zip(where, rows[:, k].tolist(), strict=True):
-            if not in_range(row, value):
-                raise InputError(
-                    f"{key}: expected {range_text(row)}, got {value_text(row, value)} at {place_text(axes, point)}"
-                )

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from math import isclose
+from typing import Unpack
 
-from forcefeel.envelope.plan import Plan, make_plan
+from forcefeel.envelope.plan import Plan, PlanOptions, make_plan
 from forcefeel.errors import InputError, expect
 from forcefeel.frontier.bound import ERRORS, inertia_bound
 from forcefeel.frontier.friction import smallest_friction
@@ -39,7 +40,7 @@ def find_frontier(
     *,
     threads: int | None = None,
     progress: Progress = lambda what, done, total: None,
-    **options: object,
+    **options: Unpack[PlanOptions],
 ) -> Frontier:
     """What cannot be rendered on this hardware and why, and what tighter tolerances or other parts would buy.
 
@@ -72,7 +73,7 @@ def frontier_plan(
     loader: Loader,
     compensator: str | None = None,
     grid: Mapping[str, str | Sequence[float]] | None = None,
-    **options: object,
+    **options: Unpack[PlanOptions],
 ) -> Plan:
     """The envelope that a frontier is about; arguments as ``find_frontier``."""
     check_loader(loader)

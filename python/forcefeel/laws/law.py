@@ -213,8 +213,9 @@ class Law:
         if not np.all(known):
             missing = ", ".join(f"{value:.6g}" for value in feel[int(np.argmin(known))])
             made_for = f", made for {self.loader}," if self.loader else ""
+            settings = "1 setting" if len(self.feel) == 1 else f"{len(self.feel)} settings"
             raise InputError(
-                f"compensator: {self.name}{made_for} has laws for {len(self.feel)} setting{'s'[: len(self.feel) - 1]} of the feel, "
+                f"compensator: {self.name}{made_for} has laws for {settings} of the feel, "
                 f"none for I, B, G = {missing} (SI units); save it for the settings that are asked for, or name a design"
             )
         return self.some(np.argmax(near, axis=1))

@@ -22,12 +22,12 @@ from numpy.typing import NDArray
 
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
-from forcefeel.files import read_input, write_whole
+from forcefeel.files import Kind, check_output_file, input_kind, read_input, write_whole
 from forcefeel.json_values import json_text
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
 from forcefeel.laws.cancellation import Cancellation
 from forcefeel.laws.sampled.sampled_compensator import FRICTION, NUMBERS, SAMPLED_AT_GRIP, SampledCompensator
-from forcefeel.units import show
+from forcefeel.units import as_float, show
 
 Numbers = Compensator | SampledCompensator | NDArray[np.float64] | None
 """What the engine runs; see ``Law.numbers``."""
@@ -77,10 +77,9 @@ def check_law_file(path: Path, *, replace: bool = True) -> None:
     """
     if not path.name.endswith(LAW_FILE):
         raise InputError(f"{path}: expected a file whose name ends with {LAW_FILE}, by which a law's file is known")
-    if path.is_dir() or not path.parent.is_dir():
+    check_output_file(path, replace=replace)
+    if input_kind(path.parent) is not Kind.FOLDER:
         raise InputError(f"{path}: expected a file in a folder that is there, such as law{LAW_FILE}")
-    if path.exists() and not replace:
-        raise InputError(f"{path}: is there already; name another file with --save-law, or --replace to replace it")
 
 
 def write_law(path: Path, **law: Any) -> None:
@@ -240,12 +239,11 @@ class _Keys:
             raise InputError(f"{key}: missing; save the law anew with --save-law")
         value: Any = self._given[key]
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
-            value = float(value)
+            value = as_float(value)
         good = isinstance(value, kind) and not isinstance(value, bool)
-        if not good or (kind is float and not math.isfinite(float(value))):
-            raise InputError(
-                f"{key}: expected {'a finite number' if kind is float else kind.__name__}, got {show(value)}"
-            )
+        if not good or (kind is float and not math.isfinite(value)):
+            expected = "a finite number" if kind is float else kind.__name__
+            raise InputError(f"{key}: expected {expected}, got {show(self._given[key])}")
         return value
 
     def positive(self, key: str) -> float:

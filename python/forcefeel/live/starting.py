@@ -4,6 +4,7 @@ from pathlib import Path
 
 from forcefeel import _core
 from forcefeel.errors import InputError
+from forcefeel.files import check_output_file
 from forcefeel.laws.law import LawLike
 from forcefeel.live.asked import Asked
 from forcefeel.live.over import Over, Simulated, Udp
@@ -120,6 +121,7 @@ def _file(record: str | Path, most_bytes: int) -> tuple[Path, int]:
         raise InputError(f"record: expected a file that ends in {RECORD}, got {show(str(record))}")
     if most_bytes < LEAST_RECORD_BYTES:
         raise InputError(f"most_bytes: expected at least {LEAST_RECORD_BYTES:,}, got {most_bytes}")
+    check_output_file(path)
     return path, most_bytes
 
 

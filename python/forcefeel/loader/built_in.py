@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from forcefeel.errors import InputError
+from forcefeel.files import input_kind
 from forcefeel.loader.axes import ELECTRIC_AXES
 from forcefeel.loader.loader import Loader, load
 from forcefeel.loader.parameters import HYDRAULIC, OFF, TABLE, absent, has
@@ -122,4 +123,4 @@ def open_loader(given: str | Path | None) -> Loader:
     if given is None:
         return elevator()
     name = str(given)
-    return BUILT_IN[name]() if name in BUILT_IN and not Path(given).exists() else load(given)
+    return BUILT_IN[name]() if name in BUILT_IN and not input_kind(Path(given)) else load(given)

@@ -1,10 +1,13 @@
 """Settings I, B, G of the feel computer, many at once."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import FEEL_SETTING, Loader
+from forcefeel.loader.parameters import TABLE, in_range, range_text, value_text
 
 
 def setting_rows(given: ArrayLike, name: str = "settings") -> NDArray[np.float64]:
@@ -24,6 +27,23 @@ def setting_rows(given: ArrayLike, name: str = "settings") -> NDArray[np.float64
         bad = int(np.argmin(good))
         raise InputError(f"{name}: expected finite I > 0, B >= 0, G > 0, got {rows[bad].tolist()} in row {bad}")
     return rows
+
+
+def check_feel_range(rows: NDArray[np.float64], where: Callable[[int], str]) -> None:
+    """Refuses settings that no loader may have.
+
+    Args:
+        rows: I, B, G in SI units, (settings, 3).
+        where: What a message says of the place of a row, such as ``in setting 2``.
+
+    Raises:
+        InputError: If a number is beyond the range of its row.
+    """
+    for key, column in zip(FEEL_SETTING, rows.T.tolist(), strict=True):
+        row = TABLE[key]
+        for index, value in enumerate(column):
+            if not in_range(row, value):
+                raise InputError(f"{key}: expected {range_text(row)}, got {value_text(row, value)} {where(index)}")
 
 
 def own_feel(loader: Loader) -> NDArray[np.float64]:

@@ -1,7 +1,7 @@
 """A loader: the machine of one axis, as a frozen set of checked numbers in SI units."""
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -75,7 +75,8 @@ class Loader:
         stiffness_factor: Factor on the spring over dynamic pressure in Pa; beyond its ends as at the nearest end.
         tolerances: How far values of the machine that was built may lie from these, by ``part.name``; read-only.
 
-    ``loader["linkage.stiffness"]`` is one value in SI units.
+    ``loader["linkage.stiffness"]`` is one value in SI units. It reads as a mapping of the rows that a loader of its drive has:
+    ``list(loader)``, ``dict(loader)``, ``"linkage.stiffness" in loader``; but ``values`` is the array.
 
     Raises:
         InputError: If there are not as many values as rows, one is out of its row's range (the value of an optional row
@@ -224,6 +225,27 @@ class Loader:
 
     def __getitem__(self, key: str) -> float:
         return float(self.values[self._position(key)])
+
+    def __contains__(self, key: object) -> bool:
+        return key in self.keys()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def __len__(self) -> int:
+        return len(self.keys())
+
+    def keys(self) -> KeysView[str]:
+        """The rows ``part.name`` that a loader of this drive has, in the table's order."""
+        return table(self.drive).keys()
+
+    def items(self) -> ItemsView[str, float]:
+        """Each row with its SI value."""
+        return self._by_key().items()
+
+    def get(self, key: str, default: float | None = None) -> float | None:
+        """The SI value of a row, or ``default`` where the loader has no such row."""
+        return self._by_key().get(key, default)
 
     @property
     def fingerprint(self) -> str:

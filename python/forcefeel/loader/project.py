@@ -12,6 +12,7 @@ from types import MappingProxyType
 from typing import TypeVar
 
 from forcefeel.errors import InputError
+from forcefeel.files import Kind, input_kind
 from forcefeel.loader.axes import AXIS_OF, PROJECT_AXES
 from forcefeel.loader.built_in import BUILT_IN
 from forcefeel.loader.file import document
@@ -62,7 +63,7 @@ class Project:
 
 def is_project(path: Path | None) -> bool:
     """Whether it is a TOML file with a table of axes; what cannot be read is none, and is told by whoever reads loaders."""
-    if path is None or not path.is_file():
+    if path is None or input_kind(path) is not Kind.FILE:
         return False
     try:
         return "axes" in document(path)
@@ -114,7 +115,7 @@ def _loader(folder: Path, axis: str, given: object, taken: dict[Path, str]) -> L
     if not isinstance(given, str) or not given:
         raise InputError(f"expected a loader, such as {_EXAMPLE}, got {show(given)}")
     file = folder / given
-    if file.exists() or given not in BUILT_IN:
+    if input_kind(file) or given not in BUILT_IN:
         loader = load(file)
         if other := taken.get(file.resolve()):
             raise InputError(f"{given} is the loader of {other} already; expected a file of its own for each axis")

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from forcefeel.errors import InputError
+from forcefeel.files import check_output_file, check_output_folder, is_same, output_kind
 from forcefeel.page.script import SCRIPT, script
 from forcefeel.page.staging import put
 
@@ -37,28 +38,21 @@ class OutputFolder:
             InputError: If so, or there is a file that is not to be replaced.
         """
         for target in (out / name for name in self.files):
-            if target.exists() and any(given.exists() and given.samefile(target) for given in inputs):
+            if any(is_same(given, target) for given in inputs):
                 raise InputError(
                     f"{target}: is what {self.what} is made from, and stays as it is; name another folder with --out"
                 )
-        if out.exists() and not out.is_dir():
-            raise InputError(
-                f"{out}: is a file; expected a folder for {self.what}; name another one, or move the file away"
-            )
+        check_output_folder(out, f"a folder for {self.what}")
         for name in (*self.files, *self._scripts):
-            if (out / name).is_dir():
-                raise InputError(
-                    f"{out / name}: is a folder; expected to write a file of that name; move the folder away"
-                )
-            if name in self.files and (out / name).exists() and not replace:
+            check_output_file(out / name)
+            if name in self.files and output_kind(out / name) and not replace:
                 raise InputError(
                     f"{out}: holds {name} already; name another folder with --out, or --replace to replace it"
                 )
         if not replace:
             self.check_script(out)
         for name in self.folders:
-            if (out / name).exists() and not (out / name).is_dir():
-                raise InputError(f"{out / name}: is a file; expected a folder of that name; move the file away")
+            check_output_folder(out / name, "a folder of that name")
 
     def check_script(self, out: Path) -> None:
         """Refuses a folder that holds another script under the name of the pages'; theirs is the same in every folder.
@@ -67,7 +61,7 @@ class OutputFolder:
             InputError: If so.
         """
         for name, text in self._scripts.items():
-            if (out / name).exists() and (out / name).read_bytes() != str(text).encode():
+            if output_kind(out / name) and (out / name).read_bytes() != str(text).encode():
                 raise InputError(
                     f"{out}: holds another {name}; name another folder with --out, or --replace to replace it"
                 )

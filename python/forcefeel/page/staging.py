@@ -12,13 +12,13 @@ import re
 import secrets
 import shutil
 from collections.abc import Collection, Iterator, Mapping
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from forcefeel.errors import InputError
+from forcefeel.files import TOKEN_BYTES, check_output_file, check_output_folder, part_of_name
 
 _ASIDE = ".forcefeel-"
-_TOKEN_BYTES = 4
-_NAME = re.compile(rf"{re.escape(_ASIDE)}(?P<folder>.+)-[0-9a-f]{{{2 * _TOKEN_BYTES}}}", re.DOTALL)
+_NAME = re.compile(rf"{re.escape(_ASIDE)}(?P<folder>.+)-[0-9a-f]{{{2 * TOKEN_BYTES}}}", re.DOTALL)
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
 """Of Linux, ``renameat2(2)``."""
 
@@ -32,20 +32,26 @@ def put(out: Path, contents: Mapping[str, str | bytes], own: Collection[str]) ->
         own: Names of files that are the command's: one that is there and not written goes.
 
     Raises:
-        InputError: If the folder cannot be made or written.
+        InputError: If the folder cannot be made or written, or it or a name in it is a link or otherwise no folder or file.
     """
+    own = {*own, *contents}
+    check_output_folder(out, "a folder for the files of the command")
+    for name in own:
+        for above in PurePath(name).parents[:-1]:
+            check_output_folder(out / above, "a folder of that name")
+        check_output_file(out / name)
     with _explained(out), _made(out) as folder:
         for left in _left_by_killed_runs(folder):
             shutil.rmtree(left, ignore_errors=True)
-        own = {*own, *contents}
         if not (_is_free(folder, own) and _exchanged(folder, contents)):
             _moved_in(folder, contents, own)
 
 
 def _left_by_killed_runs(folder: Path) -> list[Path]:
     """What a run that was killed while it wrote to ``folder`` left in it or beside it."""
-    within = [path for path in folder.glob(f"{_ASIDE}*") if _whose(path) in {folder.name, None}]
-    beside = [path for path in folder.parent.glob(f"{_ASIDE}*") if _whose(path) == folder.name]
+    name = part_of_name(folder.name)
+    within = [path for path in folder.glob(f"{_ASIDE}*") if _whose(path) in {name, None}]
+    beside = [path for path in folder.parent.glob(f"{_ASIDE}*") if _whose(path) == name]
     return [path for path in (*within, *beside) if path.is_dir() and not path.is_symlink()]
 
 
@@ -108,7 +114,7 @@ def _write(folder: Path, contents: Mapping[str, str | bytes]) -> None:
 @contextlib.contextmanager
 def _aside(where: Path, folder: Path) -> Iterator[Path]:
     """An empty folder in ``where`` for what is to become ``folder``; gone afterwards."""
-    aside = where / f"{_ASIDE}{folder.name}-{secrets.token_hex(_TOKEN_BYTES)}"
+    aside = where / f"{_ASIDE}{part_of_name(folder.name)}-{secrets.token_hex(TOKEN_BYTES)}"
     aside.mkdir()
     try:
         yield aside
@@ -118,7 +124,7 @@ def _aside(where: Path, folder: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def _made(out: Path) -> Iterator[Path]:
-    """The folder ``out`` itself, whatever links lead there; if what follows fails, none is there that was not before."""
+    """The folder ``out`` itself, whatever links are above it; if what follows fails, none is there that was not before."""
     folder = out.resolve()
     missing = [one for one in (*reversed(folder.parents), folder) if not one.exists()]
     folder.mkdir(parents=True, exist_ok=True)

@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.files import write_whole
+from forcefeel.files import check_output_file, make_folder, write_whole
 from forcefeel.json_values import json_text
 from forcefeel.simulation.outcome import measures_of
 from forcefeel.sweep.identity import differences, digest, identity
@@ -66,11 +66,9 @@ class Folder:
         Raises:
             InputError: If the folder cannot be made or written, or holds a sweep that is not to go on or another one.
         """
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            what = "is a file" if self.path.is_file() else f"cannot be made ({error.strerror})"
-            raise InputError(f"{self.path}: {what}; expected a folder for the sweep; name another one") from error
+        make_folder(self.path, "a folder for the sweep")
+        for name in (PLAN, RUNS, *REPORT):
+            check_output_file(self.path / name)
         for path in self.path.glob(".*"):
             if _HALF_WRITTEN.fullmatch(path.name):
                 path.unlink()

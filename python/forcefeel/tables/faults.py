@@ -10,6 +10,9 @@ from forcefeel.errors import InputError
 GAP = 5.0
 """A step of more than so many times the median step is a gap in a recording."""
 
+LARGEST = 1e15
+"""Of any SI unit. No sensor gives more, and powers of sums over a record stay within what a number can hold."""
+
 _ROUNDING = 1e-6
 """Of a step; times in decimals are off by 3e-16 of the time, which is so little for a billion steps."""
 _SHORTEST_STEP_S = 10e-6
@@ -26,6 +29,11 @@ def fault(columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) 
         i = int(np.argmin(finite))
         came = " and ".join(f"{values[i]:.15g} {units[name]}" for name, values in columns.items())
         return i + 1, f"expected finite numbers, got {came}; leave the row out if the sample was lost"
+    for name, values in columns.items():
+        i = int(np.argmax(np.abs(values)))
+        if name != "time" and abs(values[i]) > LARGEST:
+            came = f"{name} is {values[i]:.6g} {units[name]}"
+            return i + 1, f"{came}; expected at most {LARGEST:g}; leave the row out if the sample was lost"
     with np.errstate(over="ignore"):  # times from end to end of what a number can hold
         steps = np.diff(time)
     if not (steps > 0).all():

@@ -138,7 +138,7 @@ def test_a_file_that_is_there_is_replaced_only_if_asked(run, tmp_path):
     (tmp_path / "e.csv").write_text("mine")
     status, _, err = run("elevator", "--fit", "J", *SHORT, "--out", "e.csv")
     assert status == 2
-    assert "e.csv: is there already; add --replace" in err
+    assert "e.csv: is there already; give another name, or --replace to replace it" in err
     assert (tmp_path / "e.csv").read_text() == "mine"
     assert run("elevator", "--fit", "J", *SHORT, "--out", "e.csv", "--replace")[0] == 0
     assert rows(tmp_path / "e.csv")[1] == "time (s),test_signal (V)"

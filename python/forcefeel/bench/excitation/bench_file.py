@@ -10,7 +10,7 @@ from forcefeel.bench.excitation.information import named
 from forcefeel.bench.excitation.result import Excitation
 from forcefeel.bench.identification.digits import percent
 from forcefeel.errors import InputError
-from forcefeel.files import write_whole
+from forcefeel.files import Kind, check_output_file, input_kind, write_whole
 from forcefeel.units import UnitSystem
 
 
@@ -23,11 +23,8 @@ def check_excitation_file(path: Path, *, replace: bool) -> None:
     """
     if path.suffix.lower() != ".csv":
         raise InputError(f"{path}: expected a name that ends in .csv, as an identification reads it")
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; give the name of a file such as excite.csv")
-    if path.exists() and not replace:
-        raise InputError(f"{path}: is there already; add --replace to replace it, or give another name with --out")
-    if not path.parent.is_dir():
+    check_output_file(path, replace=replace)
+    if input_kind(path.parent) is not Kind.FOLDER:
         raise InputError(f"{path}: expected a folder {path.parent} to write it into; make it first")
 
 

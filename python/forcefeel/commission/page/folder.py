@@ -10,6 +10,7 @@ from forcefeel.commission.page.page import commission_page
 from forcefeel.commission.result import Commission
 from forcefeel.commission.steps import ENVELOPE, IDENTIFICATION, LAW, STATE, TESTS
 from forcefeel.errors import InputError
+from forcefeel.files import check_output_file, check_output_folder, output_kind
 from forcefeel.json_values import json_text
 from forcefeel.page.folder import OutputFolder
 
@@ -36,13 +37,13 @@ def check_folder(out: Path, command: str, *, replace: bool = False, inputs: Sequ
     """
     same = _asked(out) == command
     FOLDER.check(out, replace=replace or same, inputs=inputs)
+    check_output_file(out / STATE)
     for name in _STEPS:
         folder = out / name
-        if folder.exists() and not folder.is_dir():
-            raise InputError(f"{folder}: is a file; expected a folder of that name; move the file away")
+        check_output_folder(folder, "a folder of that name")
         if any(given.resolve().is_relative_to(folder.resolve()) for given in inputs):
             raise InputError(f"{folder}: holds what the commissioning is made from; name another folder with --out")
-        if folder.exists() and not (replace or same or (out / STATE).exists()):
+        if output_kind(folder) and not (replace or same or output_kind(out / STATE)):
             raise InputError(f"{out}: holds {name} already; name another folder with --out, or --replace to replace it")
 
 

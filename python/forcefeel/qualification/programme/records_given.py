@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from forcefeel.errors import InputError
+from forcefeel.files import Kind, input_files, input_kind
 from forcefeel.qualification import Record, Rules, measure_release, read_record
 from forcefeel.qualification.programme.programme import SIGNS, SMALL, STATIC, Trial
 from forcefeel.qualification.release import ReleaseFeatures
@@ -136,14 +137,15 @@ def check_cover(one: tuple[Record, ReleaseFeatures], other: tuple[Record, Releas
 def _paths(option: str, word: str, keys: Sequence[str]) -> list[tuple[str, Path]]:
     """The files of a word, each with its test, empty where it is not said."""
     name, equals, rest = word.partition("=")
-    if equals and not Path(word).exists():
-        if name not in keys:
-            raise InputError(f"{option}: unknown test {name!r}; expected NAME=FILE with NAME one of {', '.join(keys)}")
+    if equals and name in keys:
         return [(name, Path(rest))]
     path = Path(word)
-    if not path.is_dir():
+    kind = input_kind(path)
+    if equals and kind is None:
+        raise InputError(f"{option}: unknown test {name!r}; expected NAME=FILE with NAME one of {', '.join(keys)}")
+    if kind is not Kind.FOLDER:
         return [(path.stem if path.stem in keys else "", path)]
-    files = sorted(file for file in path.iterdir() if file.suffix.lower() in ENDINGS and file.stem in keys)
+    files = [file for file in input_files(path) if file.suffix.lower() in ENDINGS and file.stem in keys]
     if not files:
         raise InputError(
             f"{option}: {path}: has no file that is named after a test; expected some of {', '.join(keys)}, each with "
