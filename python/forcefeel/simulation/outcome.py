@@ -138,7 +138,7 @@ class Measures(Motion):
         >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> f"overshoot {run.measures.overshoot:.0%}"
-        'overshoot 46%'
+        'overshoot 45%'
     """
 
     peak_pressure_pa: Annotated[float, PRESSURE]
@@ -191,7 +191,7 @@ class Run:
         >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> run
-        <Run of 'elevator', 2 s, exact: settled at 1.036 s>
+        <Run of 'elevator', 2 s, exact: settled at 1.241 s>
     """
 
     loader: Loader
