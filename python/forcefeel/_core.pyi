@@ -353,6 +353,7 @@ class Simulation:
         force_scale: _Array | None = None,
         seed: int = 0,
         first_run: int = 0,
+        angle_noise: float = 0.0,
         threads: int = 1,
     ) -> tuple[_Array, _Array]: ...
     def slopes(
@@ -455,7 +456,11 @@ def schedule(closed: _Array, coupling: _Array, gain_row: _Array, period: float |
 def release_feature_groups() -> list[tuple[str, int, str]]: ...
 def simulation_outputs(drive: str = "hydraulic") -> list[tuple[str, str]]: ...
 def simulation_measures(drive: str = "hydraulic") -> list[tuple[str, str]]: ...
-def simulation_measure(outputs: _Array, dt: float) -> _Array: ...
+def simulation_measure(outputs: _Array, dt: float, rest: float, *, free: int = 0, noise: float = 0.0) -> _Array:
+    """The measures of one run (outputs, samples), whose last force holds the column at `rest`; from sample `free` on it is free.
+
+    `noise` is what the sensors' noise moves the column by, r.m.s.
+    """
 
 @final
 class LiveSetup:

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.choice.noise import HOLDING, NoisyLoop, hand_force_rms, noise_at_grip
+from forcefeel.choice.noise import HOLDING, hand_force_rms, noise_at_grip
 from forcefeel.laws.law import Law, named
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.sensors import sample_variance
+from forcefeel.loops.noisy_loop import NoisyLoop
 from forcefeel.simulation import Scenario, simulate
 
 ROUNDING = 1e-12

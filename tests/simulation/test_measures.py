@@ -17,9 +17,8 @@ from forcefeel.simulation.tables import measure_rows
 from forcefeel.units import UnitSystem
 
 H = 1e-3
-OVERSHOOT = 2e-4
-"""Relative: the tail's mean is the end to 1e-5 of the way, three of them of an overshoot; a peak lies within half a sample.
-Measured: 2e-5."""
+OVERSHOOT = 1e-6
+"""Relative: the polynomial's own error around a peak."""
 ROUNDING_S = 1e-12
 """A number of steps times the step. Measured: 0."""
 LANES = 1e-12
@@ -30,11 +29,11 @@ OUTPUTS = len(_core.simulation_outputs())
 TIME = np.arange(4001) * H
 
 
-def measures(angle):
-    """The measures of a column's angle, all other outputs being zero."""
+def measures(angle, end):
+    """The measures of a column's angle whose last force holds it at ``end``, all other outputs being zero."""
     values = np.zeros((OUTPUTS, len(angle)))
     values[0] = angle
-    return Measures(*_core.simulation_measure(values, H).tolist())
+    return Measures(*_core.simulation_measure(values, H, end).tolist())
 
 
 def swing(zeta, omega=10.0):
@@ -47,7 +46,7 @@ def swing(zeta, omega=10.0):
 def test_a_column_that_goes_somewhere_is_measured_by_its_way(start, end):
     """A step and a release alike: the overshoot of second order is exp(-pi z / sqrt(1 - z^2))."""
     zeta = 0.3
-    found = measures(end + (start - end) * swing(zeta))
+    found = measures(end + (start - end) * swing(zeta), end)
     assert found.overshoot == pytest.approx(math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2)), rel=OVERSHOOT)
     last = np.flatnonzero(np.abs(swing(zeta)) > 0.05)[-1] * H
     assert found.settling_time_s == pytest.approx(last, abs=2 * H)
@@ -56,7 +55,7 @@ def test_a_column_that_goes_somewhere_is_measured_by_its_way(start, end):
 @pytest.mark.parametrize("size", [1e-9, 0.1, 1.0])
 def test_a_column_that_comes_back_has_no_overshoot_and_settles_by_its_largest_excursion(size):
     bump = np.exp(-2 * TIME) * np.sin(10 * TIME)
-    found = measures(0.3 + size * bump)
+    found = measures(0.3 + size * bump, 0.3)
     assert math.isnan(found.overshoot)
     largest = np.abs(bump).max()
     assert found.settling_time_s == pytest.approx(np.flatnonzero(np.abs(bump) > 0.05 * largest)[-1] * H, abs=2 * H)
@@ -68,11 +67,11 @@ def test_a_column_that_comes_back_has_no_overshoot_and_settles_by_its_largest_ex
 def test_coming_back_means_to_within_five_percent_of_the_largest_excursion(left, has, side):
     angle = side * np.where(TIME < 1.0, np.sin(math.pi * TIME) * (1 - left), 0.0) + side * left * np.minimum(TIME, 1.0)
     angle /= np.abs(angle).max()
-    assert math.isfinite(measures(angle).overshoot) == has
+    assert math.isfinite(measures(angle, float(angle[-1])).overshoot) == has
 
 
 def test_a_column_that_does_not_move_has_settled_and_has_no_overshoot():
-    found = measures(np.full(4001, 0.1))
+    found = measures(np.full(4001, 0.1), 0.1)
     assert (math.isnan(found.overshoot), found.settling_time_s) == (True, 0.0)
 
 
@@ -94,7 +93,7 @@ def test_inputs_that_return_and_inputs_that_lead_somewhere(name):
     assert rows.get("overshoot (the input leads to no new place)", ("–", "")) == ("–", "")
     assert float(rows["within 5 % from"][0]) == pytest.approx(run.measures.settling_time_s, rel=FOUR_DIGITS)
     angle = run.history.column_angle_rad.values
-    end, excursion = run.measures.final_angle_rad, np.abs(angle - angle[0]).max()
+    end, excursion = run.measures.equilibrium_angle_rad, np.abs(angle - angle[0]).max()
     band = 0.05 * (excursion if returns else abs(end - angle[0]))
     assert run.measures.settling_time_s == pytest.approx(
         np.flatnonzero(np.abs(angle - end) > band)[-1] * H, abs=ROUNDING_S
@@ -103,18 +102,18 @@ def test_inputs_that_return_and_inputs_that_lead_somewhere(name):
 
 
 def test_lanes_of_a_batch_choose_by_themselves():
-    """Pushes of all sizes side by side: dry friction holds some columns away from where they began."""
-    loader = ff.elevator().replace({"feel.coulomb_friction": "10 lb", "valve.orifice": True})
+    """Pulls of all sizes side by side: dry friction lets some columns go, and holds others where they began."""
+    loader = ff.elevator().replace({"column.coulomb_friction": "10 lb", "valve.orifice": True})
     values = np.tile(loader.values, (17, 1))
     values[:, list(TABLE).index("pilot.force")] *= np.linspace(0.1, 1.0, 17)
-    found = simulate_batch(loader, Scenario(Pulse(150.0, 0.1, 0.3), 3.0), values, keep=["column_angle_rad"])
+    found = simulate_batch(loader, Scenario(Step(150.0, 0.1), 3.0), values, keep=["column_angle_rad"])
     for k, angle in enumerate(found.column_angle_rad.values):
-        alone = measures(angle)
-        for name in ("overshoot", "settling_time_s"):
+        alone = measures(angle, float(found.equilibrium_angle_rad[k]))
+        for name in ("overshoot", "settling_time_s", "period_s", "periods"):
             assert float(found[name][k]) == pytest.approx(getattr(alone, name), rel=LANES, nan_ok=True)
-    returned = np.isnan(found.overshoot.values)
-    assert returned.any()
-    assert not returned.all()
+    held = np.isnan(found.overshoot.values)
+    assert held.any()
+    assert not held.all()
 
 
 def test_a_step_that_leads_back_says_so():

@@ -1,9 +1,15 @@
 """Batches: the same bits on any number of threads, in any lane, in pieces; members that fail; the measures."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 import forcefeel as ff
+from forcefeel._core import Compensator
+from forcefeel.linear.models import Linkage, loader_model
+from forcefeel.linear.step import equilibrium
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
 from forcefeel.simulation import Scenario, simulate, simulate_batch
@@ -15,8 +21,11 @@ ROUNDING_S = 1e-9
 """Of times that are whole steps of a millisecond."""
 SUMMED = 1e-12
 """Relative, and of numbers about one: sums in another order, and times k h of one product or another. Measured: 4e-15."""
+READ = 1e-4
+"""Relative: an equilibrium by secants and another by matrices, a spline and a polynomial through the same samples."""
 
 LOADER = ff.elevator().replace({"valve.orifice": True, "column.coulomb_friction": "2 lb"})
+PLAIN = ff.elevator().replace({"column.coulomb_friction": "2 lb"})
 NOISY = LOADER.replace({"controller.period": 1e-3, "load_cell.noise": 0.5, "potentiometer.noise": 1e-5})
 SCENARIO = Scenario(Step(96 * LB, 0.1), 1.0)
 KEEP = tuple(outputs("V"))
@@ -98,35 +107,48 @@ def test_run_of_not_a_numbers_is_no_settled_run(batch, values):
     assert found.status.values[7] == "diverged"
 
 
-def test_measures_are_those_of_the_histories(batch):
+def rest_of(values):
+    """Column angle at rest under the force, from the linear model's matrices: friction has no part in it."""
+    loader = Loader("one", "here", values)
+    model = loader_model(loader, Compensator.original(values), Linkage.COMPLIANT)
+    force = SCENARIO.force.force_n * loader["pilot.force"] / PLAIN["pilot.force"]
+    return force * float(np.asarray(model.C)[0] @ equilibrium(model))
+
+
+def test_measures_are_those_of_the_histories():
+    values = draws(PLAIN, 21)
+    batch = simulate_batch(PLAIN, replace(SCENARIO, duration_s=2.5), values, keep=KEEP)
     time = batch.time_s.values
     for run in range(21):
-        angle = batch.column_angle_rad.values[run]
-        end = angle[-(len(angle) // 10) :].mean()
-        way = end - angle[0]
-        excursion = np.abs(angle - angle[0]).max()
-        assert (
-            abs(way) > 0.05 * excursion
-        )  # none of these comes back to where it began; test_measures.py has some that do
-        off = angle - end
-        ups = np.flatnonzero((off[:-1] < 0) & (off[1:] >= 0))
-        passes = time[ups + 1] - off[ups + 1] / (off[ups + 1] - off[ups]) * 1e-3
-        expected = {
+        angle, rest = batch.column_angle_rad.values[run], rest_of(values[run])
+        off = CubicSpline(time, angle - rest)
+        crossings = [at for at in off.roots(extrapolate=False) if at > SCENARIO.force.start_s]
+        sides = np.sign(rest) * np.array([off(at) for at in off.derivative().roots(extrapolate=False)])
+        periods = batch.periods.values[run]
+        whole = int(np.nan_to_num(periods))  # none where friction stretches one swing more than the next
+        tail = angle[-(len(angle) // 10) :]
+        outside = np.flatnonzero(np.abs(angle - rest) > 0.05 * abs(rest))[-1]
+        exact = {
             "maximum_angle_rad": angle.max(),
             "time_of_maximum_s": time[angle.argmax()],
             "minimum_angle_rad": angle.min(),
             "time_of_minimum_s": time[angle.argmin()],
-            "final_angle_rad": end,
-            "overshoot": (angle.max() - end) / abs(way) if way > 0 else (end - angle.min()) / abs(way),
-            "settling_time_s": time[np.flatnonzero(np.abs(off) > 0.05 * abs(way))[-1]],
-            "passes": len(passes),
-            "period_s": np.diff(passes).mean() if len(passes) > 1 else np.nan,
-            "last_swing_rad": np.ptp(angle[-(len(angle) // 10) :]),
+            "final_angle_rad": tail.mean(),
+            "settling_time_s": np.nan if outside + 1 == len(angle) else time[outside],
+            "last_swing_rad": np.ptp(tail),
             "peak_current_a": np.abs(batch.valve_current_a.values[run]).max(),
             "peak_pressure_pa": np.abs(batch.load_pressure_pa.values[run]).max(),
             "peak_flow_m3_per_s": np.abs(batch.actuator_flow_m3_per_s.values[run]).max(),
             "diverged_at_s": np.inf,
         }
-        assert set(expected) == set(MEASURES)
-        for name, value in expected.items():
-            np.testing.assert_allclose(batch[name].values[run], value, rtol=SUMMED, atol=SUMMED, err_msg=name)
+        read = {
+            "equilibrium_angle_rad": rest,
+            "overshoot": sides.max() / abs(rest),
+            "period_s": (crossings[2 * whole] - crossings[0]) / whole if whole else np.nan,
+            "periods": periods,
+        }
+        assert {*exact, *read} == set(MEASURES)
+        for expected, within in ((exact, SUMMED), (read, READ)):
+            for name, value in expected.items():
+                np.testing.assert_allclose(batch[name].values[run], value, rtol=within, atol=SUMMED, err_msg=name)
+    assert np.isfinite(batch.period_s.values).sum() >= len(values) // 2

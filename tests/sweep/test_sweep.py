@@ -322,7 +322,7 @@ def test_runs_without_an_overshoot_are_counted_and_the_reason_is_given():
     none = int(np.isnan(found.runs["overshoot"].values).sum())
     assert 0 < none < 40
     said = " ".join(sweep_conclusions(found, summarize(found), UnitSystem.US).findings)
-    assert f"{none} have none: the column ends where it began." in said
+    assert f"{none} have none: the column ends where it began, meets a stop," in said
 
 
 def test_a_sweep_in_which_nothing_moves_has_nothing_to_say():

@@ -44,3 +44,11 @@ pub fn at_most(name: &str, most: usize, count: usize) -> PyResult<()> {
     }
     Err(refused(format!("{name}: expected at most {most}, got {count}")))
 }
+
+/// A finite number of at least zero, or a `ArgumentError` that names it.
+pub fn at_least_zero(name: &str, number: f64) -> PyResult<()> {
+    if number.is_finite() && number >= 0.0 {
+        return Ok(());
+    }
+    Err(refused(format!("{name}: expected a number of at least zero, got {number}")))
+}

@@ -1,7 +1,7 @@
 //! Features of releases.
 
 use crate::errors::{refused, threads as answered};
-use crate::limits::{at_most, rising};
+use crate::limits::{at_least_zero, at_most, rising};
 use forcefeel_solve::release::{FEATURE_GROUPS, FEATURES, Measuring, Release};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -71,9 +71,7 @@ impl ReleaseMeasuring {
             at_most(name, time.len(), count)?;
         }
         for (name, size) in [("reach", reach), ("hysteresis", hysteresis)] {
-            if !(size.is_finite() && size >= 0.0) {
-                return Err(refused(format!("{name}: expected a number of at least zero, got {size}")));
-            }
+            at_least_zero(name, size)?;
         }
         Ok(Self { time, held, free, tail, shares, reach, hysteresis })
     }

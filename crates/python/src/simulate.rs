@@ -3,7 +3,7 @@
 use crate::arrays::{rows, vector};
 use crate::errors::{refused, threads as answered};
 use crate::laws::{Laws, NamedLaw, check_runs, effects_of};
-use crate::limits::{at_most, rising, step, timing as in_steps};
+use crate::limits::{at_least_zero, at_most, rising, step, timing as in_steps};
 use crate::model::drive_of;
 use crate::slopes::check_keys;
 use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
@@ -15,7 +15,7 @@ use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_simulate::batch::{Change, Job, Sampling};
-use forcefeel_simulate::measures::{Peaks, measure, measures};
+use forcefeel_simulate::measures::{Peaks, Samples, measure, measures};
 use forcefeel_simulate::record_slopes::SlopeJob;
 use forcefeel_solve::feel_alone::feel_alone;
 use forcefeel_solve::law::Law;
@@ -47,17 +47,24 @@ pub fn simulation_measures(drive: &str) -> PyResult<Names> {
     Ok(measures(drive_of(drive)?))
 }
 
-/// The measures of one run from its outputs (outputs, samples), a sample every `dt` seconds.
+/// The measures of one run from its outputs (outputs, samples), a sample every `dt` seconds, whose last force holds the column at `rest`;
+/// from the sample `free` on it is free.
 #[pyfunction]
+#[pyo3(signature = (outputs, dt, rest, *, free = 0, noise = 0.0))]
 pub fn simulation_measure<'py>(
     py: Python<'py>,
     outputs: PyReadonlyArray2<'py, f64>,
     dt: f64,
+    rest: f64,
+    free: usize,
+    noise: f64,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let outputs = outputs.as_array();
     if outputs.nrows() != OUTPUTS.len() || outputs.ncols() < 2 {
         return Err(refused(format!("outputs: expected {} rows, got {:?}", OUTPUTS.len(), outputs.dim())));
     }
+    at_most("free", outputs.ncols(), free)?;
+    at_least_zero("noise", noise)?;
     let row = |output: Output| outputs.row(output as usize);
     let angle = row(Output::ColumnAngle).to_vec();
     let demand = [Output::ThirdSignal, Output::FirstSignal, Output::SecondSignal].map(row);
@@ -66,7 +73,8 @@ pub fn simulation_measure<'py>(
         #[expect(clippy::cast_precision_loss, reason = "a number of samples, far below 2^52")]
         peaks.see(angle, angle, [0, 1, 2].map(|j| demand[j][k]), k as f64 * dt);
     }
-    Ok(PyArray1::from_slice(py, &measure(&angle, dt, &peaks).values()))
+    let samples = Samples { dt, free, noise };
+    Ok(PyArray1::from_slice(py, &measure((), &angle, &samples, &peaks, |_, _| rest).values()))
 }
 
 /// What stays the same over the runs of a simulation.
@@ -142,7 +150,7 @@ impl Simulation {
     }
 
     /// Measures (runs, measures) and histories (runs, outputs, samples) of the loaders with these values, a row each.
-    #[pyo3(signature = (values, *, law = None, gains = None, observers = None, force_scale = None, seed = 0, first_run = 0, threads = 1))]
+    #[pyo3(signature = (values, *, law = None, gains = None, observers = None, force_scale = None, seed = 0, first_run = 0, angle_noise = 0.0, threads = 1))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python method")]
     fn run<'py>(
         &self,
@@ -154,15 +162,18 @@ impl Simulation {
         force_scale: Option<PyReadonlyArray1<'py, f64>>,
         seed: u64,
         first_run: u64,
+        angle_noise: f64,
         threads: usize,
     ) -> PyResult<Arrays<'py>> {
+        at_least_zero("angle_noise", angle_noise)?;
         let values = rows::<COUNT>("values", &values)?;
         let runs = values.len();
         let laws = Laws::of(law, gains.as_ref(), observers.as_ref(), runs)?;
         let law = laws.law();
         let force_scale: Option<Vec<f64>> = force_scale.map(|scale| scale.as_array().iter().copied().collect());
         check_runs("force_scale", force_scale.as_ref().map(Vec::len), runs)?;
-        let job = Job { force_scale: force_scale.as_deref(), noise: (seed, first_run), ..self.job(&values, law) };
+        let noise = (seed, first_run);
+        let job = Job { force_scale: force_scale.as_deref(), noise, angle_noise, ..self.job(&values, law) };
         // NumPy's memory, which it asks the system for in large pages: a third of the time of a short run otherwise.
         let histories = PyArray3::zeros(py, [runs, self.outputs.len(), job.samples()], false);
         let mut writable = histories.readwrite();
@@ -260,6 +271,7 @@ impl Simulation {
             force_scale: None,
             changes: &self.changes,
             noise: (0, 0),
+            angle_noise: 0.0,
             sampling: self.sampling,
             outputs: &self.outputs,
         }

@@ -3,7 +3,7 @@
 //! A run's numbers depend on its own parameters, its seed and its index alone, never on its neighbours or on the number of
 //! threads. A last group that is not full is filled up with copies of its last run.
 
-use crate::measures::{MEASURES, Peaks, measure};
+use crate::measures::{MEASURES, Peaks, Samples, measure};
 use crate::noise::Noise;
 use crate::pair::Pair;
 use crate::run::{FeelChange, Middles, Record, run};
@@ -16,6 +16,7 @@ use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_solve::lanes::{LANES, Lanes};
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::Output;
+use forcefeel_solve::rest::{angle_at_rest, is_pulled};
 use forcefeel_solve::return_on_vectors;
 use forcefeel_solve::start::{Beginning, Start};
 use forcefeel_solve::threads::{NoThreads, pool};
@@ -67,6 +68,8 @@ pub struct Job<'a> {
     pub changes: &'a [Change],
     /// Seed of the noise, and index of the first run.
     pub noise: (u64, u64),
+    /// What the sensors' noise moves a column by, r.m.s. in rad: no swing that small is measured.
+    pub angle_noise: f64,
     /// When to take samples.
     pub sampling: Sampling,
     /// Which of the [`outputs`](forcefeel_solve::outputs::outputs) to keep.
@@ -180,6 +183,32 @@ impl Job<'_> {
         self.start.of(&self.machines::<f64, K>(|of| of(run)).1, &self.shared, self.inputs)
     }
 
+    /// The angle at which the last inputs hold the column of a run, dry friction aside; `mean` is near it where the run has settled.
+    fn angle_at_rest<K: Kind>(&self, run: usize, beginning: &Beginning<f64>, mean: f64) -> f64 {
+        let (steps, last) = (self.inputs.len(), self.inputs.last().unwrap_or(&Inputs::NONE));
+        match self.start {
+            Start::Held(angle, until) if until >= steps => return angle,
+            _ => {}
+        }
+        let moved =
+            [last.shaker, last.added_force, last.test_signal, last.command_signal].iter().any(|it| it[1] != 0.0);
+        let changing = self.changes.iter().any(|change| change.steps.0 < steps && steps < change.steps.1);
+        if moved || changing {
+            return f64::NAN;
+        }
+        if !is_pulled(&self.shared, last.force[1], last.trim[1]) {
+            return 0.0;
+        }
+        let (parameters, mut machine) = self.machines::<f64, K>(|of| of(run));
+        let mut state = machine.start(&self.shared, &beginning.equilibrium);
+        for change in self.changes.iter().filter(|change| change.steps.1 <= steps) {
+            let change = change.of(&parameters);
+            machine.fade_to(&change.parameters, change.observer.as_ref());
+            machine.faded(&self.shared, &mut state);
+        }
+        angle_at_rest(&machine, &self.shared, last, &beginning.equilibrium, mean)
+    }
+
     #[inline(always)]
     fn group<T: Wide, K: Kind>(&self, token: T::Token, first: usize, measures: &mut [Values], histories: &mut [f64]) {
         let member = |lane: usize| (first + lane).min(self.values.len() - 1);
@@ -194,7 +223,7 @@ impl Job<'_> {
             job: self,
             per_base,
             per_delta: machine.per_delta(),
-            peaks: Peaks::new(per_base),
+            peaks: Peaks::new(per_base).with_stops(&parameters),
             angles: Vec::with_capacity(self.samples()),
             kept: Vec::with_capacity(self.samples() * self.outputs.len()),
         };
@@ -204,11 +233,17 @@ impl Job<'_> {
         run(&mut machine, &self.shared, &beginning, self.inputs, &changes, || noise.next(token), &mut recorder);
         recorder.write(histories);
         let Recorder { peaks, angles, .. } = recorder;
-        let dt = match self.sampling {
-            Sampling::Every(steps) => number(steps) * self.shared.step_s,
-            Sampling::Halves => 0.5 * self.shared.step_s,
+        let held = beginning.held_until;
+        let (dt, free) = match self.sampling {
+            Sampling::Every(steps) => (number(steps) * self.shared.step_s, held.div_ceil(steps)),
+            Sampling::Halves => (0.5 * self.shared.step_s, 2 * held),
         };
-        for (k, found) in measure(&angles, dt, &peaks).values().into_iter().enumerate() {
+        let samples = Samples { dt, free: free.min(angles.len() - 1), noise: self.angle_noise };
+        let rest = |lane: usize, mean: f64| {
+            let beginning = &beginnings[lane.min(beginnings.len() - 1)];
+            self.angle_at_rest::<K>(member(lane), beginning, mean)
+        };
+        for (k, found) in measure(token, &angles, &samples, &peaks, rest).values().into_iter().enumerate() {
             found.scatter(|lane, value| {
                 if let Some(run) = measures.get_mut(lane) {
                     run[k] = value;

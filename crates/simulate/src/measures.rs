@@ -1,13 +1,26 @@
 //! What is asked of a run in place of its whole history.
 //!
-//! `theta` column angle, `theta_0` at the start, `theta_e` its mean over the last tenth of the run · `H = theta_e - theta_0` the
-//! way · `P = max |theta - theta_0|` the largest excursion
+//! `theta` column angle, `theta_0` at the start, `theta_e` where the last force holds it, dry friction aside · `H = theta_e - theta_0`
+//! the way · `P = max |theta - theta_0|` the largest excursion · `sigma` what the sensors' noise moves the column by, r.m.s.
 //!
-//! A column that ends where it began, as after a pulse or a doublet, has no way to measure by. It is one with `|H| <= 0.05 P`:
-//! its overshoot is not a number, and it has settled when it stays within 5 % of `P`.
+//! Overshoot and period are those of a release around `theta_e` ([`release`](forcefeel_solve::release)), and not numbers where the
+//! run does not tell them:
+//!
+//! | the column | no number |
+//! |---|---|
+//! | ends where it began, `|H| <= 0.05 P`, or hardly moves, `P <= 0.05 |H|` | both |
+//! | met a stop, of its own or a programmed one | both |
+//! | still moves when the run ends and has not passed `theta_e`, or not turned beyond it | overshoot |
+//! | has not passed `theta_e` three times, or friction stretches its swings: they differ by more than [`KNOWN`] | period |
+//! | moves so little that noise may put the number off by more than [`KNOWN`] | that one |
+//!
+//! It has settled when it stays within 5 % of `H` around `theta_e`, or around where dry friction holds it farther off; of `P` if it
+//! ends where it began.
 
 use forcefeel_model::Scalar;
-use forcefeel_model::parameters::DriveKind;
+use forcefeel_model::parameters::{DriveKind, Parameters};
+use forcefeel_solve::release::Measuring;
+use forcefeel_solve::wide::Wide;
 
 /// Share of the run at its end over which the final angle is the mean, and the last swing is taken.
 const TAIL: usize = 10;
@@ -16,6 +29,19 @@ const TAIL: usize = 10;
 pub const BAND: f64 = 0.05;
 /// Share of the largest angle that is an excursion at least: a mean differs by rounding from what it is the mean of.
 const ROUNDING: f64 = 1e-10;
+/// Share of a number within which noise leaves it, or there is none; of an overshoot within the band, the share of the band, and of
+/// one that is zero, the share of the way.
+pub const KNOWN: f64 = 0.01;
+/// Standard deviations of the noise beyond a level at which the column has passed it.
+const PASSED: f64 = 4.0;
+/// Standard deviations within which noise leaves a number.
+const COVERAGE: f64 = 2.0;
+/// Share of `|H|` by which a column at rest moves at most over the last tenth of the run.
+const AT_REST: f64 = 1e-3;
+/// Share of its distance from the equilibrium by which a column moves at most over the last tenth if dry friction holds it there.
+const HELD: f64 = 0.01;
+/// Share of a programmed stop from which on it is reached, but for rounding.
+const REACHED: f64 = 1e-6;
 
 /// The measures of a loader with this drive: what of the drive a run tells the peaks of has names of its own.
 pub fn measures(kind: DriveKind) -> Vec<(&'static str, &'static str)> {
@@ -56,15 +82,17 @@ measures! {
     time_of_minimum: "s";
     /// Mean column angle over the last tenth of the run.
     final_angle: "rad";
-    /// How far the column went beyond the final angle, as a share of the way to it; not a number if it came back.
+    /// Where the last force holds the column, dry friction aside; not a number where nothing does.
+    equilibrium_angle: "rad";
+    /// How far the column went beyond the equilibrium, as a share of the way to it; not a number where the run does not tell.
     overshoot: "";
-    /// Time after which the column stayed around the final angle, within 5 % of the way, or of the largest excursion if it
-    /// came back.
+    /// Time after which the column stayed around the equilibrium, within 5 % of the way, or of the largest excursion if it
+    /// came back; not a number if it does not in the end.
     settling_time: "s";
-    /// Mean time between two passes of the final angle upwards; not a number with fewer than two.
+    /// Mean time from one pass of the equilibrium to the next to the same side; not a number where the run does not tell.
     period: "s";
-    /// How often the column passed the final angle upwards.
-    passes: "";
+    /// How many periods that is the mean of; not a number without one.
+    periods: "";
     /// Swing, from lowest to highest, over the last tenth of the run.
     last_swing: "rad";
     /// Largest magnitude of the current of valve or motor.
@@ -77,7 +105,7 @@ measures! {
     diverged_at: "s";
 }
 
-/// Largest magnitudes on the way, and when a run left every bound.
+/// Largest magnitudes on the way, whether a stop was met, and when a run left every bound.
 #[derive(Debug, Clone, Copy)]
 pub struct Peaks<S> {
     /// Valve current in A.
@@ -88,6 +116,10 @@ pub struct Peaks<S> {
     pub flow: S,
     /// When the column angle left [`BOUND_RAD`], in s.
     pub diverged_at: S,
+    /// 1 once the column or the programmed control has met a stop, 0 before.
+    met_stop: S,
+    /// Lowest and highest angle that the column and the programmed control are left.
+    stops: [[S; 2]; 2],
 }
 
 /// A column that turns so far has no model.
@@ -99,8 +131,20 @@ impl<S: Scalar> Peaks<S> {
     /// Nothing seen yet.
     #[inline(always)]
     pub fn new(like: S) -> Self {
-        let zero = like.zero();
-        Self { current: zero, pressure: zero, flow: zero, diverged_at: like.constant(f64::INFINITY) }
+        let (zero, none) = (like.zero(), like.constant(f64::INFINITY));
+        let stops = [[-none, none]; 2];
+        Self { current: zero, pressure: zero, flow: zero, diverged_at: none, met_stop: zero, stops }
+    }
+
+    /// With the stops of a loader.
+    #[inline(always)]
+    pub fn with_stops(self, &Parameters { column, feel, .. }: &Parameters<S>) -> Self {
+        let inside = |bound: S, side: f64| {
+            let none = bound.constant(f64::INFINITY);
+            S::select(bound.abs().less(none), bound - bound.abs().times(side * REACHED), bound)
+        };
+        let programmed = [inside(feel.hard_stop_low, -1.0), inside(feel.hard_stop_high, 1.0)];
+        Self { stops: [[column.stop_low, column.stop_high], programmed], ..self }
     }
 
     /// Takes one instant along: column angle and programmed angle in rad, current, pressure and flow.
@@ -117,12 +161,34 @@ impl<S: Scalar> Peaks<S> {
             & pressure.abs().less(angle.constant(f64::INFINITY));
         let now = angle.constant(time).min(self.diverged_at);
         self.diverged_at = S::select(within, self.diverged_at, now);
+        let [[low, high], [programmed_low, programmed_high]] = self.stops;
+        let met =
+            angle.less(low) | high.less(angle) | programmed.less(programmed_low) | programmed_high.less(programmed);
+        self.met_stop = S::select(met, angle.constant(1.0), self.met_stop);
     }
 }
 
-/// The measures of a column angle sampled every `dt` seconds; at least two samples.
+/// How the samples of a run were taken.
+#[derive(Debug, Clone, Copy)]
+pub struct Samples {
+    /// Time between two, in s.
+    pub dt: f64,
+    /// The first from which on the column is free.
+    pub free: usize,
+    /// Sigma, in rad.
+    pub noise: f64,
+}
+
+/// The measures of sampled column angles; at least two samples. `rest` gives the angle at which a lane's last force holds its column,
+/// from the mean over the last tenth of its run.
 #[inline(always)]
-pub fn measure<S: Scalar>(angle: &[S], dt: f64, peaks: &Peaks<S>) -> Measures<S> {
+pub fn measure<S: Wide>(
+    token: S::Token,
+    angle: &[S],
+    samples: &Samples,
+    peaks: &Peaks<S>,
+    rest: impl Fn(usize, f64) -> f64,
+) -> Measures<S> {
     let first = angle[0];
     let tail = &angle[angle.len() - (angle.len() / TAIL).max(1)..];
     let (mut lowest, mut highest, mut sum) = (tail[0], tail[0], first.zero());
@@ -133,49 +199,113 @@ pub fn measure<S: Scalar>(angle: &[S], dt: f64, peaks: &Peaks<S>) -> Measures<S>
     let mut top = (first, first.zero());
     let mut bottom = (first, first.zero());
     for (k, &theta) in angle.iter().enumerate() {
-        let time = first.constant(number(k) * dt);
+        let time = first.constant(number(k) * samples.dt);
         let (higher, lower) = (top.0.less(theta), theta.less(bottom.0));
         top = (top.0.max(theta), S::select(higher, time, top.1));
         bottom = (bottom.0.min(theta), S::select(lower, time, bottom.1));
     }
-    let way = end - first;
+    let of_lanes = |value: S| {
+        let mut lanes = vec![0.0; S::RUNS];
+        value.scatter(|lane, value| lanes[lane] = value);
+        lanes
+    };
+    let ends = of_lanes(end);
+    let equilibrium = S::gather(token, |lane| rest(lane, ends[lane]));
+    let to = S::select(equilibrium.abs().less(first.constant(f64::INFINITY)), equilibrium, end);
+    let way = to - first;
     let largest = top.0.max(-bottom.0);
     let excursion = (top.0 - first).max(first - bottom.0).max(largest.times(ROUNDING));
-    let went = excursion.times(BAND).less(way.abs());
+    let went = excursion.times(BAND).less(way.abs()) & way.abs().times(BAND).less(excursion);
     let band = S::select(went, way.abs(), excursion).times(BAND);
+    // Near the top of a swing a column all but stands too.
+    let held = band.less((end - to).abs()) & (highest - lowest).less((end - to).abs().times(HELD));
+    let around = S::select(held, end, to);
     let mut settled = first.zero();
-    let mut passes = first.zero();
-    let (mut first_pass, mut last_pass) = (first.zero(), first.zero());
-    let mut before = first - end;
     for (k, &theta) in angle.iter().enumerate() {
-        let time = first.constant(number(k) * dt);
-        let off = theta - end;
-        settled = S::select(band.less(off.abs()), time, settled);
-        // Passed upwards between the last sample and this one; the time by a straight line.
-        let up = before.less(off.zero()) & !off.less(off.zero());
-        let when = time - (off / (off - before)).times(dt);
-        first_pass = S::select(up & passes.less(passes.constant(0.5)), when, first_pass);
-        last_pass = S::select(up, when, last_pass);
-        passes = S::select(up, passes + passes.constant(1.0), passes);
-        before = off;
+        let time = first.constant(number(k) * samples.dt);
+        settled = S::select(band.less((theta - around).abs()), time, settled);
     }
-    let beyond = S::select(way.less(way.zero()), end - bottom.0, top.0 - end);
-    let one = passes.constant(1.0);
+    let outside = band.less((angle[angle.len() - 1] - around).abs());
+    let none = first.constant(f64::NAN);
+    let swing = highest - lowest;
+    let (went, met, equilibria, swings) = (
+        of_lanes(S::select(went, none.constant(1.0), none.zero())),
+        of_lanes(peaks.met_stop),
+        of_lanes(equilibrium),
+        of_lanes(swing),
+    );
+    let mut of_lane = vec![Swings::NONE; S::RUNS];
+    let told = |lane: usize| went[lane] > 0.0 && met[lane] == 0.0 && equilibria[lane].is_finite();
+    if (0..S::RUNS).any(told) {
+        let time: Vec<f64> = (0..angle.len()).map(|k| number(k) * samples.dt).collect();
+        let mut positions = vec![0.0; S::RUNS * angle.len()];
+        for (k, theta) in angle.iter().enumerate() {
+            theta.scatter(|lane, value| positions[lane * angle.len() + k] = value);
+        }
+        for (lane, position) in positions.chunks_exact(angle.len()).enumerate().filter(|&(lane, _)| told(lane)) {
+            of_lane[lane] = Swings::of(&time, position, samples, (equilibria[lane], swings[lane]));
+        }
+    }
+    let each = |of: fn(&Swings) -> f64| S::gather(token, |lane| of(&of_lane[lane]));
     Measures {
         maximum_angle: top.0,
         time_of_maximum: top.1,
         minimum_angle: bottom.0,
         time_of_minimum: bottom.1,
         final_angle: end,
-        overshoot: S::select(went, beyond / way.abs(), one.constant(f64::NAN)),
-        settling_time: settled,
-        period: S::select(one.less(passes), (last_pass - first_pass) / (passes - one), one.constant(f64::NAN)),
-        passes,
-        last_swing: highest - lowest,
+        equilibrium_angle: equilibrium,
+        overshoot: each(|it| it.overshoot),
+        settling_time: S::select(outside, none, settled),
+        period: each(|it| it.period),
+        periods: each(|it| it.periods),
+        last_swing: swing,
         peak_current: peaks.current,
         peak_pressure: peaks.pressure,
         peak_flow: peaks.flow,
         diverged_at: peaks.diverged_at,
+    }
+}
+
+/// What a column that goes from one place to another does around where it goes.
+#[derive(Debug, Clone, Copy)]
+struct Swings {
+    overshoot: f64,
+    period: f64,
+    periods: f64,
+}
+
+impl Swings {
+    const NONE: Self = Self { overshoot: f64::NAN, period: f64::NAN, periods: f64::NAN };
+
+    /// Of a column that ends around `rest` and moves by `last_swing` over the last tenth of the run.
+    fn of(time: &[f64], position: &[f64], samples: &Samples, (rest, last_swing): (f64, f64)) -> Self {
+        let noise = samples.noise;
+        let measuring = Measuring {
+            time,
+            held: 1,
+            free: samples.free,
+            tail: 1,
+            band: BAND,
+            high: 1.0 - BAND,
+            low: BAND,
+            reach: 0.0,
+            hysteresis: PASSED * noise,
+        };
+        let found = measuring.measure_around(position, rest);
+        let way = (rest - position[0]).abs();
+        let (largest, reached) = found
+            .overshoots_beyond()
+            .fold((0.0, 0.0), |largest, overshoot| if overshoot.0 > largest.0 { overshoot } else { largest });
+        let known = if largest > 0.0 {
+            reached < time[time.len() - 1] && COVERAGE * noise <= KNOWN * f64::max(largest, BAND * way)
+        } else {
+            last_swing <= AT_REST * way + 2.0 * PASSED * noise && PASSED * noise <= KNOWN * way
+        };
+        let overshoot = if known { largest / way } else { f64::NAN };
+        match found.period(noise, KNOWN).filter(|it| COVERAGE * it.uncertainty <= KNOWN * it.mean) {
+            Some(it) => Self { overshoot, period: it.mean, periods: number(it.cycles) },
+            None => Self { overshoot, ..Self::NONE },
+        }
     }
 }
 

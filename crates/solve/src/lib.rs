@@ -10,7 +10,7 @@
 //! | gains for many feel settings of one plant | [`schedule`] |
 //! | the programmed feel alone, in time, and from one time to another | [`feel_alone`](mod@feel_alone), [`feel_transition`](mod@feel_transition) |
 //! | many at once, in vector lanes over the cores | [`lanes`], [`wide`], [`threads`] |
-//! | laws of many, where a run begins, what it gives | [`law`], [`start`], [`outputs`] |
+//! | laws of many, where a run begins and would rest, what it gives | [`law`], [`start`], [`rest`], [`outputs`] |
 //! | stability of many loops, proved | [`stability`], [`bounded`] |
 //! | their poles | [`poles`] |
 //! | their linear runs, exact | [`linear_batch`], [`transition`] |
@@ -33,6 +33,7 @@ pub mod outputs;
 pub mod poles;
 pub mod release;
 pub mod releases;
+pub mod rest;
 pub mod riccati;
 pub mod sampled_loops;
 pub mod schedule;

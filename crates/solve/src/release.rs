@@ -4,6 +4,7 @@
 //!
 //! The control passes `y = 0.9`, `0.1` and then zero at `c_0, c_1, ...`; `A_k` is how far it goes between `c_{k-1}` and `c_k`.
 //! A period of the rules is `P_0 = c_0 - t_{0.9}` and then the full cycles `P_n = c_{2n} - c_{2n-2}`, one after another.
+//! A steady state that is known beforehand takes the place of the mean.
 //! Instants and extrema are those of a polynomial through the samples around them ([`local_fit`](crate::local_fit)).
 
 use crate::local_fit::{Instant, LocalFit};
@@ -86,6 +87,17 @@ pub struct Release {
     pub last_terms: [f64; FEATURES],
 }
 
+/// The mean of full cycles in a row.
+#[derive(Debug, Clone, Copy)]
+pub struct Period {
+    /// In s.
+    pub mean: f64,
+    /// Its standard uncertainty in s.
+    pub uncertainty: f64,
+    /// How many cycles.
+    pub cycles: usize,
+}
+
 impl Release {
     const NONE: Self = Self {
         values: [f64::NAN; FEATURES],
@@ -93,6 +105,37 @@ impl Release {
         noise: [f64::NAN; FEATURES],
         last_terms: [f64::NAN; FEATURES],
     };
+
+    /// The mean full cycle from the first crossing on, `(c_{2n} - c_0) / n`; none where the control does not cross so often, or has no
+    /// one period: friction and springs that are not straight stretch a cycle more than the next, and move crossings where they
+    /// leave extrema. First cycle, mean and extrema differ by `within` of the mean at most.
+    ///
+    /// An instant is known to `noise / |x'|`, so that each further cycle shares what the first crossing is off by, and ends at a
+    /// slower crossing: `n` is where the mean is known best.
+    pub fn period(&self, noise: f64, within: f64) -> Option<Period> {
+        let off = |k: usize| if noise == 0.0 { 0.0 } else { noise / self.slopes[CROSSING + k].abs() };
+        let lasted = |from: usize, to: usize| self.values[to] - self.values[from];
+        let first = lasted(CROSSING, CROSSING + 2);
+        let cycles = (1..=CYCLES).filter_map(|cycles| {
+            let mean = lasted(CROSSING, CROSSING + 2 * cycles) / number(cycles);
+            let last = OVERSHOOT_TIME + 2 * cycles - 1;
+            // The first extremum is the one that what fades within the first swing moves most.
+            let by_extrema = match cycles {
+                1 => 2.0 * lasted(OVERSHOOT_TIME, last),
+                _ => lasted(OVERSHOOT_TIME + 1, last) / number(cycles - 1),
+            };
+            let uncertainty = off(0).hypot(off(2 * cycles)) / number(cycles);
+            let one = [first, by_extrema].iter().all(|other| (other - mean).abs() <= within * mean);
+            (one && uncertainty.is_finite()).then_some(Period { mean, uncertainty, cycles })
+        });
+        cycles.min_by(|one, other| one.uncertainty.total_cmp(&other.uncertainty).then(other.cycles.cmp(&one.cycles)))
+    }
+
+    /// Sizes and instants of the overshoots beyond the steady state, away from where it was held, one after another.
+    pub fn overshoots_beyond(&self) -> impl Iterator<Item = (f64, f64)> {
+        let (sizes, times) = (&self.values[OVERSHOOT..OVERSHOOT_TIME], &self.values[OVERSHOOT_TIME..]);
+        sizes.iter().copied().zip(times.iter().copied()).step_by(2).take_while(|(size, _)| size.is_finite())
+    }
 
     fn put(&mut self, column: usize, value: f64, instant: &Instant) {
         self.values[column] = value;
@@ -108,23 +151,39 @@ impl Measuring<'_> {
     /// # Panics
     /// If there are not as many positions as times.
     pub fn measure(&self, position: &[f64]) -> Release {
-        assert_eq!(position.len(), self.time.len(), "a position for each time");
-        let mut found = Release::NONE;
-        let held = self.held.max(1);
-        if !all_finite(position) || position.len() < held + self.tail.max(2 * AROUND) {
-            return found;
+        if !self.is_record(position) {
+            return Release::NONE;
         }
         let tail = &position[position.len() - self.tail.max(1)..];
         let steady = mean(tail);
-        let displacement = mean(&position[..held]) - steady;
+        let mut found = self.around(position, steady);
+        found.values[TAIL_DEVIATION] = tail.iter().fold(0.0, |most, x| f64::max(most, (x - steady).abs()));
+        found
+    }
+
+    /// The same around a steady state that is known, which the control need not reach within the record; the tail's deviation is
+    /// not a number.
+    ///
+    /// # Panics
+    /// If there are not as many positions as times.
+    pub fn measure_around(&self, position: &[f64], steady: f64) -> Release {
+        if self.is_record(position) { self.around(position, steady) } else { Release::NONE }
+    }
+
+    fn is_record(&self, position: &[f64]) -> bool {
+        assert_eq!(position.len(), self.time.len(), "a position for each time");
+        all_finite(position) && position.len() >= self.held.max(1) + self.tail.max(2 * AROUND)
+    }
+
+    fn around(&self, position: &[f64], steady: f64) -> Release {
+        let mut found = Release::NONE;
+        let displacement = mean(&position[..self.held.max(1)]) - steady;
         found.values[STEADY] = steady;
         found.values[DISPLACEMENT] = displacement;
-        found.values[TAIL_DEVIATION] = tail.iter().fold(0.0, |most, x| f64::max(most, (x - steady).abs()));
-        if displacement == 0.0 {
-            return found;
+        if displacement != 0.0 {
+            self.settling(&mut found, position);
+            self.swings(&mut found, position);
         }
-        self.settling(&mut found, position);
-        self.swings(&mut found, position);
         found
     }
 
@@ -328,8 +387,12 @@ fn all_finite(x: &[f64]) -> bool {
     rest && sums.iter().all(|sum| *sum == 0.0)
 }
 
-#[expect(clippy::cast_precision_loss, reason = "a number of samples, far below 2^52")]
 fn mean(x: &[f64]) -> f64 {
     // From the first sample on: what all samples have in common is no sum's rounding.
-    x[0] + x.iter().fold(0.0, |sum, value| sum + (value - x[0])) / x.len() as f64
+    x[0] + x.iter().fold(0.0, |sum, value| sum + (value - x[0])) / number(x.len())
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a number of samples or cycles, far below 2^52")]
+fn number(count: usize) -> f64 {
+    count as f64
 }

@@ -1,5 +1,6 @@
 //! Where a run begins.
 
+use crate::rest::is_pulled;
 use crate::wide::Wide;
 use forcefeel_model::Scalar;
 use forcefeel_model::drive::Drive;
@@ -49,9 +50,7 @@ impl Start {
         match self {
             Self::Held(angle, step) => Beginning { equilibrium: held_at(angle), held_until: step },
             // Where the amplifier is open nothing brings the column back, so it begins at neutral.
-            Self::Under(force)
-                if (shared.effects.biased || force != 0.0 || first.trim[0] != 0.0) && !machine.drifts() =>
-            {
+            Self::Under(force) if is_pulled(shared, force, first.trim[0]) && !machine.drifts() => {
                 Beginning { equilibrium: machine.held_by(shared, machine.force(force), trim, factor), held_until: 0 }
             }
             Self::Under(_) => Beginning { equilibrium: held_at(0.0), held_until: 0 },

@@ -6,6 +6,9 @@ use forcefeel_solve::release::{FEATURE_GROUPS, FEATURES, Measuring};
 /// What double precision leaves of a polynomial of fourth degree.
 const EXACT: f64 = 1e-12;
 
+/// What a polynomial through six samples leaves of a swing, in s and in what it is of.
+const FITTED: f64 = 1e-6;
+
 /// A column of these names in the features.
 fn column(name: &str) -> usize {
     FEATURE_GROUPS.iter().take_while(|(group, ..)| *group != name).map(|(_, columns, _)| columns).sum()
@@ -38,6 +41,39 @@ fn five_samples_are_met_and_their_noise_goes_through() {
     let time = [0.0, 1.0, 2.0, 3.0, 4.0];
     let found = LocalFit::new(&time, &[0.0, 1.0, 0.0, -1.0, 0.0]).crossing(0.0, 2.1).unwrap();
     assert!((found.time - 2.0).abs() < EXACT && (found.noise - 1.0).abs() < EXACT);
+}
+
+#[test]
+fn a_record_that_ends_early_is_measured_around_a_known_steady_state() {
+    let (zeta, omega) = (0.2_f64, 10.0);
+    let damped = omega * (1.0 - zeta * zeta).sqrt();
+    let lasts = 2.0 * std::f64::consts::PI / damped;
+    let time: Vec<f64> = (0..1100).map(|k| f64::from(k) * 1e-3).collect();
+    let way = |t: f64| (-zeta * omega * t).exp() * ((damped * t).cos() + zeta * omega / damped * (damped * t).sin());
+    let position: Vec<f64> = time.iter().map(|t| 2.0 - 0.3 * way(*t)).collect();
+    let measuring = Measuring {
+        time: &time,
+        held: 1,
+        free: 0,
+        tail: 1,
+        band: 0.05,
+        high: 0.9,
+        low: 0.1,
+        reach: 0.0,
+        hysteresis: 0.0,
+    };
+    let found = measuring.measure_around(&position, 2.0);
+    let (size, at) = found.overshoots_beyond().next().unwrap();
+    assert!((size - 0.3 * (-std::f64::consts::PI * zeta * omega / damped).exp()).abs() < FITTED);
+    assert!((at - 0.5 * lasts).abs() < FITTED);
+    let period = found.period(0.0, 0.01).unwrap();
+    assert!((period.mean - lasts).abs() < FITTED && period.cycles == 1 && period.uncertainty == 0.0);
+    // Noise puts the two crossings off, each by itself.
+    let noisy = found.period(1e-3, 0.01).unwrap().uncertainty;
+    let first = 1e-3 / (0.3 * omega * (-zeta * omega * (std::f64::consts::FRAC_PI_2 + zeta.asin()) / damped).exp());
+    assert!((noisy / first.hypot(first * (zeta * omega * lasts).exp()) - 1.0).abs() < 0.01, "{noisy}");
+    // Crossings that differ from extrema by more than asked for are of no one period.
+    assert!(measuring.measure_around(&position, 1.99).period(0.0, 1e-3).is_none());
 }
 
 #[test]

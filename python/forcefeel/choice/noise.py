@@ -1,45 +1,21 @@
 """What the sensors' noise does to the grip, from the linear loop.
 
-``x+ = M x + N v``, ``v = [F_c; x_p; theta]`` noise of the samples, white, of variance ``V`` · ``P`` covariance of ``x``
-
-    P = M P M' + N V N',    theta = c x
-
-``V`` has ``sigma^2 + d^2 / 12`` for a sensor of noise ``sigma`` and smallest step ``d``: rounding adds nearly white noise where
-the sample's own noise is no smaller than some half of the step (B. Widrow, 1956). Converters' steps are left out.
-
 The hand that holds the grip feels ``F = R_p (m theta'' + d theta' + k theta)`` of its own arm, with ``theta'`` and ``theta''`` as
 central differences from sample to sample.
-
-``N`` comes from the step that runs the loop: what a lagging sensor showed a step ago enters a sample by ``exp(-w h)``, as noise
-does by one. A sensor without a lag is given one for this alone.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Annotated
 
-import numpy as np
-from numpy.typing import NDArray
-
-from forcefeel import _core
 from forcefeel.envelope.cases import REFERENCE_ARMS, PilotArm
 from forcefeel.laws.law import Law
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.sensors import sample_variance, sensors_of
-from forcefeel.loader.timing import controller_steps
-from forcefeel.loops.sampled_loop import sampled_loops
+from forcefeel.loops.noisy_loop import NoisyLoop
 from forcefeel.units import ANGLE, FORCE
 
 HOLDING: PilotArm = REFERENCE_ARMS[-1]
 """The arm that holds the grip: the firmest of the reference."""
-
-_SHOWN = _core.PERIOD_SHOWN
-"""Place among the states of a period of what the first sensor showed; after the commands under way, the base as sampled last, the
-load pressure and what the sensors measured (``crates/model/src/machine/period.rs``)."""
-
-_STEP_S = 1e-4
-_MOST_DOUBLINGS = 60
-_DONE = 1e-14
 
 
 @dataclass(frozen=True)
@@ -53,76 +29,6 @@ class Noise:
 
     angle_rad: Annotated[float, ANGLE]
     force_n: Annotated[float, FORCE]
-
-
-@dataclass(frozen=True, eq=False)
-class NoisyLoop:
-    """A loop and how the noise of its sensors enters.
-
-    Attributes:
-        matrix: M, (states, states).
-        by_sample: N, (states, sensors), per N, m and rad, and per N at the grip.
-        variance: Of a sample of each sensor, (sensors,).
-        angle: c, (states,), rad.
-        period_s: Sample period.
-    """
-
-    matrix: NDArray[np.float64] = field(repr=False)
-    by_sample: NDArray[np.float64] = field(repr=False)
-    variance: NDArray[np.float64]
-    angle: NDArray[np.float64] = field(repr=False)
-    period_s: float
-
-    @classmethod
-    def of(cls, loader: Loader, law: Law) -> "NoisyLoop":
-        """The loop of a loader with a digital controller under one law."""
-        arm = loader["column.base_arm"]
-        units = [1.0, 1.0, arm, 1.0]  # of F_c, x_p, theta at the base, F_g
-        loops = sampled_loops(loader, law)
-        states, by_sample = _by_sample(loader, law)
-        if len(loops.matrix[0]) != len(states):
-            raise ValueError("the loop with lags has other states")
-        angle = np.zeros(len(states))
-        angle[loops.base] = 1 / arm
-        return cls(
-            loops.matrix[0],
-            by_sample * units[: by_sample.shape[1]],
-            sample_variance(loader),
-            angle,
-            loops.period_s,
-        )
-
-    @property
-    def stable(self) -> bool:
-        """Whether all poles are inside the unit circle."""
-        return bool(np.abs(np.linalg.eigvals(self.matrix)).max() < 1)
-
-    def covariance(self) -> NDArray[np.float64]:
-        """P of a stable loop, as the sum of ``M^k N V N' M'^k``, twice as many terms at each turn."""
-        power = self.matrix
-        found = (self.by_sample * self.variance) @ self.by_sample.T
-        for _ in range(_MOST_DOUBLINGS):
-            more = power @ found @ power.T
-            found = found + more
-            if np.all(np.diag(more) <= _DONE * np.diag(found)):
-                break
-            power = power @ power
-        return np.asarray(found)
-
-    def angle_rms(self) -> float:
-        """R.m.s. of the column's angle in rad; infinite where the loop is not stable."""
-        return float(np.sqrt(self.angle @ self.covariance() @ self.angle)) if self.stable else np.inf
-
-    def filtered_rms(self, before: float, now: float, after: float) -> float:
-        """R.m.s. of ``before theta(k-1) + now theta(k) + after theta(k+1)``; infinite where the loop is not stable."""
-        if not self.stable:
-            return np.inf
-        c_m = self.angle @ self.matrix
-        of_state = before * self.angle + now * c_m + after * (c_m @ self.matrix)
-        first = (now * self.angle + after * c_m) @ self.by_sample
-        second = after * self.angle @ self.by_sample
-        by_noise = (first**2 + second**2) @ self.variance
-        return float(np.sqrt(of_state @ self.covariance() @ of_state + by_noise))
 
 
 def noise_at_grip(loader: Loader, law: Law) -> Noise | None:
@@ -144,24 +50,3 @@ def hand_force_rms(loop: NoisyLoop, loader: Loader) -> float:
     lever, t = loader["column.grip_arm"], loop.period_s
     swing, drag = mass / t**2, damping / (2 * t)
     return loop.filtered_rms(lever * (swing - drag), lever * (stiffness - 2 * swing), lever * (swing + drag))
-
-
-def _by_sample(loader: Loader, law: Law) -> tuple[list[int], NDArray[np.float64]]:
-    """The states that matter, and N on them, per N, m m at the base, and per N at the grip."""
-    step_s, timing = controller_steps(loader, _STEP_S)
-    keys = [f"{sensor}.bandwidth" for sensor in sensors_of(loader)]
-    lagging = loader.replace({key: 1 / step_s for key in keys if np.isinf(loader[key])})
-    keywords = law.engine(loader)
-    states, _ = _core.sampled_loops(loader.values[np.newaxis], step_s, timing, **keywords)
-    wide, found = _core.sampled_loops(lagging.values[np.newaxis], step_s, timing, **keywords)
-    columns = np.zeros((len(states), len(keys)))
-    rows = [wide.index(state) for state in states]
-    for sensor, key in enumerate(keys):
-        if _SHOWN + sensor not in wide:
-            continue  # no law asks this sensor
-        place = wide.index(_SHOWN + sensor)
-        kept = np.exp(-lagging[key] * step_s)
-        column = found[0, :, place].copy()
-        column[place] -= kept ** timing[0]  # what the sensor itself remembers
-        columns[:, sensor] = column[rows] / kept
-    return states, columns

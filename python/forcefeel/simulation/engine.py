@@ -13,6 +13,7 @@ from forcefeel.errors import InputError, expect
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import TABLE
+from forcefeel.loops.noisy_loop import angle_noise_rad
 from forcefeel.simulation import linear
 from forcefeel.simulation.outcome import (
     MOST_HISTORY_BYTES,
@@ -60,7 +61,8 @@ def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) ->
     law = Law.of(compensator, loader)
     units = outputs(law.displacement_unit, loader.drive)
     exact = _exact(loader, law, scenario)
-    values, measured = exact or _stepped(loader, law, scenario, len(units))
+    noise = 0.0 if exact else _angle_noise_rad(loader, law)
+    values, measured = exact or _stepped(loader, law, scenario, len(units), noise)
     status = RunStatus(statuses(measured[np.newaxis])[0])
     measures = as_measures(loader.drive, without_diverged(measured[np.newaxis])[0].tolist())
     values = _cut(values, scenario.sample_s, measures.diverged_at_s)
@@ -72,6 +74,7 @@ def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) ->
         measures=measures,
         history=history(values, units, scenario.sample_s, about),
         method="exact" if exact else "stepped",
+        angle_noise_rad=noise,
     )
 
 
@@ -86,14 +89,20 @@ def _exact(loader: Loader, law: Law, scenario: Scenario) -> tuple[NDArray[np.flo
 
 
 def _stepped(
-    loader: Loader, law: Law, scenario: Scenario, outputs: int
+    loader: Loader, law: Law, scenario: Scenario, outputs: int, noise: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Outputs and measures of the engine."""
     engine = prepared(loader, scenario, range(outputs), law)
     measured, histories = engine.run(
-        loader.values[np.newaxis], **law.engine(loader), seed=scenario.seed, threads=_SINGLE
+        loader.values[np.newaxis], **law.engine(loader), seed=scenario.seed, angle_noise=noise, threads=_SINGLE
     )
     return histories[0], measured[0]
+
+
+def _angle_noise_rad(loader: Loader, law: Law) -> float:
+    """What the sensors' noise moves the column by, r.m.s.: no smaller swing is measured. Zero where runs have laws of their own."""
+    one = law.gains is None and (law.sampled is None or law.sampled.settings == 1)
+    return angle_noise_rad(loader, law) if one else 0.0
 
 
 def simulate_batch(
@@ -119,7 +128,8 @@ def simulate_batch(
         threads: How many; all cores if not given. The numbers do not depend on it.
 
     Returns:
-        Over ``run``: every measure of ``Measures``, ``status``, and the histories that were asked for over ``time_s``.
+        Over ``run``: every measure of ``Measures``, ``status``, and the histories that were asked for over ``time_s``. With one law
+        for all, no measure is of a swing that the sensors' noise hides on the nominal loader.
 
     Raises:
         InputError: As ``simulate``; if values have the wrong shape, vary what all runs must share, or the histories are too large.
@@ -154,6 +164,7 @@ def simulate_batch(
         force_scale=values[:, list(TABLE).index("pilot.force")] / loader["pilot.force"],
         seed=scenario.seed,
         first_run=first_run,
+        angle_noise=_angle_noise_rad(loader, law),
         threads=threads_or_cores(threads),
     )
     status = statuses(measured)

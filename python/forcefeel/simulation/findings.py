@@ -1,6 +1,6 @@
 """What to conclude from a run in time, in words."""
 
-from math import isfinite, isnan, pi
+from math import isfinite, isnan, pi, sqrt
 
 import numpy as np
 
@@ -23,7 +23,14 @@ from forcefeel.simulation.inputs import (
     Step,
     StopToStop,
 )
-from forcefeel.simulation.limits_met import Limits, goes_to_a_place, keeps_moving, limits, why_no_overshoot
+from forcefeel.simulation.limits_met import (
+    Limits,
+    below_noise,
+    goes_to_a_place,
+    keeps_moving,
+    limits,
+    why_no_overshoot,
+)
 from forcefeel.simulation.outcome import feel_position
 from forcefeel.simulation.programmed_feel import has_arm, programmed, spring_is_g
 from forcefeel.units import ANGLE, CURRENT, FORCE, MOTOR_CURRENT, Unit, UnitSystem, to_text
@@ -43,7 +50,7 @@ def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
         >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> ff.simulation.run_conclusions(run, ff.UnitSystem.SI).verdict
-        'Settled at 1.04 s, overshoot 46.3 %, 1.75 Hz.'
+        'Settled at 1.24 s, overshoot 45.3 %, 1.68 Hz.'
     """
     found = limits(run)
     sentences = (
@@ -99,6 +106,9 @@ def _verdict(run: Run, units: UnitSystem) -> str:
     found, settled = run.measures, run.status is RunStatus.SETTLED
     if found.maximum_angle_rad == found.minimum_angle_rad:
         return "The column did not move."
+    if below_noise(run):
+        noise = _quantity(run.angle_noise_rad, ANGLE, units, 2)
+        return f"The column moved no farther than the sensors' noise moves it, {noise} r.m.s."
     if not goes_to_a_place(run.scenario.force):
         low, high = (
             to_text(ANGLE.from_si(angle, units), 3) for angle in (found.minimum_angle_rad, found.maximum_angle_rad)
@@ -113,7 +123,8 @@ def _verdict(run: Run, units: UnitSystem) -> str:
         )
         return f"{came} and {rest}."
     why = why_no_overshoot(run)
-    swing = ", ".join(filter(None, (why or f"overshoot {_percent(found.overshoot)}", _frequency(run))))
+    overshoot = f"no overshoot to measure: {why}" if why else f"overshoot {_percent(found.overshoot)}"
+    swing = ", ".join(filter(None, (_frequency(run), overshoot) if why else (overshoot, _frequency(run))))
     if settled:
         return f"Settled at {to_text(found.settling_time_s, 3)} s, {swing}."
     by = _quantity(found.last_swing_rad, ANGLE, units, 2)
@@ -136,15 +147,19 @@ def _at_rest(run: Run, units: UnitSystem) -> str:
 
 
 def _period(run: Run) -> str:
+    """How it swings, beside how the programmed feel alone would: ``w sqrt(1 - zeta^2)``, and ``w`` itself by its name."""
     if run.status is RunStatus.DIVERGED or not (frequency := _frequency(run)):
         return ""
-    periods = int(run.measures.passes) - 1
+    periods = int(run.measures.periods)
     swings = f"It swings at {frequency} ({'one period' if periods == 1 else f'mean of {periods} periods'})"
     if not spring_is_g(run):
         return f"{swings}."
-    alone = "I and G with the arm give" if has_arm(run.loader) else "I and G alone give"
-    ideal = to_text(feel_frequency(programmed(run.loader))[0] / (2 * pi), 3)
-    return f"{swings}; {alone} {ideal} Hz."
+    alone = "I, B and G with the arm" if has_arm(run.loader) else "I, B and G alone"
+    natural, damping = feel_frequency(programmed(run.loader))
+    if damping >= 1:
+        return f"{swings}; {alone} do not swing."
+    damped, undamped = (to_text(found / (2 * pi), 3) for found in (natural * sqrt(1 - damping**2), natural))
+    return f"{swings}; {alone} give {damped} Hz damped, {undamped} Hz undamped."
 
 
 def _frequency(run: Run) -> str:

@@ -11,8 +11,22 @@ from forcefeel.conclusions import of_result
 from forcefeel.loader.parameters import HYDRAULIC
 from forcefeel.simulation.demanded import DEMANDED, Demanded
 from forcefeel.simulation.inputs import Chirp, Force, Multisine, Release, Step, StopToStop
-from forcefeel.simulation.outcome import Measures, MotorMeasures, Run, RunStatus, feel_position, per_feel_angle
+from forcefeel.simulation.outcome import (
+    BAND,
+    Measures,
+    MotorMeasures,
+    Run,
+    RunStatus,
+    feel_position,
+    per_feel_angle,
+)
 from forcefeel.units import PERCENT, SECONDS
+
+_PEAK = 5.0
+"""Standard deviations that noise reaches to either side in a million samples."""
+
+_HIDES = 200.0
+"""An overshoot of fewer standard deviations of the noise is not known to 1 %, twice its uncertainty."""
 
 _AT = 1e-6
 """Share of a limit that is the limit but for rounding."""
@@ -104,17 +118,18 @@ def limits(run: Run) -> Limits:
 def known_measures(run: Run) -> Measures | MotorMeasures:
     """The measures that mean something: of a run that diverged only when it did.
 
-    Overshoot and period are those of a column that goes to a place and stays there; final angle and settling time are those
-    of a column that is left alone in the end.
+    Overshoot and period are those of a column that goes to a place and stays there; final and equilibrium angle and settling time
+    are those of a column that is left alone in the end.
     """
     kind = type(run.measures)
     values = {field.name: getattr(run.measures, field.name) for field in fields(kind)}
     if run.status is RunStatus.DIVERGED:
         return kind(**dict.fromkeys(values, nan) | {"diverged_at_s": run.measures.diverged_at_s})
     if not goes_to_a_place(run.scenario.force):
-        values |= dict.fromkeys(("overshoot", "period_s", "passes"), nan)
+        values |= dict.fromkeys(("overshoot", "period_s", "periods"), nan)
     if keeps_moving(run.scenario.force):
-        values |= dict.fromkeys(("final_angle_rad", "settling_time_s", "last_swing_rad"), nan)
+        left_alone = ("final_angle_rad", "equilibrium_angle_rad", "settling_time_s", "last_swing_rad")
+        values |= dict.fromkeys(left_alone, nan)
     return kind(**values)
 
 
@@ -124,7 +139,31 @@ def why_no_overshoot(run: Run) -> str:
         return ""
     if not goes_to_a_place(run.scenario.force):
         return "the input leads to no new place"
-    return "the column ended where it began" if isnan(run.measures.overshoot) else ""
+    return _why_no_number(run) if isnan(run.measures.overshoot) else ""
+
+
+def below_noise(run: Run) -> bool:
+    """Whether the column moved no farther than the sensors' noise alone moves it."""
+    return run.measures.maximum_angle_rad - run.measures.minimum_angle_rad < 2 * _PEAK * run.angle_noise_rad
+
+
+def _why_no_number(run: Run) -> str:
+    """Why a run that leads from one place to another does not tell by how much the column went beyond."""
+    found, met = run.measures, limits(run)
+    first, end = float(run.history["column_angle_rad"].values[0]), found.equilibrium_angle_rad
+    low, high = found.minimum_angle_rad, found.maximum_angle_rad
+    way, excursion, beyond = abs(end - first), max(high - first, first - low), high - end if end > first else end - low
+    if isnan(end):
+        return "the column is not left alone in the end"
+    if met.stop_low_s or met.stop_high_s or met.feel_low_s or met.feel_high_s:
+        return "the column met a stop"
+    if below_noise(run):
+        return "the column moved no farther than noise moves it"
+    if min(way, excursion) <= BAND * max(way, excursion):
+        return "the column ended where it began"
+    if _HIDES * run.angle_noise_rad > max(beyond, BAND * way):
+        return "the noise of the sensors hides it"
+    return "the run ends before it is known"
 
 
 def goes_to_a_place(force: Force) -> bool:

@@ -53,9 +53,9 @@ def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[n
     phi, level, ramp = transition(np.asarray(model.A), np.asarray(model.B)[:, 0], steps.step_s)
     states = np.empty((len(force) + 1, len(phi)))
     states[0] = 0.0
+    angle, until = steps.held or (0.0, 0)
     if steps.held or steps.start_force_n:
         per_force = equilibrium(model)
-        angle, until = steps.held or (0.0, 0)
         hand = angle / float(np.asarray(model.C)[0] @ per_force)
         states[0] = per_force * (hand + steps.start_force_n)
         force[:until] += hand
@@ -69,8 +69,18 @@ def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[n
             state = following
         pilot_force = np.append(force[:, 0], force[-1, 1])
         outputs = _outputs(model, states, pilot_force)
-    measured = _core.simulation_measure(outputs[:, :: steps.every], scenario.sample_s)
-    return outputs[:, :: steps.every], measured
+    samples, rest = outputs[:, :: steps.every], _angle_under(model, force[-1, 1])
+    return samples, _core.simulation_measure(samples, scenario.sample_s, rest, free=-(-until // steps.every))
+
+
+def _angle_under(model: LinearModel, force: float) -> float:
+    """Column angle in rad at rest under a force in N; not a number where rounding leaves none."""
+    if force == 0:
+        return 0.0
+    try:
+        return force * float(np.asarray(model.C)[0] @ equilibrium(model))
+    except np.linalg.LinAlgError:
+        return np.nan
 
 
 def simulate_linear_batch(

@@ -54,7 +54,8 @@ _SUFFIX = {
 }
 
 BAND = 0.05
-"""A run has settled when its last swing is within this share of its whole swing: the residual band of the rules."""
+"""A run has settled when its last swing is within this share of its whole swing, the residual band of the rules, and stays
+within it around where it rests."""
 
 
 def named(name: str, unit: str) -> str:
@@ -96,12 +97,16 @@ class Motion:
         minimum_angle_rad: Smallest column angle.
         time_of_minimum_s: When.
         final_angle_rad: Mean over the last tenth of the run.
-        overshoot: How far beyond the final angle, as a share of the way to it; not a number for a column that ends where it
-            began: no more than 5 % of its largest excursion away.
-        settling_time_s: From then on within 5 % of the way around the final angle; of the largest excursion for a column that
-            ends where it began.
-        period_s: Mean time between two passes of the final angle upwards; not a number with fewer than two.
-        passes: How many such passes.
+        equilibrium_angle_rad: Where the last force holds the column, dry friction aside; not a number where nothing does, or a test
+            signal, the shaker or a change of the feel goes on at the end.
+        overshoot: How far beyond the equilibrium, as a share of the way to it from the start. Not a number where the run does not
+            tell it to 1 %: a way of no more than 5 % of the largest excursion, or an excursion of no more than 5 % of the way; a
+            stop that was met; a run that ends before the column turns or rests; motion that the sensors' noise hides.
+        settling_time_s: From then on within 5 % of the way around the equilibrium, or around where dry friction holds the column
+            farther off; of the largest excursion for a column that ends where it began. Not a number where it does not stay.
+        period_s: Mean time from one pass of the equilibrium to the next to the same side; not a number as the overshoot, and with
+            fewer than three passes.
+        periods: How many periods that is the mean of; not a number without one.
         last_swing_rad: Lowest to highest angle over the last tenth of the run.
         peak_current_a: Largest magnitude of the current of valve or motor.
     """
@@ -111,10 +116,11 @@ class Motion:
     minimum_angle_rad: Annotated[float, ANGLE]
     time_of_minimum_s: Annotated[float, SECONDS]
     final_angle_rad: Annotated[float, ANGLE]
+    equilibrium_angle_rad: Annotated[float, ANGLE]
     overshoot: Annotated[float, RATIO]
     settling_time_s: Annotated[float, SECONDS]
     period_s: Annotated[float, SECONDS]
-    passes: Annotated[float, RATIO]
+    periods: Annotated[float, RATIO]
     last_swing_rad: Annotated[float, ANGLE]
     peak_current_a: Annotated[float, CURRENT]
 
@@ -132,7 +138,7 @@ class Measures(Motion):
         >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> f"overshoot {run.measures.overshoot:.0%}"
-        'overshoot 46%'
+        'overshoot 45%'
     """
 
     peak_pressure_pa: Annotated[float, PRESSURE]
@@ -179,12 +185,13 @@ class Run:
         measures: What it is judged by.
         history: Every output over ``time_s``, SI units; not a number once the run has diverged.
         method: ``exact`` where everything is linear, ``stepped`` otherwise.
+        angle_noise_rad: R.m.s. of the column's angle by the sensors' noise alone.
 
     Example:
         >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
         >>> run
-        <Run of 'elevator', 2 s, exact: settled at 1.036 s>
+        <Run of 'elevator', 2 s, exact: settled at 1.241 s>
     """
 
     loader: Loader
@@ -193,6 +200,7 @@ class Run:
     measures: Measures | MotorMeasures
     history: xr.Dataset = field(repr=False)
     method: str = "stepped"
+    angle_noise_rad: float = 0.0
 
     @property
     def note(self) -> str:
@@ -289,7 +297,7 @@ def statuses(measures: NDArray[np.float64]) -> NDArray[np.str_]:
     """The status of each run from its measures, rows in the order of ``MEASURES``."""
     column = {name: measures[:, k] for k, name in enumerate(MEASURES)}
     swing = column["maximum_angle_rad"] - column["minimum_angle_rad"]
-    settled = column["last_swing_rad"] <= BAND * swing
+    settled = (column["last_swing_rad"] <= BAND * swing) & np.isfinite(column["settling_time_s"])
     status = np.where(settled, RunStatus.SETTLED, RunStatus.MOVING)
     return np.where(np.isfinite(column["diverged_at_s"]), RunStatus.DIVERGED, status)
 

@@ -22,7 +22,11 @@ _LISTED = 3
 _WEAK = 0.1
 """Rank correlation that a sentence leaves out: the parameter accounts for a hundredth of the spread."""
 
-_WHY_NONE = {"overshoot": "the column ends where it began", "period_s": "the column does not swing"}
+_WHY_NONE = {
+    "overshoot": "the column ends where it began, meets a stop, or the run ends before the overshoot is known",
+    "period_s": "the column does not swing for a whole period, or meets a stop",
+    "settling_time_s": "the column still moves in the end",
+}
 """Why a run that did not diverge may be without a measure."""
 
 _NOTHING = 1e-9

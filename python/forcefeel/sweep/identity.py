@@ -17,7 +17,7 @@ from forcefeel.simulation.outcome import measures_of
 from forcefeel.sweep.chunk import nominal
 from forcefeel.sweep.plan import Sweep
 
-FORMAT = 2
+FORMAT = 3
 """Version of the plan and of the chunks beside it; a new one where either changes."""
 
 _NOMINAL, _DERIVED = "nominal.", ("sweep",)

@@ -97,6 +97,7 @@ pub fn job<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]], timing: Option<
         force_scale: None,
         changes: &[],
         noise: (1, 0),
+        angle_noise: 0.0,
         sampling: Sampling::Every(1),
         outputs: &[],
     }
