@@ -1,13 +1,16 @@
 """The law as firmware: the same bits on a board as here, as the live loop gives them; nothing in it that panics."""
 
+import os
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import forcefeel as ff
 from forcefeel.export.firmware_code import BOARD, board_axis, golden_inputs
+from tests.command_line import runner
 from tests.export.toolchain import BOARDS, motor, needs, run, valve
 
 TWO = """
@@ -202,3 +205,28 @@ def test_without_cargo_nothing_is_written(tmp_path, monkeypatch):
     with pytest.raises(ff.InputError, match="compiled by cargo, which is not found"):
         exported(motor(), tmp_path / "out")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_cargo_has_is_not_fetched(tmp_path, monkeypatch, capsys):
+    """A cargo in between notes how it is called; command and README tell what else it would have fetched."""
+    needs("cargo")
+    real, asked = shutil.which("cargo"), tmp_path / "asked"
+    (tmp_path / "cargo").write_text(f'#!/bin/sh\necho "$@" >> {asked}\nexec {real} "$@"\n', encoding="utf-8")
+    (tmp_path / "cargo").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    status, shown, _ = runner(monkeypatch, capsys, tmp_path, "export")(
+        "elevator-electric", "--to", "firmware", "--out", "out"
+    )
+    assert (status, "cargo takes the crate libm from its cache" in " ".join(shown.split())) == (0, True)
+    assert [line.split()[-1] for line in asked.read_text(encoding="utf-8").splitlines()] == ["--offline"]
+    assert "cargo takes the crate libm from its cache" in (tmp_path / "out" / "README.md").read_text(encoding="utf-8")
+
+
+def test_without_a_network_the_crate_that_is_missing_is_told(tmp_path, monkeypatch):
+    needs("cargo")
+    monkeypatch.setenv("RUSTUP_HOME", str(Path(os.environ.get("RUSTUP_HOME", Path.home() / ".rustup"))))
+    monkeypatch.setenv("CARGO_HOME", str(tmp_path / "empty"))
+    monkeypatch.setenv("CARGO_NET_OFFLINE", "true")
+    with pytest.raises(ff.InputError, match=r"the crate libm .* crates\.io: without a network"):
+        exported(motor(), tmp_path / "out")
+    assert not (tmp_path / "out").exists()

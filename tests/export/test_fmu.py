@@ -245,14 +245,14 @@ def test_a_setting_brings_its_feel_and_its_law(tmp_path):
 
 def test_the_clock_of_the_law_ticks_in_event_mode(fmus):
     """A command follows its sample at once; the bits are those of a law that samples at the start of each step."""
-    heard = 1e-3 * np.random.default_rng(4).standard_normal(50).cumsum()
+    heard = 1e-6 * np.random.default_rng(4).standard_normal(50).cumsum()
     with opened(fmus, "plain", "law", "fmi3") as plain, opened(fmus, "plain", "law", "fmi3", events=True) as ticking:
         plain.begin()
         ticking.begin()
         clock = [ticking.variables["sample"].valueReference]
         for k, base in enumerate(heard):
             ticking.fmu.setClock(clock, [True])
-            ticking.set(sensed_column_base=1.0)
+            ticking.set(sensed_column_base=0.1)
             other = ticking.get("command")
             ticking.set(sensed_column_base=base)  # until it is settled, the last one counts
             early = ticking.get("command")

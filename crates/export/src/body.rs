@@ -203,10 +203,10 @@ impl<'a> Body<'a> {
 
     /// What an operation is in C; nothing of what needs none.
     fn value(&mut self, node: u32) -> Option<String> {
-        if let Some((x, limit)) = within(self.graph, node) {
-            return Some(format!("within({}, {})", self.spelled(x), self.spelled(limit)));
+        let (graph, name) = (self.graph, self.writer.name.clone());
+        if let Some((x, limit)) = within(graph, node) {
+            return Some(format!("{name}_within({}, {})", self.spelled(x), self.spelled(limit)));
         }
-        let graph = self.graph;
         let mut s = |node: u32| self.spelled(node);
         Some(match graph.nodes[node as usize] {
             Node::Input(place) if place < INPUTS.len() => {
@@ -217,15 +217,15 @@ impl<'a> Body<'a> {
             Node::One(One::Neg, a) => format!("-{}", s(a)),
             Node::One(One::Sqrt, a) => format!("REAL_SQRT({})", s(a)),
             Node::One(One::Abs, a) => format!("REAL_ABS({})", s(a)),
-            Node::One(One::Round, a) if of_few_steps(graph, a) => format!("nearest_of_few({})", s(a)),
-            Node::One(One::Round, a) => format!("nearest({})", s(a)),
+            Node::One(One::Round, a) if of_few_steps(graph, a) => format!("{name}_nearest_of_few({})", s(a)),
+            Node::One(One::Round, a) => format!("{name}_nearest({})", s(a)),
             Node::Two(Two::Add, a, b) => format!("{} + {}", s(a), s(b)),
             Node::Two(Two::Sub, a, b) => format!("{} - {}", s(a), s(b)),
             Node::Two(Two::Mul, a, b) => format!("{} * {}", s(a), s(b)),
             Node::Two(Two::Div, a, b) => format!("{} / {}", s(a), s(b)),
-            Node::Two(Two::Min, a, b) => format!("smaller({}, {})", s(a), s(b)),
-            Node::Two(Two::Max, a, b) => format!("larger({}, {})", s(a), s(b)),
-            Node::Two(Two::TimesSign, a, b) => format!("with_sign({}, {})", s(a), s(b)),
+            Node::Two(Two::Min, a, b) => format!("{name}_smaller({}, {})", s(a), s(b)),
+            Node::Two(Two::Max, a, b) => format!("{name}_larger({}, {})", s(a), s(b)),
+            Node::Two(Two::TimesSign, a, b) => format!("{name}_with_sign({}, {})", s(a), s(b)),
             Node::Less(a, b) => format!("{} < {}", s(a), s(b)),
             Node::And(a, b) => format!("{} && {}", s(a), s(b)),
             Node::Or(a, b) => format!("{} || {}", s(a), s(b)),
@@ -237,10 +237,12 @@ impl<'a> Body<'a> {
         })
     }
 
-    fn kind(&self, node: u32) -> &'static str {
+    fn kind(&self, node: u32) -> String {
         match self.graph.nodes[node as usize] {
-            Node::Flag(_) | Node::Less(..) | Node::And(..) | Node::Or(..) | Node::Not(_) | Node::Holds(..) => "bool",
-            _ => "real",
+            Node::Flag(_) | Node::Less(..) | Node::And(..) | Node::Or(..) | Node::Not(_) | Node::Holds(..) => {
+                "bool".to_owned()
+            }
+            _ => self.writer.real(),
         }
     }
 
@@ -254,7 +256,7 @@ impl<'a> Body<'a> {
         let (own, same) = self.writer.tables(&rows);
         let bank = self.setting(product.bank);
         let vector: Vec<String> = product.vector.iter().map(|&node| self.spelled(node)).collect();
-        let (own_row, same_row) = (format!("{bank}->m{}", own.place), format!("same_{}", same.place));
+        let (own_row, same_row) = (format!("{bank}->m{}", own.place), self.writer.same_table(same.place));
         let sum = |own_row: &str, same_row: &str| {
             let place = |k: &usize| match own.columns.iter().position(|column| column == k) {
                 Some(place) => format!("{own_row}[{place}]"),
@@ -264,29 +266,30 @@ impl<'a> Body<'a> {
             terms.collect::<Vec<_>>().join(" + ")
         };
         let terms = product.rows.len() * (2 * product.vector.len() - 1);
+        let real = self.writer.real();
         if self.graph.settings == 1 || product.rows.len() == 1 {
             for (k, &(_, node)) in product.rows.iter().enumerate() {
                 let name = self.named(node);
                 let sum = sum(&format!("{own_row}[{k}]"), &format!("{same_row}[{k}]"));
-                self.line(&format!("const real {name} = {sum};"));
+                self.line(&format!("const {real} {name} = {sum};"));
             }
             self.operations.0 += terms;
             return;
         }
         self.operations.1 += terms;
         let (first, count) = (product.rows[0].1, product.rows.len());
-        self.line(&format!("real r{first}[{count}];"));
+        self.line(&format!("{real} r{first}[{count}];"));
         self.line(&format!("for (unsigned int k = 0U; k < {count}U; ++k) {{"));
         for (name, table, row) in [("m", &own, own_row), ("c", &same, same_row)] {
             if !table.columns.is_empty() {
-                self.line(&format!("    const real *const {name} = {row}[k];"));
+                self.line(&format!("    const {real} *const {name} = {row}[k];"));
             }
         }
         self.line(&format!("    r{first}[k] = {};", sum("m", "c")));
         self.line("}");
         for (k, &(_, node)) in product.rows.iter().enumerate() {
             let name = self.named(node);
-            self.line(&format!("const real {name} = r{first}[{k}];"));
+            self.line(&format!("const {real} {name} = r{first}[{k}];"));
         }
     }
 
@@ -308,11 +311,12 @@ impl<'a> Body<'a> {
             body.line(&if roots.len() == 1 { format!("return {found};") } else { format!("r[{k}] = {found};") });
         }
         let (banks, lines, operations) = (body.banks, body.text, body.operations);
-        let pointers = (0..banks.len()).map(|k| format!("const setting *s{k}"));
-        let numbers = (0..given.len()).map(|k| format!("real a{k}"));
+        let real = self.writer.real();
+        let pointers = (0..banks.len()).map(|k| format!("const {}_setting *s{k}", self.writer.name));
+        let numbers = (0..given.len()).map(|k| format!("{real} a{k}"));
         let kept = held.iter().enumerate().map(|(k, &node)| format!("{} c{k}", self.kind(node)));
-        let gives = if roots.len() == 1 { "real" } else { "void" };
-        let results = (roots.len() > 1).then(|| "real *r".to_owned());
+        let gives = if roots.len() == 1 { real.clone() } else { "void".to_owned() };
+        let results = (roots.len() > 1).then(|| format!("{real} *r"));
         let parameters = pointers.chain(results).chain(numbers).chain(kept).collect::<Vec<_>>().join(", ");
         let known = self.writer.functions();
         let name = self.writer.function(gives, parameters, lines);
@@ -324,9 +328,9 @@ impl<'a> Body<'a> {
         let values: Vec<String> = given.iter().chain(&held).map(|&node| self.spelled(node)).collect();
         let call = format!("{name}({});", [settings, results, values].concat().join(", "));
         if roots.len() == 1 {
-            return format!("const real {} = {call}", self.named(node));
+            return format!("const {real} {} = {call}", self.named(node));
         }
-        self.line(&format!("real p{node}[{}];", roots.len()));
+        self.line(&format!("{real} p{node}[{}];", roots.len()));
         call
     }
 

@@ -12,6 +12,7 @@ use forcefeel_model::dry_friction::Grip;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::feel_computer::FeelMotion;
 use forcefeel_model::known_friction::{LEVEL_FROM_END, Recalled};
+use forcefeel_model::law_inputs::{SHAKER_SWING, STIFFNESS_FACTOR, TRIM as TRIM_RANGE, sensed};
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
@@ -19,6 +20,7 @@ use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 /// What a controller is given in a period, in this order; `share` is how far the feel has been changed.
 pub const INPUTS: [&str; 8] = ["force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "share"];
 
+const FORCE: usize = 0;
 const BASE: usize = 2;
 const TRIM: usize = SAMPLED;
 const SHARE: usize = 7;
@@ -85,6 +87,8 @@ pub struct Program {
     pub graph: Graph,
     /// Command, torque that the feel hears, displacement and rate of the feel.
     pub outputs: Vec<(&'static str, u32)>,
+    /// What must be numbers, or nothing of the period is kept: the outputs, the command before it is limited.
+    pub numbers: Vec<u32>,
     /// The next state by its place.
     pub next: Vec<(usize, u32)>,
 }
@@ -127,7 +131,13 @@ impl Job {
         Observer::from_numbers(&core::array::from_fn(|k| number(k, &|setting| self.observers[setting][k])))
     }
 
-    /// What the law of each setting remembers where the column stands.
+    /// Between which values each of [`INPUTS`] is taken.
+    pub fn ranges(&self) -> [(f64, f64); INPUTS.len()] {
+        let [force, position, base, grip] = sensed(&Parameters::from_values(&self.values[0]));
+        [force, position, base, grip, TRIM_RANGE, STIFFNESS_FACTOR, SHAKER_SWING, (0.0, 1.0)]
+    }
+
+    /// What the law of each setting remembers in equilibrium.
     fn still(&self, shared: &Shared) -> Still<Vec<f64>> {
         let of = |setting| match self.kind() {
             DriveKind::Hydraulic => self.still_of::<OfHydraulic>(shared, setting),
@@ -137,23 +147,43 @@ impl Job {
         core::array::from_fn(|k| core::array::from_fn(|part| all.iter().map(|still| still[k][part]).collect()))
     }
 
+    /// Play and cogging are left out: where in them the drive hangs, load cell and column do not show.
     fn still_of<K: Kind>(&self, shared: &Shared, setting: usize) -> Still<f64> {
-        let machine = machine::<f64, K>(&self.parameters(|of| of(setting)), self.observer(|_, of| of(setting)), shared);
-        let [one, two] = machine.sensors_at_rest(&shared.effects).map(|shown| machine.control().looking_on(shown));
-        let numbers = |at: &Remembered<f64>| -> [f64; MOST_STATES + 2] {
-            let beside = [at.position, at.recalled.heard];
-            core::array::from_fn(|k| if k < MOST_STATES { at.estimate[k] } else { beside[k - MOST_STATES] })
+        let mut parameters = self.parameters(|of| of(setting));
+        (parameters.linkage.backlash, parameters.transmission.backlash) = (0.0, 0.0);
+        let shared = Shared {
+            effects: Effects { saturation: false, ..shared.effects.smooth() },
+            cancellation: None,
+            ..shared.clone()
         };
-        let (from, to) = (numbers(&one), numbers(&two));
-        core::array::from_fn(|k| {
-            let per_base = (to[k] - from[k]) / (two.base - one.base);
-            [from[k] - per_base * one.base, per_base]
+        let machine = machine::<f64, K>(&parameters, self.observer(|_, of| of(setting)), &shared);
+        // What the sensors show, and what the law remembers, base, load cell or neutral aside.
+        let at = |aside: [f64; SHOWN]| -> ([f64; SHOWN], [f64; MOST_STATES + 3]) {
+            let equilibrium = machine.standing_at(&shared, aside);
+            let [force, _, base, _] = machine.shown_at_rest(&shared.effects, &equilibrium);
+            let memory = machine.remember(&shared, &equilibrium);
+            let remembered = memory.control();
+            let beside = [remembered.position, remembered.recalled.heard, equilibrium.delta()];
+            let numbers =
+                core::array::from_fn(
+                    |k| if k < MOST_STATES { remembered.estimate[k] } else { beside[k - MOST_STATES] },
+                );
+            ([base, force, aside[2]], numbers)
+        };
+        let none = at([0.0; SHOWN]);
+        let aside: [_; SHOWN] =
+            core::array::from_fn(|k| at(core::array::from_fn(|j| if j == k { ASIDE[k] } else { 0.0 })));
+        core::array::from_fn(|number| {
+            let per: [f64; SHOWN] =
+                core::array::from_fn(|k| (aside[k].1[number] - none.1[number]) / (aside[k].0[k] - none.0[k]));
+            let at_zero = none.1[number] - (0..SHOWN).map(|k| per[k] * none.0[k]).sum::<f64>();
+            [at_zero, per[0], per[1], per[2]]
         })
     }
 
     /// Traces a period.
     pub fn period(&self) -> Program {
-        self.traced(|shared, control| {
+        let ((outputs, numbers, next), graph) = self.traced(|shared, control| {
             let mut inputs = Inputs::NONE;
             for (k, input) in
                 [&mut inputs.trim, &mut inputs.stiffness_factor, &mut inputs.shaker].into_iter().enumerate()
@@ -173,33 +203,34 @@ impl Job {
                 None
             });
             let [delta, rate] = feeling.motion.at;
-            let outputs = vec![("command", e.0), ("torque", torque.0), ("feel_angle", delta.0), ("feel_rate", rate.0)];
-            (outputs, next(&feeling, &remembered))
-        })
+            let limited = control.within_range(e);
+            let outputs =
+                vec![("command", limited.0), ("torque", torque.0), ("feel_angle", delta.0), ("feel_rate", rate.0)];
+            let numbers = [e, torque, delta, rate].map(|number| number.0).to_vec();
+            (outputs, numbers, next(&feeling, &remembered))
+        });
+        Program { graph, outputs, numbers, next }
     }
 
     /// Traces the start at rest where the column stands.
     pub fn reset(&self) -> Program {
-        self.traced(|shared, control| {
+        let (next, graph) = self.traced(|shared, control| {
             let still = self.still(shared).map(|pair| pair.map(|of| number(&of, Bank::From)));
-            let (feeling, remembered) = resting(control, &still, Trace::input(BASE), Trace::input(TRIM));
-            (Vec::new(), next(&feeling, &remembered))
-        })
+            let (feeling, remembered) = resting(control, &still, [BASE, FORCE, TRIM].map(Trace::input));
+            next(&feeling, &remembered)
+        });
+        Program { graph, outputs: Vec::new(), numbers: Vec::new(), next }
     }
 
-    fn traced(
-        &self,
-        work: impl FnOnce(&Shared, &Control<Trace>) -> (Vec<(&'static str, u32)>, Vec<(usize, u32)>),
-    ) -> Program {
-        let ((outputs, next), graph) = traced(self.single, self.values.len(), Some(SHARE), || {
+    fn traced<T>(&self, work: impl FnOnce(&Shared, &Control<Trace>) -> T) -> (T, Graph) {
+        traced(self.single, self.values.len(), Some(SHARE), || {
             let shared = self.shared();
             let control = match self.kind() {
                 DriveKind::Hydraulic => self.tracing::<OfHydraulic>(&shared),
                 DriveKind::Electric => self.tracing::<OfElectric>(&shared),
             };
             work(&shared, &control)
-        });
-        Program { graph, outputs, next }
+        })
     }
 
     fn tracing<K: Kind>(&self, shared: &Shared) -> Control<Trace> {
@@ -258,21 +289,28 @@ fn control<S: Scalar, K: Kind>(parameters: &Parameters<S>, law: Observer<S>, sha
     *machine::<S, K>(parameters, law, shared).control()
 }
 
-/// What a law comes to remember at a column that stands, untouched: its state, then the drive's position and the torque that the feel hears;
-/// each at a base of zero, and per displacement of the base.
-type Still<T> = [[T; 2]; MOST_STATES + 2];
+/// What a law remembers in equilibrium: its state, then the drive's position, the torque that the feel hears and the feel's displacement;
+/// each with base, load cell and neutral at zero, per displacement of the base, per force that the load cell shows and per angle of the neutral.
+type Still<T> = [[T; 1 + SHOWN]; MOST_STATES + 3];
 
-/// The controller at rest where the column stands, its neutral trimmed by an angle.
+/// Base, load cell, neutral: what tells one equilibrium from another.
+const SHOWN: usize = 3;
+
+/// Small angle and force, in rad and N, at which the equilibria are taken whose differences are [`Still`]: they are linear.
+const ASIDE: [f64; SHOWN] = [0.1, 10.0, 0.1];
+
+/// The controller in the equilibrium of base, load cell and neutral, as a run begins.
 ///
-/// It begins as if it had looked on for long. Of the sensors only the column's counts: a law that integrates would make volts of what the others
-/// are off by.
-fn resting<S: Scalar>(control: &Control<S>, still: &Still<S>, base: S, trim: S) -> (Feeling<S>, Remembered<S>) {
+/// The drive's sensor does not count: a law that integrates would make volts of what it and the column's are apart.
+fn resting<S: Scalar>(control: &Control<S>, still: &Still<S>, shown: [S; SHOWN]) -> (Feeling<S>, Remembered<S>) {
+    let [base, force, trim] = shown;
     let zero = trim.zero();
     let mut feeling = control.resting(zero, zero);
+    let [estimate @ .., position, heard, delta] = still.map(|[at_zero, per_base, per_force, per_trim]| {
+        at_zero + per_base * base + per_force * force + per_trim * trim
+    });
     // Under a law with an observer the feel's displacement is an angle.
-    let delta = base * control.per_base();
     (feeling.motion.at[0], feeling.motion.slider, feeling.neutral) = (delta, delta, trim);
-    let [estimate @ .., position, heard] = still.map(|[at_zero, per_base]| at_zero + per_base * base);
     (feeling, Remembered { base, position, estimate, recalled: Recalled::afresh(heard) })
 }
 
@@ -338,8 +376,8 @@ fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> V
     let sensors = |given: &Given| core::array::from_fn(|k| like.constant(given.inputs[k]));
     let start = &parts[first.settings.0].2;
     let still = job.still(&shared).map(|pair| pair.map(|of| like.constant(of[first.settings.0])));
-    let [base, trim] = [BASE, TRIM].map(|place| like.constant(first.inputs[place]));
-    let (mut feeling, mut remembered) = resting(start, &still, base, trim);
+    let shown = [BASE, FORCE, TRIM].map(|place| like.constant(first.inputs[place]));
+    let (mut feeling, mut remembered) = resting(start, &still, shown);
     let mut found = Vec::with_capacity(given.len());
     for one in given {
         let (from, to) = one.settings;
@@ -354,7 +392,7 @@ fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> V
             None
         });
         let [delta, rate] = feeling.motion.at;
-        found.push([e, torque, delta, rate].map(Into::into));
+        found.push([control.within_range(e), torque, delta, rate].map(Into::into));
     }
     found
 }

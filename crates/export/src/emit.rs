@@ -13,8 +13,8 @@ use std::collections::BTreeSet;
 pub struct Source {
     /// Name of each state that the law needs, and whether it is a flag.
     pub states: Vec<(String, bool)>,
-    /// The inputs that it reads.
-    pub inputs: Vec<String>,
+    /// The inputs that it reads, and between which values.
+    pub inputs: Vec<(String, (f64, f64))>,
     /// Functions that a period calls.
     pub functions: Vec<String>,
     /// Body of a period.
@@ -22,37 +22,44 @@ pub struct Source {
     /// The start at rest.
     pub reset: String,
     /// Tables that are the same in all settings.
-    pub same: String,
-    /// Members of a setting's numbers, and for each setting what they hold.
-    pub members: String,
-    /// Initialisers, a setting each.
-    pub settings: Vec<String>,
+    pub same: Numbers,
+    /// A setting's own numbers.
+    pub own: Numbers,
     /// Operations of a period as written, and those of the loops over data.
     pub operations: (usize, usize),
+}
+
+/// Numbers of a law as members of a structure of C.
+#[derive(Debug, Clone, Default)]
+pub struct Numbers {
+    /// The members.
+    pub members: String,
+    /// What they hold: a setting each, or of what is the same in all, a table each.
+    pub values: Vec<String>,
 }
 
 /// Displacement and rate of the feel, which are given out.
 const GIVEN: [usize; 2] = [INPUTS.len() + 7, INPUTS.len() + 8];
 
 impl Source {
-    /// The law of a job.
-    pub fn of(job: &Job) -> Self {
+    /// The law of a job; the names of C begin with `name`.
+    pub fn of(job: &Job, name: &str) -> Self {
         let (step, reset) = (job.period(), job.reset());
         let states = needed(&step);
-        let mut writer = Writer::new(job.single);
+        let mut writer = Writer::new(name, job.single);
         let (step_text, operations) = writer.program(&step, &states, true);
         let (reset_text, _) = writer.program(&reset, &states, false);
-        let (same, members, settings) = writer.data(job.values.len());
+        let (same, own) = writer.data(job.values.len());
         let name = |&place: &usize| (name_of(place), name_of(place).ends_with("stuck"));
+        let ranges = job.ranges();
         Self {
             states: states.iter().map(name).collect(),
-            inputs: writer.inputs.iter().map(|&place| name_of(place)).collect(),
+            inputs: writer.inputs.iter().map(|&place| (name_of(place), ranges[place])).collect(),
             functions: writer.functions.iter().map(ToString::to_string).collect(),
             step: step_text,
             reset: reset_text,
             same,
-            members,
-            settings,
+            own,
             operations,
         }
     }
@@ -92,7 +99,7 @@ pub type Bits = Vec<u64>;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Function {
     name: String,
-    gives: &'static str,
+    gives: String,
     parameters: String,
     lines: String,
 }
@@ -133,6 +140,8 @@ impl Tables {
 /// What all bodies of a law share: its numbers and functions.
 #[derive(Debug, Default)]
 pub struct Writer {
+    /// With which the names of C begin.
+    pub name: String,
     single: bool,
     own: Tables,
     same: Tables,
@@ -142,8 +151,18 @@ pub struct Writer {
 }
 
 impl Writer {
-    fn new(single: bool) -> Self {
-        Self { single, ..Self::default() }
+    fn new(name: &str, single: bool) -> Self {
+        Self { name: name.to_owned(), single, ..Self::default() }
+    }
+
+    /// The type of its numbers.
+    pub fn real(&self) -> String {
+        format!("{}_real", self.name)
+    }
+
+    /// A table that is the same in all settings.
+    pub fn same_table(&self, place: usize) -> String {
+        format!("{}_numbers.same_{place}", self.name)
     }
 
     /// The lines of a program, and its operations: as written, and in loops. If `checked`, nothing is given out or kept of what is no number.
@@ -158,12 +177,11 @@ impl Writer {
                 results.push(format!("state->{} = {};", name_of(place), body.spelled(node)));
             }
         }
-        let asked: Vec<String> = program.outputs.iter().map(|&(_, node)| body.spelled(node)).collect();
+        let asked: Vec<String> = program.numbers.iter().map(|&node| body.spelled(node)).collect();
         let asked = asked.join(" + ");
         let (mut text, operations) = body.text();
         if checked {
-            let zero = literal(0.0, self.single);
-            let _ = writeln!(text, "    const bool good = nothing({asked}) == {zero};\n    if (good) {{");
+            let _ = writeln!(text, "    const bool good = {}_is_number({asked});\n    if (good) {{", self.name);
         }
         let indent = if checked { "        " } else { "    " };
         for line in results {
@@ -186,12 +204,12 @@ impl Writer {
     }
 
     /// The name of a function, new or there already.
-    pub fn function(&mut self, gives: &'static str, parameters: String, lines: String) -> String {
+    pub fn function(&mut self, gives: String, parameters: String, lines: String) -> String {
         let same = |known: &&Function| known.parameters == parameters && known.lines == lines;
         if let Some(known) = self.functions.iter().find(same) {
             return known.name.clone();
         }
-        let name = format!("part_{}", self.functions.len());
+        let name = format!("{}_part_{}", self.name, self.functions.len());
         self.functions.push(Function { name: name.clone(), gives, parameters, lines });
         name
     }
@@ -227,18 +245,20 @@ impl Writer {
         format!("{setting}->n[{place}]")
     }
 
-    /// What is the same in all settings, the members of a setting's numbers, and for each setting what they hold.
-    fn data(&self, settings: usize) -> (String, String, Vec<String>) {
+    /// What is the same in all settings, and a setting's own numbers.
+    fn data(&self, settings: usize) -> (Numbers, Numbers) {
+        let real = self.real();
         let size = |table: &Vec<Vec<Bits>>| format!("[{}][{}]", table.len(), table[0].len());
-        let (mut same, mut members) = (String::new(), String::new());
+        let (mut same, mut members) = (Numbers::default(), String::new());
         for (k, table) in self.same.0.iter().enumerate() {
-            let _ = writeln!(same, "static const real same_{k}{} = {};\n", size(table), self.rows(table, 0));
+            let _ = writeln!(same.members, "    {real} same_{k}{};", size(table));
+            same.values.push(self.rows(table, 0));
         }
         for (k, table) in self.own.0.iter().enumerate() {
-            let _ = writeln!(members, "    real m{k}{};", size(table));
+            let _ = writeln!(members, "    {real} m{k}{};", size(table));
         }
         if !self.numbers.is_empty() {
-            let _ = writeln!(members, "    real n[{}];", self.numbers.len());
+            let _ = writeln!(members, "    {real} n[{}];", self.numbers.len());
         }
         let setting = |k: usize| {
             let mut parts: Vec<String> = self.own.0.iter().map(|table| self.rows(table, k)).collect();
@@ -247,7 +267,7 @@ impl Writer {
             }
             format!("    {{\n        {}\n    }}", parts.join(",\n        "))
         };
-        (same, members, (0..settings).map(setting).collect())
+        (same, Numbers { members, values: (0..settings).map(setting).collect() })
     }
 
     /// The numbers of a table in a setting.

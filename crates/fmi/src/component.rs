@@ -174,16 +174,16 @@ pub fn free(component: *mut Component, state: *mut *mut Kept) -> Status {
 
 /// How many bytes a state has.
 pub fn size(component: *mut Component, state: *const Kept, size: *mut usize) -> Status {
-    with(component, |_| {
-        *needed(raw::of_mut(size))? = needed(raw::of(state))?.bytes()?.len();
+    with(component, |instance| {
+        *needed(raw::of_mut(size))? = needed(raw::of(state))?.bytes(instance.token())?.len();
         Ok(())
     })
 }
 
 /// The bytes of a state.
 pub fn write(component: *mut Component, state: *const Kept, bytes: (*mut u8, usize)) -> Status {
-    with(component, |_| {
-        let written = needed(raw::of(state))?.bytes()?;
+    with(component, |instance| {
+        let written = needed(raw::of(state))?.bytes(instance.token())?;
         let into = needed(raw::list_mut(bytes.0, bytes.1))?;
         let room = into.get_mut(..written.len());
         room.ok_or_else(|| format!("state: expected room for {} bytes", written.len()))?.copy_from_slice(&written);
@@ -193,8 +193,8 @@ pub fn write(component: *mut Component, state: *const Kept, bytes: (*mut u8, usi
 
 /// A state from bytes.
 pub fn read(component: *mut Component, bytes: (*const u8, usize), state: *mut *mut Kept) -> Status {
-    with(component, |_| {
-        let kept = Kept::of(needed(raw::list(bytes.0, bytes.1))?)?;
+    with(component, |instance| {
+        let kept = Kept::of(needed(raw::list(bytes.0, bytes.1))?, instance.token())?;
         *needed(raw::of_mut(state))? = raw::give(kept);
         Ok(())
     })

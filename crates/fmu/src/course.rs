@@ -214,10 +214,14 @@ impl<S: Scalar, D: Drive<S>> Made<S, D> {
         let zero = given.command.zero();
         let sample = Sample { sensors: given.sensed, pilot_force: zero };
         let (torque, law) = (&mut course.torque, (&mut course.feeling, &mut course.remembered));
-        course.command = self.machine.control().command(&self.shared, law, inputs, &sample, |answer| {
+        let control = self.machine.control();
+        let command = control.command(&self.shared, law, inputs, &sample, |answer| {
             *torque = answer.torque;
             None
         });
+        // What the drive answers, and a rounding beyond: so the amplifier comes to its own limit to the bit.
+        let most = control.within_range(zero.constant(f64::INFINITY)).times(1.0 + f64::EPSILON);
+        course.command = command.within(most);
     }
 
     /// What is seen at the start of the step that comes next, under what is given.

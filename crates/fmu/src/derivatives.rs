@@ -1,7 +1,7 @@
 //! Exact derivatives: the last communication step once more, on dual numbers along the direction that is asked for.
 //!
 //! `dy = sum_k (dy / du_k) du_k`: how the outputs at the present communication point change with the inputs that were held through the
-//! step up to it; before the first step, with those of now. Dry friction, stops and limits stay as they are, and steps of sensors and
+//! step up to it; before the first step, and in an event of the law's clock, with those of now. Dry friction, stops and limits stay as they are, and steps of sensors and
 //! converters, which have no slope, are left out.
 
 use crate::course::{Course, Given, Made};
@@ -22,6 +22,12 @@ impl Instance {
     /// # Errors
     /// If one of them is no output or no input that has a derivative, or the FMU is not initialized.
     pub fn derivative(&mut self, unknowns: &[u32], knowns: &[u32], seed: &[f64]) -> Result<Vec<f64>, String> {
+        if self.ticks() {
+            // In an event: of what follows the inputs as they are now.
+            let mut settled = self.clone();
+            settled.settle()?;
+            return settled.derivative(unknowns, knowns, seed);
+        }
         let mut along = [0.0; MOST_INPUTS];
         for (&known, &by) in knowns.iter().zip(seed) {
             let place = self.input(known).ok_or_else(|| format!("{known}: is the reference of no input"))?;

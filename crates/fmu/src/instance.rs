@@ -50,7 +50,7 @@ impl Instance {
         let values = resources.setup.values;
         let (kind, drive) = (resources.kind, DriveKind::of(&values));
         let variables = Variables {
-            inputs: inputs(kind, drive),
+            inputs: inputs(kind, &values),
             outputs: seen(kind, drive).len(),
             options: options(kind, resources.settings.len()),
             rows: rows(kind, drive, &values),
@@ -184,6 +184,11 @@ impl Instance {
     pub fn time(&self) -> f64 {
         let taken = usize::from(self.kept.sampled) * stride(self.resources.kind, self.resources.setup.timing);
         self.kept.start_s + count(self.steps().saturating_sub(taken)) * self.resources.setup.step_s
+    }
+
+    /// By what its description knows its resources, and its states one another.
+    pub fn token(&self) -> &str {
+        &self.resources.token
     }
 
     /// What makes it out now.

@@ -7,6 +7,7 @@ use crate::values::Variables;
 use crate::variables::{MOST_INPUTS, OPTIONS};
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;
+use forcefeel_model::host::packet::crc32;
 use forcefeel_model::parameters::COUNT;
 use serde::{Deserialize, Serialize};
 
@@ -67,22 +68,31 @@ impl Kept {
         }
     }
 
-    /// The bytes that make it out.
+    /// The bytes that make it out, and their check sum together with the token of its FMU.
     ///
     /// # Errors
     /// If memory is short.
-    pub fn bytes(&self) -> Result<Vec<u8>, String> {
-        postcard::to_stdvec(self).map_err(|error| error.to_string())
+    pub fn bytes(&self, token: &str) -> Result<Vec<u8>, String> {
+        let mut bytes = postcard::to_stdvec(self).map_err(|error| error.to_string())?;
+        let sum = check_sum(&bytes, token);
+        bytes.extend(sum);
+        Ok(bytes)
     }
 
     /// What these bytes make out.
     ///
     /// # Errors
-    /// If they are not those of a state.
-    pub fn of(bytes: &[u8]) -> Result<Self, String> {
-        let kept: Self = postcard::from_bytes(bytes).map_err(|error| format!("state: {error}"))?;
+    /// If they are not those of a state of the FMU with this token, each as it was written.
+    pub fn of(bytes: &[u8], token: &str) -> Result<Self, String> {
+        let whole = bytes.split_last_chunk().filter(|(numbers, sum)| check_sum(numbers, token) == **sum);
+        let (numbers, _) = whole.ok_or_else(|| "state: is damaged, or that of another FMU".to_string())?;
+        let kept: Self = postcard::from_bytes(numbers).map_err(|error| format!("state: {error}"))?;
         let feels = [Some(&kept.feel.now), Some(kept.feel.wanted())];
         let whole = kept.values.len() == COUNT && feels.into_iter().flatten().all(|feel| feel.values.len() == COUNT);
         whole.then_some(kept).ok_or_else(|| "state: expected the numbers of a loader".to_string())
     }
+}
+
+fn check_sum(numbers: &[u8], token: &str) -> [u8; 4] {
+    crc32(&[numbers, token.as_bytes()].concat()).to_le_bytes()
 }

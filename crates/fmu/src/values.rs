@@ -29,8 +29,9 @@ impl Instance {
     pub fn set(&mut self, reference: u32, value: f64) -> Result<(), String> {
         let started = self.kept.started;
         if let Some(place) = self.input(reference) {
-            if !value.is_finite() {
-                return Err(format!("{}: expected a number, got {value}", self.variables.inputs[place].name));
+            let Signal { name, unit, range: (low, high), .. } = self.variables.inputs[place];
+            if !within((low, high), value) {
+                return Err(format!("{name}: expected a number from {low} to {high} {unit}, got {value}"));
             }
             self.kept.inputs[place] = value;
         } else if let Some(place) = self.option(reference) {

@@ -2,7 +2,8 @@
 //!
 //! A variable's reference is its place in a block: time, inputs, outputs, what a run begins with, rows of the parameter table.
 
-use forcefeel_model::parameters::{COUNT, DriveKind, Parameter, TABLE};
+use forcefeel_model::law_inputs::{HAND, SHAKER, STIFFNESS_FACTOR, TRIM, sensed};
+use forcefeel_model::parameters::{COUNT, DriveKind, Parameter, Parameters, TABLE};
 use forcefeel_solve::outputs::{Output, outputs};
 
 /// What an FMU holds.
@@ -50,12 +51,14 @@ pub struct Signal {
     pub meaning: &'static str,
     /// What it is where nothing is done.
     pub start: f64,
+    /// Smallest and largest value of an input.
+    pub range: (f64, f64),
     /// Whether it counts through a step; else only where the controller samples.
     pub continuous: bool,
 }
 
 const fn signal(name: &'static str, unit: &'static str, meaning: &'static str) -> Signal {
-    Signal { name, unit, meaning, start: 0.0, continuous: true }
+    Signal { name, unit, meaning, start: 0.0, range: (f64::NEG_INFINITY, f64::INFINITY), continuous: true }
 }
 
 const fn sampled(name: &'static str, unit: &'static str, meaning: &'static str) -> Signal {
@@ -63,13 +66,17 @@ const fn sampled(name: &'static str, unit: &'static str, meaning: &'static str) 
 }
 
 /// The pilot's force, of loader and machine the first input.
-const PILOT_FORCE: Signal = signal("pilot_force", "N", "force of the pilot at the grip");
+const PILOT_FORCE: Signal = Signal { range: HAND, ..signal("pilot_force", "N", "force of the pilot at the grip") };
 
 /// What the feel is told from outside.
 const AROUND: [Signal; 3] = [
-    sampled("trim", "rad", "commanded neutral of the feel"),
-    Signal { start: 1.0, ..sampled("stiffness_factor", "", "factor on the spring of the feel") },
-    sampled("shaker", "", "how far the stick shaker is on, 0 to 1"),
+    Signal { range: TRIM, ..sampled("trim", "rad", "commanded neutral of the feel") },
+    Signal {
+        start: 1.0,
+        range: STIFFNESS_FACTOR,
+        ..sampled("stiffness_factor", "", "factor on the spring of the feel")
+    },
+    Signal { range: SHAKER, ..sampled("shaker", "", "how far the stick shaker is on, 0 to 1") },
 ];
 
 /// What the sensors show, noise and offset included.
@@ -86,18 +93,27 @@ const SENSED: [Signal; 4] = [
 
 fn command(drive: DriveKind) -> Signal {
     let unit = if drive == DriveKind::Electric { "A" } else { "V" };
-    sampled(
+    let command = sampled(
         "command",
         unit,
         "command of the law to the drive's amplifier; it arrives the controller's delay after the sample",
-    )
+    );
+    Signal { range: COMMAND, ..command }
 }
 
-/// The inputs of a kind of FMU, in the order of their references.
-pub fn inputs(kind: Kind, drive: DriveKind) -> Vec<Signal> {
+/// A command to the machine in V or A: its amplifier limits what it answers, so any law's is taken that can be one.
+const COMMAND: (f64, f64) = (-1e6, 1e6);
+
+/// The inputs of a kind of FMU of a loader with these values, in the order of their references.
+pub fn inputs(kind: Kind, values: &[f64; COUNT]) -> Vec<Signal> {
+    let drive = DriveKind::of(values);
     match kind {
         Kind::Loader => [&[PILOT_FORCE][..], &AROUND].concat(),
-        Kind::Law => [&SENSED[..], &AROUND].concat(),
+        Kind::Law => {
+            let ranges = sensed(&Parameters::from_values(values));
+            let shown = SENSED.into_iter().zip(ranges).map(|(signal, range)| Signal { range, ..signal });
+            shown.chain(AROUND).collect()
+        }
         Kind::Machine => vec![PILOT_FORCE, command(drive)],
     }
 }
@@ -118,9 +134,9 @@ pub fn seen(kind: Kind, drive: DriveKind) -> Vec<Signal> {
     let of_simulation = shown(kind, drive).into_iter().map(|output| {
         let (name, unit) = outputs(drive)[output as usize];
         match output {
-            Output::FeelPosition => sampled(name, "rad", meaning(output)),
-            Output::FeelVelocity => sampled(name, "rad/s", meaning(output)),
-            _ => signal(name, unit, meaning(output)),
+            Output::FeelPosition => sampled(name, "rad", meaning(output, name)),
+            Output::FeelVelocity => sampled(name, "rad/s", meaning(output, name)),
+            _ => signal(name, unit, meaning(output, name)),
         }
     });
     let own = match kind {
@@ -131,7 +147,7 @@ pub fn seen(kind: Kind, drive: DriveKind) -> Vec<Signal> {
     of_simulation.chain(own).collect()
 }
 
-fn meaning(output: Output) -> &'static str {
+fn meaning(output: Output, name: &str) -> &'static str {
     match output {
         Output::ColumnAngle => "angle of the column",
         Output::ColumnVelocity => "angular velocity of the column",
@@ -140,9 +156,21 @@ fn meaning(output: Output) -> &'static str {
         Output::DrivePosition => "displacement of the drive's end",
         Output::LoadCellForce => "force of the load cell",
         Output::PilotForce => "force of the pilot at the grip",
-        Output::FirstSignal | Output::SecondSignal | Output::ThirdSignal | Output::FourthSignal => {
-            "quantity of the drive by its name"
-        }
+        Output::FirstSignal | Output::SecondSignal | Output::ThirdSignal | Output::FourthSignal => of_drive(name),
+    }
+}
+
+/// A quantity of the drive.
+fn of_drive(name: &str) -> &'static str {
+    match name {
+        "load_pressure" => "pressure difference across the actuator's piston",
+        "actuator_flow" => "flow of oil into the actuator",
+        "valve_current" => "current through the coil of the valve",
+        "motor_current" => "current through the winding of the motor",
+        "motor_voltage" => "voltage at the motor",
+        "motor_speed" => "angular velocity of the motor",
+        "winding_temperature" => "temperature of the winding of the motor",
+        _ => "",
     }
 }
 

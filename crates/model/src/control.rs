@@ -237,6 +237,12 @@ impl<S: Scalar> Control<S> {
         base * self.per_base * self.feel.per_angle
     }
 
+    /// What the drive answers of a command: within what converter and amplifier give.
+    #[inline(always)]
+    pub fn within_range(&self, e: S) -> S {
+        self.converters.within_range(e)
+    }
+
     /// Programmed angle in rad per programmed displacement.
     #[inline(always)]
     pub fn per_delta(&self) -> S {

@@ -29,6 +29,7 @@
 //! | sensors | [`transducers`], [`grip_sensor`] |
 //! | digital controller: its period from sample to command; when it acts, its converters | [`control`], [`controller`] |
 //! | its law with an observer, the friction that it knows | [`observer`], [`known_friction`] |
+//! | between which values a law takes its inputs | [`law_inputs`] |
 //! | what it adds against a known disturbance of the drive | [`cancellation`] |
 //! | what a person sets around the feel, and how evenly it comes | [`around`] |
 //! | which of these are in play | [`effects`] |
@@ -61,6 +62,7 @@ pub mod followed;
 pub mod grip_sensor;
 pub mod host;
 pub mod known_friction;
+pub mod law_inputs;
 pub mod linkage;
 pub mod load_cell;
 pub mod loader;

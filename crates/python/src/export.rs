@@ -16,13 +16,15 @@ use pyo3::prelude::*;
 pub struct LawSource {
     /// Name of each state, and whether it is a flag.
     states: Vec<(String, bool)>,
-    inputs: Vec<String>,
+    /// The inputs that it reads, and between which values.
+    inputs: Vec<(String, (f64, f64))>,
     functions: Vec<String>,
     step: String,
     reset: String,
-    same: String,
-    members: String,
-    settings: Vec<String>,
+    /// Members of what is the same in all settings, and what they hold.
+    same: (String, Vec<String>),
+    /// Members of a setting, and for each setting what they hold.
+    own: (String, Vec<String>),
     operations: (usize, usize),
 }
 
@@ -57,11 +59,12 @@ impl ExportedLaw {
         Ok(Self(Job { values, observers, states, curve, cancellation, period_s, single }))
     }
 
-    /// The law as C.
-    fn source(&self, py: Python<'_>) -> LawSource {
-        let Source { states, inputs, functions, step, reset, same, members, settings, operations } =
-            py.detach(|| Source::of(&self.0));
-        LawSource { states, inputs, functions, step, reset, same, members, settings, operations }
+    /// The law as C, whose names begin with `name`.
+    fn source(&self, py: Python<'_>, name: &str) -> LawSource {
+        let Source { states, inputs, functions, step, reset, same, own, operations } =
+            py.detach(|| Source::of(&self.0, name));
+        let [same, own] = [same, own].map(|numbers| (numbers.members, numbers.values));
+        LawSource { states, inputs, functions, step, reset, same, own, operations }
     }
 
     /// Command, torque, displacement and rate of the feel (samples, 4) for `inputs` (samples, 8) in settings `from`, `to` (samples, 2),

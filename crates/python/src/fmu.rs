@@ -48,7 +48,7 @@ pub fn fmu_variables(kind: &str, values: PyReadonlyArray1<'_, f64>, settings: us
             variability: if signal.continuous { "continuous" } else { "discrete" },
             kind: "Real",
             start: (causality == "input").then_some(signal.start),
-            range: None,
+            range: (causality == "input").then_some(signal.range),
         })
     };
     let options = options(kind, settings).into_iter().map(|place| {
@@ -81,7 +81,7 @@ pub fn fmu_variables(kind: &str, values: PyReadonlyArray1<'_, f64>, settings: us
             range: (!is_switch(row)).then(|| range(row)),
         }
     });
-    let inputs = signals(INPUTS, inputs(kind, drive), "input");
+    let inputs = signals(INPUTS, inputs(kind, &values), "input");
     let outputs = signals(OUTPUTS, seen(kind, drive), "output");
     Ok(inputs.chain(outputs).chain(options).chain(rows).collect())
 }

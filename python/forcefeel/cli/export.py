@@ -10,7 +10,7 @@ from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
-    from forcefeel.export import Exported
+    from forcefeel.export import Exported, Target
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,7 +107,7 @@ def run(path: LoaderFile = None, /, *, options: ExportOptions) -> None:
     answer(
         {"folder": options.out},
         lambda: {"files": list(files), "law": exported.law.name, "loader": exported.loader.name, **_settings(exported)},
-        lambda terminal: _show(terminal, exported, list(files)),
+        lambda terminal: _show(terminal, exported, target, list(files)),
         as_json=options.json,
     )
 
@@ -116,10 +116,15 @@ def _settings(exported: "Exported") -> dict[str, int | str]:
     return {"settings": len(exported.settings), "loader_sha256": exported.loader.fingerprint}
 
 
-def _show(console: Terminal, exported: "Exported", files: list[str]) -> None:
+def _show(console: Terminal, exported: "Exported", target: "Target", files: list[str]) -> None:
+    from forcefeel.export import Target
+    from forcefeel.export.firmware_code import FROM_REGISTRY
+
     law, loader, settings = exported.law, exported.loader, len(exported.settings)
     time = f"every {law.period_s * 1e3:.6g} ms" if law.period_s else "in continuous time"
     console.print(f"{law.name} for {loader.name}, {time}", style="bold", highlight=False)
     console.print(f"loader {loader.fingerprint[:12]}, settings of the feel: {settings}", highlight=False)
     for name in files:
         console.print(f"- {name}", highlight=False)
+    if target is Target.FIRMWARE:
+        console.print(f"To compile it, {FROM_REGISTRY}.", highlight=False)

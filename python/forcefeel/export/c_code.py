@@ -3,7 +3,9 @@
 ``forcefeel._core.ExportedLaw`` traces the controller's period; here that becomes files, and the golden vectors' inputs are made.
 """
 
+import hashlib
 import math
+import struct
 from collections.abc import Callable
 
 import numpy as np
@@ -30,6 +32,9 @@ _RELEASED_RAD = 0.1
 _SHARES = (1.0, 0.1, 0.01)
 """Of release and sweep: a feel that is heavy for the drive lets go of the column after a large one."""
 
+INPUTS = ("force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "share")
+"""What the law is given each period; the columns of the golden vectors."""
+
 _FILES = {
     "law.h": "{}_law.h",
     "data.h": "{}_data.h",
@@ -55,12 +60,13 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
     """
     law, numbers = exported.law, exported.sampled()
     traced = traced_law(exported.loader, law, numbers, single=single)
-    source = traced.source()
+    source = traced.source(exported.name)
     given, pairs = golden_inputs(exported)
     if single:
         given = given.astype(np.float32).astype(np.float64)
+    given = within_ranges(given, source)
     answers = np.vstack([traced.answers(given[k : k + PART], pairs[k : k + PART]) for k in range(0, len(given), PART)])
-    fields = about(exported, numbers, single=single) | _of_source(source)
+    fields = about(exported, numbers, single=single) | _of_source(source, exported.name, single=single)
     settings = numbers.settings
     fields |= {
         "samples": len(given),
@@ -183,19 +189,55 @@ def about(exported: Exported, numbers: SampledCompensator, *, single: bool) -> d
     }
 
 
-def _of_source(source: LawSource) -> dict[str, object]:
-    single, looped = source.operations
+def within_ranges(given: NDArray[np.float64], source: LawSource) -> NDArray[np.float64]:
+    """Inputs (samples, 8), each that the law reads cut off at the ends of its range."""
+    found = given.copy()
+    for name, (low, high) in source.inputs:
+        place = INPUTS.index(name)
+        found[:, place] = found[:, place].clip(low, high)
+    return found
+
+
+def _of_source(source: LawSource, name: str, *, single: bool) -> dict[str, object]:
+    plain, looped = source.operations
+    same, own = ({"members": members, "held": held} for members, held in (source.same, source.own))
+    code = "".join((*source.functions, source.step, source.reset, *source.same[1], *source.own[1]))
     return {
         "states": source.states,
         "step": source.step,
         "functions": source.functions,
-        "same": source.same,
         "reset": source.reset,
-        "members": source.members,
-        "data": source.settings,
-        "code": "".join((*source.functions, source.step, source.reset, source.same, *source.settings)),
-        "operations": f"{single} as written, {looped} in loops over data",
+        "same": same,
+        "own": own,
+        "code": code,
+        "ready": f"0x{hashlib.sha256(code.encode()).hexdigest()[:8].upper()}U",
+        "bits": "uint32_t" if single else "uint64_t",
+        "infinity": spelled_bits(math.inf, single=single, shifted=True),
+        "checks": [_check(name, *of, single=single) for of in source.inputs] + _of_settings(name, source),
+        "ranges": dict.fromkeys(INPUTS, "not read")
+        | {one: f"{low:.6g} to {high:.6g}" for one, (low, high) in source.inputs},
+        "operations": f"{plain} as written, {looped} in loops over data",
     }
+
+
+def _check(name: str, of: str, ends: tuple[float, float], *, single: bool) -> str:
+    """The condition of C that an input lies within its range, which reaches as far below zero as above, or not below."""
+    low, high = ends
+    if low < 0.0:
+        return f"({name}_size(in->{of}) <= {spelled_bits(high, single=single, shifted=True)})"
+    return f"({name}_bits(in->{of} + {'0.0F' if single else '0.0'}) <= {spelled_bits(high, single=single)})"
+
+
+def _of_settings(name: str, source: LawSource) -> list[str]:
+    settings = len(source.own[1])
+    return [f"(in->{of} < {name}_SETTINGS)" for of in ("from", "to")] if settings > 1 else []
+
+
+def spelled_bits(value: float, *, single: bool, shifted: bool = False) -> str:
+    """The bits of a number that is not negative, or these with the sign shifted out, as C spells them."""
+    size, word = ("<f", "<I") if single else ("<d", "<Q")
+    (bits,) = struct.unpack(word, struct.pack(size, value))
+    return f"0x{bits << shifted:X}{'U' if single else 'ULL'}"
 
 
 def spelled_rows(numbers: NDArray[np.float64], *, single: bool) -> str:

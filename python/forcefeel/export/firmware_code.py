@@ -38,6 +38,9 @@ _FILES = {
     "README.md": "README.md",
 }
 _OF_BOARD = ("reset.c", "board.ld")
+FROM_REGISTRY = "cargo takes the crate libm from its cache, or fetches it from its registry, crates.io"
+"""All that a firmware needs that forcefeel does not bring."""
+
 _LIBRARY = "libforcefeel.a"
 
 
@@ -71,6 +74,7 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
         "answers": spelled_rows(answers, single=single),
         "states": _words(states),
         "periods": _periods_until_on(exported),
+        "from_registry": FROM_REGISTRY,
     }
     fields |= _numbers(exported, axis)
     templates = environment(html=False)
@@ -216,7 +220,7 @@ def _told(*command: str) -> str:
 
 
 def _library(triple: str, *, single: bool) -> bytes:
-    """The static library for a target, compiled from the sources of the running forcefeel.
+    """The static library for a target, compiled from the sources of the running forcefeel, offline where that can be.
 
     Raises:
         InputError: If cargo cannot.
@@ -233,7 +237,13 @@ def _library(triple: str, *, single: bool) -> bytes:
         feature = "single" if single else "alone"
         asked = ("--release", "--quiet", "--package", "forcefeel-firmware", "--features", feature, "--target", triple)
         command = ("cargo", "rustc", *asked, "--crate-type", "staticlib", "--target-dir", "built")
-        done = subprocess.run(command, cwd=root, capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise InputError(f"target: cargo could not compile for {triple}: {done.stderr.strip()}")
+        for network in (("--offline",), ()):
+            done = subprocess.run((*command, *network), cwd=root, capture_output=True, text=True, check=False)
+            if not done.returncode:
+                break
+        else:
+            raise InputError(
+                f"target: cargo could not compile for {triple}: {done.stderr.strip()}; {FROM_REGISTRY}: without a network, "
+                "run the export once where there is one, or copy a CARGO_HOME that has it"
+            )
         return (root / "built" / triple / "release" / "libforcefeel_firmware.a").read_bytes()

@@ -3,9 +3,13 @@
 from collections.abc import Mapping
 from importlib.metadata import version as version_of
 
+import numpy as np
+from numpy.typing import NDArray
+
 from forcefeel import _core
 from forcefeel._core import FmuVariable
 from forcefeel.export.exported import Exported
+from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, meaning, unit
 from forcefeel.loader.sensors import has_grip_sensor
@@ -17,6 +21,9 @@ _SHOWN = {it.si: it for it in (ANGLE, ANGULAR_VELOCITY, LENGTH, FORCE, PRESSURE,
 
 _SIGNALS = {"load_pressure", "actuator_flow", "valve_current", "motor_current", "motor_voltage"}
 """Outputs that may follow a command at once, where it has no delay."""
+
+_SENSED = ("sensed_load_cell_force", "sensed_drive_position", "sensed_column_base", "sensed_grip_force")
+"""What a law samples, in the order of its numbers."""
 
 _CELSIUS_AT_ZERO_K = 273.15
 
@@ -32,9 +39,17 @@ def description(exported: Exported, kind: str, version: str, about: Mapping[str,
     """
     loader, feel = exported.loader, exported.settings
     variables = _core.fmu_variables(kind, loader.rows(FEEL_SETTING, feel)[0], len(feel))
-    rows = [_variable(variable, loader.drive) for variable in variables]
+    clocked = kind == "law" and version == "3.0"
+    rows = [
+        _variable(variable, loader.drive) | {"clocked": clocked and variable.causality in {"input", "output"}}
+        for variable in variables
+    ]
+
+    def direct(output: str) -> set[str]:
+        return _in_an_event(exported, output) if clocked else _at_once(exported, output, about)
+
     outputs = [
-        {"index": place, "reference": it.reference, "inputs": _direct(exported, it.name, variables, about)}
+        {"index": place, "reference": it.reference, "inputs": _named(direct(it.name), variables)}
         for place, it in enumerate(variables, start=1)
         if it.causality == "output"
     ]
@@ -46,7 +61,7 @@ def description(exported: Exported, kind: str, version: str, about: Mapping[str,
         law=exported.law.name,
         release=version_of("forcefeel"),
         units=_units(rows),
-        clock=_core.FMU_CLOCK if kind == "law" else None,
+        clock=_core.FMU_CLOCK if clocked else None,
         variables=rows,
         outputs=outputs,
     )
@@ -118,17 +133,43 @@ def _base(name: str) -> dict[str, str]:
     return written | ({"offset": repr(_CELSIUS_AT_ZERO_K)} if name == "degC" else {})
 
 
-def _direct(
-    exported: Exported, output: str, variables: list[FmuVariable], about: Mapping[str, object]
-) -> list[dict[str, int]]:
+def _at_once(exported: Exported, output: str, about: Mapping[str, object]) -> set[str]:
     """The inputs that an output follows without a step between."""
     follows: set[str] = set()
     if has_grip_sensor(exported.loader) and output == "sensed_grip_force":
         follows = {"pilot_force"}
     if about["delay_s"] == 0 and output in _SIGNALS:
         follows = {"pilot_force", "command"}
+    return follows
+
+
+def _in_an_event(exported: Exported, output: str) -> set[str]:
+    """The inputs that an output of the law follows where its clock ticks, by the law's numbers and those that add to them.
+
+    Trim, factor and shaker move the feel in the period that then begins; the neutral of now is the law's own.
+    """
+    numbers = exported.sampled()
+    command, torque = _sensors(numbers, numbers.command), _sensors(numbers, numbers.torque)
+    if exported.law.cancellation is not None:
+        command |= {"sensed_drive_position"}
+    if numbers.knows_friction:
+        torque |= _sensors(numbers, numbers.friction[:, : numbers.torque.shape[1]])
+    if output in {"command", "feel_torque"}:
+        return command if output == "command" else torque
+    gives_way = exported.loader["controller.antiwindup"] > 0
+    return torque | (command if gives_way else set()) | {"trim", "stiffness_factor", "shaker"}
+
+
+def _sensors(numbers: SampledCompensator, rows: NDArray[np.float64]) -> set[str]:
+    """The sensors that have a part in rows on [xi; F_c, x_p, theta; delta; delta'], F_g after theta where there is one."""
+    columns = rows[:, numbers.states : -2].T
+    return {name for name, column in zip(_SENSED, columns, strict=False) if column.any()}
+
+
+def _named(names: set[str], variables: list[FmuVariable]) -> list[dict[str, int]]:
+    """Index and reference of inputs."""
     return [
         {"index": place, "reference": it.reference}
         for place, it in enumerate(variables, start=1)
-        if it.causality == "input" and it.name in follows
+        if it.causality == "input" and it.name in names
     ]

@@ -53,6 +53,11 @@ impl<S: Scalar> Equilibrium<S> {
         Self::from_numbers(&core::array::from_fn(|k| S::select(mask, mine[k], others[k])))
     }
 
+    /// Programmed displacement.
+    pub fn delta(&self) -> S {
+        self.delta
+    }
+
     /// Command that holds it.
     pub fn command(&self) -> S {
         self.command
@@ -109,6 +114,17 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let cut = left_over(effects) - left_over(&unlimited);
         let beyond = cut.zero().less(cut.abs());
         if S::any(beyond) { search(effects).or(&found, beyond) } else { found }
+    }
+
+    /// The loader at rest where base and load cell are moved by these from zero, in m and N, and the neutral is trimmed to this angle in rad:
+    /// under whatever feel asks for that force.
+    pub fn standing_at(&self, shared: &Shared, [x_b, force, trim]: [S; 3]) -> Equilibrium<S> {
+        let effort = self.drive.effort(force);
+        let (driven, neutral) = ((effort, self.drive.stretch_at_rest(effort)), trim * self.control.feel.per_angle);
+        let (centre, reach) = (self.control.delta_at(x_b), self.control.feel.per_angle.times(SEARCH_RAD));
+        bisect((centre - reach, centre + reach), Equilibrium::neutral(centre.zero()), |delta| {
+            self.standing((&shared.effects, shared.cancellation), [x_b, delta, neutral], driven)
+        })
     }
 
     /// The loader at rest under the pilot's force.
