@@ -205,8 +205,9 @@ class _Lines:
         changes, first = self.terms[2:], self.terms[1]
         built_up = float(np.sum((changes * (self.knots - self.knots[beyond - 1]))[beyond:]))
         left = abs(float(np.sum(changes * self.knots)))
-        flat = abs(first + np.sum(changes[:beyond])) <= _GONE * (first + np.sum(changes))
-        return beyond < len(changes) and not flat and left <= _GONE * built_up
+        after, last = float(first + np.sum(changes[:beyond])), float(first + np.sum(changes))
+        # A force that falls as the control goes on is that of no spring, though a jump over it blurs what follows.
+        return built_up > 0 and (after < -_GONE * last or (after > _GONE * last and left <= _GONE * built_up))
 
 
 @dataclass(frozen=True, eq=False)
