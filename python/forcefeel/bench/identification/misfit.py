@@ -16,6 +16,10 @@ from forcefeel.units import UnitSystem
 MODEL_ERROR = 2.0
 """What is left, in deviations that the data state, from which on it is the model's error and not noise."""
 
+COUNTS = 0.005
+"""Share of a response, or of how far a channel moves, from which on a model's error counts: it moves a parameter by as much, and a
+law minds that. Less shows beside fine sensors, as the engine's steps do, and is only said."""
+
 UNEXPLAINED = 0.2
 """Share of a response, or of how far a channel moves, beyond which the model is that of another machine."""
 
@@ -64,6 +68,11 @@ def beyond_noise(one: Fitted) -> bool:
         return bool(stated) and one.residual_rms > MODEL_ERROR * (stated or 0.0)
     missed, noise = missed_and_noise(one)
     return missed > MODEL_ERROR * noise
+
+
+def misses(one: Fitted) -> bool:
+    """Whether what is left is more than noise, and so much that the estimates are not to be relied on."""
+    return beyond_noise(one) and unexplained(one) > COUNTS
 
 
 def model_error(one: Fitted, units: UnitSystem) -> str:
