@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from forcefeel.qualification import Record
+from forcefeel.qualification.breakout import breakout
 from forcefeel.qualification.sweep import measure_sweep
 
 DEGREE = math.pi / 180
@@ -91,3 +92,10 @@ def test_too_few_samples_near_neutral_are_no_figure():
     few = Record(record.time_s[::40], record.position[::40], record.force_n[::40])
     found = measure_sweep(few, points=41)
     assert not found.breakout_low.known
+
+
+def test_a_force_that_falls_as_the_control_goes_on_is_read_above_what_follows():
+    """25 N/deg up to 0.3 deg, 15 back, 5 from 0.5 deg on: 7.5 N at its peak, where the last line, laid back, has 3.5."""
+    x = np.linspace(0.001, 1.6, 1000)
+    force = np.interp(x, [0.0, 0.3, 0.5, 1.6], [0.0, 7.5, 4.5, 10.0])
+    assert breakout(x, force, 0.0).value == pytest.approx(4.0, abs=FINE_N)

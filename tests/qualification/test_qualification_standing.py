@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, product
 
 import pytest
 
@@ -14,7 +14,7 @@ from forcefeel.qualification.programme.programme import programme_of
 from forcefeel.qualification.programme.result import Result, Section
 from forcefeel.qualification.programme.sentences import conclusions
 
-STATIC, SURFACE, SMALL = {"static"}, {"surface"}, {"small-inputs"}
+STATIC, SURFACE, SMALL, TRIM = {"static"}, {"surface"}, {"small-inputs"}, {"trim-indicator", "trim-rate"}
 UP, DOWN = ({f"release-{share}-{side}" for share in (25, 50)} for side in ("positive", "negative"))
 SWEEPS = {"medium", "fast"}
 RULE = load_rules("part60-a-2014")
@@ -69,9 +69,9 @@ def test_a_test_that_is_too_close_to_call_leaves_it_incomplete_and_is_named():
 
 def test_surface_and_body_are_outside_the_programme_of_a_simulated_loader_alone():
     loader, simulator = (programme_of(RULE, "pitch", recorded=recorded) for recorded in (False, True))
-    assert {trial.key for trial in loader.outside} == SURFACE | SMALL
-    assert simulator.outside == ()
-    whole = {trial.key for trial in simulator.trials}
+    assert {trial.key for trial in loader.outside} == SURFACE | SMALL | TRIM
+    assert {trial.key for trial in simulator.outside} == TRIM
+    whole = {trial.key for trial in (*simulator.trials, *simulator.outside)}
     assert whole == {trial.key for trial in (*loader.trials, *loader.outside)}
     section = _section(_passed(STATIC | UP | DOWN | SWEEPS), recorded=False)
     assert section.standing is Standing.QUALIFIES
@@ -97,6 +97,7 @@ def test_tests_that_are_named_are_made_alone_and_the_others_still_miss():
     ("named", "said"),
     [
         (("wheel",), "test: unknown test 'wheel'; expected some of static, release-25-positive, "),
+        (("trim-rate",), "test: nothing is measured of trim-rate here; judge it by hand; expected some of static, "),
         (
             ("surface",),
             "test: surface is outside the programme of a simulated loader: a control loader has no surface",
@@ -108,8 +109,13 @@ def test_a_name_that_cannot_be_made(named, said):
         programme_of(RULE, "pitch", recorded=False, named=named)
 
 
-@pytest.mark.parametrize("edition", ["part60-c-2014", "part60-d-2014"])
-@pytest.mark.parametrize("axis", ["pitch", "roll", "yaw", "collective"])
+@pytest.mark.parametrize(
+    ("edition", "axis"),
+    [
+        *product(("part60-c-2014", "part60-d-2014"), ("pitch", "roll", "yaw", "collective")),
+        *product(("part60-a-2014", "part60-a-2016"), ("pitch", "roll", "yaw", "nosewheel", "brake")),
+    ],
+)
 def test_no_test_of_an_axis_is_left_out_of_the_programme(edition, axis):
     rules = load_rules(edition)
     planned = programme_of(rules, axis, recorded=False)

@@ -119,7 +119,7 @@ def test_json_holds_every_figure_with_unit_and_margin(run, tmp_path):
     assert first["rule"] == "10 %"
     assert tests["static"]["verdicts"][0]["rule"] == "0.9 daN"  # the rule's own rounding for SI
     assert found["standing"] == "does not qualify"
-    assert found["outside_the_programme"] == ["surface", "small-inputs"]
+    assert found["outside_the_programme"] == ["surface", "small-inputs", "trim-indicator", "trim-rate"]
     assert list(tests) == found["named"] == ["static", "release-25-positive"]
     assert set(tests) < set(found["programme"])
     kept = json.loads((tmp_path / "forcefeel-qualification" / "results.json").read_text(encoding="utf-8"))
@@ -167,7 +167,7 @@ def test_the_digital_elevator_qualifies_under_robust(run):
     assert (status, found["standing"], found["conclusions"]["good"]) == (0, "qualifies", True)
     assert found["conclusions"]["verdict"].endswith("the robust compensation qualifies: 7 of 7 tests passed.")
     assert found["sections"][0]["missing"] == []
-    assert found["outside_the_programme"] == ["surface", "small-inputs"]
+    assert found["outside_the_programme"] == ["surface", "small-inputs", "trim-indicator", "trim-rate"]
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet", "mat"])

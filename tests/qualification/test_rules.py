@@ -73,8 +73,11 @@ def test_helicopters(edition):
     release = rules.of("release", "pitch")
     later = release.tolerance("An")
     assert (later.relative, later.relative_to) == (0.2, "itself")
-    assert release.is_verified(later)
-    assert not release.is_verified(release.tolerance("P0"))
+    assert (release.tolerance("A1").relative, release.tolerance("overshoots").absolute.count) == (0.1, 1)
+    assert [float(release.tolerance("Pn").limit(1.0, n=n)) for n in (1, 2)] == pytest.approx([0.2, 0.3])
+    read = {row.quantity for row in release.tolerances if release.is_verified(row)}
+    assert read == {"P0", "Pn", "A1", "An", "overshoots"}
+    assert release.conditions == ("hover", "cruise", "trim on", "friction off")
     static = rules.of("static", "collective")
     breakout, force = static.tolerance("breakout"), static.tolerance("force")
     assert (breakout.relative, breakout.absolute.lb, breakout.absolute.dan) == (0.25, 0.5, None)
@@ -83,7 +86,36 @@ def test_helicopters(edition):
     assert float(freeplay.limit(0.0)) == pytest.approx(0.00254)
 
 
-@pytest.mark.parametrize("edition", ["cs-fstd-a", "icao-9625", "part60-a-2016"])
+def test_after_2016_is_the_paragraph_that_was_read_and_no_other_document():
+    """Attachment 2, paragraph 4, of the 2019 print: 10 %, 10 (n + 1) %, 10 % of A1, no amount beside them."""
+    release = load_rules("part60-a-2016").of("release", "roll")
+    assert all(row.absolute is None or row.absolute.count == 1 for row in release.tolerances)
+    assert float(release.tolerance("P0").limit(0.1)) == pytest.approx(0.01)
+    assert [float(release.tolerance("Pn").limit(1.0, n=n)) for n in (1, 2)] == pytest.approx([0.2, 0.3])
+    assert (release.tolerance("An").relative, release.tolerance("An").relative_to) == (0.1, "A1")
+    assert not any(release.is_verified(row) for row in release.tolerances)
+    assert "2019 print" in release.source
+    assert "not read" in release.source
+
+
+@pytest.mark.parametrize(
+    ("number", "axis", "quantity", "amount"),
+    [
+        ("2.a.5", "yaw", "surface", math.radians(2.0)),
+        ("2.a.6", "pitch", "surface", math.radians(0.5)),
+        ("2.a.7", "pitch", "trim rate", 0.1),
+        ("2.a.9", "brake", "force", 5.0 * LB),
+    ],
+)
+@pytest.mark.parametrize("edition", ["part60-a-2014", "part60-a-2016"])
+def test_rows_of_pedals_trim_and_brakes(edition, number, axis, quantity, amount):
+    test = load_rules(edition).test(number)
+    (row,) = test.tolerances
+    assert (test.axis, row.quantity, test.verified) == (axis, quantity, False)
+    assert float(row.limit(1.0)) == pytest.approx(amount, rel=ROUNDING)
+
+
+@pytest.mark.parametrize("edition", ["cs-fstd-a", "icao-9625"])
 def test_newer_tables_are_not_verified(edition):
     rules = load_rules(edition)
     assert not any(test.is_verified(row) for test in rules.tests for row in test.tolerances)
@@ -94,7 +126,9 @@ def test_newer_tables_are_not_verified(edition):
     assert float(travel.limit(0.01, travel=0.7)) == pytest.approx(0.0035)
     assert float(travel.limit(0.01)) == pytest.approx(0.001)
     assert float(release.tolerance("Ad").limit(0.1, travel=2.0)) == pytest.approx(0.01)
-    assert rules.test("2.a.3.a").tolerance("breakout").absolute.dan == 0.9
+    pedals = rules.test("2.a.3.a")
+    assert (pedals.tolerance("breakout").absolute.lb, pedals.tolerance("breakout").absolute.dan) == (5.0, 2.2)
+    assert "2014 print" in pedals.source
 
 
 @pytest.mark.parametrize("edition", editions())

@@ -42,6 +42,7 @@ class ControlAxis(StrEnum):
     ROLL = "roll"
     YAW = "yaw"
     NOSEWHEEL = "nosewheel"
+    BRAKE = "brake"
     COLLECTIVE = "collective"
 
 

@@ -7,10 +7,11 @@ import numpy as np
 
 from forcefeel.bench.channels import GRIP_FORCE
 from forcefeel.bench.identification.bench_of import check_bench
-from forcefeel.bench.identification.findings import identification_conclusions
+from forcefeel.bench.identification.findings import first_two, identification_conclusions
 from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.identification.fitted_loader import normal_about
 from forcefeel.bench.identification.grip_sensor import GripSensorFound, find_grip_sensor
+from forcefeel.bench.identification.misfit import misses
 from forcefeel.bench.identification.result import Identification
 from forcefeel.bench.identification.unknowns import parameter_keys
 from forcefeel.bench.records import BenchRecord
@@ -89,7 +90,8 @@ def identify_loader(
         grip = find_grip_sensor(completed, data, law)
         identified = _with_found(completed, grip)
     open_friction, remedy = ((_FRICTION_OPEN,), (_RECORD_FRICTION,)) if fits.friction_open else ((), ())
-    wanting = (*open_friction, *grip.wrong, *_noise_wanting(loader, found, grip.noise))
+    missed = _missed(found, plan) if identified else ()
+    wanting = (*open_friction, *missed, *grip.wrong, *_noise_wanting(loader, found, grip.noise))
     good = identified is not None and not wanting
     conclusions = identification_conclusions(replace(found, loader=identified), plan.units)
     outcome = Identified(
@@ -141,6 +143,20 @@ def _parameters(loader: Loader, fits: Fits, grip: GripSensorFound) -> tuple[Para
     order = list(TABLE)
     finite = [replace(row, before=row.before if np.isfinite(row.before) else 0.0) for row in rows]
     return tuple(sorted(finite, key=lambda row: order.index(row.key)))
+
+
+def _missed(found: Identification, plan: CommissionPlan) -> tuple[str, ...]:
+    """What the fitted model misses beyond noise: its parameters are off by more than their tolerances say."""
+    missed = [one for one in found.fitted if misses(one)]
+    if not missed:
+        return ()
+    remedy = (
+        "identify all that the data determine: leave out --fit" if plan.fit else "look at the plots of what is left"
+    )
+    return (
+        f"The model misses more of {first_two(missed)} than noise, so parameters can be off by more than their standard errors, "
+        f"and a law for them is made for another machine; {remedy}.",
+    )
 
 
 def _noise_wanting(loader: Loader, found: Identification, at_grip: float | None) -> tuple[str, ...]:

@@ -14,8 +14,10 @@ from forcefeel.units import show
 
 DEFAULT_EDITION = "part60-a-2014"
 
-Kind = Literal["static", "freeplay", "release", "dynamic sweep", "small inputs"]
-Axis = Literal["pitch", "roll", "yaw", "nosewheel", "collective"]
+Kind = Literal[
+    "static", "freeplay", "release", "dynamic sweep", "small inputs", "pedal steering", "trim indicator", "trim rate"
+]
+Axis = Literal["pitch", "roll", "yaw", "nosewheel", "brake", "collective"]
 
 _QUANTITIES: dict[Kind, frozenset[str]] = {
     "static": frozenset({"breakout", "force", "surface"}),
@@ -25,6 +27,9 @@ _QUANTITIES: dict[Kind, frozenset[str]] = {
     ),
     "dynamic sweep": frozenset({"dynamic increment"}),
     "small inputs": frozenset({"body rate"}),
+    "pedal steering": frozenset({"surface"}),
+    "trim indicator": frozenset({"surface"}),
+    "trim rate": frozenset({"trim rate"}),
 }
 
 

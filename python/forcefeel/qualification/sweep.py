@@ -5,6 +5,7 @@
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -15,10 +16,9 @@ from forcefeel.errors import InputError
 from forcefeel.qualification.breakout import NEAR, breakout
 from forcefeel.qualification.figures import Figure, combined
 from forcefeel.qualification.records import PositionUnit, Record
-from forcefeel.qualification.sweep_curves import Curves, curves_of
+from forcefeel.qualification.static_force import MIDDLE, StaticForce, static_force
+from forcefeel.qualification.sweep_curves import Legs
 
-_MIDDLE = 0.8
-"""Share of the travel, around its middle, over which friction is the median."""
 _SIDE = (0.02, 0.20)
 """Shares of the travel from neutral between which the gradient of a side is read."""
 _ONSET = (0.03, 0.15)
@@ -27,8 +27,10 @@ _ONWARD = 0.01
 """Share of the travel beyond a deadband's end from which the gradient of a side is read."""
 _SIDES = (-1.0, 1.0)
 """Below and above neutral."""
-_SEEN = 3.0
-"""Standard uncertainties of a force within which it may be none."""
+_SURE = 3.0
+"""Standard uncertainties of a force within which it may be none, or no other."""
+_AFTER = 9
+"""Samples after the first move that say whether the force falls."""
 
 _Array = NDArray[np.float64]
 
@@ -107,14 +109,18 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
         )
     if not 21 <= points <= 10_001:
         raise InputError(f"points: expected 21 to 10001, got {points}")
-    curves = curves_of(record, record.force_n, points)
-    x, up, down = curves.position, curves.force_up_n, curves.force_down_n
-    spring, friction = (up + down) / 2, (up - down) / 2
-    middle = np.abs(x - (x[0] + x[-1]) / 2) <= _MIDDLE / 2 * (x[-1] - x[0])
-    rubbing = _median(friction[middle & np.isfinite(friction)], curves.force_uncertainty_n)
-    breakout_low, breakout_high = breakouts = [_breakout(record, record.force_n, curves, sign) for sign in _SIDES]
+    legs = Legs.of(record, points)
+    x, known = legs.grid, record.force_uncertainty_n / math.sqrt(legs.samples_a_point)
+    up, down = legs.curves(record.force_n)
+    surface = (None, None) if record.surface_rad is None else legs.curves(record.surface_rad)
+    static = static_force(record, record.force_n, legs)
+    static_up, static_down = legs.curves(static.force_n, static.moving)
+    spring, friction = (static_up + static_down) / 2, (static_up - static_down) / 2
+    middle = np.abs(x - (x[0] + x[-1]) / 2) <= MIDDLE / 2 * (x[-1] - x[0])
+    rubbing = _median(friction[middle & np.isfinite(friction)], combined(known, static.uncertainty_n))
+    breakout_low, breakout_high = breakouts = _breakouts(record, static, legs)
     low, high = (
-        _side(curves, spring, sign, broken.value - rubbing.value, record.position_unit)
+        _side(legs, spring, known, sign, broken.value - rubbing.value, record.position_unit)
         for sign, broken in zip(_SIDES, breakouts, strict=True)
     )
     gradient = Figure((low.value + high.value) / 2, combined(low.uncertainty, high.uncertainty) / 2, low.unit)
@@ -123,39 +129,64 @@ def measure_sweep(record: Record, *, points: int = 401) -> SweepFeatures:
         position=x,
         force_up_n=up,
         force_down_n=down,
-        surface_up_rad=curves.surface_up_rad,
-        surface_down_rad=curves.surface_down_rad,
+        surface_up_rad=surface[0],
+        surface_down_rad=surface[1],
         friction_curve_n=friction,
-        force_uncertainty_n=curves.force_uncertainty_n,
+        force_uncertainty_n=known,
         breakout_low=breakout_low,
         breakout_high=breakout_high,
         friction=rubbing,
-        freeplay=_freeplay(curves, spring, record.position_unit),
-        centring=_centring(record, record.force_n, curves),
+        freeplay=_freeplay(legs, spring, known, record.position_unit),
+        centring=_centring(record, static.force_n, legs),
         gradient=gradient,
         gradient_low=low,
         gradient_high=high,
-        neutral=curves.neutral,
+        neutral=legs.neutral,
         stops=(float(x[0]), float(x[-1])),
         duration_s=record.duration_s,
         position_unit=record.position_unit,
     )
 
 
-def _breakout(record: Record, force: _Array, curves: Curves, sign: float) -> Figure:
-    """The force at which the control leaves neutral to one side."""
-    first, (turn, other) = curves.moved, curves.turns
-    out = sign * (record.position - curves.neutral)
-    goes_first = bool(out[turn] > 0)
-    way = slice(first, turn + 1) if goes_first else slice(turn, other + 1)
-    near = (out[way] > 0) & (out[way] <= NEAR * (curves.position[-1] - curves.position[0]))
-    known = breakout(out[way][near], sign * force[way][near], record.force_uncertainty_n)
-    # With static friction the force falls as the control breaks away: then the last sample before it says more.
-    held = sign * float(force[first - 1])
-    if not goes_first or held <= known.value:
-        return known
-    stepped = abs(float(force[first]) - float(force[first - 1])) / math.sqrt(12)
-    return Figure(held, combined(record.force_uncertainty_n, stepped), "N")
+def _breakouts(record: Record, static: StaticForce, legs: Legs) -> list[Figure]:
+    """The force at which the control leaves neutral, below and above it.
+
+    Static friction adds as much to the one side as to the other, and shows where the control leaves neutral from rest: the other
+    side it passes in motion.
+    """
+    known = [_built_up(record, static, legs, sign) for sign in _SIDES]
+    away = _breakaway(record, static, legs, known)
+    return [
+        Figure(one.value + away.value, combined(one.uncertainty, away.uncertainty, static.uncertainty_n), "N")
+        for one in known
+    ]
+
+
+def _near(static: StaticForce, legs: Legs, sign: float) -> tuple[_Array, _Array]:
+    """Distance from neutral and force away from it of the samples on the way out to a side, from where the control is off it."""
+    first, (turn, other) = legs.moved, legs.turns
+    out = sign * (legs.position - legs.neutral)
+    way = slice(first, turn + 1) if out[turn] > 0 else slice(turn, other + 1)
+    near = (out[way] > legs.near) & (out[way] <= NEAR * (legs.grid[-1] - legs.grid[0])) & static.moving[way]
+    return out[way][near], sign * static.force_n[way][near]
+
+
+def _built_up(record: Record, static: StaticForce, legs: Legs, sign: float) -> Figure:
+    """The force that has built up on the way out to a side."""
+    return breakout(*_near(static, legs, sign), record.force_uncertainty_n)
+
+
+def _breakaway(record: Record, static: StaticForce, legs: Legs, known: Sequence[Figure]) -> Figure:
+    """What held the control at rest beyond what has built up: the force falls as it breaks away."""
+    assert record.force_n is not None  # it is measured as a sweep
+    above = bool(legs.position[legs.turns[0]] > legs.neutral)
+    sign, built_up = _SIDES[above], known[above]
+    last, first = (sign * float(record.force_n[legs.moved - back]) for back in (1, 0))
+    _, force = _near(static, legs, sign)
+    falls = len(force) and last > float(np.median(force[:_AFTER])) + _SURE * record.force_uncertainty_n
+    if not (falls and last > built_up.value):
+        return Figure(0.0, 0.0, "N")
+    return Figure(last - built_up.value, combined(record.force_uncertainty_n, (first - last) / math.sqrt(12)), "N")
 
 
 def _median(values: _Array, each: float) -> Figure:
@@ -167,23 +198,23 @@ def _median(values: _Array, each: float) -> Figure:
     )
 
 
-def _side(curves: Curves, spring: _Array, sign: float, built_up_n: float, unit: PositionUnit) -> Figure:
+def _side(legs: Legs, spring: _Array, known_n: float, sign: float, built_up_n: float, unit: PositionUnit) -> Figure:
     """Slope of the spring force on one side of neutral, beyond the breakout that has built up and a deadband."""
-    x, travel = curves.position, curves.position[-1] - curves.position[0]
-    off = sign * (x - curves.neutral)
-    begin, _ = _begin(curves, spring, sign, max(built_up_n, 0.0))
+    x, travel = legs.grid, legs.grid[-1] - legs.grid[0]
+    off = sign * (x - legs.neutral)
+    begin, _ = _begin(legs, spring, known_n, sign, max(built_up_n, 0.0))
     nearest = max(_SIDE[0] * travel, begin + _ONWARD * travel) if math.isfinite(begin) else _SIDE[0] * travel
     there = (off >= nearest) & (off <= nearest + (_SIDE[1] - _SIDE[0]) * travel) & np.isfinite(spring)
     _, slope, _, known = _line(x[there], spring[there])
     return Figure(slope, known, f"N/{unit}")
 
 
-def _begin(curves: Curves, spring: _Array, sign: float, built_up_n: float = 0.0) -> tuple[float, float]:
+def _begin(legs: Legs, spring: _Array, known_n: float, sign: float, built_up_n: float = 0.0) -> tuple[float, float]:
     """Where the line of a side's spring force begins, its distance from neutral, and its standard deviation."""
-    x, known = curves.position, np.isfinite(spring)
+    known = np.isfinite(spring)
     most = float(np.max(np.abs(spring[known]), initial=0.0))
-    size, off = sign * spring - built_up_n, sign * (x - curves.neutral)
-    onset = max(_ONSET[0] * most, 3 * curves.force_uncertainty_n)
+    size, off = sign * spring - built_up_n, sign * (legs.grid - legs.neutral)
+    onset = max(_ONSET[0] * most, _SURE * known_n)
     beyond = known & (off > 0) & (size > onset)
     begins_at = float(np.min(size[beyond], initial=np.inf))
     rising = beyond & (size <= begins_at + (_ONSET[1] - _ONSET[0]) * most)
@@ -192,27 +223,27 @@ def _begin(curves: Curves, spring: _Array, sign: float, built_up_n: float = 0.0)
     return begin, deviation
 
 
-def _freeplay(curves: Curves, spring: _Array, unit: PositionUnit) -> Figure:
+def _freeplay(legs: Legs, spring: _Array, known_n: float, unit: PositionUnit) -> Figure:
     """Between where the lines of both sides begin; nothing where they meet before, as with a spring that is preloaded."""
-    begins, deviations = zip(*(_begin(curves, spring, sign) for sign in _SIDES), strict=True)
-    bin_known = (curves.position[1] - curves.position[0]) / math.sqrt(12)
+    begins, deviations = zip(*(_begin(legs, spring, known_n, sign) for sign in _SIDES), strict=True)
+    bin_known = (legs.grid[1] - legs.grid[0]) / math.sqrt(12)
     width = sum(begins)
     return Figure(max(width, 0.0) if math.isfinite(width) else math.nan, combined(bin_known, *deviations), unit)
 
 
-def _centring(record: Record, force: _Array, curves: Curves) -> Figure:
+def _centring(record: Record, force: _Array, legs: Legs) -> Figure:
     """Where the ways back pass through no force, the farther one from neutral."""
-    turn, other = curves.turns
+    turn, other = legs.turns
     position = combined(record.position_noise, record.position_resolution / math.sqrt(12))
     rests: list[Figure] = []
     for way in (slice(turn, other + 1), slice(other, len(force))):
-        x, size = record.position[way] - curves.neutral, force[way]
+        x, size = record.position[way] - legs.neutral, force[way]
         passes = np.flatnonzero(np.sign(size[:-1]) != np.sign(size[1:]))
         if not len(passes):
             continue
         k = int(passes[np.argmin(np.abs(x[passes]))])
         share = size[k] / (size[k] - size[k + 1])
-        at, near = float(x[k] + share * (x[k + 1] - x[k])), np.abs(size) <= _SEEN * record.force_uncertainty_n
+        at, near = float(x[k] + share * (x[k + 1] - x[k])), np.abs(size) <= _SURE * record.force_uncertainty_n
         if near.sum() > 2:
             at = float(np.mean(x[near]))
         # A force that jumps there says no more than between which samples.

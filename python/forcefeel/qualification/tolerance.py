@@ -24,6 +24,7 @@ _UNITS = {
     "freeplay": ("in",),
     "overshoots": ("count",),
     "body rate": ("deg_per_s",),
+    "trim rate": ("deg_per_s",),
 }
 
 Quantity = Literal[
@@ -43,6 +44,7 @@ Quantity = Literal[
     "freeplay",
     "dynamic increment",
     "body rate",
+    "trim rate",
 ]
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from forcefeel.bench.identification.digits import error, estimated, nominal, percent, relative_error, title_of, unit_of
-from forcefeel.bench.identification.misfit import UNEXPLAINED, model_error, size_text, unexplained
+from forcefeel.bench.identification.misfit import UNEXPLAINED, beyond_noise, misses, model_error, size_text, unexplained
 from forcefeel.bench.identification.result import Ended, Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.bench.responses import Response
 from forcefeel.conclusions import Conclusions, of_result
@@ -54,8 +54,8 @@ def identification_conclusions(found: Identification, units: UnitSystem) -> Conc
         _left_out(found),
         *found.notes,
     )
-    good = found.loader is not None
-    return Conclusions(good, _verdict(found, units) + _doubt(found, units), tuple(line for line in lines if line))
+    good = found.loader is not None and not any(map(misses, found.fitted))
+    return Conclusions(good, _verdict(found, units) + _doubt(found), tuple(line for line in lines if line))
 
 
 def _verdict(found: Identification, units: UnitSystem) -> str:
@@ -83,7 +83,7 @@ def _verdict(found: Identification, units: UnitSystem) -> str:
     )
 
 
-def _doubt(found: Identification, units: UnitSystem) -> str:
+def _doubt(found: Identification) -> str:
     """A sentence more where the standard errors do not say how wrong the estimates can be."""
     bad = sorted((one for one in found.fitted if unexplained(one) > UNEXPLAINED), key=unexplained)
     if bad:
@@ -95,7 +95,7 @@ def _doubt(found: Identification, units: UnitSystem) -> str:
             f"machine under this experiment.{unwritten} Look at its plot; a fit of records has friction and limits in play, one of "
             "responses has not."
         )
-    missed = [one for one in found.fitted if model_error(one, units)]
+    missed = list(filter(beyond_noise, found.fitted))
     if not found.determined or not missed:
         return ""
     loose = [pair for pair in strong_pairs(found) if abs(pair[2]) > ONE_DIRECTION]
@@ -105,10 +105,10 @@ def _doubt(found: Identification, units: UnitSystem) -> str:
             f" But the model misses more than noise, and the data hardly tell {first} from {second} (correlation "
             f"{correlation_text(size)}): what it misses can move both by far more than their standard errors say."
         )
-    return f" But the model misses more of {_first_two(missed)} than noise, so the estimates can be off by more than these errors."
+    return f" But the model misses more of {first_two(missed)} than noise, so the estimates can be off by more than these errors."
 
 
-def _first_two(missed: Sequence[Fitted]) -> str:
+def first_two(missed: Sequence[Fitted]) -> str:
     """What is missed, two of them by name."""
     return " and ".join([*map(title_of, missed[:2]), *(["others"] if len(missed) > 2 else [])])
 

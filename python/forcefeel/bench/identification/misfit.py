@@ -16,6 +16,10 @@ from forcefeel.units import UnitSystem
 MODEL_ERROR = 2.0
 """What is left, in deviations that the data state, from which on it is the model's error and not noise."""
 
+COUNTS = 0.005
+"""Share of a response, or of how far a channel moves, from which on a model's error counts: it moves a parameter by as much, and a
+law minds that. Less shows beside fine sensors, as the engine's steps do, and is only said."""
+
 UNEXPLAINED = 0.2
 """Share of a response, or of how far a channel moves, beyond which the model is that of another machine."""
 
@@ -57,20 +61,30 @@ def runs_on_and_jumps(left: NDArray[np.float64]) -> tuple[float, float]:
     return math.sqrt(max(float(np.mean(left**2)) - jumps, 0.0)), math.sqrt(jumps)
 
 
-def model_error(one: Fitted, units: UnitSystem) -> str:
-    """A sentence where what is left is more than noise: than the deviation of a response, than what jumps in a record."""
+def beyond_noise(one: Fitted) -> bool:
+    """Whether what is left is more than noise: than the deviation of a response, than what jumps in a record."""
     if isinstance(one.data, Response):
         stated = stated_noise(one)
-        if not stated or one.residual_rms <= MODEL_ERROR * stated:
-            return ""
+        return bool(stated) and one.residual_rms > MODEL_ERROR * (stated or 0.0)
+    missed, noise = missed_and_noise(one)
+    return missed > MODEL_ERROR * noise
+
+
+def misses(one: Fitted) -> bool:
+    """Whether what is left is more than noise, and so much that the estimates are not to be relied on."""
+    return beyond_noise(one) and unexplained(one) > COUNTS
+
+
+def model_error(one: Fitted, units: UnitSystem) -> str:
+    """A sentence where what is left is more than noise."""
+    if not beyond_noise(one):
+        return ""
+    if isinstance(one.data, Response):
         return (
             f"{title_of(one)}: the model misses by {percent(one.residual_rms)} (root mean square) where the data state a noise of "
-            f"{percent(stated)}: this is an error of the model; the standard errors take it for noise."
+            f"{percent(stated_noise(one) or 0.0)}: this is an error of the model; the standard errors take it for noise."
         )
-    missed, noise = missed_and_noise(one)
-    if missed <= MODEL_ERROR * noise:
-        return ""
-    runs_on, jumps = (size_text(one, size, units) for size in (missed, noise))
+    runs_on, jumps = (size_text(one, size, units) for size in missed_and_noise(one))
     return (
         f"{title_of(one)}: of what is left {runs_on} run on from sample to sample and {jumps} jump (root mean "
         "square): this is an error of the model more than noise; the standard errors allow for it as if it came anew at random."

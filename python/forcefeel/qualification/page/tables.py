@@ -12,9 +12,16 @@ from forcefeel.page.typography import NONE, number_text, prose_html, unit_text
 from forcefeel.qualification import Outcome, Verdict
 from forcefeel.qualification.programme.cockpit import CockpitQualification
 from forcefeel.qualification.programme.motions import SHORT
-from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT, Trial
+from forcefeel.qualification.programme.programme import Trial
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
-from forcefeel.qualification.programme.sentences import UNITS, figure_text, quantity, recorded, unverified_tests
+from forcefeel.qualification.programme.sentences import (
+    UNITS,
+    figure_text,
+    quantity,
+    recorded,
+    unverified_tests,
+    why_outside,
+)
 from forcefeel.units import UnitSystem
 
 _MINUS = "\N{MINUS SIGN}"
@@ -45,7 +52,7 @@ def summary(found: Qualification) -> Table:
         came = (_linked(section, results.get(trial.key)) for section, results in by_section)
         rows.append((words(trial.title), *came, _number(trial)))
     for trial in found.programme.outside:
-        reason = f"outside the programme: {OF_THE_AIRCRAFT[trial.key]}"
+        reason = f"outside the programme: {why_outside(trial, found)}"
         rows.append((words(trial.title), *(Cell(reason, "words", _NONE) for _ in found.sections), _number(trial)))
     total = (words("All"), *(coloured(section.standing) for section in found.sections), Cell(""))
     return Table(head, (*rows, total), "outcomes")

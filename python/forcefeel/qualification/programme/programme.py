@@ -16,7 +16,16 @@ SIGNS = {1: "positive", -1: "negative"}
 
 STATIC, SURFACE, FREEPLAY, SMALL = "static", "surface", "freeplay", "small-inputs"
 
-OF_THE_AIRCRAFT = {SURFACE: "a control loader has no surface", SMALL: "a control loader turns no aircraft"}
+_BY_HAND: tuple[Kind, ...] = ("pedal steering", "trim indicator", "trim rate")
+"""Tests that nothing is measured of here, neither on a simulated loader nor on a record."""
+
+OF_THE_AIRCRAFT = {
+    SURFACE: "a control loader has no surface",
+    SMALL: "a control loader turns no aircraft",
+    "pedal-steering": "a control loader steers no wheel",
+    "trim-indicator": "a control loader shows no trim",
+    "trim-rate": "a control loader trims no surface",
+}
 """Tests that a simulated control loader cannot be given, and why: they are of what it moves."""
 
 _RELEASES: Kind = "release"
@@ -59,7 +68,8 @@ class Programme:
 
     Attributes:
         trials: In the order of the rule.
-        outside: Tests of the rule that what is tested cannot be given; they are neither made nor missed.
+        outside: Tests of the rule that what is tested cannot be given, or that nothing is measured of here; they are neither made
+            nor missed.
         named: Keys of the tests that alone are made; all are if there are none.
     """
 
@@ -99,7 +109,7 @@ def programme_of(rules: Rules, axis: Axis, *, recorded: bool, named: Sequence[st
     Raises:
         InputError: If the rule has none for that axis, or a name is of no test of the programme.
     """
-    planned = trials(rules, axis)
+    planned, by_hand = trials(rules, axis), _trials_by_hand(rules, axis)
     outside = () if recorded else tuple(trial for trial in planned if trial.key in OF_THE_AIRCRAFT)
     inside = tuple(trial for trial in planned if trial not in outside)
     keys = [trial.key for trial in inside]
@@ -107,17 +117,19 @@ def programme_of(rules: Rules, axis: Axis, *, recorded: bool, named: Sequence[st
         if name in keys:
             continue
         others = f"expected some of {', '.join(keys)}"
+        if any(trial.key == name for trial in by_hand):
+            raise InputError(f"test: nothing is measured of {name} here; judge it by hand; {others}")
         if any(trial.key == name for trial in outside):
             raise InputError(
                 f"test: {name} is outside the programme of a simulated loader: {OF_THE_AIRCRAFT[name]}; {others}; or record the "
                 "simulator"
             )
         raise InputError(f"test: unknown test {show(name)}; {others}")
-    return Programme(inside, outside, tuple(key for key in keys if key in named))
+    return Programme(inside, (*outside, *by_hand), tuple(key for key in keys if key in named))
 
 
 def trials(rules: Rules, axis: Axis) -> tuple[Trial, ...]:
-    """The tests of an axis, in the order of the rule: static, freeplay, releases, alternate method, small inputs.
+    """The tests of an axis that are made, in the order of the rule: static, freeplay, releases, alternate method, small inputs.
 
     Raises:
         InputError: If the rule has none for that axis.
@@ -143,6 +155,17 @@ def trials(rules: Rules, axis: Axis) -> tuple[Trial, ...]:
         known = ", ".join(sorted({test.axis for test in rules.tests}))
         raise InputError(f"axis: {rules.id} has tests for {known}, none for {axis}")
     return tuple(found)
+
+
+def _trials_by_hand(rules: Rules, axis: Axis) -> tuple[Trial, ...]:
+    """The tests of an axis that nothing is measured of."""
+    found = ((kind, _test(rules, kind, axis)) for kind in _BY_HAND)
+    return tuple(Trial(kind.replace(" ", "-"), test.name, test) for kind, test in found if test is not None)
+
+
+def is_by_hand(trial: Trial) -> bool:
+    """Whether nothing is measured of a test here."""
+    return trial.test.kind in _BY_HAND
 
 
 def duration_s(rules: Rules, name: SweepName) -> float:

@@ -5,7 +5,7 @@ from math import isfinite
 from forcefeel.conclusions import Conclusions, capital, of_result
 from forcefeel.qualification import Outcome, Verdict
 from forcefeel.qualification.figures import Figure
-from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT
+from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT, Trial, is_by_hand
 from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.sizing.too_small import too_small_text
@@ -201,11 +201,15 @@ def caveats(found: Qualification) -> tuple[str, ...]:
     """What else a reader must know."""
     small = "" if recorded(found, "record") else too_small_text(found.loader, found.system)
     lines = [small] if small else []
-    if outside := found.programme.outside:
-        tests = ", ".join(f"{trial.key} ({trial.test.number}; {OF_THE_AIRCRAFT[trial.key]})" for trial in outside)
+    by_hand = [trial for trial in found.programme.outside if is_by_hand(trial)]
+    if outside := [trial for trial in found.programme.outside if trial not in by_hand]:
+        tests = ", ".join(f"{trial.key} ({trial.test.number}; {why_outside(trial, found)})" for trial in outside)
         lines.append(
             f"Outside the programme of a simulated loader: {tests}. They are judged on records of the simulator."
         )
+    if by_hand:
+        tests = ", ".join(f"{trial.key} ({trial.test.number})" for trial in by_hand)
+        lines.append(f"Not measured here, to be judged by hand on the simulator: {tests}.")
     lines.append(f"Reference: {found.reference}.")
     low, high = (quantity(end, "rad", found.system) for end in (found.throw.low_rad, found.throw.high_rad))
     lines.append(f"Throw: {low} to {high}, {found.throw.source}.")
@@ -216,6 +220,11 @@ def caveats(found: Qualification) -> tuple[str, ...]:
     if found.left_out:
         lines.append(f"Hands off: {', '.join(found.left_out)} of the loader were left out.")
     return tuple(lines)
+
+
+def why_outside(trial: Trial, found: Qualification) -> str:
+    """Why a test of the rule is outside the programme."""
+    return "judged by hand" if recorded(found, "record") else OF_THE_AIRCRAFT[trial.key]
 
 
 def unverified_tests(found: Qualification) -> list[str]:

@@ -17,7 +17,7 @@ from forcefeel.bench.identification.digits import (
     unit_of,
 )
 from forcefeel.bench.identification.findings import change, probability_text, worse
-from forcefeel.bench.identification.misfit import model_error, size_text
+from forcefeel.bench.identification.misfit import beyond_noise, size_text
 from forcefeel.bench.identification.result import Estimate, Fitted, Identification, Inseparable, RigidTest, Status
 from forcefeel.bench.responses import Response
 from forcefeel.loader.parameters import TABLE
@@ -146,7 +146,7 @@ def _data(one: Fitted, units: UnitSystem) -> tuple[Cell, ...]:
         words(what.replace("_", " ")),
         number_cell(f"{len(one.at):,}"),
         number_cell(span),
-        number_cell(_quantity(size_text(one, one.residual_rms, units)), bad=bool(model_error(one, units))),
+        number_cell(_quantity(size_text(one, one.residual_rms, units)), bad=beyond_noise(one)),
         number_cell(_quantity(size_text(one, one.noise, units))),
         Cell(given.data_hash[:_HASH] or NONE),
     )
