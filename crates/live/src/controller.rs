@@ -143,7 +143,7 @@ impl Controller {
         let asked = Asked { wish: if held_back { Mode::Passive } else { self.asked.wish }, ..self.asked };
         let seen = Seen {
             sensors: sampled.map_or(self.sensors, |sampled| sampled.sample.sensors),
-            fresh: sampled.is_some(),
+            periods: sampled.map(|sampled| sampled.periods),
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
             emergency_stop: sampled.is_some_and(|sampled| sampled.emergency_stop),
             missed,
@@ -258,6 +258,7 @@ impl Controller {
             acting: f64::from(verdict.acting),
             hand_force_n: verdict.hand_force,
             sampled: f64::from(u8::from(sampled.is_some())),
+            periods: sampled.map_or(f64::NAN, |sampled| sampled.periods),
             emergency_stop: f64::from(u8::from(sampled.is_some_and(|sampled| sampled.emergency_stop))),
             missed: count(missed),
             late_s: 0.0,

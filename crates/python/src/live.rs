@@ -131,7 +131,7 @@ impl LiveLoop {
             let no = |why: String| PyOSError::new_err(format!("{address}: {why}"));
             let found = address.to_socket_addrs().map_err(|error| no(error.to_string()))?.next();
             let found = found.ok_or_else(|| no("is no address".to_string()))?;
-            Box::new(Udp::connect(found, !real_time).map_err(|error| no(error.to_string()))?)
+            Box::new(Udp::connect(found, real_time.then(|| setup.period_s())).map_err(|error| no(error.to_string()))?)
         } else {
             let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
             let (machine, beginning) = simulated(&setup, script);
