@@ -164,6 +164,8 @@ def _record(out: Path, *, replace: bool) -> Path:
 
 
 def _json(running: "Running") -> dict[str, object]:
+    from forcefeel.live.state import QUANTILE_ERROR
+
     state, timing = running.state, running.timing
     of = {"late_us": timing.late, "work_us": timing.work}
     return {
@@ -180,6 +182,7 @@ def _json(running: "Running") -> dict[str, object]:
             name: {key: value if isfinite(value) else None for key, value in _quantiles(one).items()}
             for name, one in of.items()
         },
+        "quantile_error": QUANTILE_ERROR,
         "granted": list(running.granted),
     }
 
@@ -194,11 +197,21 @@ def _quantiles(histogram: "Histogram") -> dict[str, float]:
 def _show(console: Terminal, running: "Running") -> None:
     from rich.table import Table
 
+    from forcefeel.live.state import QUANTILE_ERROR
     from forcefeel.units import to_text
 
     state, timing = running.state, running.timing
     console.print(f"{running.loader.name} under {running.law.name}, {1 / running.period_s:,.0f} Hz", highlight=False)
-    table = Table("", "p50", "p99", "p99.9", "worst", title="Timing", title_justify="left", title_style="bold")
+    table = Table(
+        "",
+        "p50",
+        "p99",
+        "p99.9",
+        "worst",
+        title=f"Timing, quantiles within +{QUANTILE_ERROR:.1%}",
+        title_justify="left",
+        title_style="bold",
+    )
     for name, one in (("thread woke late by", timing.late), ("work of a cycle", timing.work)):
         table.add_row(name, *(f"{to_text(value, 3)} us" for value in _quantiles(one).values()))
     console.show(table)
