@@ -184,7 +184,13 @@ def _json(running: "Running") -> dict[str, object]:
         },
         "quantile_error": QUANTILE_ERROR,
         "granted": list(running.granted),
+        "findings": _findings(running),
     }
+
+
+def _findings(running: "Running") -> list[str]:
+    remark = running.law.made_for_another(running.loader)
+    return [remark] if remark else []
 
 
 def _quantiles(histogram: "Histogram") -> dict[str, float]:
@@ -217,6 +223,8 @@ def _show(console: Terminal, running: "Running") -> None:
     console.show(table)
     for line in running.granted:
         console.print(f"- the loop's thread {line}" if line.startswith("runs") else f"- {line}", highlight=False)
+    for line in _findings(running):
+        console.print(f"- {line}", highlight=False)
     counts = f"{state.cycle:,} cycles, {state.missed:,} missed, {state.silent:,} without a sample"
     console.print(f"- {counts}", highlight=False)
     if (host := running.host) is not None:

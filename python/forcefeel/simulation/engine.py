@@ -72,6 +72,7 @@ def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) ->
         measures=measures,
         history=history(values, units, scenario.sample_s, about),
         method="exact" if exact else "stepped",
+        law_remark=law.made_for_another(loader),
     )
 
 

@@ -179,6 +179,7 @@ class Run:
         measures: What it is judged by.
         history: Every output over ``time_s``, SI units; not a number once the run has diverged.
         method: ``exact`` where everything is linear, ``stepped`` otherwise.
+        law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.
 
     Example:
         >>> import forcefeel as ff
@@ -193,6 +194,7 @@ class Run:
     measures: Measures | MotorMeasures
     history: xr.Dataset = field(repr=False)
     method: str = "stepped"
+    law_remark: str = ""
 
     @property
     def note(self) -> str:
