@@ -88,7 +88,7 @@ def main() -> None:
         beside = cyclictest(SECONDS - 1, folder)
         time.sleep(SECONDS - 1)
         later = running.timing
-        of_loop = ff.live.Histogram(later.late.edges_us, later.late.counts - late)
+        of_loop = ff.live.Histogram(later.late.edges_us, later.late.counts - late, later.late.worst_us)
         share, state = (cpu_s(console) - before) / (SECONDS - 1), running.state
         for one in watchers:
             one.join()

@@ -28,7 +28,7 @@ class FromHost:
     trim: float = 0.0
     autopilot_position: float = 0.0
     autopilot_force: float = 0.0
-    added_force: float = 0.0
+    added_force: float = 0.0  # of what does not depend on the control's own position
     shaker: float = 0.0
     pusher_force: float = 0.0
     trim_runaway_rate: float = 0.0

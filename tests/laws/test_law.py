@@ -13,6 +13,7 @@ from forcefeel.bench.identification.linear import LinearModel
 from forcefeel.cli.law_option import LAWS
 from forcefeel.errors import InputError
 from forcefeel.laws.law import NAMED_LAWS, Law, names_for
+from forcefeel.laws.made_for import design_rows
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.sampled_loop import sampled_loops
@@ -53,7 +54,7 @@ def test_a_law_comes_back_from_its_file_to_the_last_bit(kind, tmp_path):
     law.save(tmp_path / "law.json")
     feel = law.feel if law.feel is not None and len(law.feel) > 1 else None
     back = Law.of(tmp_path / "law.json", loader, feel)
-    assert (back.period_s, back.delay_s, back.loader_hash) == (law.period_s, law.delay_s, loader.fingerprint)
+    assert (back.period_s, back.delay_s, back.loader_rows) == (law.period_s, law.delay_s, design_rows(loader))
     assert back.name == f"{law.name} (law.json)"
     for key, given in law.engine(loader).items():
         found = back.engine(loader)[key]
@@ -135,7 +136,7 @@ def damaged():
         "not JSON": (lambda _: "gains", "expected the file of a law: JSON"),
         "a list": (lambda _: "[]", "expected a JSON object"),
         "empty": (lambda _: "{}", "format: missing"),
-        "another format": (lambda law: law | {"format": 1}, "format: expected 2, got 1"),
+        "another format": (lambda law: law | {"format": 1}, "format: expected 3, got 1"),
         "no kind": (
             lambda law: law | {"kind": "magic"},
             "kind: expected original, state feedback, compensator, sampled",

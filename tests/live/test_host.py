@@ -103,3 +103,19 @@ def test_run_listens_to_a_simulator(monkeypatch: pytest.MonkeyPatch, capsys, tmp
 def test_without_a_supervisor_nobody_would_fade_a_host_out() -> None:
     with pytest.raises(ff.InputError, match="only the supervisor"):
         ff.live.start(ff.digital_elevator(), host=0, supervised=False)
+
+
+def test_the_damping_that_a_spring_over_the_host_takes_is_as_the_reference_states_it() -> None:
+    """Roots of s^2 + 2 zeta w s + w^2 exp(-s tau) = 0, tau two periods of a host at 60 Hz, by Newton's method."""
+    zeta, tau, lost = 0.2, 2 / 60, []
+    for hertz in (1.0, 2.0, 3.0, 4.0):
+        w = 2 * np.pi * hertz
+        s = 1j * w
+        for _ in range(50):
+            late = w**2 * np.exp(-s * tau)
+            s -= (s**2 + 2 * zeta * w * s + late) / (2 * s + 2 * zeta * w - tau * late)
+        lost.append(f"{zeta + s.real / abs(s):.2f}")
+        if hertz <= 2.0:  # the rule of thumb, where the delay is short beside the period
+            assert zeta + s.real / abs(s) == pytest.approx(w * tau / 2, rel=0.05)  # of second order in w tau
+    text = " ".join((ROOT / "docs/reference/host.md").read_text(encoding="utf-8").split())
+    assert f"takes {', '.join(lost[:-1])} and {lost[-1]} of damping ratio" in text

@@ -92,6 +92,7 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                 let mut told = Told {
                     sensed: sensors,
                     missed: 0,
+                    periods: 1.0,
                     late: 0,
                     host_age: Some(0),
                     command: 0.0,

@@ -77,6 +77,8 @@ pub struct Axis<S: Scalar> {
     followed: Followed<S>,
     sensors: [S; SENSORS],
     supervisor: Supervisor<S>,
+    /// Samples in a row that had not come by the period before.
+    missed: u32,
     /// What it allowed last.
     last: Option<Allowed<S>>,
 }
@@ -98,6 +100,7 @@ impl<S: Scalar> Axis<S> {
             followed: Followed::new(&control, at_rest),
             sensors: [like.zero(); SENSORS],
             supervisor: Supervisor::new(limits, like),
+            missed: 0,
             last: None,
         })
     }
@@ -117,6 +120,7 @@ impl<S: Scalar> Axis<S> {
         let mut told = Told {
             sensed: self.sensors,
             missed: given.missed,
+            periods: count(self.missed, like) + like.constant(1.0),
             late: given.late,
             host_age: None,
             // The law's, as it comes to it.
@@ -131,6 +135,7 @@ impl<S: Scalar> Axis<S> {
             },
             acknowledge: given.flags & ACKNOWLEDGED != 0,
         };
+        self.missed = given.missed;
         let sample = Sample { sensors: self.sensors, pilot_force: like.zero() };
         let (supervisor, last) = (&mut self.supervisor, &mut self.last);
         let law = (&self.shared, &self.control);
@@ -193,4 +198,10 @@ impl<S: Scalar> Axis<S> {
             [trim, around.stiffness_factor, swing, share, added_force].map(|number| [number.into(); 2]);
         Inputs { trim, stiffness_factor, shaker, fade, added_force, ..Inputs::NONE }
     }
+}
+
+/// A number of samples. It is zero but where some did not come, and a board need not convert that.
+#[inline(always)]
+fn count<S: Scalar>(samples: u32, like: S) -> S {
+    if samples == 0 { like.zero() } else { like.constant(f64::from(samples)) }
 }

@@ -13,6 +13,7 @@ use forcefeel_model::control::Control;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::followed::Followed;
 use forcefeel_model::host::ToHost;
+use forcefeel_model::host::effects::Held;
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
@@ -133,14 +134,16 @@ impl Controller {
     pub fn step(&mut self, sampled: Option<&Sampled>, missed: u64) -> (Command, Row) {
         self.beats += missed;
         let fade = self.change_feel();
-        let of_host = self.of_host();
-        let inputs = self.inputs(fade, &of_host);
+        let pace = self.pace();
+        let around = self.led.step(&self.wanted, &pace);
+        let of_host = self.of_host(fade, around.stiffness_factor);
+        let inputs = self.inputs((fade, around), &pace, &of_host);
         // Before its feel is wanted a host leaves the loader passive, whatever the person wants.
         let held_back = self.asked.wish == Mode::Active && of_host.holds_back;
         let asked = Asked { wish: if held_back { Mode::Passive } else { self.asked.wish }, ..self.asked };
         let seen = Seen {
             sensors: sampled.map_or(self.sensors, |sampled| sampled.sample.sensors),
-            fresh: sampled.is_some(),
+            periods: sampled.map(|sampled| sampled.periods),
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
             emergency_stop: sampled.is_some_and(|sampled| sampled.emergency_stop),
             missed,
@@ -195,23 +198,26 @@ impl Controller {
         })
     }
 
-    /// What the host wants of this cycle; nothing where there is none.
-    fn of_host(&mut self) -> OfHost {
-        let angle = self.sensors[2] * self.control.per_base();
-        let spring = self.parameters.feel.stiffness;
-        self.host.as_mut().map_or(OfHost::NONE, |host| host.step((angle, spring), self.supervision.last()))
+    /// What the host wants of this cycle, where the person has set a factor on the spring; nothing where there is none.
+    fn of_host(&mut self, fade: f64, persons: f64) -> OfHost {
+        let Some(host) = &mut self.host else { return OfHost::NONE };
+        let (control, shared, feeling) = (&self.control, &self.shared, self.followed.feeling());
+        let force = |angle, factor: f64| control.holding_force(shared, feeling, (persons * factor, fade), angle);
+        let angle = feeling.motion.at[0] * control.per_delta();
+        host.step(&Held { angle, spring: self.parameters.feel.stiffness, force }, self.supervision.last())
+    }
+
+    fn pace(&self) -> Pace<f64> {
+        let feel = &self.parameters.feel;
+        Pace { trim_rate: feel.trim_rate, shaker_frequency: feel.shaker_frequency, period: self.period_s }
     }
 
     /// What the feel is told from outside in this cycle.
-    fn inputs(&mut self, fade: f64, of_host: &OfHost) -> Inputs {
-        let feel = &self.parameters.feel;
-        let (trim_rate, shaker_frequency) = (feel.trim_rate, feel.shaker_frequency);
-        let pace = Pace { trim_rate, shaker_frequency, period: self.period_s };
-        let around = self.led.step(&self.wanted, &pace);
+    fn inputs(&mut self, (fade, around): (f64, Around), pace: &Pace<f64>, of_host: &OfHost) -> Inputs {
         // What the person sets and what the host does go together.
         let trim_rad = around.trim_rad + of_host.neutral;
         let stiffness_factor = around.stiffness_factor * of_host.stiffness_factor;
-        let swing = self.led.swing(around.shaker.max(of_host.shaker), &pace);
+        let swing = self.led.swing(around.shaker.max(of_host.shaker), pace);
         Inputs {
             trim: [self.supervision.neutral(trim_rad); 2],
             stiffness_factor: [stiffness_factor; 2],
@@ -252,6 +258,7 @@ impl Controller {
             acting: f64::from(verdict.acting),
             hand_force_n: verdict.hand_force,
             sampled: f64::from(u8::from(sampled.is_some())),
+            periods: sampled.map_or(f64::NAN, |sampled| sampled.periods),
             emergency_stop: f64::from(u8::from(sampled.is_some_and(|sampled| sampled.emergency_stop))),
             missed: count(missed),
             late_s: 0.0,

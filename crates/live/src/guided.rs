@@ -8,6 +8,7 @@
 use crate::row::Row;
 use crate::setup::Setup;
 use forcefeel_model::curve::Curve;
+use forcefeel_model::host::effects::Held;
 use forcefeel_model::host::packet::switches;
 use forcefeel_model::host::{Effects, FromHost, Stream, ToHost};
 use forcefeel_model::supervisor::{Allowed, Function};
@@ -43,7 +44,7 @@ pub struct Guided {
     grip_arm: f64,
     factor: Option<(Curve, [f64; 2])>,
     host_share: f64,
-    /// The column's angle as last measured.
+    /// The programmed control's angle.
     angle: f64,
     answers: u32,
     heard: bool,
@@ -80,22 +81,24 @@ impl Guided {
         self.host_share
     }
 
-    /// One sample on, with the column's angle in rad and the feel's spring rate in N m/rad.
-    pub fn step(&mut self, (angle, spring): (f64, f64), allowed: Option<&Allowed<f64>>) -> OfHost {
+    /// One sample on, of a control that is held so but for the pressure's factor.
+    pub fn step<F: Fn(f64, f64) -> f64>(&mut self, held: &Held<F>, allowed: Option<&Allowed<f64>>) -> OfHost {
         self.stream.step();
-        // A sensor that gives no number is the supervisor's matter; the feel is not to remember it.
-        self.angle = if angle.is_finite() { angle } else { self.angle };
+        // A feel that gives no number is the supervisor's matter; nothing is to remember it.
+        self.angle = if held.angle.is_finite() { held.angle } else { self.angle };
         let age = self.stream.age();
         let (share, host_share) = allowed.map_or((0.0, 0.0), |allowed| (allowed.share, allowed.host_share));
         self.host_share = if age.is_some() { host_share } else { 0.0 };
         let values = self.stream.values(self.host_share);
         let on = self.stream.switches(self.host_share);
-        let told = self.effects.step((self.angle, spring), &values, on, share);
         let pressure = self.stream.values(1.0)[0];
         let of_pressure = self
             .factor
             .as_ref()
             .map_or(1.0, |(curve, [low, high])| 1.0 + self.host_share * (curve.at(pressure.clamp(*low, *high)) - 1.0));
+        let force = |angle, factor| (held.force)(angle, factor * of_pressure);
+        let held = Held { angle: self.angle, spring: held.spring, force };
+        let told = self.effects.step(&held, &values, on, share);
         OfHost {
             neutral: told.neutral,
             stiffness_factor: told.stiffness_factor * of_pressure,

@@ -23,6 +23,9 @@ pub struct Sampled {
     /// Load cell (N), position of the drive's end (m), displacement of the column's base (m); pilot's force (N), not a number where
     /// nothing measures it.
     pub sample: Sample<f64>,
+    /// Periods since the sample that was read before it, by a clock; one where the machine has no time but the loop's. Cycles without a
+    /// sample need not be counted.
+    pub periods: f64,
     /// Whether the emergency stop is pressed.
     pub emergency_stop: bool,
 }

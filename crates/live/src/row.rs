@@ -77,6 +77,8 @@ columns! {
     hand_force_n;
     /// Whether a sample had come.
     sampled;
+    /// Periods between it and the sample before it, by which velocities are worked out; not a number where none had come.
+    periods;
     /// Whether the emergency stop was pressed.
     emergency_stop;
     /// Beats that were missed before this cycle.

@@ -180,7 +180,7 @@ where
             // Where nothing is written in time, the drive holds what it has.
             self.under_way.send(sample, self.command + inputs.command_signal[0]);
             let sensors = self.measured()?;
-            return Some(Sampled { sample: Sample { sensors, pilot_force }, emergency_stop: false });
+            return Some(Sampled { sample: Sample { sensors, pilot_force }, periods: 1.0, emergency_stop: false });
         }
     }
 

@@ -29,33 +29,43 @@ pub struct Status {
     pub work: Histogram,
 }
 
-/// Counts of durations, in steps that grow with the duration: eight to each doubling.
+/// Counts of durations, in steps that grow with the duration, and the longest of them. A step is no wider than a 64th of what it begins
+/// with, so its end is above a duration in it by no more than that.
 #[derive(Debug)]
-pub struct Histogram([AtomicU64; BUCKETS]);
+pub struct Histogram {
+    counts: [AtomicU64; BUCKETS],
+    worst_ns: AtomicU64,
+}
 
 /// Steps of a histogram: up to 2^35 ns, 34 s.
 pub const BUCKETS: usize = (35 - FINE as usize + 1) << FINE;
 
 /// Steps in a doubling, as a power of two.
-const FINE: u32 = 3;
+const FINE: u32 = 6;
 
 impl Default for Histogram {
     fn default() -> Self {
-        Self([const { AtomicU64::new(0) }; BUCKETS])
+        Self { counts: [const { AtomicU64::new(0) }; BUCKETS], worst_ns: AtomicU64::new(0) }
     }
 }
 
 impl Histogram {
     /// Counts a duration.
     pub fn count(&self, ns: u64) {
-        let bucket = &self.0[bucket(ns)];
+        let bucket = &self.counts[bucket(ns)];
         // One thread writes: no need to add in one go.
         bucket.store(bucket.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
+        self.worst_ns.store(self.worst_ns().max(ns), Ordering::Relaxed);
     }
 
     /// The counts.
     pub fn counts(&self) -> [u64; BUCKETS] {
-        core::array::from_fn(|k| self.0[k].load(Ordering::Relaxed))
+        core::array::from_fn(|k| self.counts[k].load(Ordering::Relaxed))
+    }
+
+    /// The longest duration in ns; zero before the first.
+    pub fn worst_ns(&self) -> u64 {
+        self.worst_ns.load(Ordering::Relaxed)
     }
 
     /// Least duration of a step in ns; one step more than there are ends the last.

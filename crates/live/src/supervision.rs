@@ -31,8 +31,8 @@ pub struct Asked {
 pub struct Seen {
     /// Load cell (N), drive (m), base of the column (m); those of before where none came.
     pub sensors: [f64; SENSORS],
-    /// Whether they are of this cycle.
-    pub fresh: bool,
+    /// Where they are of this cycle, the periods between it and the sample before it.
+    pub periods: Option<f64>,
     /// Acceleration that the feel would give with no hand on it, in rad/s².
     pub feel_acceleration: f64,
     /// Whether the emergency stop is pressed.
@@ -115,12 +115,15 @@ impl Supervision {
         let Some(supervisor) = &mut self.supervisor else {
             return Verdict { command, ..Verdict::NONE };
         };
-        self.silent = if seen.fresh { 0 } else { self.silent.saturating_add(1) };
+        // A cycle that had no sample was a period at least.
+        let periods = seen.periods.map(|periods| periods.max(f64::from(self.silent.saturating_add(1))));
+        self.silent = if periods.is_some() { 0 } else { self.silent.saturating_add(1) };
         self.late = if seen.missed == 0 { 0 } else { self.late.saturating_add(1) };
         let Asked { wish, acknowledge, stop } = seen.asked;
         let allowed = supervisor.step(&Told {
             sensed: seen.sensors,
             missed: self.silent,
+            periods: periods.unwrap_or(1.0),
             late: self.late,
             host_age: seen.host_age,
             command,

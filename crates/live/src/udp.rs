@@ -19,12 +19,16 @@
 //! not newer than the last one is dropped. Newer is the higher sequence number. Of a machine that was silent for some cycles it may also be the
 //! later clock: it was started anew and counts from the beginning, which a packet that comes late does not look like. One whose clock begins
 //! anew too is taken after a longer silence, which the supervisor has latched.
+//!
+//! By the clock, a sample is as much younger than the one before as the machine's clock says, and by no more than went by here: what is held
+//! up between two commands leaves a machine that samples at each of them without one, and the sample that was read before the pause was
+//! taken before it too.
 
 use crate::input_output::{Command, InputOutput, Sampled};
 use forcefeel_model::control::Sample;
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Version of the packets.
 pub const VERSION: u16 = 1;
@@ -54,7 +58,9 @@ pub struct Stamped {
     /// Clock of the machine.
     pub clock_ns: u64,
     /// What it measured.
-    pub sampled: Sampled,
+    pub sample: Sample<f64>,
+    /// Whether the emergency stop is pressed.
+    pub emergency_stop: bool,
 }
 
 /// What came from a loop.
@@ -68,7 +74,7 @@ pub enum Request {
 
 /// The bytes of a sample.
 pub fn sample_bytes(stamped: &Stamped) -> [u8; SAMPLE_BYTES] {
-    let Stamped { sequence, clock_ns, sampled: Sampled { sample, emergency_stop } } = stamped;
+    let Stamped { sequence, clock_ns, sample, emergency_stop } = stamped;
     let [force, position, base, grip] = sample.sensors;
     let mut bytes = headed(SAMPLE, *sequence);
     bytes[16..24].copy_from_slice(&clock_ns.to_le_bytes());
@@ -88,7 +94,8 @@ pub fn sample_of(bytes: &[u8]) -> Option<Stamped> {
     Some(Stamped {
         sequence: u64::from_le_bytes(part(bytes, 8)),
         clock_ns: u64::from_le_bytes(part(bytes, 16)),
-        sampled: Sampled { sample, emergency_stop },
+        sample,
+        emergency_stop,
     })
 }
 
@@ -152,8 +159,11 @@ fn part<const N: usize, const M: usize>(bytes: &[u8; N], at: usize) -> [u8; M] {
 #[derive(Debug)]
 pub struct Udp {
     socket: UdpSocket,
-    waits: bool,
+    /// Period of the loop in s where it goes by the clock.
+    period_s: Option<f64>,
     last: Option<Last>,
+    /// When the last sample was read, and the one before it.
+    read: [Instant; 2],
     silent: u32,
 }
 
@@ -165,24 +175,25 @@ struct Last {
 }
 
 impl Udp {
-    /// Asks a machine for its samples; `waits` in virtual time, where a cycle begins when its sample is there.
+    /// Asks a machine for its samples, for a loop with this period in s by the clock; without one in virtual time, where a cycle begins when
+    /// its sample is there.
     ///
     /// # Errors
     /// If the address cannot be reached.
-    pub fn connect(address: SocketAddr, waits: bool) -> io::Result<Self> {
+    pub fn connect(address: SocketAddr, period_s: Option<f64>) -> io::Result<Self> {
         let any = if address.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" };
         let socket = UdpSocket::bind(any)?;
         socket.connect(address)?;
-        socket.set_nonblocking(!waits)?;
-        if waits {
+        socket.set_nonblocking(period_s.is_some())?;
+        if period_s.is_none() {
             socket.set_read_timeout(Some(PATIENCE))?;
         }
         socket.send(&ask_bytes())?;
-        Ok(Self { socket, waits, last: None, silent: 0 })
+        Ok(Self { socket, period_s, last: None, read: [Instant::now(); 2], silent: 0 })
     }
 
     /// The next sample in the socket that is newer than the last.
-    fn next(&mut self) -> Option<Sampled> {
+    fn next(&mut self) -> Option<Stamped> {
         let mut bytes = [0; SAMPLE_BYTES + 1];
         loop {
             let count = match self.socket.recv(&mut bytes) {
@@ -195,9 +206,9 @@ impl Udp {
             if let Some(stamped) = sample_of(&bytes[..count])
                 && self.is_newer(&stamped)
             {
-                let Stamped { sequence, clock_ns, sampled } = stamped;
+                let Stamped { sequence, clock_ns, .. } = stamped;
                 self.last = Some(Last { sequence, clock_ns });
-                return Some(sampled);
+                return Some(stamped);
             }
         }
     }
@@ -209,10 +220,23 @@ impl Udp {
     }
 }
 
+impl Udp {
+    /// Periods by which a sample that was read now is younger than the one that was read before it.
+    fn periods(&mut self, before: Option<Last>, clock_ns: u64) -> f64 {
+        let Some(period_s) = self.period_s else { return 1.0 };
+        let [last, earlier] = self.read;
+        self.read = [Instant::now(), last];
+        let there = before.map_or(Duration::ZERO, |last| Duration::from_nanos(clock_ns.saturating_sub(last.clock_ns)));
+        let here = self.read[0].duration_since(earlier);
+        (there.min(here).as_secs_f64() / period_s).max(1.0)
+    }
+}
+
 impl InputOutput for Udp {
     fn read(&mut self) -> Option<Sampled> {
+        let before = self.last;
         let mut newest = self.next();
-        while !self.waits
+        while self.period_s.is_some()
             && let Some(newer) = if newest.is_some() { self.next() } else { None }
         {
             newest = Some(newer);
@@ -224,7 +248,8 @@ impl InputOutput for Udp {
         if self.silent > 0 && self.silent.is_multiple_of(ASK_AGAIN) {
             let _ = self.socket.send(&ask_bytes());
         }
-        newest
+        let Stamped { clock_ns, sample, emergency_stop, .. } = newest?;
+        Some(Sampled { sample, periods: self.periods(before, clock_ns), emergency_stop })
     }
 
     fn write(&mut self, command: &Command) {

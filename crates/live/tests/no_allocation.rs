@@ -110,7 +110,7 @@ fn a_cycle_over_udp_allocates_nothing() {
     let setup = setup(true);
     let other = std::net::UdpSocket::bind("127.0.0.1:0").expect("a socket");
     let address = other.local_addr().expect("an address");
-    let machine = Udp::connect(address, false).expect("a socket");
+    let machine = Udp::connect(address, Some(setup.period_s())).expect("a socket");
     let mut loop_ = cycles(&setup, Box::new(machine), &[Wish::On], &[]);
     run(&mut loop_, 200, &mut AtOnce::new(setup.period_s()));
 }

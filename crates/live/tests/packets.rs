@@ -1,6 +1,6 @@
 //! Packets: what was written is read, and nothing else is.
 
-use forcefeel_live::input_output::{Command, InputOutput, Sampled};
+use forcefeel_live::input_output::{Command, InputOutput};
 use forcefeel_live::udp::{Request, Stamped, Udp, ask_bytes, command_bytes, request_of, sample_bytes, sample_of};
 use forcefeel_live::wish::{Around, Wish};
 use forcefeel_model::control::Sample;
@@ -8,15 +8,15 @@ use std::net::UdpSocket;
 
 fn stamped() -> Stamped {
     let sample = Sample { sensors: [1.5, -0.25, 1e-300, 7.0], pilot_force: f64::NAN };
-    Stamped { sequence: 7, clock_ns: 123_456_789, sampled: Sampled { sample, emergency_stop: true } }
+    Stamped { sequence: 7, clock_ns: 123_456_789, sample, emergency_stop: true }
 }
 
 #[test]
 fn a_sample_comes_back_as_it_was() {
     let found = sample_of(&sample_bytes(&stamped())).expect("a sample");
     assert_eq!((found.sequence, found.clock_ns), (7, 123_456_789));
-    assert_eq!(found.sampled.sample.sensors.map(f64::to_bits), stamped().sampled.sample.sensors.map(f64::to_bits));
-    assert!(found.sampled.sample.pilot_force.is_nan() && found.sampled.emergency_stop);
+    assert_eq!(found.sample.sensors.map(f64::to_bits), stamped().sample.sensors.map(f64::to_bits));
+    assert!(found.sample.pilot_force.is_nan() && found.emergency_stop);
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn silent(loop_: &mut Udp, cycles: usize) {
 #[test]
 fn what_comes_late_twice_or_out_of_order_is_dropped_and_a_machine_that_begins_anew_is_not() {
     let machine = UdpSocket::bind("127.0.0.1:0").expect("a socket");
-    let mut loop_ = Udp::connect(machine.local_addr().expect("an address"), false).expect("a socket");
+    let mut loop_ = Udp::connect(machine.local_addr().expect("an address"), Some(1e-3)).expect("a socket");
     let (_, at) = machine.recv_from(&mut [0; 64]).expect("a request");
     let send = |sequence, clock_ns| {
         let bytes = sample_bytes(&Stamped { sequence, clock_ns, ..stamped() });

@@ -121,7 +121,13 @@ impl<S: Scalar> Control<S> {
             let x = [piston, force / self.force_per_effort, delta, delta_rate, base, base_rate, sample.pilot_force];
             Says::of_gains(self.law.command(&x), self.law.feel_torque(force))
         };
-        let says = if shared.effects.surroundings { self.trimmed(says, feeling.neutral, fade) } else { says };
+        let says = if shared.effects.surroundings {
+            // A force beside the hand's moves the place where no hand is needed, as the neutral does.
+            let alone = self.feel.pushed_to(feeling.neutral, inputs.added_force[0]);
+            self.trimmed(says, alone, fade)
+        } else {
+            says
+        };
         let asked = added.map_or(says.command, |added| says.command + added);
         let allowed = allow(&Answer { command: asked, torque: says.torque, base_rate });
         if shared.effects.observer {
@@ -153,7 +159,7 @@ impl<S: Scalar> Control<S> {
         self.converters.write(e)
     }
 
-    /// What the law says where the neutral of the feel is not zero.
+    /// What the law says where the feel, without a hand, does not rest at zero.
     #[inline(always)]
     fn trimmed(&self, says: Says<S>, neutral: S, fade: f64) -> Says<S> {
         let (from, to) = (self.observer.per_neutral(), self.next_observer.per_neutral());
@@ -263,6 +269,22 @@ impl<S: Scalar> Control<S> {
         let around = self.around(&shared.effects, at, inputs, (Moment::Start, delta.zero()));
         self.feel_computer(shared, inputs.fade[0]).acceleration((delta, rate), delta.zero(), &around)
             / self.feel.per_angle
+    }
+
+    /// Force at the grip in N that holds the programmed control at rest at an angle in rad: what its spring, which has a factor, preload,
+    /// detent, hysteresis and soft stops push back with there. Its dry friction is left out; `fade`: how far the feel has been changed.
+    ///
+    /// The effects have `surroundings`, in which a force at the grip is.
+    #[inline(always)]
+    pub fn holding_force(&self, shared: &Shared, feeling: &Feeling<S>, (factor, fade): (S, f64), angle: S) -> S {
+        let (zero, delta) = (angle.zero(), angle * self.feel.per_angle);
+        let slider = self.feel.dragged(feeling.motion.slider, delta);
+        let still = Surroundings { slider, ..Surroundings::at_rest(feeling.neutral, factor, delta) };
+        let computer = self.feel_computer(shared, fade);
+        let under = |added_force| computer.acceleration((delta, zero), zero, &Surroundings { added_force, ..still });
+        // The feel is linear in a force: what takes the acceleration away.
+        let free = under(zero);
+        free / (free - under(angle.constant(1.0)))
     }
 
     /// Whether the law feeds the pilot's force back, which few loaders measure.

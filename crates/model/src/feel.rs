@@ -244,6 +244,16 @@ impl<S: Scalar> FeelLaw<S> {
         if effects.feel_damping_and_stops { self.soft_stops.force(start, at) } else { start.zero() }
     }
 
+    /// Where the straight spring rests under a force at the grip in N, without a hand.
+    #[inline(always)]
+    pub fn pushed_to(&self, neutral: S, added_force: f64) -> S {
+        if added_force == 0.0 {
+            return neutral;
+        }
+        // G (delta - n) = mu R_p F
+        neutral + self.grip_force * neutral.constant(added_force) / self.stiffness
+    }
+
     /// Where the hysteresis leaves its slider once `delta` has been reached.
     #[inline(always)]
     pub fn dragged(&self, slider: S, delta: S) -> S {

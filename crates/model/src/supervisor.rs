@@ -57,6 +57,8 @@ pub struct Told<S> {
     pub sensed: [S; SENSORS],
     /// Samples in a row, this one included, for which the drive or a sensor gave nothing; `sensed` is then not looked at.
     pub missed: u32,
+    /// Periods between this sample and the one before it that came, as far as time went on for the machine; at least one.
+    pub periods: S,
     /// Cycles in a row, this one included, that the loop was late.
     pub late: u32,
     /// Samples since the host's last packet; nothing where there is no host.
@@ -217,12 +219,6 @@ impl<S: Scalar> Supervisor<S> {
         let moved = if silent { self.host_share - step } else { self.host_share + step };
         self.host_share = moved.clamp(step.zero(), step.constant(1.0));
     }
-}
-
-/// A number of periods. It is one but where samples did not come, and a board need not convert that.
-#[inline(always)]
-fn count<S: Scalar>(periods: u32, like: S) -> S {
-    if periods == 1 { like.constant(1.0) } else { like.constant(f64::from(periods)) }
 }
 
 /// Whether one number is below another.

@@ -2,6 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "what is not touched, or has arrived, is the number itself")]
 
+use forcefeel_model::host::effects::Held;
 use forcefeel_model::host::packet::{FROM_HOST_BYTES, Refused, TO_HOST_BYTES, crc32, is_newer, switches};
 use forcefeel_model::host::{Effects, FromHost, Stream, ToHost};
 
@@ -98,11 +99,16 @@ fn no_value_has_a_step_at_30_or_200_hz_and_each_is_reached() {
 const ARM: f64 = 0.8;
 const SPRING: f64 = 1000.0;
 
+/// A control under a straight spring about neutral.
+fn held(angle: f64) -> Held<impl Fn(f64, f64) -> f64> {
+    Held { angle, spring: SPRING, force: |angle, factor| factor * SPRING * angle / ARM }
+}
+
 fn settled(on: u32, numbers: [f64; 10], angle: f64) -> forcefeel_model::host::effects::Told {
     let mut effects = Effects::new(PERIOD, ARM);
-    let mut last = effects.step((0.0, SPRING), &numbers, 0, 1.0);
+    let mut last = effects.step(&held(0.0), &numbers, 0, 1.0);
     for _ in 0..400 {
-        let now = effects.step((angle, SPRING), &numbers, on, 1.0);
+        let now = effects.step(&held(angle), &numbers, on, 1.0);
         assert!((now.torque - last.torque).abs() < 0.02 * ARM * 4000.0, "a step");
         last = now;
     }
@@ -112,9 +118,8 @@ fn settled(on: u32, numbers: [f64; 10], angle: f64) -> forcefeel_model::host::ef
 #[test]
 fn an_autopilot_gives_way_at_its_force_and_a_jam_at_its_own() {
     let mut numbers = [0.0, 1.0, 0.0, 0.2, 100.0, 0.0, 0.0, 0.0, 0.0, 250.0];
-    // Far from its place it pulls with the force that overrides it, near it with its spring.
+    // Far from its place it pulls with the force that overrides it.
     assert!((settled(switches::AUTOPILOT, numbers, -0.5).torque - ARM * 100.0).abs() < 1e-9);
-    assert!((settled(switches::AUTOPILOT, numbers, 0.19).torque - 4.0 * SPRING * 0.01).abs() < 1e-9);
     assert_eq!(settled(0, numbers, -0.5).torque, 0.0);
     // Jammed at zero, where the column was.
     assert!((settled(switches::JAM, numbers, 0.3).torque + ARM * 250.0).abs() < 1e-9);
@@ -122,6 +127,57 @@ fn an_autopilot_gives_way_at_its_force_and_a_jam_at_its_own() {
     assert!((settled(0, numbers, 0.3).torque - ARM * 12.0).abs() < 1e-9);
     numbers[7] = -200.0;
     assert!((settled(switches::PUSHER, numbers, 0.3).torque + ARM * 188.0).abs() < 1e-9);
+}
+
+/// Where a control comes to rest under its spring of these factors and a hand's force: `f G theta = T(theta) + R_p F`, by bisection.
+fn rests(on: u32, numbers: [f64; 10], hand: f64) -> f64 {
+    let (mut low, mut high) = (-1.0, 1.0);
+    for _ in 0..60 {
+        let angle = 0.5 * (low + high);
+        let told = settled(on, numbers, angle);
+        let left = told.torque + ARM * hand - told.stiffness_factor * SPRING * angle;
+        if left > 0.0 { low = angle } else { high = angle }
+    }
+    low
+}
+
+#[test]
+fn an_autopilot_comes_to_its_place_whatever_loads_the_control_within_its_force() {
+    let on = switches::AUTOPILOT;
+    for (factor, added) in [(1.0, 0.0), (2.5, 0.0), (0.0, 0.0), (1.0, 60.0), (1.5, -80.0)] {
+        let numbers = [0.0, factor, 0.0, 0.2, 900.0, added, 0.0, 0.0, 0.0, 0.0];
+        assert!((rests(on, numbers, 0.0) - 0.2).abs() < 1e-9, "factor {factor}, {added} N");
+        // A hand meets four springs and the feel's own: (4 + f) G (theta - theta_a) = R_p F.
+        let off = ARM * 50.0 / ((4.0 + factor) * SPRING);
+        assert!((rests(on, numbers, 50.0) - 0.2 - off).abs() < 1e-9, "factor {factor}, {added} N");
+    }
+    // Trimmed to its place it has the whole force for a hand; then it slips, and what it does not carry the feel's spring does.
+    let numbers = [0.0, 1.0, 0.0, 0.0, 100.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let slips = 100.0 * ARM / (4.0 * SPRING);
+    assert!(rests(on, numbers, 124.0) < slips && rests(on, numbers, 126.0) > slips);
+    assert!((rests(on, numbers, 300.0) - ARM * 200.0 / SPRING).abs() < 1e-9);
+    // What it has not the force for it does not reach: G theta = R_p F_a.
+    let numbers = [0.0, 1.0, 0.0, 0.2, 100.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    assert!((rests(on, numbers, 0.0) - ARM * 100.0 / SPRING).abs() < 1e-9);
+}
+
+#[test]
+fn a_jam_holds_where_it_came_whatever_the_autopilot_does() {
+    let numbers = [0.0, 1.0, 0.0, -0.3, 150.0, 40.0, 0.0, 0.0, 0.0, 400.0];
+    let jammed_at = 0.1;
+    let torque = |on, angle| {
+        let mut effects = Effects::new(PERIOD, ARM);
+        effects.step(&held(jammed_at), &numbers, switches::AUTOPILOT, 1.0);
+        (0..400).map(|_| effects.step(&held(angle), &numbers, on, 1.0).torque).last().expect("samples")
+    };
+    // At rest where it jammed: the spring is carried, and so is the autopilot that pulls the other way.
+    for on in [switches::JAM, switches::JAM | switches::AUTOPILOT] {
+        assert!((torque(on, jammed_at) - SPRING * jammed_at).abs() < 1e-9);
+        let off = 0.01;
+        assert!((torque(on, jammed_at + off) - (SPRING * jammed_at - 4.0 * SPRING * off)).abs() < 1e-9);
+    }
+    // Broken out it holds back with its force, beside the host's 40 N.
+    assert!((torque(switches::JAM, 0.5) - ARM * (40.0 - 400.0)).abs() < 1e-9);
 }
 
 #[test]
@@ -133,6 +189,6 @@ fn a_lost_spring_and_a_trim_that_runs_away() {
     assert!((run.neutral - (0.1 + 0.05 * 0.4)).abs() < 1e-9);
     assert_eq!((run.stiffness_factor, run.shaker), (1.5, 1.0));
     let mut effects = Effects::new(PERIOD, ARM);
-    let half = effects.step((0.0, SPRING), &numbers, 0, 0.5);
+    let half = effects.step(&held(0.0), &numbers, 0, 0.5);
     assert_eq!(half.shaker, 0.5);
 }

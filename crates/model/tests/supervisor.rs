@@ -15,6 +15,7 @@ fn still(wish: Wish) -> Told<f64> {
     Told {
         sensed: [0.0; 4],
         missed: 0,
+        periods: 1.0,
         late: 0,
         host_age: None,
         command: 0.0,
@@ -277,6 +278,7 @@ fn single_precision_does_the_same() {
     let mut told = Told {
         sensed: [0.0_f32; 4],
         missed: 0,
+        periods: 1.0,
         late: 0,
         host_age: None,
         command: 1.0,

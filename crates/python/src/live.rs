@@ -101,6 +101,9 @@ impl ScriptOf<'_> {
     }
 }
 
+/// Counts of the steps of durations, and the longest duration in ns.
+type Counted = (Vec<u64>, u64);
+
 /// A loop under way.
 #[pyclass(frozen, module = "forcefeel._core")]
 pub struct LiveLoop {
@@ -131,7 +134,7 @@ impl LiveLoop {
             let no = |why: String| PyOSError::new_err(format!("{address}: {why}"));
             let found = address.to_socket_addrs().map_err(|error| no(error.to_string()))?.next();
             let found = found.ok_or_else(|| no("is no address".to_string()))?;
-            Box::new(Udp::connect(found, !real_time).map_err(|error| no(error.to_string()))?)
+            Box::new(Udp::connect(found, real_time.then(|| setup.period_s())).map_err(|error| no(error.to_string()))?)
         } else {
             let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
             let (machine, beginning) = simulated(&setup, script);
@@ -203,11 +206,13 @@ impl LiveLoop {
         PyArray1::from_slice(py, &numbers).reshape([numbers.len() / COLUMNS, COLUMNS])
     }
 
-    /// Least durations of the steps in ns, with the end of the last; how often the thread woke so late; how often it worked so long.
-    fn timing(&self) -> (Vec<u64>, Vec<u64>, Vec<u64>) {
+    /// Least durations of the steps in ns, with the end of the last; how often the thread woke so late, and how late at most; how often it
+    /// worked so long, and how long at most.
+    fn timing(&self) -> (Vec<u64>, Counted, Counted) {
         let status = self.running.status();
         let edges = (0..=BUCKETS).map(Histogram::edge_ns).collect();
-        (edges, status.late.counts().to_vec(), status.work.counts().to_vec())
+        let of = |histogram: &Histogram| (histogram.counts().to_vec(), histogram.worst_ns());
+        (edges, of(&status.late), of(&status.work))
     }
 
     /// Why the thread got no priority, no locked memory, no processor that stays awake, each nothing where it did; nothing in virtual time.

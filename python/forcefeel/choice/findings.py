@@ -137,6 +137,8 @@ def _caveats(scored: Scored) -> tuple[str, ...]:
             "The loader is analog and can only take the report's methods. Those that were made since need a digital controller: "
             "give controller.period and controller.delay, for example 0.5 ms each, or take the built-in loader elevator-2khz."
         )
+    laws = [score.own.law for score in scored.scores]
+    lines += [law.made_for_another(plan.given) for law in laws if law.made_for_another(plan.loader)]
     lines += silent_sentences(plan.loader)
     unverified = [] if plan.rule_verified else [f"{plan.rules.title} ({plan.rules.edition})"]
     if any(score.over for score in scored.scores):
@@ -148,4 +150,4 @@ def _caveats(scored: Scored) -> tuple[str, ...]:
         lines.append(f"Not verified against a source: {', '.join(unverified)}.")
     if plan.left_out:
         lines.append(f"Left out, because I, B and G alone are programmed: {', '.join(plan.left_out)}.")
-    return tuple(lines)
+    return tuple(filter(None, lines))

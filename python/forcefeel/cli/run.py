@@ -165,6 +165,8 @@ def _record(out: Path, *, replace: bool) -> Path:
 
 
 def _json(running: "Running") -> dict[str, object]:
+    from forcefeel.live.state import QUANTILE_ERROR
+
     state, timing = running.state, running.timing
     of = {"late_us": timing.late, "work_us": timing.work}
     return {
@@ -181,8 +183,15 @@ def _json(running: "Running") -> dict[str, object]:
             name: {key: value if isfinite(value) else None for key, value in _quantiles(one).items()}
             for name, one in of.items()
         },
+        "quantile_error": QUANTILE_ERROR,
         "granted": list(running.granted),
+        "findings": _findings(running),
     }
+
+
+def _findings(running: "Running") -> list[str]:
+    remark = running.law.made_for_another(running.loader)
+    return [remark] if remark else []
 
 
 def _quantiles(histogram: "Histogram") -> dict[str, float]:
@@ -195,16 +204,28 @@ def _quantiles(histogram: "Histogram") -> dict[str, float]:
 def _show(console: Terminal, running: "Running") -> None:
     from rich.table import Table
 
+    from forcefeel.live.state import QUANTILE_ERROR
     from forcefeel.units import to_text
 
     state, timing = running.state, running.timing
     console.print(f"{running.loader.name} under {running.law.name}, {1 / running.period_s:,.0f} Hz", highlight=False)
-    table = Table("", "p50", "p99", "p99.9", "worst", title="Timing", title_justify="left", title_style="bold")
+    table = Table(
+        "",
+        "p50",
+        "p99",
+        "p99.9",
+        "worst",
+        title=f"Timing, quantiles within +{QUANTILE_ERROR:.1%}",
+        title_justify="left",
+        title_style="bold",
+    )
     for name, one in (("thread woke late by", timing.late), ("work of a cycle", timing.work)):
         table.add_row(name, *(f"{to_text(value, 3)} us" for value in _quantiles(one).values()))
     console.show(table)
     for line in running.granted:
         console.print(f"- the loop's thread {line}" if line.startswith("runs") else f"- {line}", highlight=False)
+    for line in _findings(running):
+        console.print(f"- {line}", highlight=False)
     counts = f"{state.cycle:,} cycles, {state.missed:,} missed, {state.silent:,} without a sample"
     console.print(f"- {counts}", highlight=False)
     if (host := running.host) is not None:

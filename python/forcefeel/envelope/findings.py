@@ -66,7 +66,7 @@ def name_text(name: str) -> str:
 def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
     """What the figures do not cover."""
     plan = found.plan
-    lines = [*tolerance_sentences(plan.given, plan.deviations), *silent_sentences(plan.loader)]
+    lines = [*found.law_remarks, *tolerance_sentences(plan.given, plan.deviations), *silent_sentences(plan.loader)]
     what = [] if plan.rule_verified else [f"{plan.rules.title} ({plan.rules.edition})"]
     what += [case.name for case in plan.cases if not case.verified]
     if what:

@@ -224,6 +224,7 @@ class Envelope:
         outcomes: ``passes``, ``unstable``, then what can fail first, by the rule's names.
         passivity: How passive the grip is, by compensator.
         smaller: The shares from ``Plan.smaller_rad``.
+        law_remarks: Of laws that were made for another loader: ``Law.made_for_another``.
 
     Example:
         >>> import forcefeel as ff
@@ -237,6 +238,7 @@ class Envelope:
     outcomes: tuple[str, ...]
     passivity: Mapping[str, Passivity]
     smaller: tuple[AngleShares, ...] = ()
+    law_remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         found = map(self.shares, self.compensators)

@@ -106,7 +106,10 @@ def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None
         smaller.append(AngleShares(angle, 1 - float(forbidden(there, threads=threads).settings.mean()), passes))
     grips = {name: passivity(plan.loader, plan.compensators[name], law, feel) for name, law in laws.items()}
     outcomes = (PASSES, UNSTABLE, *names)
-    return Envelope(plan, _dataset(plan, outcomes, outcome, margin), outcomes, grips, tuple(smaller))
+    # A law that is designed here is for what the plan left of the loader, one of a file for all of it.
+    remarks = [law.made_for_another(plan.given) for law in laws.values() if law.made_for_another(plan.loader)]
+    data = _dataset(plan, outcomes, outcome, margin)
+    return Envelope(plan, data, outcomes, grips, tuple(smaller), tuple(filter(None, remarks)))
 
 
 def _outcomes(

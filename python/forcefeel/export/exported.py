@@ -51,12 +51,8 @@ class Exported:
         self.law.check(self.loader)
         self._check_time()
         check_feel_range(self.settings, lambda setting: f"in setting {setting + 1}")
-        made_for = self.law.loader_hash
-        if made_for and made_for != self.loader.fingerprint:
-            raise InputError(
-                f"law: {self.law.name} was made for {self.law.loader} ({made_for[:12]}), and this is {self.loader.name} "
-                f"({self.loader.fingerprint[:12]}); give the loader file that it was made for, or design it anew for this one"
-            )
+        if remark := self.law.made_for_another(self.loader):
+            raise InputError(f"law: {remark.rstrip('.')}")
 
     @classmethod
     def of(

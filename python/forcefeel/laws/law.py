@@ -5,7 +5,7 @@ Time is part of a law: one that was made for a controller's period and delay run
 loader alone.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isclose
 from pathlib import Path
@@ -21,6 +21,7 @@ from forcefeel.laws.analog.gain_schedule import schedule_gains
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, compensate
 from forcefeel.laws.cancellation import Cancellation
 from forcefeel.laws.law_file import LAW_FILE, Numbers, check_law_file, read_law, write_law
+from forcefeel.laws.made_for import design_rows, differing
 from forcefeel.laws.sampled.methods import METHODS, Method
 from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
 from forcefeel.linear.models import state_feedback
@@ -42,6 +43,10 @@ _SAME = 1e-9
 """Relative; a number that went through a file or another unit is still the same."""
 
 
+_NAMED = 3
+"""Rows that a sentence names."""
+
+
 @dataclass(frozen=True, eq=False)
 class Law:
     """What drives a loader.
@@ -54,7 +59,8 @@ class Law:
         delay_s: From the sample to its command.
         feel: Settings I, B, G in SI units that the numbers belong to, (settings, 3); ``None`` where they hold for any.
         loader: Name of the loader that it was made for; empty where that is not known.
-        loader_hash: ``Loader.fingerprint`` of it.
+        loader_rows: What a design depends on of that loader: ``design_rows``; empty where it is not known.
+        drive: What drives that loader, one of ``DRIVES``; empty where that is not known. It says what command and position are.
         cancellation: What a sampled law adds to its command against a known disturbance of the drive, its cogging; ``None`` for
             nothing. A design takes it from the loader file; ``dataclasses.replace(law, cancellation=None)`` leaves it out.
 
@@ -71,7 +77,8 @@ class Law:
     delay_s: float = 0.0
     feel: NDArray[np.float64] | None = field(default=None, repr=False)
     loader: str = ""
-    loader_hash: str = field(default="", repr=False)
+    loader_rows: Mapping[str, float] = field(default_factory=dict, repr=False)
+    drive: str = field(default="", repr=False)
     cancellation: Cancellation | None = field(default=None, repr=False)
 
     @classmethod
@@ -124,15 +131,17 @@ class Law:
         period, delay = loader["controller.period"] or None, loader["controller.delay"]
         if isinstance(numbers, SampledCompensator):
             period, delay = numbers.period_s, numbers.delay_s
-        return cls(name, numbers, period, delay if period else 0.0, feel, loader.name, loader.fingerprint)
+        return cls(
+            name, numbers, period, delay if period else 0.0, feel, loader.name, design_rows(loader), loader.drive
+        )
 
     def check(self, loader: Loader) -> None:
-        """Refuses a loader whose time is another than the law's; the original loop has each loader's own.
+        """Refuses a loader whose drive or time is another than the law's; the original loop has each loader's own.
 
         Raises:
             InputError: If so.
         """
-        if loader.drive == ELECTRIC and self.sampled is None:
+        if (self.drive or loader.drive) != loader.drive or (loader.drive == ELECTRIC and self.sampled is None):
             raise of_another_drive(self.name, loader)
         if loader.drive != ELECTRIC and self.cancellation is not None:
             raise of_another_drive(self.name, loader)
@@ -155,6 +164,20 @@ class Law:
                     f"compensator: made for a {key} of {1e3 * made_for:.6g} ms, the loader has {1e3 * own:.6g} ms; "
                     "design it for this loader"
                 )
+
+    def made_for_another(self, loader: Loader) -> str:
+        """What to conclude where the loader is another than the law was made for; empty where it is that one, or none is known.
+
+        The original loop has each loader's own numbers.
+        """
+        rows = () if self.numbers is None or not self.loader_rows else differing(self.loader_rows, loader)
+        if not rows:
+            return ""
+        others = f"{', '.join(rows[:_NAMED])}{f' and {len(rows) - _NAMED} more rows' * (len(rows) > _NAMED)}"
+        return (
+            f"{self.name} was made for {self.loader}, and runs here on {loader.name} with other values of {others}: design it for "
+            "this loader, or give the one that it was made for."
+        )
 
     def engine(self, loader: Loader) -> dict[str, Any]:
         """The law as the keywords by which the engine takes it.

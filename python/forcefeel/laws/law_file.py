@@ -7,7 +7,8 @@
 | compensator | gains c_1 .. c_7 and the load cell's scale, for any setting |
 | sampled | transition, input, command and torque for each setting, as ``SampledCompensator`` has them |
 
-A sampled law may have a ``cancellation``, as ``Cancellation`` has it.
+A sampled law may have a ``cancellation``, as ``Cancellation`` has it. The units that stand beside the numbers are those that the
+numbers are taken in; a file with others, or with a key that is not one of these, is refused.
 """
 
 import json
@@ -27,6 +28,7 @@ from forcefeel.json_values import json_text
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
 from forcefeel.laws.cancellation import Cancellation
 from forcefeel.laws.sampled.sampled_compensator import FRICTION, NUMBERS, SAMPLED_AT_GRIP, SampledCompensator
+from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
 from forcefeel.units import as_float, show
 
 Numbers = Compensator | SampledCompensator | NDArray[np.float64] | None
@@ -35,14 +37,25 @@ Numbers = Compensator | SampledCompensator | NDArray[np.float64] | None
 LAW_FILE = ".json"
 """How the name of a law's file ends."""
 
-FORMAT = 2
+FORMAT = 3
 """Version of the file; a new one where its keys change."""
 
 MOST_BYTES = 2**28
 """Largest file: laws for some 50,000 settings."""
 
 _FEEL_UNITS = ("N m s^2/rad", "N m s/rad", "N m/rad")
-_ON = ["xi, in coordinates of its own", "load cell force in N", "piston displacement in m", "column angle in rad"]
+_TIME_UNIT = "s"
+_XI, _FORCE, _ANGLE = "xi, in coordinates of its own", "load cell force in N", "column angle in rad"
+_DRIVEN = {
+    HYDRAULIC: ("V", "command in V at the valve's amplifier", "piston displacement in m"),
+    ELECTRIC: ("A", "current of the motor in A", "rotor angle times transmission.travel, in m"),
+    "": (
+        "V of a valve, A of a motor",
+        "command in V of a valve, in A of a motor",
+        "displacement of the drive's end in m",
+    ),
+}
+"""Of each drive, and of one that is not known: unit of the command, the command, the sampled position."""
 _CANCELLATION_UNITS = {
     "per_travel_rad_per_m": "rad/m",
     "lead_s": "s",
@@ -53,19 +66,20 @@ _CANCELLATION_UNITS = {
 _AT_GRIP = "force at the grip in N"
 
 
-def _sampled_units(law: SampledCompensator) -> dict[str, object]:
+def _sampled_units(law: SampledCompensator, drive: str) -> dict[str, object]:
     """What the numbers of a sampled law are on."""
-    on = [*_ON, _AT_GRIP] if law.sampled == SAMPLED_AT_GRIP else _ON
+    unit, command, position = _DRIVEN[drive]
+    on = [_XI, _FORCE, position, _ANGLE, *([_AT_GRIP] if law.sampled == SAMPLED_AT_GRIP else [])]
     feel = ["feel displacement in rad", "its rate in rad/s"]
     known = ["xi on friction in N m", "friction in N m", "margin in N m", "slow rate in rad/s", "leak"]
     learnt = ["least learnt in N m", "most learnt in N m", "learning gain", "torque of a hand in N m", "blur", "trust"]
     return {
         "transition": "xi on xi",
-        "input": ["xi on", *on[1:], "command in V"],
-        "command": ["V on", *on, *feel],
+        "input": ["xi on", *on[1:], command],
+        "command": [f"{unit} on", *on, *feel],
         "torque": ["N m on", *on, *feel],
         "friction": ["rad/s on", *on, *feel, *known, *learnt],
-        "neutral": ["V per rad of the feel's neutral", "N m per rad"],
+        "neutral": [f"{unit} per rad of the feel's neutral", "N m per rad"],
     }
 
 
@@ -93,12 +107,12 @@ def write_law(path: Path, **law: Any) -> None:
         "forcefeel": version("forcefeel"),
         "format": FORMAT,
         "law": law["name"],
-        "made_for": {"loader": law["loader"], "sha256": law["loader_hash"]},
-        "time": None if period is None else {"unit": "s", "period": period, "delay": law["delay_s"]},
+        "made_for": {"loader": law["loader"], "drive": law["drive"], "rows": dict(law["loader_rows"])},
+        "time": None if period is None else {"unit": _TIME_UNIT, "period": period, "delay": law["delay_s"]},
         "settings": None
         if feel is None
         else {"units": list(_FEEL_UNITS), "inertia, damping, stiffness": feel.tolist()},
-        **_numbers_json(law["numbers"]),
+        **_numbers_json(law["numbers"], law["drive"]),
         **_cancellation_json(law["cancellation"]),
     }
     write_whole(path, json_text(document))
@@ -108,18 +122,24 @@ def _cancellation_json(cancellation: Cancellation | None) -> dict[str, Any]:
     return {} if cancellation is None else {"cancellation": {"units": _CANCELLATION_UNITS, **vars(cancellation)}}
 
 
-def _numbers_json(numbers: Numbers) -> dict[str, Any]:
-    gain_units = {symbol: unit.si for symbol, unit in zip(GAIN_SYMBOLS, GAIN_UNITS, strict=True)}
+def _numbers_units(numbers: Numbers, drive: str) -> dict[str, object]:
+    if isinstance(numbers, SampledCompensator):
+        return _sampled_units(numbers, drive)
+    return {symbol: unit.si for symbol, unit in zip(GAIN_SYMBOLS, GAIN_UNITS, strict=True)}
+
+
+def _numbers_json(numbers: Numbers, drive: str) -> dict[str, Any]:
+    units = _numbers_units(numbers, drive)
     match numbers:
         case None:
             return {"kind": "original"}
         case SampledCompensator():
             left_out = set() if numbers.knows_friction else {FRICTION}
             rows = {name: getattr(numbers, name).tolist() for name in NUMBERS if name not in left_out}
-            return {"kind": "sampled", "units": _sampled_units(numbers), **rows}
+            return {"kind": "sampled", "units": units, **rows}
         case Compensator():
-            return {"kind": "compensator", "units": gain_units, **compensator_json(numbers)}
-    return {"kind": "state feedback", "units": gain_units, "gains": numbers.tolist()}
+            return {"kind": "compensator", "units": units, **compensator_json(numbers)}
+    return {"kind": "state feedback", "units": units, "gains": numbers.tolist()}
 
 
 def compensator_json(law: Compensator) -> dict[str, Any]:
@@ -139,7 +159,10 @@ def read_law(path: Path) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: expected the file of a law: JSON, as --save-law writes it ({error})") from error
     try:
-        return _fields(_Keys(document))
+        keys = _Keys(document)
+        law = _fields(keys)
+        keys.all_known()
+        return law
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
 
@@ -156,6 +179,16 @@ def _fields(keys: "_Keys") -> dict[str, Any]:
     period = None if time is None else time.positive("period")
     delay = 0.0 if time is None else time.get("delay", float)
     numbers = _READ[kind](keys, period, delay)
+    drive = "" if made_for is None else made_for.get("drive", str)
+    if drive not in _DRIVEN:
+        raise InputError(
+            f"made_for.drive: expected {', '.join(DRIVES)}, or nothing where it is not known, got {show(drive)}"
+        )
+    if time is not None:
+        time.units("unit", _TIME_UNIT)
+    if kind != "original":
+        keys.units("units", _numbers_units(numbers, drive))
+    keys.get("forcefeel", str)
     return {
         "name": keys.get("law", str),
         "numbers": numbers,
@@ -163,7 +196,8 @@ def _fields(keys: "_Keys") -> dict[str, Any]:
         "delay_s": delay,
         "feel": None if settings is None else _feel(settings, numbers),
         "loader": "" if made_for is None else made_for.get("loader", str),
-        "loader_hash": "" if made_for is None else made_for.get("sha256", str),
+        "loader_rows": {} if made_for is None else made_for.numbers("rows"),
+        "drive": drive,
         "cancellation": _cancellation(keys.part("cancellation")) if "cancellation" in keys else None,
     }
 
@@ -171,6 +205,7 @@ def _fields(keys: "_Keys") -> dict[str, Any]:
 def _cancellation(keys: "_Keys | None") -> Cancellation | None:
     if keys is None:
         return None
+    keys.units("units", _CANCELLATION_UNITS)
     cogging = tuple(tuple(row) for row in keys.array("cogging", 2).tolist())
     names = ("per_travel_rad_per_m", "lead_s", "friction_a", "slow_rad_per_s")
     per_travel, lead, friction, slow = (keys.get(name, float) for name in names)
@@ -188,6 +223,7 @@ def _feel(settings: "_Keys", numbers: Numbers) -> NDArray[np.float64]:
     )
     if feel.shape != (count, 3):
         raise InputError(f"settings: expected I, B, G for each of {count} laws, got the shape {feel.shape}")
+    settings.units("units", list(_FEEL_UNITS))
     return feel
 
 
@@ -222,49 +258,95 @@ _READ: Mapping[str, Callable[["_Keys", float | None, float | None], Numbers]] = 
 }
 
 
-class _Keys:
-    """A JSON object whose values are asked for by key and kind."""
+_NOTHING = "nothing"
+"""Instead of a unit that is missing."""
 
-    def __init__(self, given: object) -> None:
+
+class _Keys:
+    """A JSON object, at a place in the file, whose values are asked for by key and kind."""
+
+    def __init__(self, given: object, place: str = "") -> None:
         if not isinstance(given, dict):
-            raise InputError(f"expected a JSON object, got {show(given)}")
-        self._given = given
+            raise InputError(f"{place.rstrip('.')}: " * bool(place) + f"expected a JSON object, got {show(given)}")
+        self._given, self._place = given, place
+        self._asked: set[str] = set()
+        self._parts: list[_Keys] = []
 
     def __contains__(self, key: str) -> bool:
         return key in self._given
 
+    def _value(self, key: str) -> Any:
+        if key not in self._given:
+            raise InputError(f"{self._place}{key}: missing; save the law anew with --save-law")
+        self._asked.add(key)
+        return self._given[key]
+
+    def all_known(self) -> None:
+        """Refuses what nobody asked for: a key that is not understood may say that the numbers are others."""
+        for key, value in self._given.items():
+            if key not in self._asked:
+                known = ", ".join(sorted(self._asked))
+                raise InputError(
+                    f"{self._place}{key}: expected {known}, got this key with {show(value)}; remove it, or save the law anew "
+                    "with --save-law"
+                )
+        for part in self._parts:
+            part.all_known()
+
+    def units(self, key: str, expected: object) -> None:
+        """Refuses units that are not those in which the numbers are taken."""
+        found = self._value(key)
+        if found == expected:
+            return
+        name = f"{self._place}{key}"
+        if isinstance(expected, dict) and isinstance(found, dict):
+            of = {one: (expected.get(one, _NOTHING), found.get(one, _NOTHING)) for one in (*expected, *found)}
+            name, expected, found = next((f"{name}.{one}", *pair) for one, pair in of.items() if pair[0] != pair[1])
+        stated, shown = (show(", ".join(map(str, one)) if isinstance(one, list) else one) for one in (expected, found))
+        raise InputError(
+            f"{name}: expected {stated}, in which the numbers are taken, got {shown}; convert the numbers and write these "
+            "units, or save the law anew with --save-law"
+        )
+
     def get(self, key: str, kind: type[Any]) -> Any:
         """The value of a key, of this kind; a whole number is a number."""
-        if key not in self._given:
-            raise InputError(f"{key}: missing; save the law anew with --save-law")
-        value: Any = self._given[key]
+        value = self._value(key)
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
             value = as_float(value)
         good = isinstance(value, kind) and not isinstance(value, bool)
         if not good or (kind is float and not math.isfinite(value)):
             expected = "a finite number" if kind is float else kind.__name__
-            raise InputError(f"{key}: expected {expected}, got {show(self._given[key])}")
+            raise InputError(f"{self._place}{key}: expected {expected}, got {show(self._given[key])}")
         return value
 
     def positive(self, key: str) -> float:
         """A number above 0."""
         value: float = self.get(key, float)
         if value <= 0:
-            raise InputError(f"{key}: expected a number above 0, got {show(value)}")
+            raise InputError(f"{self._place}{key}: expected a number above 0, got {show(value)}")
         return value
+
+    def numbers(self, key: str) -> dict[str, float]:
+        """The finite numbers of an object."""
+        part = _Keys(self._value(key), f"{self._place}{key}.")
+        return {one: part.get(one, float) for one in part._given}
 
     def part(self, key: str) -> "_Keys | None":
         """The object of a key; ``None`` where it is null."""
-        if key not in self._given:
-            raise InputError(f"{key}: missing; save the law anew with --save-law")
-        return None if self._given[key] is None else _Keys(self._given[key])
+        value = self._value(key)
+        if value is None:
+            return None
+        self._parts.append(_Keys(value, f"{self._place}{key}."))
+        return self._parts[-1]
 
     def array(self, key: str, dimensions: int) -> NDArray[np.float64]:
         """The finite numbers of a key."""
         try:
             found = np.array(self.get(key, list), dtype=np.float64)
         except (TypeError, ValueError, OverflowError) as error:
-            raise InputError(f"{key}: expected numbers in rows of one length ({error})") from error
+            raise InputError(f"{self._place}{key}: expected numbers in rows of one length ({error})") from error
         if found.ndim != dimensions or not np.all(np.isfinite(found)):
-            raise InputError(f"{key}: expected finite numbers in {dimensions} dimensions, got the shape {found.shape}")
+            raise InputError(
+                f"{self._place}{key}: expected finite numbers in {dimensions} dimensions, got the shape {found.shape}"
+            )
         return found

@@ -59,8 +59,8 @@ class Loop(Protocol):
         """The newest ``most`` rows of cycles after ``since``."""
         ...
 
-    def timing(self) -> tuple[list[int], list[int], list[int]]:
-        """Edges in ns, how late it woke, how long it worked."""
+    def timing(self) -> tuple[list[int], tuple[list[int], int], tuple[list[int], int]]:
+        """Edges in ns; how late it woke and how long it worked, each as counts and the longest in ns."""
         ...
 
     def refused(self) -> list[str | None] | None:

@@ -104,6 +104,10 @@ def trips_of(bits: int) -> tuple[Trip, ...]:
     return tuple(Trip(*named) for k, named in enumerate(_core.live_trips()) if bits >> k & 1)
 
 
+QUANTILE_ERROR = 1 / 64
+"""By how much of itself a quantile of durations may be stated too long: the width of a step. None is stated too short."""
+
+
 @dataclass(frozen=True, eq=False)
 class Histogram:
     """Counts of durations.
@@ -111,6 +115,7 @@ class Histogram:
     Attributes:
         edges_us: Least duration of each step, and the end of the last; us.
         counts: How often a duration fell in it.
+        worst_us: The longest duration itself, us; zero before the first.
 
     Example:
         >>> import forcefeel as ff
@@ -122,6 +127,7 @@ class Histogram:
 
     edges_us: NDArray[np.float64]
     counts: NDArray[np.int64]
+    worst_us: float
 
     @cached_property
     def total(self) -> int:
@@ -129,16 +135,15 @@ class Histogram:
         return int(self.counts.sum())
 
     def quantile_us(self, share: float) -> float:
-        """The duration, us, that this share of them stays below: the upper end of its step; not a number where there are none."""
+        """The duration, us, that this share of them does not exceed; not a number where there are none.
+
+        It is the upper end of a step, at most ``QUANTILE_ERROR`` of itself too long; never longer than the worst.
+        """
         if not self.total:
             return float("nan")
-        place = int(np.searchsorted(np.cumsum(self.counts), share * self.total))
-        return float(self.edges_us[min(place, len(self.counts) - 1) + 1])
-
-    @property
-    def worst_us(self) -> float:
-        """The upper end of the last step that has any."""
-        return self.quantile_us(1.0)
+        step = int(np.searchsorted(np.cumsum(self.counts), share * self.total))
+        # What is longer than any step has been counted in the last.
+        return self.worst_us if step >= len(self.counts) - 1 else min(float(self.edges_us[step + 1]), self.worst_us)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +168,8 @@ class Timing:
     period_s: float
 
 
-def timing_of(edges_ns: list[int], late: list[int], work: list[int], period_s: float) -> Timing:
-    """The timing of the loop's counts."""
+def timing_of(edges_ns: list[int], late: tuple[list[int], int], work: tuple[list[int], int], period_s: float) -> Timing:
+    """The timing of the loop's counts, each with the longest duration in ns."""
     edges = np.array(edges_ns) / 1e3
-    return Timing(Histogram(edges, np.array(late)), Histogram(edges, np.array(work)), period_s)
+    first, second = (Histogram(edges, np.array(counts), worst_ns / 1e3) for counts, worst_ns in (late, work))
+    return Timing(first, second, period_s)

@@ -75,6 +75,7 @@ def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) ->
         history=history(values, units, scenario.sample_s, about),
         method="exact" if exact else "stepped",
         angle_noise_rad=noise,
+        law_remark=law.made_for_another(loader),
     )
 
 

@@ -63,6 +63,7 @@ def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
         _friction(run, found),
         _arm(run),
         _design(run),
+        run.law_remark,
     )
     return Conclusions(
         run.status is not RunStatus.DIVERGED, _verdict(run, units), tuple(text for text in sentences if text)

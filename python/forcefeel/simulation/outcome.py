@@ -186,6 +186,7 @@ class Run:
         history: Every output over ``time_s``, SI units; not a number once the run has diverged.
         method: ``exact`` where everything is linear, ``stepped`` otherwise.
         angle_noise_rad: R.m.s. of the column's angle by the sensors' noise alone.
+        law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.
 
     Example:
         >>> import forcefeel as ff
@@ -201,6 +202,7 @@ class Run:
     history: xr.Dataset = field(repr=False)
     method: str = "stepped"
     angle_noise_rad: float = 0.0
+    law_remark: str = ""
 
     @property
     def note(self) -> str:

@@ -65,6 +65,7 @@ def sweep_conclusions(result: SweepResult, summary: Summary, units: UnitSystem) 
         *(words.extremes(name) for name in measures[:_DEMAND] if result.sweep.axes),
         words.demand(),
         words.impossible(),
+        result.sweep.nominal_law.made_for_another(result.sweep.loader),
     ]
     good = bool(result.sweep.axes) or summary.share(RunStatus.DIVERGED).runs == 0
     return Conclusions(good, words.verdict(measures), tuple(filter(None, sentences)))

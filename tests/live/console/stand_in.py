@@ -97,7 +97,9 @@ class StandIn:
     @property
     def timing(self):
         edges = np.geomspace(0.5, 8192.0, 41)
-        late, work = (ff.live.Histogram(edges, counts) for counts in (np.roll(self._counts, 6), self._counts))
+        late, work = (
+            ff.live.Histogram(edges, counts, edges[-1]) for counts in (np.roll(self._counts, 6), self._counts)
+        )
         return ff.live.Timing(late, work, self.period_s)
 
     @property

@@ -223,3 +223,14 @@ def test_nothing_is_asked_for_beyond_the_machine_and_nothing_is_complained_of(pa
     own = console.address.partition("?")[0]
     assert {url for url in page.requested if not url.startswith((own, "data:"))} == set()
     assert "token" not in page.url
+
+
+def test_a_mark_of_an_axis_is_printed_as_it_is(page):
+    """Marks 2.5 apart, as uPlot places them, with the decimal that they have."""
+    marks = {2.5: ("0", "2.5", "5.0", "7.5"), 0.25: ("0", "0.25", "0.50", "0.75"), 0.2: ("0", "0.2", "0.4", "0.6")}
+    marks |= {5: ("0", "5", "10", "15"), 250: ("0", "250", "500", "750")}
+    for apart, texts in marks.items():
+        found = page.evaluate(
+            "apart => import('./numbers.js').then(({ tick }) => [0, 1, 2, 3].map(k => tick(k * apart, apart)))", apart
+        )
+        assert tuple(found) == texts

@@ -45,7 +45,7 @@ inputs! {
     stiffness_factor: 1.0;
     /// The stick shaker's swing, -1 to 1.
     shaker: 0.0;
-    /// Force at the grip in N that the programmed feel meets beside the hand's: of an autopilot, a pusher, a hinge moment.
+    /// Force at the grip in N that the programmed feel meets beside the hand's: of an autopilot, a pusher, a load factor.
     added_force: 0.0;
     /// Share of the next feel, while the feel is being changed.
     fade: 0.0;

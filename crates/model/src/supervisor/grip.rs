@@ -16,11 +16,11 @@
 //!
 //! Estimate by the momentum, without the acceleration: De Luca and Mattone, ICRA 2005, 999-1004.
 
+use super::below;
 use super::function::{CONFIRMED, Function, Functions};
 use super::lasting::Lasting;
 use super::limits::{ESTIMATE_BANDWIDTH, Limits};
 use super::sensors::Fresh;
-use super::{below, count};
 use crate::Scalar;
 
 /// What is known of the grip.
@@ -81,11 +81,10 @@ impl<S: Scalar> Watch<S> {
         let grip_force = drive_torque * (one / limits.grip_arm);
         let (last_angle, last_force) = self.last.unwrap_or((angle, grip_force));
         self.last = Some((angle, grip_force));
-        let count = count(periods, one);
-        let per_count = one / count;
-        let (moved, changed) = ((angle - last_angle) * per_count, (grip_force - last_force) * per_count);
+        let per_periods = one / periods;
+        let (moved, changed) = ((angle - last_angle) * per_periods, (grip_force - last_force) * per_periods);
         let rate = moved * (one / limits.period);
-        self.estimate(limits, [rate, drive_torque, feel_acceleration], limits.period * count);
+        self.estimate(limits, [rate, drive_torque, feel_acceleration], limits.period * periods);
         self.grip = Grip { force: grip_force, hand_force: self.torque * (one / limits.grip_arm), rate };
         let above = |value: S, limit: S| below(limit, value.abs());
         let [low, high] = limits.travel;

@@ -10,7 +10,7 @@
 use super::function::{Function, Functions};
 use super::lasting::Lasting;
 use super::limits::Limits;
-use super::{Told, below, count};
+use super::{Told, below};
 use crate::Scalar;
 use crate::transducers::SENSORS;
 
@@ -22,8 +22,8 @@ pub(super) const OF_LINK: usize = 3;
 pub(super) struct Sensors<S> {
     last: Option<[S; OF_LINK]>,
     stretch: S,
-    /// Samples since `last`.
-    missed: u32,
+    /// Periods up to samples since `last` that could not be used.
+    unused: S,
     still: [Still<S>; OF_LINK],
     disagree: Lasting,
 }
@@ -36,11 +36,11 @@ struct Still<S> {
     samples: u32,
 }
 
-/// A sample that can be used, and how many periods it is younger than the one before.
+/// A sample that can be used, and how many periods it is younger than the one before that could be.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fresh<S> {
     pub(super) sensed: [S; OF_LINK],
-    pub(super) periods: u32,
+    pub(super) periods: S,
 }
 
 impl<S: Scalar> Sensors<S> {
@@ -48,14 +48,13 @@ impl<S: Scalar> Sensors<S> {
     pub(super) fn new(like: S) -> Self {
         let zero = like.zero();
         let still = Still { expected: zero, samples: 0 };
-        Self { last: None, stretch: zero, missed: 0, still: [still; OF_LINK], disagree: Lasting::default() }
+        Self { last: None, stretch: zero, unused: zero, still: [still; OF_LINK], disagree: Lasting::default() }
     }
 
     /// What is wrong with a sample, and the sample if it can be used.
     #[inline(always)]
     pub(super) fn watch(&mut self, limits: &Limits<S>, told: &Told<S>, found: &mut Functions) -> Option<Fresh<S>> {
         if told.missed > 0 {
-            self.missed = told.missed;
             *found = found.with(Function::Silence, told.missed >= limits.silence);
             return None;
         }
@@ -64,13 +63,13 @@ impl<S: Scalar> Sensors<S> {
         // The sensor at the grip measures a hand, which may do anything; it must be a number.
         if !told.sensed.iter().all(|&value| finite(value)) {
             *found = found.with(Function::NotANumber, true);
-            self.missed = self.missed.saturating_add(1);
+            self.unused = self.unused + told.periods;
             return None;
         }
         let beyond = |k: usize| below(limits.range[k], y[k].abs());
         *found = found.with(Function::OutOfRange, beyond(0) || beyond(1) || beyond(2));
-        let periods = self.missed.saturating_add(1);
-        self.missed = 0;
+        let periods = self.unused + told.periods;
+        self.unused = base.zero();
         self.jump(limits, &y, periods, found);
         self.agree(limits, &y, periods, found);
         self.last = Some(y);
@@ -78,21 +77,21 @@ impl<S: Scalar> Sensors<S> {
     }
 
     #[inline(always)]
-    fn jump(&self, limits: &Limits<S>, y: &[S; OF_LINK], periods: u32, found: &mut Functions) {
+    fn jump(&self, limits: &Limits<S>, y: &[S; OF_LINK], periods: S, found: &mut Functions) {
         let Some(last) = &self.last else { return };
-        let jumped = |k: usize| below(limits.jump[k] * count(periods, y[k]), (y[k] - last[k]).abs());
+        let jumped = |k: usize| below(limits.jump[k] * periods, (y[k] - last[k]).abs());
         *found = found.with(Function::Jump, jumped(0) || jumped(1) || jumped(2));
     }
 
     /// Eq. (9) against the three sensors, and each against what the other two make of it.
     #[inline(always)]
-    fn agree(&mut self, limits: &Limits<S>, y: &[S; OF_LINK], periods: u32, found: &mut Functions) {
+    fn agree(&mut self, limits: &Limits<S>, y: &[S; OF_LINK], periods: S, found: &mut Functions) {
         let [per_stiffness, half_play, damping_time] = limits.link;
         let [force, position, angle] = *y;
         let (pulled, base) = (force * per_stiffness, angle * limits.lever);
         let stretch = position - base;
         let first = self.last.is_none();
-        let rate = (stretch - self.stretch) * (force.constant(1.0) / (limits.period * count(periods, force)));
+        let rate = (stretch - self.stretch) * (force.constant(1.0) / (limits.period * periods));
         let damped = if first { rate.zero() } else { rate * damping_time };
         self.stretch = stretch;
         // |r| <= b + d_theta alpha R_b

@@ -111,6 +111,7 @@ def excite(
         uses=tuple(LimitUse(limit, peak) for limit, peak in zip(limits, peaks, strict=True)),
         efficiency=_efficiency(whole, whole.filled(wave.power), best),
         even_efficiency=_efficiency(whole, whole.even(), best),
+        law_remark=law.made_for_another(loader) if isinstance(law, Law) else "",
     )
 
 

@@ -68,6 +68,7 @@ class Excitation:
         efficiency: D-efficiency ``(det M / det M*)^(1/p)`` against the best spectrum without evenly spread power, M* its
             information within the same r.m.s. limits; of a chirp against the best multisine.
         even_efficiency: The same of a spectrum of even lines.
+        law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.
 
     Example:
         >>> import forcefeel as ff
@@ -92,6 +93,7 @@ class Excitation:
     uses: tuple[LimitUse, ...]
     efficiency: float
     even_efficiency: float
+    law_remark: str = ""
 
     @property
     def standard_errors(self) -> dict[str, float]:
@@ -141,6 +143,7 @@ class Excitation:
         return (
             f"{binds}.",
             f"{cost}.",
+            *([self.law_remark] if self.law_remark else []),
             *([_BESIDE] if self.loader.drive == ELECTRIC else []),
             f"The errors are those of white noise alone ({noise}) on the linear model; what a model leaves out adds to them.",
         )

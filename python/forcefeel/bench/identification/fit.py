@@ -122,7 +122,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         inseparable=inseparable_sets(unknowns, confidence),
         advice=(),
         rigid=rigid,
-        notes=(*notes, *_beside(data)),
+        notes=(*notes, *_beside(data), *_made_for_another(law, loader)),
     )
     if identified.determined:
         sound = explained(identified.fitted) and identified.within_bounds
@@ -286,6 +286,11 @@ def _fitted(problem: Problem, place: Place) -> tuple[Fitted, ...]:
                 Fitted(it.data, curve.channel, curve.at, curve.measured, curve.modelled, old.modelled, rms, noise)
             )
     return tuple(found)
+
+
+def _made_for_another(law: LawLike, loader: Loader) -> tuple[str, ...]:
+    text = law.made_for_another(loader) if isinstance(law, Law) else ""
+    return (text,) if text else ()
 
 
 def _rigid(

@@ -2,8 +2,8 @@
 
 ``xi`` its state, in coordinates of its own · ``y = [F_c, x_p, theta]`` the sampled load cell force (N), piston displacement (m)
 and column angle (rad); of a law for a force sensor at the grip ``y = [F_c, x_p, theta, F_g]``, with its force (N) · ``delta``,
-``delta'`` the feel computer's displacement and rate, ``n`` its neutral · ``e`` command in V · ``T`` torque in N m that the feel
-computer hears in the period
+``delta'`` the feel computer's displacement and rate, ``n`` its neutral · ``e`` command in V, of a motor in A · ``T`` torque in N m
+that the feel computer hears in the period
 
     T_k    = torque  [xi; y; delta; delta'] + t_n n
     e_k    = command [xi; y; delta; delta'] + c_n n
@@ -51,13 +51,13 @@ class SampledCompensator:
         delay_s: Time from the sample to its command, likewise; at most a period.
         transition: (settings, n, n); n at most ``MOST_STATES``.
         input: (settings, n, 4), columns F_c, x_p, theta, e; with the grip's sensor (settings, n, 5), F_g before e, and so below.
-        command: (settings, n + 5), in V on xi, F_c, x_p, theta, delta, delta'.
+        command: (settings, n + 5), in V, of a motor in A, on xi, F_c, x_p, theta, delta, delta'.
         torque: (settings, n + 5), in N m on the same.
         friction: (settings, 2 n + 15), the dry friction that it knows: r, the column's rate in rad/s on the same as command; b, by
             which xi moves per N m of friction; F and M in N m, v_s in rad/s, l; and how it learns: ``g_-``, ``g_+`` in N m, a,
             q in N m, c, d. Zeros where it is not given: it knows of none.
-        neutral: (settings, 2), c_n in V and t_n in N m per radian of the feel's neutral: see ``laws.sampled.neutral``. Zeros where
-            it is not given.
+        neutral: (settings, 2), c_n in V or A and t_n in N m per radian of the feel's neutral: see ``laws.sampled.neutral``. Zeros
+            where it is not given.
         settled: (settings, n, 4), the state at rest per F_c, x_p, theta, delta; see ``_settled``.
 
     Arrays are read-only.

@@ -81,12 +81,14 @@ class Section:
         title: In words.
         results: Of the tests that were made, in the order of the rule.
         programme: The tests that it has to pass.
+        law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.
     """
 
     name: str
     title: str
     results: tuple[Result, ...]
     programme: Programme
+    law_remark: str = ""
 
     @property
     def standing(self) -> Standing:

@@ -104,15 +104,16 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
     feel = FeelAlone(loader)
     motions = Motions.of(loader, setup.dynamic_pressure_pa)
     task = Task(loader, feel, motions, rules, throw, references, setup.system, setup.overdamped)
+    laws: Mapping[str, Law] = {} if records else _laws(loader, setup)
     if records:
         benches = {"record": TestBench(task, "recorded simulator", None, records)}
     else:
         benches = {
-            name: TestBench(task, law_text(name), SimulatedLoader(loader, law), {})
-            for name, law in _laws(loader, setup).items()
+            name: TestBench(task, law_text(name), SimulatedLoader(loader, law), {}) for name, law in laws.items()
         }
+    remarks = {name: law.made_for_another(loader) for name, law in laws.items()}
     sections = tuple(
-        Section(name, bench.name, tuple(map(bench.result, programme.made)), programme)
+        Section(name, bench.name, tuple(map(bench.result, programme.made)), programme, remarks.get(name, ""))
         for name, bench in benches.items()
     )
     files = {

@@ -40,7 +40,8 @@ def conclusions(found: Qualification) -> Conclusions:
         lines = reasons(found.sections[0], found)
     else:
         lines = [" ".join([standing_text(one), *reasons(one, found)]) for one in found.sections]
-    return Conclusions(found.fulfilled, _verdict(found), (*lines, *caveats(found)))
+    remarks = [section.law_remark for section in found.sections if section.law_remark]
+    return Conclusions(found.fulfilled, _verdict(found), (*lines, *remarks, *caveats(found)))
 
 
 def rule_text(found: Qualification) -> str:

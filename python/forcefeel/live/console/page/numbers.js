@@ -11,9 +11,10 @@ export function text(value, digits = 3) {
   return (Number(fixed) === 0 ? fixed.replace("-", "") : fixed).replace("-", MINUS);
 }
 
-// A mark of an axis whose marks are so far apart.
+// A mark of an axis whose marks are so far apart, with the decimals of that distance: 2.5 has one more than 2 or 5.
 export function tick(value, apart) {
-  const fixed = value.toFixed(Math.max(0, -Math.floor(Math.log10(apart) + 1e-9)));
+  const [digits, power] = apart.toExponential(6).split("e");
+  const fixed = value.toFixed(Math.max(0, digits.replace(/\.?0+$/, "").replace(".", "").length - 1 - Number(power)));
   return (Number(fixed) === 0 ? "0" : fixed).replace("-", MINUS);
 }
 
