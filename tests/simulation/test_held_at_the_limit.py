@@ -7,7 +7,8 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.simulation import RunStatus, Scenario, simulate
-from forcefeel.simulation.inputs import Pulse, Release
+from forcefeel.simulation.inputs import Pulse, Release, Step
+from forcefeel.units import UnitSystem
 from tests import electric_witness as witness
 from tests.simulation.test_electric_witness import AGREES, RAW, TRAVEL
 
@@ -144,3 +145,39 @@ def test_antiwindup_ends_a_limit_cycle_of_rotor_and_column_on_the_link():
         at_limit = np.abs(history.motor_current_a.values[late]) > 0.999 * loader["current_loop.current_limit"]
         assert (at_limit.mean() > 0.5) == (antiwindup == 0)  # most of the time, and never
     assert swings[1] < 0.01 * swings[0]  # measured: a part in 300
+
+
+def verdict(run):
+    return ff.simulation.run_conclusions(run, UnitSystem.SI).verdict
+
+
+def test_settled_is_said_where_the_column_rests_where_its_feel_does():
+    law = ff.Law.of("robust", LOADER).numbers
+    assert verdict(simulate(LOADER, Scenario(Release(ANGLE), 3.0), law)).startswith("Settled at ")
+
+
+def test_a_column_that_hangs_says_where_and_what_holds_it():
+    """Pushed on its stop by a force that the motor does not hold; one of 19 A holds it there, where its feel then stands too."""
+    loader = ff.loader.electric("elevator-electric")
+    strong = simulate(loader, Scenario(Step(900.0), 3.0), ff.Law.of("robust", loader).numbers)
+    assert strong.measures.final_angle_rad > loader["column.stop_high"]
+    assert verdict(strong).startswith("Settled at ")
+    loader = loader.replace({"current_loop.current_limit": 8.0})
+    run = simulate(loader, Scenario(Step(900.0), 3.0), ff.Law.of("robust", loader).numbers)
+    assert run.measures.final_angle_rad > loader["column.stop_high"]
+    text = verdict(run)
+    assert "Settled" not in text
+    assert text.startswith("The column hangs at 13.1 deg on the upper end stop while its feel stands at 6.8")
+    assert "with the current at its limit of 8 A" in text
+
+
+def test_dry_friction_that_the_motor_does_not_overcome_is_named():
+    """A motor of 1 A against 60 N of friction at the grip."""
+    loader = ff.loader.electric("elevator-electric").replace(
+        {"column.coulomb_friction": 60.0, "current_loop.current_limit": 1.0}
+    )
+    law = ff.Law.of("robust", loader).numbers
+    run = simulate(loader, Scenario(Pulse(400.0, 0.1, 0.1), 4.0), law)
+    text = verdict(run)
+    assert "hangs at" in text
+    assert "in its dry friction" in text

@@ -1,6 +1,7 @@
 """What to conclude from a run in time, in words."""
 
 from math import isfinite, isnan, pi
+from types import MappingProxyType
 
 import numpy as np
 
@@ -8,9 +9,10 @@ from forcefeel._core import feel_frequency
 from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.loader.arms import UNVERIFIED, arm_of
 from forcefeel.loader.beyond_linear import beyond_linear
-from forcefeel.loader.parameters import ELECTRIC, INDEX
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC, INDEX
 from forcefeel.simulation import Run, RunStatus
 from forcefeel.simulation.demanded import demanded
+from forcefeel.simulation.hangs import Hang, hang
 from forcefeel.simulation.inputs import (
     Chirp,
     Doublet,
@@ -33,6 +35,15 @@ _LITTLE = 1e-3
 
 _WARMER = 1.0
 """Degrees that are not worth a word."""
+
+
+_CURRENT_LIMIT = MappingProxyType(
+    {
+        HYDRAULIC: ("amplifier.current_limit", CURRENT),
+        ELECTRIC: ("current_loop.current_limit", MOTOR_CURRENT),
+    }
+)
+"""By drive: row of the largest current, and what it is shown in."""
 
 
 @of_result
@@ -96,7 +107,7 @@ def _formula_text(force: Step | Pulse | Doublet | StopToStop | Chirp | Multisine
 def _verdict(run: Run, units: UnitSystem) -> str:
     if run.status is RunStatus.DIVERGED:
         return f"{run.note[0].upper()}{run.note[1:]}."
-    found, settled = run.measures, run.status is RunStatus.SETTLED
+    found, settled, hanging = run.measures, run.status is RunStatus.SETTLED, hang(run)
     if found.maximum_angle_rad == found.minimum_angle_rad:
         return "The column did not move."
     if not goes_to_a_place(run.scenario.force):
@@ -107,17 +118,27 @@ def _verdict(run: Run, units: UnitSystem) -> str:
         if keeps_moving(run.scenario.force):
             return f"{came}."
         rest = (
-            f"settled at {to_text(found.settling_time_s, 3)} s"
+            _hangs(run, hanging, units)
+            if hanging
+            else f"settled at {to_text(found.settling_time_s, 3)} s"
             if settled
             else f"was still moving after {to_text(run.scenario.duration_s)} s"
         )
         return f"{came} and {rest}."
     why = why_no_overshoot(run)
     swing = ", ".join(filter(None, (why or f"overshoot {_percent(found.overshoot)}", _frequency(run))))
+    if hanging:
+        return f"The column {_hangs(run, hanging, units)}; {swing}."
     if settled:
         return f"Settled at {to_text(found.settling_time_s, 3)} s, {swing}."
     by = _quantity(found.last_swing_rad, ANGLE, units, 2)
     return f"Still moving after {to_text(run.scenario.duration_s)} s, by {by} over the last tenth; {swing}."
+
+
+def _hangs(run: Run, found: Hang, units: UnitSystem) -> str:
+    at, feel = (_quantity(angle, ANGLE, units, 3) for angle in (found.angle_rad, found.feel_rad))
+    where = f"hangs at {at}{found.held_by and f' {found.held_by}'} while its feel stands at {feel}"
+    return f"{where}, with the current at its limit of {_current_limit(run, units)}" if found.current else where
 
 
 def _at_rest(run: Run, units: UnitSystem) -> str:
@@ -184,9 +205,9 @@ def _heat(run: Run) -> str:
 def _saturation(run: Run, found: Limits, units: UnitSystem) -> str:
     sentences = []
     of_motor = run.loader.drive == ELECTRIC
-    limit = run.loader["current_loop.current_limit" if of_motor else "amplifier.current_limit"]
+    limit = run.loader[_CURRENT_LIMIT[run.loader.drive][0]]
     if isfinite(limit):
-        at = f"the amplifier's limit of {_quantity(limit, MOTOR_CURRENT if of_motor else CURRENT, units, 3)}"
+        at = f"the amplifier's limit of {_current_limit(run, units)}"
         spent = f"was at {at} for {_percent(found.current)} of the time" if found.current else f"never reached {at}"
         sentences.append(f"The current {spent}.")
         if of_motor and found.current > _LITTLE:
@@ -201,6 +222,11 @@ def _saturation(run: Run, found: Limits, units: UnitSystem) -> str:
         text = ", ".join(over)
         sentences.append(f"{text[0].upper()}{text[1:]}.{unlimited}")
     return " ".join(sentences)
+
+
+def _current_limit(run: Run, units: UnitSystem) -> str:
+    row, measured_in = _CURRENT_LIMIT[run.loader.drive]
+    return _quantity(run.loader[row], measured_in, units, 3)
 
 
 def _stops(run: Run, found: Limits) -> str:
