@@ -9,6 +9,7 @@ the temperature around · `f`, `x`, `theta` what the sensors show · `delta` pro
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import LSODA
@@ -130,8 +131,18 @@ class Plant:
         return np.array(shown)
 
 
-def simulate(loader, law, pilot, duration, *, command=None, added=None, test=None, rtol=1e-9):  # noqa: PLR0913
-    """Columns `OUTPUTS` at the controller's samples, from rest at zero; ``pilot`` is a force over time in N.
+@dataclass(frozen=True)
+class Start:
+    """Where a run begins: states of the plant, the feel's displacement and rate, the law's state and the command on its way."""
+
+    plant: np.ndarray
+    feel: np.ndarray
+    law: np.ndarray
+    command: float
+
+
+def simulate(loader, law, pilot, duration, *, start=None, command=None, added=None, test=None, rtol=1e-9):  # noqa: PLR0913
+    """Columns `OUTPUTS` at the controller's samples, from ``start`` or rest at zero; ``pilot`` is a force over time in N.
 
     ``law`` are a sampled law's numbers; ``command`` over time, in A, comes to its command, or stands in place of one; ``added`` to
     it, of the drive's position as sampled and its last period's difference over the period, is known to the law; ``test`` over
@@ -150,6 +161,8 @@ def simulate(loader, law, pilot, duration, *, command=None, added=None, test=Non
     y, feels, rows, last, memory = np.zeros(10), np.zeros(2), [], 0.0, np.zeros(5)
     xi, e = None if law is None else np.zeros(law.transition.shape[-1]), 0.0 if added is None else added(0.0, 0.0)
     y[2] = e
+    if start is not None:
+        y, feels, xi, e = start.plant, start.feel, start.law, start.command
     for k in range(round(duration / period)):
         t = k * period
         rows.append(y[:7])
@@ -165,10 +178,12 @@ def simulate(loader, law, pilot, duration, *, command=None, added=None, test=Non
             memory, moved = hear(law.friction[0], known, torque, memory)
             xi = law.transition[0] @ xi + law.input[0] @ np.append(sample, answered) + moved
             feels = (step @ np.append(feels, memory[0]))[:2]
+            excess, way = (own - answered) / law.command[0, -2], g("controller.antiwindup")
+            feels = feels - period * way * excess * np.array([2.0, way])
             new += own + more
-        for start, end, held in ((t, t + delay, e), (t + delay, t + period, new)):
-            if end - start > 1e-12:  # s, far below any delay
-                y = _piece(plant, y, (start, end), (held, test), pilot, rtol)
+        for begin, end, held in ((t, t + delay, e), (t + delay, t + period, new)):
+            if end - begin > 1e-12:  # s, far below any delay
+                y = _piece(plant, y, (begin, end), (held, test), pilot, rtol)
         e = new
     rows.append(y[:7])
     found = dict(zip(OUTPUTS, np.array(rows).T, strict=True))

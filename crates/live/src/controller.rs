@@ -59,8 +59,10 @@ impl Controller {
         let effects = Effects { surroundings: true, test_signal: false, ..shared.effects };
         let at_rest = setup.at_rest();
         let (followed, sensors, neutral) = match setup.beginning {
-            Some(Beginning { sensors, delta, neutral }) => {
-                (Followed::begun((&effects, &control), at_rest, (sensors, delta, neutral)), sensors, neutral)
+            Some(Beginning { sensors, delta, rate, neutral, estimate }) => {
+                let mut feeling = control.resting(delta, neutral);
+                feeling.motion.at[1] = rate;
+                (Followed::begun(&control, at_rest, (sensors, estimate, feeling)), sensors, neutral)
             }
             None => (Followed::new(&control, at_rest), [0.0; SENSORS], 0.0),
         };

@@ -8,7 +8,7 @@ use forcefeel_model::curve::Curve;
 use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Machine, Shared};
-use forcefeel_model::observer::{NUMBERS, Observer};
+use forcefeel_model::observer::{Estimate, MOST_STATES, NUMBERS, Observer};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::law::Law;
@@ -40,16 +40,23 @@ pub struct Setup {
     pub supervised: bool,
 }
 
-/// Where a loop begins: what the sensors show at rest, the programmed displacement and its neutral.
+/// Where a loop begins: what the sensors show at rest, how the feel stands, and the state of the law's observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beginning {
     /// As in a sample.
     pub sensors: [f64; SENSORS],
     /// In the feel's own unit.
     pub delta: f64,
-    /// In the same.
+    /// Its rate.
+    pub rate: f64,
+    /// In the unit of `delta`.
     pub neutral: f64,
+    /// In coordinates of the law's own.
+    pub estimate: Estimate<f64>,
 }
+
+/// Numbers of a [`Beginning`].
+const BEGINNING_NUMBERS: usize = SENSORS + 3 + MOST_STATES;
 
 impl Setup {
     /// Period of the controller in s.
@@ -135,8 +142,8 @@ impl Setup {
         if self.host {
             found.push(("listens", vec![]));
         }
-        if let Some(Beginning { sensors: [force, position, base, grip], delta, neutral }) = self.beginning {
-            found.push(("beginning", vec![force, position, base, grip, delta, neutral]));
+        if let Some(Beginning { sensors, delta, rate, neutral, estimate }) = self.beginning {
+            found.push(("beginning", [sensors.as_slice(), &[delta, rate, neutral], &estimate].concat()));
         }
         found
     }
@@ -156,10 +163,12 @@ impl Setup {
             Some((list(knots)?.to_vec(), list(coefficients)?.as_chunks::<4>().0.to_vec()))
         };
         let beginning = match list("beginning") {
-            Some(&[force, position, base, grip, delta, neutral]) => {
-                Some(Beginning { sensors: [force, position, base, grip], delta, neutral })
+            Some(numbers) => {
+                let numbers: &[f64; BEGINNING_NUMBERS] = numbers.try_into().ok()?;
+                let (&sensors, rest) = numbers.split_first_chunk::<SENSORS>()?;
+                let (&[delta, rate, neutral], estimate) = rest.split_first_chunk::<3>()?;
+                Some(Beginning { sensors, delta, rate, neutral, estimate: estimate.try_into().ok()? })
             }
-            Some(_) => return None,
             None => None,
         };
         Some(Self {

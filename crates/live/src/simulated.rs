@@ -82,10 +82,13 @@ impl<D: Drive<f64>> Simulated<D> {
         let equilibrium = &start.equilibrium;
         let mut state = machine.start(&shared, equilibrium);
         let feeling = state.feeling();
+        let [delta, rate] = feeling.motion.at;
         let beginning = Beginning {
             sensors: machine.shown_at_rest(&shared.effects, equilibrium),
-            delta: feeling.motion.at[0],
+            delta,
+            rate,
             neutral: feeling.neutral,
+            estimate: *equilibrium.estimate(),
         };
         Machine::<f64, D>::hold(&mut state, equilibrium);
         if start.held_until == 0 {

@@ -14,7 +14,7 @@ use crate::feel::{FeelLaw, Surroundings};
 use crate::feel_computer::{FeelComputer, FeelMotion};
 use crate::known_friction::Recalled;
 use crate::machine::{Inputs, Moment, Shared};
-use crate::observer::{Estimate, MOST_STATES, Observer, SAMPLED, Says};
+use crate::observer::{Estimate, MOST_STATES, Observer, SAMPLED, Says, quotient};
 use crate::parameters::Parameters;
 use crate::transducers::SENSORS;
 
@@ -98,7 +98,7 @@ impl<S: Scalar> Control<S> {
         allow: impl FnOnce(&Answer<S>) -> Option<S>,
     ) -> S {
         let [force, piston, base, grip] = sample.sensors;
-        let period = base.constant(shared.step_s).times(count(shared.timing.map_or(1, |timing| timing.period)));
+        let period = self.period(shared);
         let (force, piston) = self.converters.read(force, piston);
         // There is no tachometer: the velocity is the last period's difference.
         let base_rate = (base - remembered.base) / period;
@@ -148,38 +148,62 @@ impl<S: Scalar> Control<S> {
         let around = self.around(&shared.effects, at, inputs, (Moment::Start, period));
         self.feel_computer(shared, fade).run(&mut feeling.motion, says.torque, &around, period);
         feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period);
-        let gain = if shared.effects.observer {
-            let (from, to) = (self.observer.per_delta(), self.next_observer.per_delta());
-            from + (to - from).times(fade)
+        let gains = if shared.effects.observer {
+            let of = |law: &Observer<S>| [law.per_delta(), law.per_rate()];
+            let (from, to) = (of(&self.observer), of(&self.next_observer));
+            [0, 1].map(|k| from[k] + (to[k] - from[k]).times(fade))
         } else {
-            self.law.gains[2]
+            [self.law.gains[2], self.law.gains[3]]
         };
         let beyond = e - self.converters.within_range(e);
-        self.give_way(shared, &mut feeling.motion, (gain, allowed.map_or(beyond, |e| asked - e + beyond)), period);
+        self.give_way(shared, &mut feeling.motion, (gains, allowed.map_or(beyond, |e| asked - e + beyond)), period);
         self.converters.write(e)
     }
 
     /// What the law says where the feel, without a hand, does not rest at zero.
     #[inline(always)]
-    fn trimmed(&self, says: Says<S>, neutral: S, fade: f64) -> Says<S> {
+    pub(crate) fn trimmed(&self, says: Says<S>, neutral: S, fade: f64) -> Says<S> {
         let (from, to) = (self.observer.per_neutral(), self.next_observer.per_neutral());
         let of = |k: usize| if fade == 0.0 { from[k] } else { from[k] + (to[k] - from[k]).times(fade) } * neutral;
         Says { command: says.command + of(0), torque: says.torque + of(1), ..says }
     }
 
-    /// The feel gives way where the drive does not follow: `beyond` of its command, of which there is `gain` per `delta`.
+    /// The feel gives way where the drive does not follow: `beyond` of its command, of which there is so much per `delta` and per `delta'`.
     #[inline(always)]
-    fn give_way(&self, shared: &Shared, motion: &mut FeelMotion<S>, (gain, beyond): (S, S), period: S) {
-        let has_gain = gain.zero().less(gain.abs());
-        let excess = S::select(has_gain, beyond / gain, gain.zero());
-        // delta' = ... - 2 a_w (e - e_cut) / c_3, delta'' = ... - a_w^2 (e - e_cut) / c_3: place and speed give way, or the speed
-        // would carry the control on. What sticks keeps its speed of zero.
-        let given_way = self.converters.antiwindup * period * excess;
-        let slower = self.converters.antiwindup * given_way;
+    fn give_way(
+        &self,
+        shared: &Shared,
+        motion: &mut FeelMotion<S>,
+        ([per_delta, per_rate], beyond): ([S; 2], S),
+        period: S,
+    ) {
+        let [further, faster] = self.given_way([per_delta, per_rate], period);
+        let excess = quotient(beyond, per_delta);
+        let slower = faster * excess;
         let [delta, rate] = motion.at;
         let sticks = shared.effects.feel_friction;
+        // What sticks keeps its speed of zero.
         let slower = if sticks { S::select(motion.grip.stuck, rate.zero(), slower) } else { slower };
-        motion.at = [delta - given_way.times(2.0), rate - slower];
+        motion.at = [delta - further * excess, rate - slower];
+    }
+
+    /// Displacement and rate that the feel gives up in a period, per displacement that its command is beyond the drive.
+    #[inline(always)]
+    pub(crate) fn given_way(&self, [per_delta, per_rate]: [S; 2], period: S) -> [S; 2] {
+        // delta' = ... - 2 a_w x, delta'' = ... - a_w^2 x, x = (e - e_cut) / c_3: place and speed give way, or the speed would carry the
+        // control on.
+        let way = self.converters.antiwindup;
+        let given = [way.times(2.0) * period, way * way * period];
+        // The command goes back by c_3 delta + c_4 delta'; by no more than it is beyond, however quick a_w is for the period.
+        let back = given[0] + given[1] * quotient(per_rate, per_delta).max(per_delta.zero());
+        let over = back.max(back.constant(1.0));
+        given.map(|given| given / over)
+    }
+
+    /// Length of a period in s.
+    #[inline(always)]
+    pub(crate) fn period(&self, shared: &Shared) -> S {
+        self.per_base.constant(shared.step_s).times(count(shared.timing.map_or(1, |timing| timing.period)))
     }
 
     /// The observer's state at the next sample; while the feel changes, between the two laws'.
@@ -203,32 +227,26 @@ impl<S: Scalar> Control<S> {
         next
     }
 
-    /// What the law remembers in equilibrium, where the sensors show `sensors`, the programmed displacement is `delta` and its neutral
-    /// `neutral`.
+    /// What the law remembers in equilibrium, where the sensors show `sensors`, its observer's state is `estimate` and the feel stands at
+    /// displacement and rate.
     #[inline(always)]
-    pub fn remember(&self, effects: &Effects, sensors: [S; SENSORS], [delta, neutral]: [S; 2]) -> Remembered<S> {
-        let y = self.sampled(&sensors);
-        let untrimmed = if effects.surroundings { self.observer.untrimmed(delta, neutral) } else { delta };
-        self.remembering(&sensors, self.observer.at_rest(&y, untrimmed), delta)
+    pub fn remember(&self, sensors: [S; SENSORS], estimate: Estimate<S>, feel: [S; 2]) -> Remembered<S> {
+        let (y, [_, position, base, _]) = (self.sampled(&sensors), sensors);
+        let recalled = self.observer.says(&estimate, &y, feel, None).recalled;
+        Remembered { base, position, estimate, recalled }
     }
 
     /// What the law remembers where it has looked on for long, without a command, at sensors that show `sensors`.
     pub fn looking_on(&self, sensors: [S; SENSORS]) -> Remembered<S> {
         let y = self.sampled(&sensors);
-        self.remembering(&sensors, self.observer.looking_on(&y, y[0].zero()), self.delta_at(sensors[2]))
+        let zero = y[0].zero();
+        self.remember(sensors, self.observer.looking_on(&y, zero), [self.delta_at(sensors[2]), zero])
     }
 
     /// Sensors as a law takes them, the column's as an angle.
     #[inline(always)]
     pub(crate) fn sampled(&self, &[force, position, base, grip]: &[S; SENSORS]) -> [S; SAMPLED] {
         [force, position, base * self.per_base, grip]
-    }
-
-    #[inline(always)]
-    fn remembering(&self, sensors: &[S; SENSORS], estimate: Estimate<S>, delta: S) -> Remembered<S> {
-        let (y, [_, position, base, _]) = (self.sampled(sensors), *sensors);
-        let recalled = self.observer.says(&estimate, &y, [delta, base.zero()], None).recalled;
-        Remembered { base, position, estimate, recalled }
     }
 
     /// The feel at rest at the programmed displacement `delta`, its neutral in the same unit.

@@ -4,8 +4,8 @@
 
 use crate::Scalar;
 use crate::control::{Answer, Control, Feeling, Remembered, Sample};
-use crate::effects::Effects;
 use crate::machine::{Inputs, Shared};
+use crate::observer::Estimate;
 use crate::supervisor::{Allowed, finite};
 use crate::transducers::SENSORS;
 
@@ -56,18 +56,14 @@ impl<S: Scalar> Followed<S> {
         }
     }
 
-    /// They begin in an equilibrium: its sensors, and the feel's displacement and neutral.
+    /// They begin in an equilibrium: its sensors, the state of the law's observer, and how the feel stands.
     pub fn begun(
-        (effects, control): (&Effects, &Control<S>),
+        control: &Control<S>,
         at_rest: [[S; SENSORS]; 2],
-        (sensors, delta, neutral): ([S; SENSORS], S, S),
+        (sensors, estimate, feeling): ([S; SENSORS], Estimate<S>, Feeling<S>),
     ) -> Self {
-        Self {
-            remembered: control.remember(effects, sensors, [delta, neutral]),
-            feeling: control.resting(delta, neutral),
-            placed: true,
-            ..Self::new(control, at_rest)
-        }
+        let remembered = control.remember(sensors, estimate, feeling.motion.at);
+        Self { remembered, feeling, placed: true, ..Self::new(control, at_rest) }
     }
 
     /// The programmed feel.

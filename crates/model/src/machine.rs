@@ -14,6 +14,7 @@ mod equilibrium;
 mod feel;
 mod friction;
 mod inputs;
+mod limited;
 mod look;
 mod middle;
 pub mod period;

@@ -225,6 +225,12 @@ impl<S: Scalar> Observer<S> {
     pub fn per_delta(&self) -> S {
         self.command[MOST_STATES + SAMPLED]
     }
+
+    /// Command per rate of the feel.
+    #[inline(always)]
+    pub fn per_rate(&self) -> S {
+        self.command[MOST_STATES + SAMPLED + 1]
+    }
 }
 
 impl<S: Scalar> Says<S> {
@@ -247,7 +253,8 @@ impl<S: Scalar> Says<S> {
 }
 
 /// `a / b`; zero where there is nothing to divide by, as of a state that keeps what it has.
-fn quotient<S: Scalar>(a: S, b: S) -> S {
+#[inline(always)]
+pub(crate) fn quotient<S: Scalar>(a: S, b: S) -> S {
     S::select(b.zero().less(b.abs()), a / b, b.zero())
 }
 

@@ -1,6 +1,7 @@
 """What to conclude from a run in time, in words."""
 
 from math import isfinite, isnan, pi, sqrt
+from types import MappingProxyType
 
 import numpy as np
 
@@ -8,9 +9,10 @@ from forcefeel._core import feel_frequency
 from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.loader.arms import UNVERIFIED, arm_of
 from forcefeel.loader.beyond_linear import beyond_linear
-from forcefeel.loader.parameters import ELECTRIC, INDEX
+from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC, INDEX
 from forcefeel.simulation import Run, RunStatus
 from forcefeel.simulation.demanded import demanded
+from forcefeel.simulation.hangs import Hang, hang
 from forcefeel.simulation.inputs import (
     Chirp,
     Doublet,
@@ -40,6 +42,15 @@ _LITTLE = 1e-3
 
 _WARMER = 1.0
 """Degrees that are not worth a word."""
+
+
+_CURRENT_LIMIT = MappingProxyType(
+    {
+        HYDRAULIC: ("amplifier.current_limit", CURRENT),
+        ELECTRIC: ("current_loop.current_limit", MOTOR_CURRENT),
+    }
+)
+"""By drive: row of the largest current, and what it is shown in."""
 
 
 @of_result
@@ -104,32 +115,49 @@ def _formula_text(force: Step | Pulse | Doublet | StopToStop | Chirp | Multisine
 def _verdict(run: Run, units: UnitSystem) -> str:
     if run.status is RunStatus.DIVERGED:
         return f"{run.note[0].upper()}{run.note[1:]}."
-    found, settled = run.measures, run.status is RunStatus.SETTLED
+    found = run.measures
     if found.maximum_angle_rad == found.minimum_angle_rad:
         return "The column did not move."
     if below_noise(run):
         noise = _quantity(run.angle_noise_rad, ANGLE, units, 2)
         return f"The column moved no farther than the sensors' noise moves it, {noise} r.m.s."
     if not goes_to_a_place(run.scenario.force):
-        low, high = (
-            to_text(ANGLE.from_si(angle, units), 3) for angle in (found.minimum_angle_rad, found.maximum_angle_rad)
-        )
-        came = f"The column moved between {low} and {high} {ANGLE.shown(units)}"
-        if keeps_moving(run.scenario.force):
-            return f"{came}."
-        rest = (
-            f"settled at {to_text(found.settling_time_s, 3)} s"
-            if settled
-            else f"was still moving after {to_text(run.scenario.duration_s)} s"
-        )
-        return f"{came} and {rest}."
+        return _range(run, units)
     why = why_no_overshoot(run)
     overshoot = f"no overshoot to measure: {why}" if why else f"overshoot {_percent(found.overshoot)}"
     swing = ", ".join(filter(None, (_frequency(run), overshoot) if why else (overshoot, _frequency(run))))
-    if settled:
+    if hanging := hang(run):
+        return f"The column {_hangs(run, hanging, units)}; {swing}."
+    if run.status is RunStatus.SETTLED:
         return f"Settled at {to_text(found.settling_time_s, 3)} s, {swing}."
     by = _quantity(found.last_swing_rad, ANGLE, units, 2)
     return f"Still moving after {to_text(run.scenario.duration_s)} s, by {by} over the last tenth; {swing}."
+
+
+def _range(run: Run, units: UnitSystem) -> str:
+    """Of a run whose force leads to no place of its own."""
+    found = run.measures
+    low, high = (
+        to_text(ANGLE.from_si(angle, units), 3) for angle in (found.minimum_angle_rad, found.maximum_angle_rad)
+    )
+    motion = f"The column moved between {low} and {high} {ANGLE.shown(units)}"
+    if keeps_moving(run.scenario.force):
+        return f"{motion}."
+    if hanging := hang(run):
+        return f"{motion} and {_hangs(run, hanging, units)}."
+    settled = run.status is RunStatus.SETTLED
+    end = (
+        f"settled at {to_text(found.settling_time_s, 3)} s"
+        if settled
+        else f"was still moving after {to_text(run.scenario.duration_s)} s"
+    )
+    return f"{motion} and {end}."
+
+
+def _hangs(run: Run, found: Hang, units: UnitSystem) -> str:
+    at, feel = (_quantity(angle, ANGLE, units, 3) for angle in (found.angle_rad, found.feel_rad))
+    where = f"hangs at {at}{found.held_by and f' {found.held_by}'} while its feel stands at {feel}"
+    return f"{where}, with the current at its limit of {_current_limit(run, units)}" if found.current else where
 
 
 def _at_rest(run: Run, units: UnitSystem) -> str:
@@ -200,9 +228,9 @@ def _heat(run: Run) -> str:
 def _saturation(run: Run, found: Limits, units: UnitSystem) -> str:
     sentences = []
     of_motor = run.loader.drive == ELECTRIC
-    limit = run.loader["current_loop.current_limit" if of_motor else "amplifier.current_limit"]
+    limit = run.loader[_CURRENT_LIMIT[run.loader.drive][0]]
     if isfinite(limit):
-        at = f"the amplifier's limit of {_quantity(limit, MOTOR_CURRENT if of_motor else CURRENT, units, 3)}"
+        at = f"the amplifier's limit of {_current_limit(run, units)}"
         spent = f"was at {at} for {_percent(found.current)} of the time" if found.current else f"never reached {at}"
         sentences.append(f"The current {spent}.")
         if of_motor and found.current > _LITTLE:
@@ -217,6 +245,11 @@ def _saturation(run: Run, found: Limits, units: UnitSystem) -> str:
         text = ", ".join(over)
         sentences.append(f"{text[0].upper()}{text[1:]}.{unlimited}")
     return " ".join(sentences)
+
+
+def _current_limit(run: Run, units: UnitSystem) -> str:
+    row, measured_in = _CURRENT_LIMIT[run.loader.drive]
+    return _quantity(run.loader[row], measured_in, units, 3)
 
 
 def _stops(run: Run, found: Limits) -> str:

@@ -28,7 +28,7 @@ _PEAK = 5.0
 _HIDES = 200.0
 """An overshoot of fewer standard deviations of the noise is not known to 1 %, twice its uncertainty."""
 
-_AT = 1e-6
+AT = 1e-6
 """Share of a limit that is the limit but for rounding."""
 
 
@@ -95,13 +95,13 @@ def limits(run: Run) -> Limits:
         return float(np.count_nonzero(beyond)) * sample_s
 
     def over(row: Demanded) -> float:
-        return share(np.abs(history[row.output].values[known]) > loader[row.whole] * (1 + _AT))
+        return share(np.abs(history[row.output].values[known]) > loader[row.whole] * (1 + AT))
 
     first, *_ = rows = DEMANDED[loader.drive]
     current = np.abs(history[first.output].values[known])
     over_current, over_flow, over_pressure = map(over, rows) if loader.drive == HYDRAULIC else (0.0, 0.0, 0.0)
     return Limits(
-        current=share(current >= loader[first.limit] * (1 - _AT)),
+        current=share(current >= loader[first.limit] * (1 - AT)),
         over_current=over_current,
         over_flow=over_flow,
         over_pressure=over_pressure,
@@ -177,4 +177,4 @@ def keeps_moving(force: Force) -> bool:
 
 
 def _reached(angle: NDArray[np.float64], bound: float) -> NDArray[np.bool_]:
-    return angle >= bound - _AT * abs(bound) if bound < inf else np.zeros(len(angle), bool)
+    return angle >= bound - AT * abs(bound) if bound < inf else np.zeros(len(angle), bool)

@@ -24,9 +24,10 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     #[inline(always)]
     pub fn remember(&self, shared: &Shared, equilibrium: &Equilibrium<S>) -> Memory<S> {
         let shown = self.shown_at_rest(&shared.effects, equilibrium);
+        let feel = [equilibrium.delta, equilibrium.delta_rate];
         Memory {
             under_way: UnderWay::holding(equilibrium.command),
-            control: self.control.remember(&shared.effects, shown, [equilibrium.delta, equilibrium.neutral]),
+            control: self.control.remember(shown, equilibrium.estimate, feel),
             command_signal: equilibrium.delta.zero(),
         }
     }

@@ -20,11 +20,11 @@ use crate::dry_friction::Grip;
 use crate::effects::Effects;
 use crate::feel::Surroundings;
 use crate::machine::slow::Slow;
-use crate::observer::SAMPLED;
+use crate::observer::{Estimate, MOST_STATES, SAMPLED};
 use crate::transducers::{SENSORS, Seen};
 
 /// Numbers of a [`Equilibrium`].
-pub const EQUILIBRIUM_NUMBERS: usize = 7;
+pub const EQUILIBRIUM_NUMBERS: usize = 8 + MOST_STATES;
 
 /// A loader in equilibrium, from which a run starts.
 #[derive(Debug, Clone, Copy)]
@@ -35,8 +35,12 @@ pub struct Equilibrium<S> {
     pub(super) delta: S,
     pub(super) neutral: S,
     pub(super) effort: S,
+    /// Rate at which the feel goes on, and its drive's limit takes it back.
+    pub(super) delta_rate: S,
     /// Command that holds them.
     pub(super) command: S,
+    /// State of the law's observer.
+    pub(super) estimate: Estimate<S>,
     /// Pilot force that holds the column.
     pub pilot_force: S,
 }
@@ -44,11 +48,11 @@ pub struct Equilibrium<S> {
 impl<S: Scalar> Equilibrium<S> {
     /// Everything at zero.
     pub(super) fn neutral(zero: S) -> Self {
-        Self { base: zero, position: zero, delta: zero, neutral: zero, effort: zero, command: zero, pilot_force: zero }
+        Self::from_numbers(&[zero; EQUILIBRIUM_NUMBERS])
     }
 
     /// This one where `mask` holds, the other elsewhere.
-    fn or(self, other: &Self, mask: S::Mask) -> Self {
+    pub(super) fn or(self, other: &Self, mask: S::Mask) -> Self {
         let (mine, others) = (self.numbers(), other.numbers());
         Self::from_numbers(&core::array::from_fn(|k| S::select(mask, mine[k], others[k])))
     }
@@ -63,17 +67,25 @@ impl<S: Scalar> Equilibrium<S> {
         self.command
     }
 
+    /// State of the law's observer.
+    pub fn estimate(&self) -> &Estimate<S> {
+        &self.estimate
+    }
+
     /// What makes it out.
     pub fn numbers(&self) -> [S; EQUILIBRIUM_NUMBERS] {
-        [self.base, self.position, self.delta, self.neutral, self.effort, self.command, self.pilot_force]
+        let &Self { base, position, delta, neutral, effort, delta_rate, command, estimate, pilot_force } = self;
+        let others = [base, position, delta, neutral, effort, delta_rate, command, pilot_force];
+        core::array::from_fn(|k| if k < MOST_STATES { estimate[k] } else { others[k - MOST_STATES] })
     }
 
     /// The one that these make out.
     #[inline(always)]
-    pub fn from_numbers(
-        &[base, position, delta, neutral, effort, command, pilot_force]: &[S; EQUILIBRIUM_NUMBERS],
-    ) -> Self {
-        Self { base, position, delta, neutral, effort, command, pilot_force }
+    pub fn from_numbers(numbers: &[S; EQUILIBRIUM_NUMBERS]) -> Self {
+        let [base, position, delta, neutral, effort, delta_rate, command, pilot_force] =
+            core::array::from_fn(|k| numbers[MOST_STATES + k]);
+        let estimate = core::array::from_fn(|k| numbers[k]);
+        Self { base, position, delta, neutral, effort, delta_rate, command, estimate, pilot_force }
     }
 }
 
@@ -113,7 +125,13 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let left_over = |effects| self.drive.left_over(effects, found.command, (found.position, found.effort));
         let cut = left_over(effects) - left_over(&unlimited);
         let beyond = cut.zero().less(cut.abs());
-        if S::any(beyond) { search(effects).or(&found, beyond) } else { found }
+        if !S::any(beyond) {
+            return found;
+        }
+        let limited = search(effects);
+        let limited =
+            if effects.observer { self.told_of_its_limit(shared, limited, stiffness_factor) } else { limited };
+        limited.or(&found, beyond)
     }
 
     /// The loader at rest where base and load cell are moved by these from zero, in m and N, and the neutral is trimmed to this angle in rad:
@@ -172,18 +190,16 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     ) -> (S, Equilibrium<S>) {
         let zero = delta.zero();
         let x_p = self.drive.link().ratio * x_b + stretch;
-        // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
-        let pull = self.column.per_link_force * self.drive.force_per_effort() * effort
-            + self.column.loads(effects, x_b, x_b, zero);
-        let pilot_force = -pull / self.column.per_pilot_force;
+        let pilot_force = self.holding_force(effects, x_b, effort);
         let y = self.sampled_at_rest(effects, x_b, x_p, effort);
-        let e = if effects.observer {
+        let (e, estimate) = if effects.observer {
             let law = &self.control.observer;
             let untrimmed = law.untrimmed(delta, trimmed(effects, neutral));
-            law.says(&law.at_rest(&y, untrimmed), &y, [untrimmed, zero], None).command
+            let estimate = law.at_rest(&y, untrimmed);
+            (law.says(&estimate, &y, [untrimmed, zero], None).command, estimate)
         } else {
             let [force, piston, angle, _] = y;
-            self.control.law.command(&[
+            let e = self.control.law.command(&[
                 piston,
                 self.drive.effort(force),
                 delta,
@@ -191,11 +207,23 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
                 angle / self.control.per_base,
                 zero,
                 pilot_force,
-            ])
+            ]);
+            (e, [zero; MOST_STATES])
         };
         let e = cancellation.map_or(e, |known| e + known.command(y[1], zero, zero));
         let left_over = self.drive.left_over(effects, e, (x_p, effort));
-        (left_over, Equilibrium { base: x_b, position: x_p, delta, neutral, effort, command: e, pilot_force })
+        let (base, position, command) = (x_b, x_p, e);
+        let found =
+            Equilibrium { base, position, delta, neutral, effort, delta_rate: zero, command, estimate, pilot_force };
+        (left_over, found)
+    }
+
+    /// Pilot force that holds the column at a base where the drive has an effort.
+    pub(super) fn holding_force(&self, effects: &Effects, x_b: S, effort: S) -> S {
+        // R_p F_p + alpha R_b F_c + loads = 0                                                         eq. (6) at rest
+        let pull = self.column.per_link_force * self.drive.force_per_effort() * effort
+            + self.column.loads(effects, x_b, x_b, x_b.zero());
+        -pull / self.column.per_pilot_force
     }
 
     /// Effort at which the load cell is heard as the torque `T`, `T = -r (F_c + F_0)`, and the link's stretch.
@@ -257,7 +285,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// The same as the law takes it, the column's as an angle.
     #[inline(always)]
-    fn sampled_at_rest(&self, effects: &Effects, x_b: S, x_p: S, effort: S) -> [S; SAMPLED] {
+    pub(super) fn sampled_at_rest(&self, effects: &Effects, x_b: S, x_p: S, effort: S) -> [S; SAMPLED] {
         self.control.sampled(&self.shown_there(effects, [x_b, x_p, effort]))
     }
 
@@ -276,9 +304,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     #[inline(always)]
     pub fn start(&self, shared: &Shared, equilibrium: &Equilibrium<S>) -> State<S, D> {
         let zero = equilibrium.base.zero();
-        let &Equilibrium { base, position, delta, effort, .. } = equilibrium;
+        let &Equilibrium { base, position, delta, delta_rate, effort, .. } = equilibrium;
         let ([first, second, third], [w, u], drive) = self.drive.at_rest(&shared.effects, position, effort);
-        let u = if shared.timing.is_some() { zero } else { u };
+        let u = if shared.timing.is_some() { delta_rate } else { u };
         let force = self.drive.force_per_effort() * effort;
         let measured = [force, position, base, self.grip_at_rest(&shared.effects, base, force)];
         State {

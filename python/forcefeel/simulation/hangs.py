@@ -1,0 +1,67 @@
+"""Where a column that came to rest hangs: held by an end stop, dry friction or the drive's limit away from where its feel rests."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel.conclusions import of_result
+from forcefeel.simulation.demanded import DEMANDED
+from forcefeel.simulation.limits_met import AT
+from forcefeel.simulation.outcome import BAND, Run, RunStatus, feel_position, per_feel_angle
+from forcefeel.units import ANGLE
+
+_TAIL = 10
+"""Share of the run at its end, one over this, over which the final angle is the mean: as of the measures."""
+
+
+@dataclass(frozen=True)
+class Hang:
+    """A column at rest where its feel does not rest, over the last tenth of a run.
+
+    Attributes:
+        angle_rad: Mean of the column's angle.
+        feel_rad: Mean of the programmed angle.
+        held_by: What holds it there: an end stop, dry friction, or nothing but the drive.
+        current: Whether the current was at its limit all the time.
+    """
+
+    angle_rad: Annotated[float, ANGLE]
+    feel_rad: Annotated[float, ANGLE]
+    held_by: str
+    current: bool
+
+
+@of_result
+def hang(run: Run) -> Hang | None:
+    """Where a settled column hangs further than ``BAND`` of its swing from its feel; ``None`` where nothing here holds it so.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> from forcefeel.simulation.hangs import hang
+        >>> hang(ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0))))
+    """
+    if run.status is not RunStatus.SETTLED:
+        return None
+    loader, history = run.loader, run.history
+    tail = slice(-max(history.sizes["time_s"] // _TAIL, 1), None)
+
+    def over_tail(name: str) -> NDArray[np.float64]:
+        return np.asarray(history[name].values[tail])
+
+    angle, feel = over_tail("column_angle_rad"), over_tail(feel_position(run)) / per_feel_angle(run)
+    swing = run.measures.maximum_angle_rad - run.measures.minimum_angle_rad
+    if not abs(feel.mean() - angle.mean()) > BAND * swing:
+        return None
+    first, *_ = DEMANDED[loader.drive]
+    dry = loader["column.coulomb_friction"] > 0 or loader["column.static_friction"] > 0
+    stuck = dry and not over_tail("column_velocity_rad_per_s").any()
+    holders = {
+        "on the lower end stop": bool((angle < loader["column.stop_low"]).all()),
+        "on the upper end stop": bool((angle > loader["column.stop_high"]).all()),
+        "in its dry friction": stuck,
+    }
+    held_by = next((name for name, holds in holders.items() if holds), "")
+    current = bool((np.abs(over_tail(first.output)) >= loader[first.limit] * (1 - AT)).all())
+    return Hang(float(angle.mean()), float(feel.mean()), held_by, current) if held_by or current else None
