@@ -9,8 +9,8 @@ from forcefeel.laws.law import Law, named
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.sensors import sample_variance
-from forcefeel.loops.noisy_loop import NoisyLoop
 from forcefeel.simulation import Scenario, simulate
+from forcefeel.simulation.noisy_loop import NoisyLoop
 
 ROUNDING = 1e-12
 """Relative, and of the largest number: sums of a few products. Measured: 3e-14."""

@@ -40,7 +40,7 @@ pub fn angle_at_rest<D: Drive<f64>>(
         }
         before = (angle, now);
         angle += step;
-        if !(angle.abs() < SEARCH_RAD) {
+        if angle.is_nan() || angle.abs() >= SEARCH_RAD {
             break;
         }
     }

@@ -11,7 +11,7 @@ from forcefeel.envelope.cases import REFERENCE_ARMS, PilotArm
 from forcefeel.laws.law import Law
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import Loader
-from forcefeel.loops.noisy_loop import NoisyLoop
+from forcefeel.simulation.noisy_loop import NoisyLoop
 from forcefeel.units import ANGLE, FORCE
 
 HOLDING: PilotArm = REFERENCE_ARMS[-1]

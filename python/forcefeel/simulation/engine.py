@@ -13,8 +13,8 @@ from forcefeel.errors import InputError, expect
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import TABLE
-from forcefeel.loops.noisy_loop import angle_noise_rad
 from forcefeel.simulation import linear
+from forcefeel.simulation.noisy_loop import angle_noise_rad
 from forcefeel.simulation.outcome import (
     MOST_HISTORY_BYTES,
     Run,

@@ -21,7 +21,6 @@ from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.sensors import sample_variance, sensors_of
 from forcefeel.loader.timing import controller_steps
-from forcefeel.loops.sampled_loop import sampled_loops
 
 _SHOWN = _core.PERIOD_SHOWN
 """Place among the states of a period of what the first sensor showed; after the commands under way, the base as sampled last, the
@@ -55,18 +54,11 @@ class NoisyLoop:
         """The loop of a loader with a digital controller under one law."""
         arm = loader["column.base_arm"]
         units = [1.0, 1.0, arm, 1.0]  # of F_c, x_p, theta at the base, F_g
-        loops = sampled_loops(loader, law)
-        states, by_sample = _by_sample(loader, law)
-        if len(loops.matrix[0]) != len(states):
-            raise ValueError("the loop with lags has other states")
-        angle = np.zeros(len(states))
-        angle[loops.base] = 1 / arm
+        matrix, base, by_sample = _matrices(loader, law)
+        angle = np.zeros(len(matrix))
+        angle[base] = 1 / arm
         return cls(
-            loops.matrix[0],
-            by_sample * units[: by_sample.shape[1]],
-            sample_variance(loader),
-            angle,
-            loops.period_s,
+            matrix, by_sample * units[: by_sample.shape[1]], sample_variance(loader), angle, loader["controller.period"]
         )
 
     @property
@@ -113,13 +105,13 @@ def angle_noise_rad(loader: Loader, law: Law) -> float:
     return found if np.isfinite(found) else 0.0
 
 
-def _by_sample(loader: Loader, law: Law) -> tuple[list[int], NDArray[np.float64]]:
-    """The states that matter, and N on them, per N, m m at the base, and per N at the grip."""
+def _matrices(loader: Loader, law: Law) -> tuple[NDArray[np.float64], int, NDArray[np.float64]]:
+    """M, the place of the base among the states that matter, and N on them, per N, m, m at the base, and per N at the grip."""
     step_s, timing = controller_steps(loader, _STEP_S)
     keys = [f"{sensor}.bandwidth" for sensor in sensors_of(loader)]
     lagging = loader.replace({key: 1 / step_s for key in keys if np.isinf(loader[key])})
     keywords = law.engine(loader)
-    states, _ = _core.sampled_loops(loader.values[np.newaxis], step_s, timing, **keywords)
+    states, loop = _core.sampled_loops(loader.values[np.newaxis], step_s, timing, **keywords)
     wide, found = _core.sampled_loops(lagging.values[np.newaxis], step_s, timing, **keywords)
     columns = np.zeros((len(states), len(keys)))
     rows = [wide.index(state) for state in states]
@@ -131,4 +123,4 @@ def _by_sample(loader: Loader, law: Law) -> tuple[list[int], NDArray[np.float64]
         column = found[0, :, place].copy()
         column[place] -= kept ** timing[0]  # what the sensor itself remembers
         columns[:, sensor] = column[rows] / kept
-    return states, columns
+    return loop[0, :, : len(states)], states.index(_core.PERIOD_BASE), columns
