@@ -33,9 +33,9 @@ from numpy.typing import NDArray
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, OFF
 from forcefeel.loader.sensors import has_grip_sensor
-from forcefeel.loader.valve_flow import flow_of_current
 from forcefeel.sizing.fastest import Fastest
 from forcefeel.sizing.motor import Motor
+from forcefeel.sizing.valve import Valve
 
 _MOMENTS = 2400
 """Into which a swing of the column on its link is cut."""
@@ -168,7 +168,7 @@ def _valve(loader: Loader, link: _Link) -> _Drive:
     by_spool = loader["valve.flow_limit"] / to_angle
     current = loader["amplifier.current_limit"]
     by_current = (
-        flow_of_current(loader, current) / to_angle * answered
+        Valve(loader).flow_by_current_m3_per_s / to_angle * answered
         if np.isfinite(current)
         else np.where(since > 0, np.inf, 0.0)
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
-from forcefeel.sizing.demand import Demand, Duration, demands
+from forcefeel.sizing.demand import Demand, Duration, column_mass_kg, demands
 from forcefeel.sizing.motor import Motor
 from forcefeel.sizing.plan import SizingPlan
 from forcefeel.sizing.result import Asked, Curve, Remedy, Sizing
@@ -52,7 +52,7 @@ def sized(plan: SizingPlan) -> Sizing:
         curves=_curves(drive, asked),
         missing=_missing(drive),
         added_mass_kg=drive.added_mass_kg,
-        column_mass_kg=loader["column.inertia"] / loader["column.grip_arm"] ** 2,
+        column_mass_kg=column_mass_kg(loader),
     )
 
 
