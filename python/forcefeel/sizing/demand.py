@@ -105,8 +105,8 @@ def _stops_rad(loader: Loader) -> list[float]:
 def programmed_force(loader: Loader, angles_rad: ArrayLike) -> NDArray[np.float64]:
     """Force at the grip in N, a magnitude, that holds the programmed control still at angles; shape as ``angles_rad``.
 
-    The largest: of the model's feel at rest (`crates/model/src/feel.rs`) whichever way its hysteresis was left and its shaker swings, up
-    to where its friction breaks away, and with whichever factor the dynamic pressure asks for.
+    The largest: of the model's feel at rest (`crates/model/src/feel.rs`) whichever way its hysteresis was left and its shaker
+    swings, up to where its friction breaks away, and with whichever factor the dynamic pressure asks for.
     """
     angles = np.asarray(angles_rad, dtype=np.float64)
     curve, factor = loader.force_curve, loader.stiffness_factor
