@@ -145,7 +145,7 @@ def _release(plan: SizingPlan) -> Demand:
     loader = plan.loader
     feel = np.array([[loader[key] for key in FEEL_SETTING]])
     inertia, damping, stiffness = feel[0]
-    time = np.linspace(0.0, PERIODS * 2 * pi * np.sqrt(inertia / stiffness), MOMENTS)
+    time = np.linspace(0.0, release_s(loader), MOMENTS)
     angle, rate = _core.feel_transitions(feel, time)[0, :, :, 0].T * plan.release_rad
     acceleration = -(damping * rate + stiffness * angle) / inertia
     arm = loader["column.grip_arm"]
@@ -154,6 +154,11 @@ def _release(plan: SizingPlan) -> Demand:
     return Demand(
         name, Duration.MOVING, True, force, arm * acceleration, arm * rate, "the programmed I, B, G, eq. (11)"
     )
+
+
+def release_s(loader: Loader) -> float:
+    """How long a release is looked at."""
+    return PERIODS * 2 * pi / _core.feel_frequency(loader.values)[0]
 
 
 PERIODS, MOMENTS = 1.5, 601

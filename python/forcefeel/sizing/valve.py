@@ -96,6 +96,10 @@ class Valve:
     def share(self, force: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
         """Share of the largest pressure or flow that a force at a speed takes, whichever is more."""
         pressure, flow = self.statics.taken(force, speed)
+        return self.share_of(pressure, flow)
+
+    def share_of(self, pressure: NDArray[np.float64], flow: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Share of the largest pressure, or of the largest flow at no load, whichever is more."""
         gives = self.gives
         return np.asarray(np.maximum(np.abs(pressure) / gives.peak_pressure_pa, flow / gives.flow_m3_per_s))
 
