@@ -29,7 +29,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
-import scipy.signal
 from numpy.typing import NDArray
 
 from forcefeel import _core
@@ -169,9 +168,7 @@ def _valve(loader: Loader) -> _Drive:
     values[INDEX["linkage.damping"]] = max(loader["linkage.damping"], least)
     a, b, c, _ = _core.compliant(values, Compensator.none(values))
     own, time = np.array([0, 1, 6, 7]), np.linspace(0.0, 2 * np.pi / w, _MOMENTS)
-    valve = Valve(loader)
-    flow = _valve_flow(loader, valve, time)
-    angle = c[0, own]
+    valve, angle, flow = Valve(loader), c[0, own], _valve_flow(loader, a[2:4, 2:4], time)
 
     def held(angle_rad: float, torque: _Matrix) -> _Matrix:
         base = np.full_like(torque, angle_rad / angle[2])
@@ -193,14 +190,19 @@ def _valve(loader: Loader) -> _Drive:
     )
 
 
-def _valve_flow(loader: Loader, valve: Valve, time: _Matrix) -> _Matrix:
-    """Largest flow at no load at moments after the release: of the spool, and of the largest current through the valve's answer."""
-    w, zeta = loader["valve.natural_frequency"], loader["valve.damping_ratio"]
-    since = np.maximum(time - _unseen_s(loader), 0.0)
-    _, impulse = scipy.signal.impulse(([w**2], [1.0, 2 * zeta * w, w**2]), T=time)
+def _valve_flow(loader: Loader, answers: _Matrix, time: _Matrix) -> _Matrix:
+    """Largest flow at no load at moments after the release: of the spool, and of the largest current through the valve's answer.
+
+    ``answers`` is the matrix of flow and its rate, eq. (3).
+    """
+    since, flow = np.maximum(time - _unseen_s(loader), 0.0), Valve(loader).flow_by_current_m3_per_s
+    step = scipy.linalg.expm(answers * time[1])
+    state, impulse = np.array([0.0, -answers[1, 0]]), np.zeros(len(time))
+    for moment in range(1, len(time)):
+        state = step @ state
+        impulse[moment] = state[0]
     answered = np.interp(since, time, np.cumsum(np.abs(impulse)) * time[1])
-    current = valve.flow_by_current_m3_per_s
-    by_current = current * answered if np.isfinite(current) else np.where(since > 0, np.inf, 0.0)
+    by_current = flow * answered if np.isfinite(flow) else np.where(since > 0, np.inf, 0.0)
     return np.minimum(loader["valve.flow_limit"], by_current)
 
 
@@ -239,7 +241,7 @@ def _largest_current(loader: Loader, plant: ElectricPlant, held: _Matrix, time: 
     end, _, base, _ = held
     before = (end - plant.ratio * base) * plant.stiffness / plant.force_per_ampere
     since = np.maximum(time - unseen, 0.0)
-    lag = np.exp(-loader["current_loop.bandwidth"] * since)
+    lag = np.exp(plant.a[CURRENT, CURRENT] * since)
     by_command = most - (most - before) * lag if np.isfinite(most) else np.where(since > 0, np.inf, before)
     if not np.isfinite(volts) or _column_friction(loader):
         return np.asarray(by_command)
