@@ -29,13 +29,16 @@ __all__ = [
     "LiveMachine",
     "LiveSetup",
     "Loops",
+    "MotorStatics",
     "Parameter",
     "Recursion",
     "ReleaseMeasuring",
     "Simulation",
     "ThreadsError",
+    "ValveStatics",
     "board_sources",
     "channels",
+    "column_grip_force",
     "compliant",
     "design_plant",
     "discretize",
@@ -45,6 +48,7 @@ __all__ = [
     "feel_frequency",
     "feel_from_frequencies",
     "feel_from_frequency",
+    "feel_held_between",
     "feel_steps",
     "feel_transitions",
     "fmu_variables",
@@ -442,6 +446,68 @@ def feel_from_frequency(frequency: float, damping_ratio: float, stiffness: float
 def feel_from_frequencies(frequency: _Array, damping_ratio: _Array, stiffness: _Array) -> tuple[_Array, _Array]: ...
 def feel_frequency(values: _Array) -> tuple[float, float]: ...
 def feel_frequencies(settings: _Array) -> tuple[_Array, _Array]: ...
+def feel_held_between(
+    values: _Array, angles: _Array, stiffness_factor: float = 1.0, *, curve: tuple[_Array, _Array] | None = None
+) -> _Array:
+    """Lowest and highest force at the grip, (angles, 2), that hold the programmed feel at angles, eq. (11) at rest.
+
+    Hysteresis, shaker and dry friction act to either side; the neutral is at zero.
+    """
+
+def column_grip_force(values: _Array, acceleration: _Array) -> _Array:
+    """Force at the grip that by itself turns the column with each angular acceleration, eq. (6)."""
+
+@final
+class ValveStatics:
+    """Valve and piston of a loader, seen from the grip: eqs. (1)-(5) at an even speed."""
+
+    def __new__(cls, values: _Array) -> ValveStatics: ...
+    @property
+    def force_per_pressure(self) -> float:
+        """Force at the grip per load pressure, N/Pa; flow per speed of the grip, m^3/m."""
+    @property
+    def oil_compliance(self) -> float:
+        """Oil that a rise of the load pressure takes, m^3/Pa: into the link and into itself."""
+    def no_load_flow(self, current: float) -> float:
+        """Flow in m^3/s at a current in A and no load, whatever the spool's stroke."""
+    def stall_pressure(self, flow: float) -> float:
+        """Load pressure in Pa at which so much flow at no load comes to rest."""
+    def flow(self, no_load: _Array, pressure: _Array) -> _Array:
+        """Flow into the actuator at each pair of a flow at no load and a load pressure."""
+    def needed(self, flow: _Array, pressure: _Array) -> _Array:
+        """Flow at no load that lets each flow into the actuator through against its load pressure; infinite where there is none."""
+    def taken(self, force: _Array, speed: _Array) -> list[_Array]:
+        """Load pressure, and flow at no load, of each force at the grip and its speed along it."""
+
+@final
+class MotorStatics:
+    """Motor and transmission of a loader, seen from the grip, at an even speed and a current that stays; cogging left out."""
+
+    def __new__(cls, values: _Array) -> MotorStatics: ...
+    @property
+    def per_grip(self) -> float:
+        """Travel of the drive's end per travel of the grip."""
+    @property
+    def gear(self) -> float:
+        """Radians of the motor per metre of the grip."""
+    @property
+    def added_mass(self) -> float:
+        """The rotor at the grip, kg."""
+    def taken(self, force: _Array, speed: _Array) -> list[_Array]:
+        """Torque, current and voltage of each force at the grip and its speed along it."""
+    def voltage(self, current: _Array, speed: _Array) -> _Array:
+        """Voltage of a cold phase at each current and speed of the grip."""
+    def current(self, voltage: _Array, speed: _Array) -> _Array:
+        """Current of a cold phase under each voltage, at each speed of the grip."""
+    def given(self, current: _Array, speed: _Array) -> _Array:
+        """Force at the grip of each current at its speed along it; zero where friction takes all."""
+    def torque(self, current: float) -> float:
+        """Torque of a current."""
+    def fastest(self, voltage: float) -> float:
+        """Speed of the grip at which a voltage and friction leave no force."""
+    def warming(self, current: float) -> tuple[_Array, _Array]:
+        """`(A, b)` of `T' = A T + b`, winding and housing over the temperature around, at a current that stays."""
+
 def feel_transitions(settings: _Array, times: _Array) -> _Array:
     """``exp(W t)`` (settings, times, 2, 2) of the unforced feel of each row I, B, G, eq. (11), on its displacement and its rate."""
 

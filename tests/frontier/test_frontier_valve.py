@@ -9,9 +9,9 @@ from forcefeel.envelope.plan import make_plan
 from forcefeel.frontier.valve_limits import valve_limits
 from forcefeel.laws.sampled.methods import METHODS
 from forcefeel.loader.loader import FEEL_SETTING
-from forcefeel.loader.valve_flow import no_load_flow, oil_compliance, spool_flow
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import Release
+from forcefeel.sizing.valve import Valve
 
 GRID = {"stiffness": "1, 10, 100 %", "frequency": "1, 4 Hz", "damping": "0.2, 1"}
 ROUNDING = 1e-12  # relative; one product
@@ -68,7 +68,7 @@ def test_the_flow_of_a_law_that_follows_the_ideal(plan):
     run = simulate(loader, Scenario(Release(plan.release_rad), 0.5), law).history
     later = run["time_s"].values > 0.06
     flow, pressure = (run[name].values[later] for name in ("actuator_flow_m3_per_s", "load_pressure_pa"))
-    assert no_load_flow(loader, flow, pressure).max() == pytest.approx(
+    assert Valve(loader).statics.needed(flow, pressure).max() == pytest.approx(
         _demand(loader, own, plan.release_rad), rel=FOLLOWED
     )
 
@@ -115,9 +115,9 @@ def test_the_hand_lets_go(plan):
 
 def test_gains_in_place_of_an_orifice():
     loader = ff.elevator()
-    assert spool_flow(loader) == pytest.approx(loader["valve.current_gain"] * loader["valve.rated_current"])
+    assert Valve(loader).flow_m3_per_s == pytest.approx(loader["valve.current_gain"] * loader["valve.rated_current"])
     flow, pressure = np.array([1e-4, -1e-4, 1e-4]), np.array([1e6, 1e6, 2 * loader["valve.supply_pressure"]])
     expected = np.abs(flow[:2] + loader["valve.pressure_gain"] * 1e6)
-    np.testing.assert_allclose(no_load_flow(loader, flow, pressure)[:2], expected)
-    assert no_load_flow(loader, flow, pressure)[2] == np.inf
-    assert oil_compliance(loader) > 0
+    np.testing.assert_allclose(Valve(loader).statics.needed(flow, pressure)[:2], expected)
+    assert Valve(loader).statics.needed(flow, pressure)[2] == np.inf
+    assert Valve(loader).statics.oil_compliance > 0

@@ -5,6 +5,8 @@ from math import radians
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+from scipy.optimize import linprog
 
 import forcefeel as ff
 from forcefeel.sizing.letting_go import falls_through_s
@@ -12,6 +14,20 @@ from forcefeel.sizing.letting_go import falls_through_s
 ANGLE, LEVEL = radians(10), 0.9
 SOFT = ff.digital_elevator().replace({"linkage.stiffness": "700 lb/in", "valve.flow_limit": "40 in^3/s"})
 MOTOR = ff.loader.electric("sidestick-pitch").replace({"linkage.stiffness": 60000.0})
+DESK = {
+    "motor.torque_constant": 0.56,
+    "motor.inertia": 0.0138,
+    "winding.resistance": 0.133,
+    "winding.inductance": 0.82e-3,
+    "current_loop.current_limit": 42.0,
+    "linkage.ratio": 0.58,
+    "linkage.stiffness": 96.7e3,
+    "linkage.damping": 127.0,
+    "column.inertia": 0.0056,
+    "column.base_arm": 0.0589,
+}
+YOKE = ff.loader.electric("desktop-yoke").replace(DESK)
+"""A heavy rotor on a soft link, whose column is thrown through 0.9 by how slowly the voltage lets the current rise: 25 A/ms."""
 FINE = 0.02
 """Relative; a swing is cut into moments, and the first after the fall is told."""
 EXACT = 1e-8
@@ -98,3 +114,56 @@ def test_a_stiff_link_throws_nothing_and_of_some_loaders_nothing_is_known():
     unknown = SOFT.replace({"linkage.backlash": "0.01 in"}), SOFT.replace({"valve.orifice": False})
     assert np.isfinite(falls_through_s(SOFT, ANGLE, stiffness, LEVEL)).all()
     assert np.isinf([falls_through_s(one, ANGLE, stiffness, LEVEL) for one in unknown]).all()
+
+
+def highest(loader, until, volts):
+    """Where any commands within the limits can have the column at a time, as a share of the angle: a linear program.
+
+    Over commands that stay through a period each, of ``J theta'' = -T``, ``J_r x'' = K i + T``, ``i' = w (e - i)`` with
+    ``T = k (theta - x) + D (theta' - x')``, ``|e| <= i_max`` and ``|R i + K_e omega + w L (e - i)| <= u_max``, all at the column.
+    """
+    g = loader.__getitem__
+    lever = g("linkage.ratio") * g("column.base_arm")
+    k, damping, w = g("linkage.stiffness") * lever**2, g("linkage.damping") * lever**2, g("current_loop.bandwidth")
+    turns = lever / g("transmission.travel")
+    rotor, per_ampere = g("motor.inertia") * turns**2, g("motor.torque_constant") * turns
+    pull = np.array([k, damping, -k, -damping, 0.0])
+    matrix = np.zeros((6, 6))
+    matrix[0, 1] = matrix[2, 3] = 1.0
+    matrix[1, :5], matrix[3, :5] = -pull / g("column.inertia"), pull / rotor
+    matrix[3, 4], matrix[4, 4:] = per_ampere / rotor, [-w, w]
+    gain = w * g("winding.inductance")
+    voltage = np.array([0, 0, 0, per_ampere / 1.5, g("winding.resistance") - gain, gain])
+    period, parts = g("controller.period"), 8
+    step = expm(matrix * period / parts)
+    held = -g("feel.maximum_stiffness") * ANGLE
+    commands = round(until / period)
+    unseen = round((g("controller.delay") + period) / period)
+    # Each row: the state without commands, and what each command adds to it.
+    state = np.zeros((6, commands + 1))
+    state[:, 0] = [ANGLE, 0, ANGLE + held / k, 0, held / per_ampere, held / per_ampere]
+    rows = []
+    for number in range(commands):
+        if number >= unseen:
+            state[5] = 0.0
+            state[5, 1 + number] = 1.0
+        for _ in range(parts):
+            if number >= unseen:
+                rows.append(voltage @ state)
+            state = step @ state
+    limits = np.array(rows)
+    above = np.vstack([limits[:, 1:], -limits[:, 1:]]) if volts else None
+    room = np.append(*(g("current_loop.voltage_limit") + sign * limits[:, 0] for sign in (-1, 1))) if volts else None
+    most = g("current_loop.current_limit")
+    found = linprog(-state[0, 1:], A_ub=above, b_ub=room, bounds=[(-most, most)] * commands)
+    assert found.status == 0
+    return (state[0, 0] - found.fun) / ANGLE
+
+
+def test_no_commands_within_current_and_voltage_keep_the_column_up():
+    """By what the voltage takes away alone: a linear program over all commands, which knows no law, without it stays above."""
+    stiffness, period = np.array([YOKE["feel.maximum_stiffness"]]), YOKE["controller.period"]
+    (latest,) = falls_through_s(YOKE, ANGLE, stiffness, LEVEL)
+    until = period * np.ceil(latest / period)
+    assert highest(YOKE, until, volts=True) < LEVEL <= highest(YOKE, until, volts=False)
+    assert np.isinf(falls_through_s(YOKE.replace({"current_loop.voltage_limit": None}), ANGLE, stiffness, LEVEL)).all()

@@ -62,9 +62,9 @@ def test_a_speed_takes_what_a_run_takes():
     lag = loader["winding.inductance"] * np.gradient(current, history.time_s.to_numpy())
     turns = history.motor_speed_rad_per_s.to_numpy()
     at = [int(np.abs(turns).argmax())]
-    force, speed = motor.lever * history.load_cell_force_n.to_numpy()[at], turns[at] / motor.gear
+    force, speed = motor.statics.per_grip * history.load_cell_force_n.to_numpy()[at], turns[at] / motor.statics.gear
     torque = motor.torque(force, speed)
-    assert abs(torque[0]) > 2 * abs(force[0] / motor.gear), "friction takes most of it"
+    assert abs(torque[0]) > 2 * abs(force[0] / motor.statics.gear), "friction takes most of it"
     assert current[at] * loader["motor.torque_constant"] == pytest.approx(torque, rel=ENGINE)
     assert history.motor_voltage_v.to_numpy()[at] - lag[at] == pytest.approx(
         motor.voltage(current[at], speed), rel=ENGINE
@@ -131,7 +131,7 @@ def test_losses_help_a_load_that_drives():
     motor = Motor(LOSSY)
     force, speed = np.array([100.0, 100.0]), np.array([0.5, -0.5])
     driven, driving = motor.torque(force, speed)
-    load, drag = 100.0 / motor.gear, 0.002 * motor.gear * 0.5
+    load, drag = 100.0 / motor.statics.gear, 0.002 * motor.statics.gear * 0.5
     assert driven == pytest.approx(load / 0.9 + 0.1 + drag, rel=ROUNDING)
     assert driving == pytest.approx(load * 0.8 - 0.1 - drag, rel=ROUNDING)
 

@@ -23,6 +23,13 @@ impl<S: Scalar> Column<S> {
         (self.grip_arm * pilot_force + self.base_arm * base_force) * self.base_arm / self.inertia
     }
 
+    /// Force at the grip in N that by itself turns the column with an angular acceleration in rad/s².
+    #[inline(always)]
+    pub fn grip_force(&self, acceleration: S) -> S {
+        let (zero, one) = (acceleration.zero(), acceleration.constant(1.0));
+        acceleration / self.angle(self.base_acceleration(zero, one))
+    }
+
     /// Angle of the column in rad (small motions).
     #[inline(always)]
     pub fn angle(&self, x_b: S) -> S {

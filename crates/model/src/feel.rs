@@ -210,6 +210,31 @@ impl<S: Scalar> FeelLaw<S> {
         if effects.feel_spring { spring + self.preload } else { spring }
     }
 
+    /// Lowest and highest force at the grip that hold it still at `delta`: whichever way the hysteresis was left and the shaker swings,
+    /// up to where dry friction breaks away; around a neutral, with a factor on its spring.
+    ///
+    /// What holds is minus what accelerates, so that a part which joins the equation is held too.
+    #[inline(always)]
+    pub fn held_between(
+        &self,
+        effects: &Effects,
+        curve: Option<&Curve>,
+        delta: S,
+        (neutral, stiffness_factor): (S, S),
+    ) -> [S; 2] {
+        let (zero, one) = (delta.zero(), delta.constant(1.0));
+        [-1.0, 1.0].map(|side| {
+            let around = Surroundings {
+                shaker: one.times(-side),
+                slider: delta - self.hysteresis.travel.times(side),
+                ..Surroundings::at_rest(neutral, stiffness_factor, delta)
+            };
+            // T = mu R_p F = S + ... + friction                                                       eq. (11) at rest
+            let free = self.acceleration(effects, curve, (delta, zero), zero, &around);
+            (self.friction.breakaway.times(side) - free) / (self.per_torque * self.grip_force)
+        })
+    }
+
     /// Torque of the spring: straight, or a curve, beyond the deadband.
     #[inline(always)]
     fn gradient(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &Surroundings<S>) -> S {

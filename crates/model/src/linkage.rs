@@ -37,6 +37,13 @@ impl<S: Scalar> Linkage<S> {
         self.ratio * f_c
     }
 
+    /// Travel of the drive's end per travel of the grip, `alpha R_b / R_p`, of a link that does not stretch; so also force at the grip
+    /// per force of the drive.
+    #[inline(always)]
+    pub fn per_grip(&self, column: &Column<S>) -> S {
+        self.rigid_piston(column.base_arm) / column.grip_arm
+    }
+
     /// Spring rate and damping `(k, c)` of a link on which the column swings at `w` rad/s with damping ratio `zeta` while
     /// the piston stands still.
     #[inline(always)]

@@ -17,6 +17,7 @@ mod releases;
 mod simulate;
 mod slopes;
 mod solve;
+mod statics;
 
 use pyo3::prelude::*;
 
@@ -76,6 +77,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(solve::schedule, module)?)?;
     module.add_function(wrap_pyfunction!(solve::feel_transitions, module)?)?;
     module.add_function(wrap_pyfunction!(solve::feel_steps, module)?)?;
+    module.add_function(wrap_pyfunction!(statics::column_grip_force, module)?)?;
+    module.add_function(wrap_pyfunction!(statics::feel_held_between, module)?)?;
+    module.add_class::<statics::ValveStatics>()?;
+    module.add_class::<statics::MotorStatics>()?;
     module.add_class::<live::LiveSetup>()?;
     module.add_class::<live::LiveLoop>()?;
     module.add_class::<live::LiveMachine>()?;

@@ -35,7 +35,8 @@ def _sentence(found: Forbidden, reason: str, count: int, units: UnitSystem) -> s
         return head + (
             f"as the hand lets go, the link that its torque has stretched throws the column by {thrown} ms to where the rule's "
             "first time begins, although the drive runs after it with all that it has, and one of these feels comes there after "
-            f"{begins} ms. What would do: a stiffer link, a faster valve or current loop, a shorter delay, or a heavier column."
+            f"{begins} ms. What would do: a stiffer link, a faster valve or current loop, a higher voltage, a shorter delay, or a "
+            "heavier column."
         )
     if (which & found.beyond.settings).any():
         return head + found.beyond.sentence(units)

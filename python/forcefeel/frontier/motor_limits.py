@@ -24,6 +24,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
 from forcefeel.frontier.referee import Referee
@@ -74,10 +75,10 @@ def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
 def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
     """Largest share of current or voltage that each release asks for."""
     motor, found = Motor(referee.plan.loader), np.zeros(len(feel))
-    arm = motor.loader["column.grip_arm"]
-    moved = motor.loader["column.inertia"] / arm + motor.added_mass_kg * arm
+    arm, values = motor.loader["column.grip_arm"], motor.loader.values
     for velocity, acceleration, _ in motion(referee, feel):
-        found = np.maximum(found, _share(motor, moved * acceleration, arm * velocity))
+        force = _core.column_grip_force(values, acceleration) + motor.added_mass_kg * arm * acceleration
+        found = np.maximum(found, _share(motor, force, arm * velocity))
     return found
 
 

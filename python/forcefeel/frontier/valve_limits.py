@@ -25,11 +25,12 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
 from forcefeel.frontier.referee import Referee
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.valve_flow import no_load_flow, oil_compliance, spool_flow
+from forcefeel.sizing.valve import Valve
 from forcefeel.units import FLOW
 
 
@@ -54,31 +55,27 @@ def valve_limits(plan: Plan, *, threads: int | None = None) -> ValveLimits:
     demand, forbidden = demands(plan, _peak, threads)
     feel = plan.settings.feel(plan.loader)
     unload = _unload_s(plan.loader, feel, plan.release_rad)
-    return ValveLimits(demand, forbidden, unload, plan.settings.rows[:, 1], spool_flow(plan.loader))
+    return ValveLimits(demand, forbidden, unload, plan.settings.rows[:, 1], Valve(plan.loader).flow_m3_per_s)
 
 
 def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
     """Largest flow at no load that each release asks for, as a share of what the spool lets through."""
-    loader, found = referee.plan.loader, np.zeros(len(feel))
-    limit = spool_flow(loader)
+    loader, valve, found = referee.plan.loader, Valve(referee.plan.loader), np.zeros(len(feel))
+    arm, per_pressure = loader["column.grip_arm"], valve.force_per_pressure
     for velocity, acceleration, jerk in motion(referee, feel):
-        pressure, pressure_rate = (loader["column.inertia"] * one / _lever(loader) for one in (acceleration, jerk))
-        piston = loader["linkage.ratio"] * loader["column.base_arm"] * velocity  # x_p' but for the stretch
-        flow = loader["actuator.area"] * piston + oil_compliance(loader) * pressure_rate
-        found = np.maximum(found, no_load_flow(loader, flow, pressure) / limit)
+        pressure, pressure_rate = (
+            _core.column_grip_force(loader.values, one) / per_pressure for one in (acceleration, jerk)
+        )
+        flow = per_pressure * arm * velocity + valve.statics.oil_compliance * pressure_rate
+        found = np.maximum(found, valve.statics.needed(flow, pressure) / valve.flow_m3_per_s)
     return found
-
-
-def _lever(loader: Loader) -> float:
-    """Torque on the column per load pressure, ``alpha R_b A``, N m/Pa."""
-    return loader["linkage.ratio"] * loader["column.base_arm"] * loader["actuator.area"]
 
 
 def _unload_s(loader: Loader, feel: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     """t_0 of the settings, with the flow that is left at the worse of both pressures."""
-    held = -feel[:, 2] * angle / _lever(loader)
+    valve = Valve(loader)
+    held = -feel[:, 2] * angle / (valve.force_per_pressure * loader["column.grip_arm"])
     free = held * loader["column.inertia"] / feel[:, 0]
-    jump = free - held
-    limit = spool_flow(loader)
-    worse = np.maximum(*(no_load_flow(loader, np.sign(jump) * limit, one) for one in (held, free))) / limit
-    return np.asarray(oil_compliance(loader) * np.abs(jump) * worse / limit)
+    jump, limit = free - held, valve.flow_m3_per_s
+    worse = np.maximum(*(valve.statics.needed(np.sign(jump) * limit, one) for one in (held, free))) / limit
+    return np.asarray(valve.statics.oil_compliance * np.abs(jump) * worse / limit)

@@ -10,7 +10,7 @@ from enum import StrEnum
 from math import isfinite, pi
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from forcefeel import _core
 from forcefeel.loader.loader import FEEL_SETTING, Loader
@@ -53,26 +53,32 @@ class Demand:
 
 
 def demands(plan: SizingPlan) -> tuple[Demand, ...]:
-    """All that is asked: the pilot's force, the feel at its stops or where it is let go, a release, the rule's limits."""
+    """All that is asked: the pilot's force, the feel where it is hardest, a release, the rule's limits."""
     return tuple(_demands(plan))
 
 
 def _demands(plan: SizingPlan) -> Iterator[Demand]:
     loader = plan.loader
     yield _held("pilot's force", loader["pilot.force"], "pilot.force of the loader file")
-    stops = _stops_rad(loader)
-    angle = max(stops or (plan.release_rad, -plan.release_rad), key=lambda end: programmed_force(loader, end))
-    where = f"{to_text(ANGLE.from_si(abs(angle) if not stops else angle, UnitSystem.SI), 3)} deg"
-    force = programmed_force(loader, angle)
-    if isfinite(force):
-        yield _held(
-            f"feel at its stop, {where}" if stops else f"feel at {where}", force, "the programmed feel, standing still"
-        )
+    yield from _feel(plan)
     yield _release(plan)
     for row in control_forces():
         if row.axis == plan.axis:
             name = f"{RULE.removeprefix('14 CFR ')} {row.name}"
             yield _held(name, row.force_n, row.source, Duration(row.duration), programmed=False, verified=row.verified)
+
+
+def _feel(plan: SizingPlan) -> Iterator[Demand]:
+    """The feel where it is hardest to hold, up to its stops or the angle of the release."""
+    loader, stops = plan.loader, _stops_rad(plan.loader)
+    ends = stops or (-plan.release_rad, plan.release_rad)
+    angle = hardest_angle(loader, min(*ends, 0.0), max(*ends, 0.0))
+    force = float(programmed_force(loader, angle))
+    if isfinite(force):
+        shown = angle if stops or angle not in ends else abs(angle)
+        where = f"{to_text(ANGLE.from_si(shown, UnitSystem.SI), 3)} deg"
+        name = f"feel at its stop, {where}" if angle in stops else f"feel at {where}"
+        yield _held(name, force, "the programmed feel, standing still")
 
 
 def _held(
@@ -96,28 +102,42 @@ def _stops_rad(loader: Loader) -> list[float]:
     return []
 
 
-def programmed_force(loader: Loader, angle_rad: float) -> float:
-    """Force at the grip in N, a magnitude, that holds the programmed control still at an angle.
+def programmed_force(loader: Loader, angles_rad: ArrayLike) -> NDArray[np.float64]:
+    """Force at the grip in N, a magnitude, that holds the programmed control still at angles; shape as ``angles_rad``.
 
-    The parts of the feel's equation at rest add up (`crates/model/src/feel.rs`): ``G (theta - deadband) / R_p`` or the curve,
-    times the largest factor of the dynamic pressure; breakout, preload, hysteresis and, before it moves on, friction; the
-    soft stops.
+    The largest: of the model's feel at rest (`crates/model/src/feel.rs`) whichever way its hysteresis was left and its shaker
+    swings, up to where its friction breaks away, and with whichever factor the dynamic pressure asks for.
     """
-    return abs(_force(loader, angle_rad))
+    angles = np.asarray(angles_rad, dtype=np.float64)
+    curve, factor = loader.force_curve, loader.stiffness_factor
+    engine = None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients))
+    between = [
+        _core.feel_held_between(loader.values, angles.ravel(), one, curve=engine)
+        for one in ((min(factor.y), max(factor.y)) if factor else (1.0,))
+    ]
+    return np.asarray(np.abs(between).max(axis=(0, 2))).reshape(angles.shape)
 
 
-def _force(loader: Loader, angle: float) -> float:
-    sign, size, arm = np.sign(angle), abs(angle), loader["column.grip_arm"]
-    beyond = sign * max(size - loader["feel.deadband"], 0.0)
-    curve = loader.force_curve
-    spring = loader["feel.stiffness"] * beyond / arm if curve is None else float(curve.at(beyond))
-    factor = max(loader.stiffness_factor.y) if loader.stiffness_factor else 1.0
-    held = loader["feel.breakout"] * min(1.0, size / loader["feel.breakout_travel"]) + loader["feel.hysteresis"]
-    held += max(loader["feel.coulomb_friction"], loader["feel.static_friction"])
-    stop = loader["feel.soft_stop_high"] if sign > 0 else loader["feel.soft_stop_low"]
-    past = max(size - abs(stop), 0.0) if isfinite(stop) else 0.0
-    stopped = loader["feel.soft_stop_stiffness"] * past / arm
-    return float(factor * spring + sign * (held + stopped) + loader["feel.preload"])
+def column_mass_kg(loader: Loader) -> float:
+    """The column at the grip, kg: ``J / R_p^2``."""
+    return float(_core.column_grip_force(loader.values, np.array([1 / loader["column.grip_arm"]]))[0])
+
+
+def hardest_angle(loader: Loader, low_rad: float, high_rad: float) -> float:
+    """Angle within two at which the programmed control takes most force; of several the farthest from neutral."""
+    ends, hardest = (low_rad, high_rad), 0.0
+    for _ in range(_ZOOMS):
+        angles = np.linspace(*ends, _ANGLES)
+        force = programmed_force(loader, angles)
+        most = force >= force.max() * (1 - _ROUNDING)
+        at = int(np.argmax(np.where(most, np.abs(angles), -1.0)))
+        hardest = float(angles[at])
+        ends = (float(angles[max(at - 1, 0)]), float(angles[min(at + 1, _ANGLES - 1)]))
+    return hardest
+
+
+_ANGLES, _ZOOMS, _ROUNDING = 1001, 4, 1e-12
+"""Angles that are looked at, then as many between the neighbors of the hardest, so often; force that is as much."""
 
 
 def _release(plan: SizingPlan) -> Demand:
@@ -125,15 +145,20 @@ def _release(plan: SizingPlan) -> Demand:
     loader = plan.loader
     feel = np.array([[loader[key] for key in FEEL_SETTING]])
     inertia, damping, stiffness = feel[0]
-    time = np.linspace(0.0, PERIODS * 2 * pi * np.sqrt(inertia / stiffness), MOMENTS)
+    time = np.linspace(0.0, release_s(loader), MOMENTS)
     angle, rate = _core.feel_transitions(feel, time)[0, :, :, 0].T * plan.release_rad
     acceleration = -(damping * rate + stiffness * angle) / inertia
     arm = loader["column.grip_arm"]
     name = f"release from {to_text(ANGLE.from_si(plan.release_rad, UnitSystem.SI), 3)} deg"
-    force = loader["column.inertia"] * acceleration / arm
+    force = _core.column_grip_force(loader.values, acceleration)
     return Demand(
         name, Duration.MOVING, True, force, arm * acceleration, arm * rate, "the programmed I, B, G, eq. (11)"
     )
+
+
+def release_s(loader: Loader) -> float:
+    """How long a release is looked at."""
+    return PERIODS * 2 * pi / _core.feel_frequency(loader.values)[0]
 
 
 PERIODS, MOMENTS = 1.5, 601

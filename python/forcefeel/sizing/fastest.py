@@ -21,9 +21,10 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel.linear.electric import ElectricPlant
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
-from forcefeel.loader.valve_flow import flow_of_current, oil_compliance
+from forcefeel.sizing.demand import column_mass_kg
 from forcefeel.sizing.motor import Motor
 from forcefeel.sizing.valve import Valve
 from forcefeel.units import FORCE, MASS, SPEED
@@ -96,25 +97,21 @@ class Fastest:
 
 def _of_valve(loader: Loader) -> Fastest:
     valve = Valve(loader)
-    by_current, by_spool = flow_of_current(loader, loader["amplifier.current_limit"]), loader["valve.flow_limit"]
+    by_current, by_spool = valve.flow_by_current_m3_per_s, loader["valve.flow_limit"]
     flow = min(by_current, by_spool)
     of_speed = Limit.CURRENT if by_current < by_spool else Limit.FLOW
-    lever = valve.force_per_pressure
+    pressure, of_force = valve.statics.stall_pressure(flow), of_speed
     if loader["valve.orifice"]:
-        pressure, of_force = min(loader["valve.supply_pressure"], loader["actuator.relief_pressure"]), Limit.PRESSURE
-    else:
-        pressure, of_force = flow / loader["valve.pressure_gain"], of_speed
-    torque = lever * loader["column.grip_arm"]
-    compliance = oil_compliance(loader) / torque**2
-    mass = loader["column.inertia"] / loader["column.grip_arm"] ** 2
-    return Fastest(lever * pressure, flow / lever, of_force, of_speed, mass, compliance, loader)
+        pressure, of_force = min(pressure, loader["actuator.relief_pressure"]), Limit.PRESSURE
+    lever = valve.force_per_pressure
+    compliance = valve.statics.oil_compliance / (lever * loader["column.grip_arm"]) ** 2
+    return Fastest(lever * pressure, flow / lever, of_force, of_speed, column_mass_kg(loader), compliance, loader)
 
 
 def _of_motor(loader: Loader) -> Fastest:
-    motor = Motor(loader)
+    motor, plant = Motor(loader), ElectricPlant.of(loader)
     by_current = loader["current_loop.current_limit"] * loader["winding.resistance"]
     of_force = Limit.TORQUE if by_current <= loader["current_loop.voltage_limit"] else Limit.VOLTAGE
-    compliance = 1 / (loader["linkage.stiffness"] * (motor.lever * loader["column.grip_arm"]) ** 2)
-    mass = loader["column.inertia"] / loader["column.grip_arm"] ** 2 + motor.added_mass_kg
-    gives = motor.gives
+    compliance = 1 / (plant.stiffness * plant.lever**2)
+    mass, gives = column_mass_kg(loader) + motor.added_mass_kg, motor.gives
     return Fastest(gives.peak_force_n, gives.fastest_m_per_s, of_force, Limit.VOLTAGE, mass, compliance, loader)

@@ -1,7 +1,7 @@
 """What an engineer should conclude from the sizing of a drive, in sentences."""
 
 from collections.abc import Iterator
-from math import isfinite, isnan
+from math import ceil, floor, isfinite, isnan, log10
 
 from forcefeel.conclusions import Conclusions, of_result, share_text
 from forcefeel.sizing.control_forces import RULE
@@ -14,6 +14,20 @@ from forcefeel.units import AREA, FORCE, LENGTH, MASS, PRESSURE, SPEED, TEMPERAT
 def text(value: float, measured_in: Unit, units: UnitSystem) -> str:
     """A SI value with its unit, to three digits."""
     return f"{to_text(measured_in.from_si(value, units), 3)} {measured_in.shown(units)}".rstrip()
+
+
+def enough(value: float, measured_in: Unit, units: UnitSystem, *, most: bool = False) -> str:
+    """A SI value that is the least that does, or the most, with its unit: three digits, rounded to the side that does."""
+    shown = measured_in.from_si(value, units)
+    last = 10.0 ** (floor(log10(abs(shown))) - 2)
+    places = shown / last
+    exact = abs(places - round(places)) <= _ROUNDING * abs(places)
+    whole = round(places) if exact else floor(places) if most else ceil(places)
+    return f"{to_text(whole * last, 3)} {measured_in.shown(units)}".rstrip()
+
+
+_ROUNDING = 1e-9
+"""Relative; a number of three digits that came through a change of units."""
 
 
 def time_text(seconds: float) -> str:
@@ -40,7 +54,14 @@ def sizing_conclusions(found: Sizing, units: UnitSystem) -> Conclusions:
         >>> ff.sizing.sizing_conclusions(found, ff.UnitSystem.US).good
         True
     """
-    lines = (*_remedies(found, units), *_gives(found, units), _rule(found), *_heat(found, units), _mass(found, units))
+    lines = (
+        *_remedies(found, units),
+        *_gives(found, units),
+        *_relief(found),
+        _rule(found),
+        *_heat(found, units),
+        _mass(found, units),
+    )
     return Conclusions(found.good, _verdict(found, units), tuple(filter(None, (*lines, *_unknown(found)))))
 
 
@@ -98,25 +119,31 @@ def _remedy(found: Sizing, one: Asked, units: UnitSystem) -> str:
         long = one.duration is Duration.LONG
         torque = gives.continuous_torque_n_m if long else gives.peak_torque_n_m
         sentence = (
-            f"{what}, takes {text(remedy.torque_n_m, TORQUE, units)} at the motor, which gives {text(torque, TORQUE, units)} "
+            f"{what}, takes {enough(remedy.torque_n_m, TORQUE, units)} at the motor, which gives {text(torque, TORQUE, units)} "
             f"{'for ever' if long else 'for a short time'}. What would do: a motor of that torque"
         )
         if isnan(remedy.travel_m):
             return f"{sentence}."
         now = text(loader["transmission.travel"], LENGTH, units)
+        faster = loader["transmission.travel"] / remedy.travel_m
+        turns = f"{to_text(faster, 3)} times as fast" if faster >= _TWICE else f"{share_text(faster - 1)} faster"
+        travel = enough(remedy.travel_m, LENGTH, units, most=True)
         return (
-            f"{sentence}, or a transmission.travel of {text(remedy.travel_m, LENGTH, units)} per radian in place of {now}, with "
-            f"which the rotor adds {text(remedy.added_mass_kg, MASS, units)} at the grip and the motor turns "
-            f"{to_text(loader['transmission.travel'] / remedy.travel_m, 3)} times as fast."
+            f"{sentence}, or a transmission.travel of {travel} per radian in place of {now}, with which "
+            f"the rotor adds {text(remedy.added_mass_kg, MASS, units)} at the grip and the motor turns {turns}."
         )
     if remedy is None or isinstance(remedy, MotorRemedy) or isinstance(gives, MotorGives):
         return ""
     return (
-        f"{what}, takes a load pressure of {text(remedy.pressure_pa, PRESSURE, units)}; the valve gives "
+        f"{what}, takes a load pressure of {enough(remedy.pressure_pa, PRESSURE, units)}; the valve gives "
         f"{text(gives.peak_pressure_pa, PRESSURE, units)}. What would do: that pressure of the supply and "
-        f"the relief, or an actuator.area of {text(remedy.area_m2, AREA, units)} in place of "
+        f"the relief, or an actuator.area of {enough(remedy.area_m2, AREA, units)} in place of "
         f"{text(loader['actuator.area'], AREA, units)}, which takes as much more flow."
     )
+
+
+_TWICE = 2.0
+"""From so many times as fast on it is told so, below in per cent."""
 
 
 def _too_fast(found: Sizing, one: Asked, units: UnitSystem) -> str:
@@ -153,6 +180,15 @@ def _gives(found: Sizing, units: UnitSystem) -> Iterator[str]:
         f"At the grip the motor gives {text(gives.peak_force_n, FORCE, units)} ({text(gives.peak_torque_n_m, TORQUE, units)}) for "
         f"a short time, and {for_ever}{speed if isfinite(gives.fastest_m_per_s) else ''}. Cogging is left out."
     )
+
+
+def _relief(found: Sizing) -> Iterator[str]:
+    for one in found.asked:
+        if one.law and one.of_peak > one.of_motion:
+            yield (
+                f"The {one.name} takes {share_text(one.of_peak)} in the engine under {one.law}, with the force that is held before "
+                f"and the relief of the link as the hand lets go; the motion by itself takes {share_text(one.of_motion)}."
+            )
 
 
 def _rule(found: Sizing) -> str:

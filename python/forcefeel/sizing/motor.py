@@ -1,17 +1,9 @@
 """A motor at the grip: what a force at a speed takes of it, what it gives, and how warm it becomes.
 
-``F`` force at the grip, ``v`` its speed along the force · ``g = alpha R_b / (R_p r)`` radians of the motor per metre
-of the grip · ``K_t``, ``K_e = K_t / n``, ``R`` · ``n = 3/2`` for three phases in peak amperes, 1 for a brushed motor · ``eta``,
-``eta_b`` efficiencies · ``T_c``, ``B_m`` friction
+The equations are the model's (`crates/model/src/drive/electric/statics.rs`): torque, current and voltage of rotor, transmission and
+winding at an even speed and a current that stays, the winding at the temperature around. Cogging is left out.
 
-    T     = K_t i = F / (g eta) + T_c + B_m omega,   omega = g v     the load driven; held up alike, before it moves on
-    T     = eta_b F / g - T_c + B_m omega                           F v < 0: the load drives
-    u     = R i + K_e omega                                         winding at the temperature around, steady current
-    m     = J_m g^2                                                 the rotor at the grip
-    T_w   = T_a + R_th P,   P = n R (1 + a (T_w - T_a)) i^2         winding in the end, R_th = R_wh + R_ha
-
-These are the equilibria of the equations in `crates/model/src/drive/electric.rs`; the tests hold them against runs.
-Cogging is left out.
+``T' = A T + b`` winding and housing over the temperature around, at a current that stays
 """
 
 from collections.abc import Callable
@@ -23,6 +15,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from forcefeel import _core
 from forcefeel.loader.loader import Loader
 from forcefeel.units import FORCE, LENGTH, MASS, MOTOR_CURRENT, SECONDS, SPEED, TEMPERATURE, TORQUE, VOLTAGE
 
@@ -86,68 +79,45 @@ class Motor:
 
     loader: Loader
 
-    @property
-    def lever(self) -> float:
-        """``alpha R_b / R_p``: travel of the drive per travel of the grip."""
-        return self.loader["linkage.ratio"] * self.loader["column.base_arm"] / self.loader["column.grip_arm"]
-
-    @property
-    def gear(self) -> float:
-        """``g`` in rad/m, or 1/m: newtons at the grip per newton metre."""
-        return self.lever / self.loader["transmission.travel"]
-
-    @property
-    def phases(self) -> float:
-        """``n``."""
-        return 1.5 if self.loader["motor.three_phase"] else 1.0
+    @cached_property
+    def statics(self) -> _core.MotorStatics:
+        """The model's."""
+        return _core.MotorStatics(self.loader.values)
 
     @property
     def added_mass_kg(self) -> float:
-        """``J_m g^2``."""
-        return self.loader["motor.inertia"] * self.gear**2
+        """The rotor at the grip."""
+        return self.statics.added_mass
 
     def torque(self, force: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
         """Torque in N m that a force at the grip takes, both with their signs."""
-        loader, load = self.loader, force / self.gear
-        way = np.where(speed == 0, np.sign(force), np.sign(speed))
-        through = np.where(
-            load * way >= 0,
-            load / loader["transmission.efficiency"],
-            load * loader["transmission.backdriving_efficiency"],
-        )
-        drag = loader["motor.viscous_friction"] * self.gear * speed
-        return np.asarray(through + loader["motor.coulomb_friction"] * way + drag)
+        return self.statics.taken(force, speed)[0]
 
     def voltage(self, current: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
-        """``R i + K_e omega``, V."""
-        back_emf = self.loader["motor.torque_constant"] / self.phases * self.gear * speed
-        return np.asarray(self.loader["winding.resistance"] * current + back_emf)
-
-    def force(self, current: NDArray[np.float64] | float, speed: NDArray[np.float64] | float) -> NDArray[np.float64]:
-        """Force in N that a current drives the grip with at a speed along it; zero where friction takes all."""
-        loader = self.loader
-        drag = loader["motor.coulomb_friction"] + loader["motor.viscous_friction"] * self.gear * np.asarray(speed)
-        torque = loader["motor.torque_constant"] * np.asarray(current) - drag
-        return np.asarray(np.maximum(loader["transmission.efficiency"] * torque * self.gear, 0.0))
+        """Voltage of a phase in V, at a current that stays and a speed of the grip."""
+        return self.statics.voltage(current, speed)
 
     def share(self, force: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
         """Share of the largest current or voltage that a force at a speed takes, whichever is more; not a number without either."""
-        current = self.torque(force, speed) / self.loader["motor.torque_constant"]
+        _, current, voltage = self.statics.taken(force, speed)
+        return self.share_of(current, voltage)
+
+    def share_of(self, current: NDArray[np.float64], voltage: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Share of the largest current or voltage, whichever is more; not a number without either."""
         shares = [
             np.abs(taken) / limit
             for taken, limit in (
                 (current, self.loader["current_loop.current_limit"]),
-                (self.voltage(current, speed), self.loader["current_loop.voltage_limit"]),
+                (voltage, self.loader["current_loop.voltage_limit"]),
             )
             if isfinite(limit)
         ]
-        return np.max(shares, axis=0) if shares else np.full(np.shape(force), nan)
+        return np.max(shares, axis=0) if shares else np.full(np.shape(current), nan)
 
     def needs(self, force: NDArray[np.float64], speed: NDArray[np.float64], *, held: bool) -> MotorNeeds:
         """The most that forces at speeds take, moment by moment."""
-        torque = self.torque(force, speed)
-        current = torque / self.loader["motor.torque_constant"]
-        volts, standing = self.voltage(current, speed), float(current[0])
+        torque, current, volts = self.statics.taken(force, speed)
+        standing = float(current[0])
         return MotorNeeds(
             torque_n_m=float(np.abs(torque).max()),
             current_a=float(np.abs(current).max()),
@@ -159,39 +129,29 @@ class Motor:
     @cached_property
     def gives(self) -> MotorGives:
         """What it gives at the grip."""
-        loader = self.loader
-        peak, constant = loader["current_loop.current_limit"], loader["motor.torque_constant"]
-        volts, resistance = loader["current_loop.voltage_limit"], loader["winding.resistance"]
-        stalled = min(peak, volts / resistance)
+        limits = [self.loader[f"current_loop.{name}_limit"] for name in ("current", "voltage")]
+        stalled = min(limits[0], float(self._current(limits[1], np.zeros(1))[0]))
         lasting = min(self.continuous_current_a, stalled) if isfinite(self.continuous_current_a) else nan
+        peak_force, continuous_force = self.statics.given(np.array([stalled, lasting]), np.zeros(2)).tolist()
         return MotorGives(
-            peak_force_n=float(self.force(stalled, 0.0)),
-            continuous_force_n=float(self.force(lasting, 0.0)),
-            fastest_m_per_s=self._fastest(),
-            peak_torque_n_m=constant * stalled,
-            continuous_torque_n_m=constant * lasting,
+            peak_force_n=peak_force,
+            continuous_force_n=continuous_force,
+            fastest_m_per_s=self.statics.fastest(limits[1]) if isfinite(limits[1]) else inf,
+            peak_torque_n_m=self.statics.torque(stalled),
+            continuous_torque_n_m=self.statics.torque(lasting),
             continuous_current_a=lasting,
             added_mass_kg=self.added_mass_kg,
         )
 
-    def _fastest(self) -> float:
-        """Where voltage and friction leave no force: ``K_t (u - K_e omega) / R = T_c + B_m omega``."""
-        loader = self.loader
-        constant, resistance = loader["motor.torque_constant"], loader["winding.resistance"]
-        volts = loader["current_loop.voltage_limit"]
-        if not isfinite(volts):
-            return inf
-        left = constant * volts / resistance - loader["motor.coulomb_friction"]
-        slope = constant**2 / (self.phases * resistance) + loader["motor.viscous_friction"]
-        return max(left, 0.0) / slope / self.gear
+    def _current(self, voltage: float, speed: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Current that a voltage drives at speeds of the grip; infinite without a limit."""
+        return self.statics.current(np.full(len(speed), voltage), speed)
 
     def curve(self, fastest: float, largest_current: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Speeds up to ``fastest`` and the force in N that the motor gives at each, within a current and the voltage."""
-        loader = self.loader
         speed = np.linspace(0.0, min(fastest, self.gives.fastest_m_per_s), POINTS)
-        back_emf = self.voltage(np.zeros(POINTS), speed)
-        by_voltage = (loader["current_loop.voltage_limit"] - back_emf) / loader["winding.resistance"]
-        return speed, self.force(np.minimum(largest_current, by_voltage), speed)
+        by_voltage = self._current(self.loader["current_loop.voltage_limit"], speed)
+        return speed, self.statics.given(np.minimum(largest_current, by_voltage), speed)
 
     # Heat
 
@@ -206,29 +166,26 @@ class Motor:
         return max(self.loader["thermal.derating_from"] - self.loader["thermal.ambient"], 0.0)
 
     @property
-    def _heat_per_square(self) -> float:
-        """``n R``."""
-        return self.phases * self.loader["winding.resistance"]
-
-    @property
     def continuous_current_a(self) -> float:
-        """Current at which the winding stays where derating begins, A; not a number where its heat is not known."""
+        """Current at which the winding stays where derating begins, A; not a number where its heat is not known.
+
+        ``T' = 0`` of matrices that are straight in the current's square: first the housing's temperature, then that square.
+        """
         if self.heat_rows:
             return nan
-        hot = 1 + self.loader["winding.temperature_coefficient"] * self._allowed
-        return float(np.sqrt(self._allowed / (self._resistance * self._heat_per_square * hot)))
-
-    @property
-    def _resistance(self) -> float:
-        return self.loader["thermal.winding_resistance"] + self.loader["thermal.housing_resistance"]
+        (cold, none), (warm, heats) = (self.statics.warming(current) for current in (0.0, 1.0))
+        steady = self._allowed * np.array([1.0, -cold[1, 0] / cold[1, 1]])
+        per_square = (warm - cold) @ steady + (heats - none)[:, 0]
+        return float(np.sqrt(-(cold[0] @ steady) / per_square[0]))
 
     def winding_degc(self, current: float) -> float:
         """Temperature of the winding in the end."""
         if self.heat_rows:
             return nan
-        rise = self._resistance * self._heat_per_square * current**2
-        feedback = self.loader["winding.temperature_coefficient"] * rise
-        return inf if feedback >= 1 else self.loader["thermal.ambient"] + rise / (1 - feedback)
+        matrix, heat = self.statics.warming(current)
+        # Two rates that pull back have a determinant above zero; below it the resistance grows faster than it cools.
+        runs_away = np.linalg.det(matrix) <= 0
+        return inf if runs_away else self.loader["thermal.ambient"] - float(np.linalg.solve(matrix, heat)[0, 0])
 
     def derates_after_s(self, current: float) -> float:
         """How long a winding that is as warm as the air bears a current; not a number where its heat is not known."""
@@ -236,21 +193,14 @@ class Motor:
             return nan
         if self.winding_degc(current) <= self.loader["thermal.derating_from"]:
             return inf
-        guess = self._resistance * (self.loader["thermal.winding_capacity"] + self.loader["thermal.housing_capacity"])
-        return _first_time(self._warming(current), self._allowed, guess)
+        rise = self._warming(current)
+        return _first_time(rise, self._allowed, guess=1.0)
 
     def _warming(self, current: float) -> Callable[[float], float]:
         """Rise of the winding over the time, K: two masses, linear, by the eigenvalues of their matrix."""
-        loader = self.loader
-        power = self._heat_per_square * current**2
-        inner, outer = (1 / loader[f"thermal.{part}_resistance"] for part in ("winding", "housing"))
-        by_winding, by_housing = (1 / loader[f"thermal.{part}_capacity"] for part in ("winding", "housing"))
-        grows = loader["winding.temperature_coefficient"] * power
-        matrix = np.array(
-            [[by_winding * (grows - inner), by_winding * inner], [by_housing * inner, -by_housing * (inner + outer)]]
-        )
+        matrix, heat = self.statics.warming(current)
         values, vectors = np.linalg.eig(matrix)
-        parts = vectors[0] * np.linalg.solve(vectors, [by_winding * power, 0.0])
+        parts = vectors[0] * np.linalg.solve(vectors, heat[:, 0])
 
         def rise(time: float) -> float:
             exponent = np.minimum(values * time, LARGEST_EXPONENT)
@@ -262,7 +212,7 @@ class Motor:
     def remedy(self, force: float, available: float) -> MotorRemedy:
         """What would hold ``force`` where ``available`` is too little, both in N: the travel per radian goes as the force."""
         travel = self.loader["transmission.travel"] * available / force
-        torque = float(self.torque(np.array(force), np.array(0.0)))
+        torque = float(self.torque(np.array([force]), np.zeros(1))[0])
         if not available > 0:
             return MotorRemedy(torque, nan, nan)
         return MotorRemedy(torque, travel, self.added_mass_kg * (force / available) ** 2)

@@ -1,7 +1,7 @@
 """What came of sizing a drive, with what made it."""
 
 from dataclasses import dataclass, field
-from math import isnan
+from math import isnan, nan
 from typing import Annotated
 
 import numpy as np
@@ -29,12 +29,14 @@ class Asked:
         programmed: Whether the loader's own feel asks for it.
         force_n, speed_m_per_s: The largest of each at the grip, as magnitudes, with what the rotor's own mass takes.
         of_peak: At the moment that takes most of the drive, share of what the drive gives for a short time; not a
-            number where the loader file gives no limit.
+            number where the loader file gives no limit. Of a release also in the engine, which relieves the link.
         of_continuous: Share of what it gives for ever; not a number of a movement, and where that is not known.
         needs: What it takes of the drive.
         remedy: What would give it; ``None`` where the drive does, or where it lacks speed.
         source: Where it comes from.
         verified: Whether a person has held it against that.
+        of_motion: Of a release the share that its ideal motion takes by itself; not a number of what is held.
+        law: Under which the engine released; empty of what is held, and where there is no law for the loader.
         path_speed_m_per_s, path_force_n: Moment by moment as the drive pushes, not a number where it holds back.
     """
 
@@ -51,6 +53,8 @@ class Asked:
     verified: bool
     path_speed_m_per_s: NDArray[np.float64] = field(repr=False)
     path_force_n: NDArray[np.float64] = field(repr=False)
+    of_motion: Annotated[float, PERCENT] = nan
+    law: str = ""
 
     @property
     def given(self) -> bool:

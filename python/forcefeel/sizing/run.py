@@ -1,16 +1,19 @@
 """The work: every demand beside what the drive gives."""
 
+from dataclasses import dataclass, replace
 from math import isfinite, nan
 
 import numpy as np
+from numpy.typing import NDArray
 
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
-from forcefeel.sizing.demand import Demand, Duration, demands
-from forcefeel.sizing.motor import Motor
+from forcefeel.sizing.demand import Demand, Duration, column_mass_kg, demands, release_s
+from forcefeel.sizing.motor import Motor, MotorNeeds
 from forcefeel.sizing.plan import SizingPlan
-from forcefeel.sizing.result import Asked, Curve, Remedy, Sizing
-from forcefeel.sizing.valve import Valve
+from forcefeel.sizing.relief import Relief, relief
+from forcefeel.sizing.result import Asked, Curve, Needs, Remedy, Sizing
+from forcefeel.sizing.valve import Valve, ValveNeeds
 
 SHORT, LONG = "for a short time", "for ever"
 """Names of the curves."""
@@ -44,7 +47,8 @@ def sized(plan: SizingPlan) -> Sizing:
     """What came of a plan."""
     loader = plan.loader
     drive = Motor(loader) if loader.drive == ELECTRIC else Valve(loader)
-    asked = tuple(_asked(drive, one) for one in demands(plan))
+    relieved = relief(drive, plan.release_rad, release_s(loader))
+    asked = tuple(_asked(drive, one, relieved) for one in demands(plan))
     return Sizing(
         plan=plan,
         gives=drive.gives,
@@ -52,19 +56,19 @@ def sized(plan: SizingPlan) -> Sizing:
         curves=_curves(drive, asked),
         missing=_missing(drive),
         added_mass_kg=drive.added_mass_kg,
-        column_mass_kg=loader["column.inertia"] / loader["column.grip_arm"] ** 2,
+        column_mass_kg=column_mass_kg(loader),
     )
 
 
-def _asked(drive: Motor | Valve, demand: Demand) -> Asked:
-    """What a demand takes at its worst moment."""
+def _asked(drive: Motor | Valve, demand: Demand, relieved: Relief | None) -> Asked:
+    """What a demand takes at its worst moment; a release also what the engine's run of it takes."""
     force = demand.force_n + drive.added_mass_kg * demand.acceleration_m_per_s2
     speed = demand.speed_m_per_s
     held = demand.duration is not Duration.MOVING
     share = float(np.max(drive.share(force, speed)))
     lasting = _of_continuous(drive, float(force[0])) if held else nan
-    pushes = np.where(force * speed > 0, 1.0, 1.0 if held else nan)
-    return Asked(
+    path = _Path.of(force, speed, held=held)
+    asked = Asked(
         name=demand.name,
         duration=demand.duration,
         programmed=demand.programmed,
@@ -76,9 +80,51 @@ def _asked(drive: Motor | Valve, demand: Demand) -> Asked:
         remedy=_remedy(drive, demand, float(force[0]), share, lasting),
         source=demand.source,
         verified=demand.verified,
-        path_speed_m_per_s=np.abs(speed) * pushes,
-        path_force_n=np.abs(force) * pushes,
+        path_speed_m_per_s=path.speed_m_per_s,
+        path_force_n=path.force_n,
+        of_motion=nan if held else share,
     )
+    # What cannot follow the motion by itself is told of that alone.
+    return asked if held or relieved is None or share > 1 else _relieved(asked, relieved)
+
+
+@dataclass(frozen=True, eq=False)
+class _Path:
+    """Moment by moment as the drive pushes, not a number where it holds back."""
+
+    speed_m_per_s: NDArray[np.float64]
+    force_n: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, force: NDArray[np.float64], speed: NDArray[np.float64], *, held: bool = False) -> "_Path":
+        pushes = np.where(force * speed > 0, 1.0, 1.0 if held else nan)
+        return cls(np.abs(speed) * pushes, np.abs(force) * pushes)
+
+
+def _relieved(asked: Asked, relieved: Relief) -> Asked:
+    """A release with what the relief of the link takes: of each the most."""
+    path = _Path.of(relieved.force_n, relieved.speed_m_per_s)
+    return replace(
+        asked,
+        force_n=_most(asked.force_n, float(np.abs(relieved.force_n).max())),
+        speed_m_per_s=_most(asked.speed_m_per_s, float(np.abs(relieved.speed_m_per_s).max())),
+        of_peak=_most(asked.of_peak, relieved.of_peak),
+        needs=_most_needs(asked.needs, relieved.needs),
+        source=f"{asked.source}; the engine under {relieved.law}",
+        law=relieved.law,
+        path_speed_m_per_s=np.concatenate([asked.path_speed_m_per_s, [nan], path.speed_m_per_s]),
+        path_force_n=np.concatenate([asked.path_force_n, [nan], path.force_n]),
+    )
+
+
+def _most_needs(one: Needs, other: Needs) -> Needs:
+    found = {name: _most(value, vars(other)[name]) for name, value in vars(one).items()}
+    return MotorNeeds(**found) if isinstance(one, MotorNeeds) else ValveNeeds(**found)
+
+
+def _most(one: float, other: float) -> float:
+    """The larger of two; the other where one is not a number."""
+    return float(np.fmax(one, other))
 
 
 def _of_continuous(drive: Motor | Valve, force: float) -> float:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC
-from forcefeel.sizing.findings import sizing_conclusions, text
+from forcefeel.sizing.findings import enough, sizing_conclusions, text
 from forcefeel.sizing.motor import Motor
 from forcefeel.sizing.run import size_drive
 from forcefeel.units import FORCE, TORQUE, UnitSystem
@@ -63,6 +63,6 @@ class Beyond:
         """What the motor gives, and what would do."""
         return (
             f"at the release's angle the stiffest takes {text(self.force_n, FORCE, units)} at the grip, and the motor gives "
-            f"{text(self.gives_n, FORCE, units)}. What would do: a motor of {text(self.torque_n_m, TORQUE, units)}, or a "
+            f"{text(self.gives_n, FORCE, units)}. What would do: a motor of {enough(self.torque_n_m, TORQUE, units)}, or a "
             "transmission.travel that forcefeel size works out; or a smaller feel.maximum_stiffness."
         )

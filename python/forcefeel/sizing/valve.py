@@ -1,10 +1,7 @@
 """A valve and its piston at the grip: what a force at a speed takes of them and what they give.
 
-``F`` force at the grip, ``v`` its speed along the force · ``l = alpha R_b / R_p`` · ``A`` piston area · ``p`` load
-pressure · ``q`` flow
-
-    p = F / (l A),   q = A l v              eqs. (5)-(9), the give of oil and link left out
-    q = q_0 sqrt(1 - p / p_s)               eq. (1); q_0 - C_p p, eq. (4), where the flow follows the gains
+The equations are the model's (`crates/model/src/drive/hydraulic/statics.rs`): eq. (5) at an even speed, eq. (1) or (4). The give of
+oil and link is left out.
 """
 
 from dataclasses import dataclass
@@ -16,7 +13,6 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.valve_flow import no_load_flow, spool_flow
 from forcefeel.sizing.motor import POINTS
 from forcefeel.units import AREA, FLOW, FORCE, PRESSURE, SPEED
 
@@ -70,53 +66,61 @@ class Valve:
 
     loader: Loader
 
+    @cached_property
+    def statics(self) -> _core.ValveStatics:
+        """The model's."""
+        return _core.ValveStatics(self.loader.values)
+
     @property
     def force_per_pressure(self) -> float:
-        """``l A`` in N/Pa, or m^3/m: flow per speed of the grip."""
-        loader = self.loader
-        lever = loader["linkage.ratio"] * loader["column.base_arm"] / loader["column.grip_arm"]
-        return lever * loader["actuator.area"]
+        """Force at the grip per load pressure, N/Pa, or m^3/m: flow per speed of the grip."""
+        return self.statics.force_per_pressure
 
     @property
     def added_mass_kg(self) -> float:
         """None: the model's piston has no mass."""
         return 0.0
 
+    @property
+    def flow_by_current_m3_per_s(self) -> float:
+        """Flow at no load of the amplifier's largest current, whatever the spool's stroke; infinite without a limit."""
+        return self.statics.no_load_flow(self.loader["amplifier.current_limit"])
+
+    @property
+    def flow_m3_per_s(self) -> float:
+        """Largest flow at no load: of the largest current, the rated one without a limit, and of the spool's stroke."""
+        limit = self.loader["amplifier.current_limit"]
+        current = limit if np.isfinite(limit) else self.loader["valve.rated_current"]
+        return min(self.loader["valve.flow_limit"], self.statics.no_load_flow(current))
+
     def share(self, force: NDArray[np.float64], speed: NDArray[np.float64]) -> NDArray[np.float64]:
         """Share of the largest pressure or flow that a force at a speed takes, whichever is more."""
-        pressure, flow = self._taken(force, speed)
+        pressure, flow = self.statics.taken(force, speed)
+        return self.share_of(pressure, flow)
+
+    def share_of(self, pressure: NDArray[np.float64], flow: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Share of the largest pressure, or of the largest flow at no load, whichever is more."""
         gives = self.gives
         return np.asarray(np.maximum(np.abs(pressure) / gives.peak_pressure_pa, flow / gives.flow_m3_per_s))
 
     def needs(self, force: NDArray[np.float64], speed: NDArray[np.float64], *, held: bool) -> ValveNeeds:
         """The most that forces at speeds take, moment by moment."""
-        pressure, flow = self._taken(force, speed)
+        pressure, flow = self.statics.taken(force, speed)
         return ValveNeeds(float(np.abs(pressure).max()), float(flow.max()))
-
-    def _taken(
-        self, force: NDArray[np.float64], speed: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        pressure = force / self.force_per_pressure
-        return pressure, no_load_flow(self.loader, self.force_per_pressure * speed, pressure)
 
     @cached_property
     def gives(self) -> ValveGives:
         """What it gives at the grip."""
-        loader, flow = self.loader, spool_flow(self.loader)
-        pressure = min(loader["valve.supply_pressure"], loader["actuator.relief_pressure"])
-        if not loader["valve.orifice"]:
-            pressure = min(pressure, flow / loader["valve.pressure_gain"])
+        flow = self.flow_m3_per_s
+        limits = [self.loader[key] for key in ("valve.supply_pressure", "actuator.relief_pressure")]
+        pressure = min(*limits, self.statics.stall_pressure(flow))
         return ValveGives(self.force_per_pressure * pressure, flow / self.force_per_pressure, pressure, flow)
 
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Speeds and the force in N that the valve gives at each, at its largest current."""
-        loader, gives = self.loader, self.gives
+        gives = self.gives
         pressure = np.linspace(gives.peak_pressure_pa, 0.0, POINTS)
-        if loader["valve.orifice"]:
-            current = gives.flow_m3_per_s * loader["valve.rated_current"] / loader["valve.rated_flow"]
-            flow = _core.orifice_flow(loader.values, np.full(POINTS, current), pressure)
-        else:
-            flow = gives.flow_m3_per_s - loader["valve.pressure_gain"] * pressure
+        flow = self.statics.flow(np.full(POINTS, gives.flow_m3_per_s), pressure)
         return flow / self.force_per_pressure, self.force_per_pressure * pressure
 
     def remedy(self, force: float) -> ValveRemedy:

@@ -22,10 +22,12 @@
 //! | link and transmission, losses of it | [`transmission`] |
 //! | temperatures of winding and housing | [`thermal`] |
 //! | motor, linkage and column as a linear system | [`plant`] |
+//! | what motor and transmission give at the grip | [`statics`] |
 
 pub mod current_loop;
 pub mod motor;
 pub mod plant;
+pub mod statics;
 pub mod thermal;
 pub mod transmission;
 

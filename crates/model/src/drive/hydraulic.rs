@@ -6,6 +6,7 @@
 //! | control valve, in a run with its limits | [`valve`] |
 //! | actuator | [`actuator`] |
 //! | load pressure, slaved | [`pressure`] |
+//! | what valve and piston give at the grip | [`statics`] |
 //!
 //! Its three numbers are `z, q_i, q_i'`, its effort is the load pressure `p`, which oil and the link's damper bring behind its
 //! balance: see `pressure.rs`.
@@ -15,6 +16,7 @@ pub mod amplifier;
 mod lag;
 mod play;
 pub mod pressure;
+pub mod statics;
 pub mod valve;
 
 use super::{Coupling, Drive, Link, REMEMBERED, SIGNALS, Seen};

@@ -13,6 +13,10 @@ use crate::parameters::Parameters;
 pub struct Warming<S> {
     /// Temperature around in degrees Celsius.
     pub ambient: S,
+    /// `1 / C_w` and `1 / C_h`.
+    per_heat: [S; 2],
+    /// `1 / R_wh` and `1 / R_ha`.
+    conducts: [S; 2],
     /// `h / C_w`.
     per_power: S,
     /// What a step makes of `T_w + h P / C_w` and `T_h`, row by row.
@@ -25,14 +29,27 @@ impl<S: Scalar> Warming<S> {
     pub fn new(parameters: &Parameters<S>, step_s: f64) -> Self {
         let thermal = &parameters.thermal;
         let one = thermal.ambient.constant(1.0);
-        let h = one.constant(step_s);
-        let [of_winding, of_housing] = [h / thermal.winding_capacity, h / thermal.housing_capacity];
-        let [inner, outer] = [one / thermal.winding_resistance, one / thermal.housing_resistance];
-        // T_w+ = T_w + h T_w'+, T_h+ = T_h + h T_h'+: the rates at the end, so that a mass may be as small as it likes
-        let [a, b, c] = [of_winding * inner, of_housing * inner, of_housing * outer];
-        let per_determinant = one / ((one + a) * (one + b + c) - a * b);
-        let step = [[one + b + c, a], [b, one + a]].map(|row| row.map(|entry| entry * per_determinant));
-        Self { ambient: thermal.ambient, per_power: of_winding, step }
+        let (zero, h) = (one.zero(), one.constant(step_s));
+        let per_heat = [thermal.winding_capacity, thermal.housing_capacity].map(|capacity| one / capacity);
+        let conducts = [thermal.winding_resistance, thermal.housing_resistance].map(|resistance| one / resistance);
+        let per_power = h * per_heat[0];
+        let continuous = Self { ambient: thermal.ambient, per_heat, conducts, per_power, step: [[zero; 2]; 2] };
+        // T+ = T + h T'+: the rates at the end, so that a mass may be as small as it likes; (1 - h A) T+ = T, column by column
+        let [[a, b], [c, d]] = [[one, zero], [zero, one]].map(|unit| {
+            let rates = continuous.rates(unit, zero);
+            [unit[0] - h * rates[0], unit[1] - h * rates[1]]
+        });
+        let per_determinant = one / (a * d - b * c);
+        let step = [[d, -c], [-b, a]].map(|row| row.map(|entry| entry * per_determinant));
+        Self { step, ..continuous }
+    }
+
+    /// Rates of the temperatures in K/s under the heat `power` of the winding.
+    #[inline(always)]
+    pub fn rates(&self, [winding, housing]: [S; 2], power: S) -> [S; 2] {
+        // C_w T_w' = P - (T_w - T_h) / R_wh, C_h T_h' = (T_w - T_h) / R_wh - T_h / R_ha
+        let inwards = (winding - housing) * self.conducts[0];
+        [(power - inwards) * self.per_heat[0], (inwards - housing * self.conducts[1]) * self.per_heat[1]]
     }
 
     /// The temperatures a step later, of the first order in it: minutes beside a step.

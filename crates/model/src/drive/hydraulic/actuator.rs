@@ -13,7 +13,13 @@ impl<S: Scalar> Actuator<S> {
     #[inline(always)]
     pub fn pressure_rate(&self, q: S, x_p_rate: S) -> S {
         // q = A x_p' + (V_E / 4 beta) p', solved for p'                                                    eq. (5)
-        self.bulk_modulus.times(4.0) / self.oil_volume * (q - self.area * x_p_rate)
+        self.bulk_modulus.times(4.0) / self.oil_volume * (q - self.swept(x_p_rate))
+    }
+
+    /// Flow in m³/s that a piston of the velocity `x_p_rate` sweeps.
+    #[inline(always)]
+    pub fn swept(&self, x_p_rate: S) -> S {
+        self.area * x_p_rate
     }
 
     /// Force of the oil on the piston in N, which is also the load cell's force: the piston's mass is neglected.

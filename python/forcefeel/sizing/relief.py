@@ -1,0 +1,108 @@
+"""What a release takes of a drive in the engine: as the hand lets go, the drive relieves the stretch of the link.
+
+The programmed feel asks for that in no time, since the hand's force goes in none. How soon it comes is the law's: the engine's run
+under the law `robust`, or without a digital controller under the report's position loop, held at the angle before. The noise of the
+sensors, which comes on top, is left out.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from forcefeel import _core
+from forcefeel.errors import InputError
+from forcefeel.laws.law import ORIGINAL, Law
+from forcefeel.loader.loader import Loader
+from forcefeel.loader.parameters import INDEX, TABLE
+from forcefeel.loader.timing import controller_steps
+from forcefeel.sizing.motor import Motor, MotorNeeds
+from forcefeel.sizing.valve import Valve, ValveNeeds
+
+LAW = "robust"
+"""Of a loader with a digital controller."""
+
+_STEP_S = 2.5e-4
+_NOISE = [INDEX[key] for key in TABLE if key.endswith(".noise")]
+
+
+@dataclass(frozen=True, eq=False)
+class Relief:
+    """What a release takes in the engine, moment by moment.
+
+    Attributes:
+        law: Under which.
+        force_n, speed_m_per_s: Of the drive, at the grip.
+        share: Of what the drive gives for a short time.
+        needs: The most that it takes of the drive.
+    """
+
+    law: str
+    force_n: NDArray[np.float64] = field(repr=False)
+    speed_m_per_s: NDArray[np.float64] = field(repr=False)
+    share: NDArray[np.float64] = field(repr=False)
+    needs: MotorNeeds | ValveNeeds
+
+    @property
+    def of_peak(self) -> float:
+        """The largest share; a drive at its limit uses all, and no more."""
+        return min(float(self.share.max()), 1.0)
+
+
+def relief(drive: Motor | Valve, angle_rad: float, duration_s: float) -> Relief | None:
+    """The run of a release; ``None`` where no law is found, or its run does not stay within numbers.
+
+    Args:
+        drive: The drive of the loader.
+        angle_rad: From which it is let go.
+        duration_s: For how long it is looked at.
+    """
+    loader = drive.loader
+    try:
+        law = Law.of(LAW if loader["controller.period"] else None, loader)
+    except InputError:
+        return None
+    outputs = [name for name, _ in _core.simulation_outputs(loader.drive)]
+    kept = ("motor_current", "motor_speed") if isinstance(drive, Motor) else ("load_pressure", "actuator_flow")
+    found = _run(loader, law, (angle_rad, duration_s), [outputs.index(name) for name in kept])
+    if not np.isfinite(found).all():
+        return None
+    called = LAW if law.sampled else ORIGINAL
+    return _of_motor(drive, called, *found) if isinstance(drive, Motor) else _of_valve(drive, called, *found)
+
+
+def _run(loader: Loader, law: Law, release: tuple[float, float], outputs: list[int]) -> NDArray[np.float64]:
+    """Histories (outputs, samples) of a release, without the sensors' noise."""
+    angle, duration = release
+    step, timing = controller_steps(loader, _STEP_S) if loader["controller.period"] else (_STEP_S, None)
+    curve, cancellation = loader.force_curve, law.cancellation
+    none = np.zeros((int(np.ceil(duration / step)), 2))
+    values = loader.values.copy()
+    values[_NOISE] = 0.0
+    engine = _core.Simulation(
+        {"force": none},
+        step,
+        outputs=outputs,
+        held=(angle, 0),
+        timing=timing,
+        curve=None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients)),
+        cancellation=None if cancellation is None else cancellation.numbers,
+    )
+    _, histories = engine.run(values[np.newaxis], **law.engine(loader))
+    return np.asarray(histories[0])
+
+
+def _of_motor(motor: Motor, law: str, current: NDArray[np.float64], turns: NDArray[np.float64]) -> Relief:
+    speed = turns / motor.statics.gear
+    volts = motor.voltage(current, speed)
+    most = float(np.abs(current).max())
+    needs = MotorNeeds(motor.statics.torque(most), most, float(np.abs(volts).max()), np.nan, np.nan)
+    force = motor.statics.torque(1.0) * current * motor.statics.gear
+    return Relief(law, force, speed, motor.share_of(current, volts), needs)
+
+
+def _of_valve(valve: Valve, law: str, pressure: NDArray[np.float64], flow: NDArray[np.float64]) -> Relief:
+    spool = valve.statics.needed(flow, pressure)
+    needs = ValveNeeds(float(np.abs(pressure).max()), float(spool.max()))
+    per_pressure = valve.force_per_pressure
+    return Relief(law, per_pressure * pressure, flow / per_pressure, valve.share_of(pressure, spool), needs)
