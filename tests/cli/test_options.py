@@ -49,8 +49,8 @@ def _read(app: App, words: str):
     [
         "forcefeel qualify 'a b.toml' --units si --set 'feel.breakout=1 lb' --set valve.orifice=true --test static --test fast "
         "--axis roll --overdamped rise-time --record fast=x.csv --column position=theta --law robust --law 'my law.json'",
-        "forcefeel identify --experiment servo-open --from 'test_signal (V)' --data a.csv --data b.mat --fit k,c --starts 2 "
-        "--loss soft-l1 --no-priors --responses",
+        "forcefeel identify --experiment servo-open --input-channel 'test_signal (V)' --from '6 s' --until b=7 "
+        "--data a.csv --data b.mat --fit k,c --starts 2 --loss soft-l1 --no-priors --responses",
         "forcefeel compensate elevator-2khz --horizon 0.1 --r2 0.5 --pilot-coupling column",
         "forcefeel simulate --input release --angle='-10 deg' --seed 3",
     ],

@@ -7,16 +7,26 @@ import numpy as np
 import forcefeel as ff
 from forcefeel import _core
 from forcefeel.live.setup import live_law, made_of
+from forcefeel.live.starting import MOST_RECORD_BYTES, about_run
 
 
-def planned(loader, force_n, wishes, *, law="robust", host=None):
-    """Columns of a run under a law, a force of the hand for each cycle, wishes with theirs."""
-    setup, steps = made_of(loader, live_law(law, loader))
+def planned(loader, force_n, wishes, *, law="robust", host=None, record=None):
+    """Columns of a run under a law, a force of the hand for each cycle, wishes with theirs; recorded where a path is given."""
+    driven_by = live_law(law, loader)
+    setup, steps = made_of(loader, driven_by)
     period, _ = steps.timing
     script = ({"force": np.repeat(np.column_stack([force_n, force_n]), period, axis=0)}, 0.0, None, 0)
     cycles = len(force_n)
+    about = about_run(loader, driven_by.name, ff.live.Simulated())
     loop = _core.LiveLoop(
-        setup, script=script, host=host, real_time=False, cycles=cycles, wishes=wishes, history=cycles
+        setup,
+        script=script,
+        host=host,
+        real_time=False,
+        cycles=cycles,
+        wishes=wishes,
+        record=record and (record, MOST_RECORD_BYTES, cycles, about),
+        history=cycles,
     )
     while not loop.status()[-1]:
         time.sleep(0.001)

@@ -8,7 +8,7 @@
 //! | what is asked of a running loop | [`wish`] |
 //! | the thread: waits, counts, never catches up | [`cycle`], [`clock`], [`priority`] |
 //! | what the rest of the process sees of it | [`row`], [`status`], [`running`] |
-//! | records that stay whole, and their replay | [`record`], [`replay`] |
+//! | records that stay whole, room for them, their reader, their replay | [`record`], [`room`], [`mcap_reader`], [`replay`] |
 //!
 //! The thread makes no allocation, takes no lock and calls the system for the wait, the input and the output alone; rings carry wishes to
 //! it and rows from it. The same [`controller::Controller`] runs live, in virtual time and in a replay: the same samples and
@@ -21,9 +21,11 @@ pub mod cycle;
 pub mod guided;
 pub mod host_link;
 pub mod input_output;
+pub mod mcap_reader;
 pub mod priority;
 pub mod record;
 pub mod replay;
+pub mod room;
 pub mod row;
 pub mod running;
 pub mod setup;

@@ -3,10 +3,11 @@
 //! Rows and wishes are messages in the common data representation of ROS 2, so that Foxglove and `PlotJuggler` open them: a row is its
 //! numbers one after the other. What the file ends with stands behind each chunk, and is overwritten by the next once that is there.
 
+use crate::room::reserve;
 use crate::row::{COLUMNS, NAMES, Row};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
-use mcap::{McapResult, WriteOptions, Writer};
+use mcap::{McapError, McapResult, WriteOptions, Writer};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Write};
@@ -18,6 +19,21 @@ pub const ROWS: &str = "/cycle";
 pub const LISTS: &str = "/list";
 /// Name of the metadata.
 pub const ABOUT: &str = "forcefeel";
+/// Name of those at its end, which say why it ended.
+pub const END: &str = "forcefeel-end";
+/// Name of that reason.
+pub const WHY: &str = "why";
+/// Why a record ends that has room for all.
+pub const WITH_THE_RUN: &str = "with the run";
+
+/// How large a record may be.
+#[derive(Debug, Clone, Copy)]
+pub struct Size {
+    /// Bytes of the file at most.
+    pub most_bytes: u64,
+    /// Rows that are expected: there must be room on the disk for them.
+    pub rows: u64,
+}
 
 /// A record under way.
 pub struct Record {
@@ -29,23 +45,54 @@ pub struct Record {
     start_ns: u64,
     most: u64,
     left: u64,
+    /// The file once more, for the room that is taken ahead of it, and how far that goes.
+    file: File,
+    reserved: u64,
+    /// Why `most` is less than it was to be.
+    disk_full: Option<io::Error>,
+    /// Rows that were taken, and those of them that are in the file.
+    taken: u64,
+    kept: u64,
 }
 
 impl Record {
-    /// Begins a record of at most so many bytes, with what the loop is made of; it is whole from here on.
+    /// Begins a record, with what the loop is made of; it is whole from here on.
     ///
     /// # Errors
-    /// If the file cannot be written.
+    /// If the file cannot be written, or the disk has too little room for what is expected; then no file is left.
     pub fn create(
         path: &Path,
-        most_bytes: u64,
+        size: Size,
         start_ns: u64,
         about: &BTreeMap<String, String>,
         setup: &[(&'static str, Vec<f64>)],
     ) -> McapResult<Self> {
-        let file = WholeFile { file: File::create(path)?, written: 0, pending: Vec::with_capacity(1 << 20) };
+        let file = File::create(path)?;
+        let begun = Self::begin(file, size, start_ns, about, setup);
+        if begun.is_err() {
+            // Why it could not be begun says more than why it could not be removed.
+            let _ = std::fs::remove_file(path);
+        }
+        begun
+    }
+
+    fn begin(
+        file: File,
+        Size { most_bytes: most, rows: expected }: Size,
+        start_ns: u64,
+        about: &BTreeMap<String, String>,
+        setup: &[(&'static str, Vec<f64>)],
+    ) -> McapResult<Self> {
+        let reserved = expected.saturating_mul(ROW_BYTES).saturating_add(ROOM).max(AHEAD).min(most);
+        reserve(&file, 0, reserved).map_err(|error| {
+            let text =
+                format!("{error}; a record of this run takes {} MB, make room for it", reserved.div_ceil(1_000_000));
+            io::Error::new(error.kind(), text)
+        })?;
+        let whole =
+            WholeFile { file: file.try_clone()?, written: 0, pending: Vec::with_capacity(1 << 20), given_up: false };
         let options = WriteOptions::new().compression(None).chunk_size(None).disable_seeking(true);
-        let mut writer = options.library("forcefeel").create(NoSeek::new(file))?;
+        let mut writer = options.library("forcefeel").create(NoSeek::new(whole))?;
         writer.write_metadata(&Metadata { name: ABOUT.to_string(), metadata: about.clone() })?;
         let columns: String = NAMES.iter().flat_map(|name| ["float64 ", name, "\n"]).collect();
         let of_rows = writer.add_schema("forcefeel_msgs/msg/Cycle", "ros2msg", columns.as_bytes())?;
@@ -57,7 +104,9 @@ impl Record {
         let none = BTreeMap::new();
         let rows = writer.add_channel(of_rows, ROWS, "cdr", &none)?;
         let lists = writer.add_channel(of_lists, LISTS, "cdr", &none)?;
-        let mut record = Self { writer, rows, lists, sequence: 0, start_ns, most: most_bytes, left: most_bytes };
+        let (sequence, disk_full, left) = (0, None, most);
+        let mut record =
+            Self { writer, rows, lists, sequence, start_ns, most, left, file, reserved, disk_full, taken: 0, kept: 0 };
         for (name, numbers) in setup {
             record.list(name, 0, 0.0, numbers)?;
         }
@@ -74,6 +123,11 @@ impl Record {
         data[..4].copy_from_slice(&CDR);
         for (k, number) in row.numbers().into_iter().enumerate() {
             data[4 + 8 * k..12 + 8 * k].copy_from_slice(&number.to_le_bytes());
+        }
+        self.taken += 1;
+        // In virtual time more rows may come between two flushes than there is room for.
+        if self.bytes() + ROOM > self.reserved {
+            self.reserve_ahead();
         }
         self.message(self.rows, row.time_s, &data)
     }
@@ -111,30 +165,65 @@ impl Record {
         self.most - self.left
     }
 
-    /// Whether there is room for no more.
-    pub fn is_full(&self) -> bool {
-        self.left < ROOM
+    /// Rows that were taken, and those of them that are in the file.
+    pub fn rows(&self) -> (u64, u64) {
+        (self.taken, self.kept)
     }
 
-    /// Brings all that was written to the file, which is whole with it.
+    /// Why there is room for no more, if there is not.
+    pub fn full(&self) -> Option<String> {
+        let why = || self.disk_full.as_ref().map_or("full".to_string(), |error| format!("the disk is full: {error}"));
+        (self.left < ROOM).then(why)
+    }
+
+    /// Brings all that was written to the file, which is whole with it, and takes room for what comes.
     ///
     /// # Errors
-    /// If the file cannot be written.
+    /// If the file cannot be written; what was brought to it before stays.
     pub fn flush(&mut self) -> McapResult<()> {
         self.left = self.left.saturating_sub(CHUNK_BYTES);
-        self.writer.flush()
+        self.writer.flush()?;
+        self.kept = self.taken;
+        self.reserve_ahead();
+        Ok(())
     }
 
-    /// Ends the record, with an index for those who jump about in it.
+    /// Takes room for what comes; where there is none, the record ends within what it has.
+    fn reserve_ahead(&mut self) {
+        let ahead = (self.bytes() + AHEAD).clamp(self.reserved, self.most.max(self.reserved));
+        if let Err(error) = reserve(&self.file, self.reserved, ahead) {
+            self.left = self.left.saturating_sub(self.most - self.reserved);
+            self.most = self.reserved;
+            self.disk_full = Some(error);
+        } else {
+            self.reserved = ahead;
+        }
+    }
+
+    /// Ends the record, with the reason for it and an index for those who jump about in it; says how many of its rows are in the file.
     ///
     /// # Errors
-    /// If the file cannot be written.
-    pub fn finish(mut self) -> McapResult<()> {
-        self.writer.finish()?;
+    /// If the file cannot be written; what was brought to it before stays.
+    pub fn finish(mut self, why: &str) -> Result<u64, (u64, McapError)> {
+        let before = self.kept;
+        let mut end = || {
+            let about = BTreeMap::from([(WHY.to_string(), why.to_string())]);
+            self.writer.write_metadata(&Metadata { name: END.to_string(), metadata: about })?;
+            self.writer.finish()?;
+            Ok(())
+        };
+        end().map_err(|error| (before, error))?;
         let mut file = self.writer.into_inner().into_inner();
-        file.write_pending(&[])?;
-        file.file.set_len(file.written)?;
-        Ok(())
+        let ended = file.write_pending(&[]).and_then(|()| file.file.set_len(file.written));
+        ended.map(|()| self.taken).map_err(|error| (before, error.into()))
+    }
+}
+
+/// What went wrong, in words: of input and output, the system's own.
+pub fn reason(error: &McapError) -> String {
+    match error {
+        McapError::Io(error) => error.to_string(),
+        other => other.to_string(),
     }
 }
 
@@ -144,8 +233,12 @@ const CDR: [u8; 4] = [0, 1, 0, 0];
 /// What MCAP adds to a message, and to a chunk with the rows' and the lists' indexes and its share of the summary.
 const MESSAGE_BYTES: u64 = 31 + 16;
 const CHUNK_BYTES: u64 = 400;
+/// Of a row with its head and its place in the indexes.
+const ROW_BYTES: u64 = (4 + 8 * COLUMNS) as u64 + MESSAGE_BYTES;
 /// Kept for the end of a record.
 const ROOM: u64 = 64 << 10;
+/// Room on the disk that is taken ahead: of a loop at 5 kHz, 3 s.
+const AHEAD: u64 = 4 << 20;
 
 /// Fills up to a multiple of `to` bytes behind the four of the head.
 fn align(data: &mut Vec<u8>, to: usize) {
@@ -158,19 +251,36 @@ struct WholeFile {
     /// Bytes that stay.
     written: u64,
     pending: Vec<u8>,
+    /// A write failed; the file ends where it did before it.
+    given_up: bool,
 }
 
 impl WholeFile {
     /// Whoever is killed on the way leaves a file that begins and ends as one should: read from the front it ends where the write
     /// before did, and who looks at its last bytes first finds no index there.
+    ///
+    /// Where a write fails, as on a full disk, the file is made to end where it did before.
     fn write_pending(&mut self, end: &[u8]) -> io::Result<()> {
+        if self.given_up {
+            return Ok(());
+        }
+        self.write_behind(end).inspect_err(|_| {
+            self.given_up = true;
+            // The end before lies on blocks that the file has; what stands behind it goes.
+            if write_at(&mut self.file, &NO_INDEX, self.written).is_ok() {
+                let _ = self.file.set_len(self.written + NO_INDEX.len() as u64);
+            }
+        })
+    }
+
+    fn write_behind(&mut self, end: &[u8]) -> io::Result<()> {
         let (from, stays) = (self.written, self.pending.len());
         self.pending.extend_from_slice(end);
         let whole = self.pending.len();
-        let head = whole.min(END.len());
-        let tail = whole.saturating_sub(END.len()).max(head);
-        if whole - tail == END.len() {
-            write_at(&mut self.file, &END, from + tail as u64)?;
+        let head = whole.min(NO_INDEX.len());
+        let tail = whole.saturating_sub(NO_INDEX.len()).max(head);
+        if whole - tail == NO_INDEX.len() {
+            write_at(&mut self.file, &NO_INDEX, from + tail as u64)?;
         }
         // Behind the present end, then over it, then the file's own last bytes.
         write_at(&mut self.file, &self.pending[head..tail], from + head as u64)?;
@@ -189,7 +299,7 @@ impl Write for WholeFile {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.write_pending(&END)
+        self.write_pending(&NO_INDEX)
     }
 }
 
@@ -200,7 +310,7 @@ fn write_at(file: &mut File, bytes: &[u8], at: u64) -> io::Result<()> {
 }
 
 /// End of the data, footer without a summary, and the magic: what an MCAP file without an index ends with.
-const END: [u8; 50] = {
+const NO_INDEX: [u8; 50] = {
     let mut end = [0; 50];
     // Code, length and check sum of the end of the data.
     (end[0], end[1]) = (0x0f, 4);

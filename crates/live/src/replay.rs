@@ -2,13 +2,13 @@
 
 use crate::controller::Controller;
 use crate::input_output::Sampled;
-use crate::record::{ABOUT, LISTS, ROWS};
+use crate::mcap_reader::{Fields, Records};
+use crate::record::{ABOUT, END, LISTS, ROWS, WHY};
 use crate::row::{COLUMNS, NAMES, Row};
 use crate::setup::Setup;
 use crate::wish::Wish;
 use forcefeel_model::control::Sample;
-use mcap::read::{ChunkFlattener, Options};
-use mcap::records::Record;
+use mcap::records::op;
 use std::collections::BTreeMap;
 
 /// What is in a record.
@@ -24,8 +24,10 @@ pub struct Contents {
     pub columns: Vec<String>,
     /// Rows, one after the other.
     pub rows: Vec<f64>,
-    /// Whether the file broke off, so that its last cycles may be missing.
-    pub broken: bool,
+    /// Why the file breaks off, so that its last cycles may be missing; nothing of a whole one.
+    pub broken: Option<String>,
+    /// Why it ended, as it says of itself; nothing where the process that wrote it was killed.
+    pub ended: Option<String>,
 }
 
 /// Reads a record; of a file that breaks off, all up to there.
@@ -33,57 +35,82 @@ pub struct Contents {
 /// # Errors
 /// If it is none.
 pub fn read(file: &[u8]) -> Result<Contents, String> {
-    let mut found = Contents::default();
+    // Memory that is never written to is never taken.
+    let mut found = Contents { rows: Vec::with_capacity(file.len() / 8), ..Contents::default() };
     let mut channels: BTreeMap<u16, (String, u16)> = BTreeMap::new();
-    let mut schemas: BTreeMap<u16, Vec<u8>> = BTreeMap::new();
-    let records = ChunkFlattener::new_with_options(file, Options::IgnoreEndMagic.into())
-        .map_err(|error| format!("is no MCAP file ({error})"))?;
-    for record in records {
-        let Ok(record) = record else {
-            found.broken = true;
+    let mut schemas: BTreeMap<u16, &[u8]> = BTreeMap::new();
+    for record in Records::of(file)? {
+        let taken = record.and_then(|(code, body)| {
+            take(&mut found, (&mut channels, &mut schemas), code, body).unwrap_or_else(|| Err(DAMAGED.to_string()))
+        });
+        if let Err(what) = taken {
+            found.broken = Some(what);
             break;
-        };
-        match record {
-            Record::Metadata(metadata) if metadata.name == ABOUT => found.about = metadata.metadata,
-            Record::Schema { header, data } => {
-                schemas.insert(header.id, data.to_vec());
-            }
-            Record::Channel(channel) => {
-                channels.insert(channel.id, (channel.topic, channel.schema_id));
-            }
-            Record::Message { header, data } => {
-                let Some((topic, schema)) = channels.get(&header.channel_id) else { continue };
-                if topic == ROWS {
-                    if found.columns.is_empty() {
-                        found.columns = columns_of(schemas.get(schema).map_or(&[], Vec::as_slice));
-                    }
-                    let numbers = data.get(4..).unwrap_or_default().as_chunks::<8>().0;
-                    if numbers.len() != found.columns.len() {
-                        return Err(format!(
-                            "a row has {} numbers, its columns are {}",
-                            numbers.len(),
-                            found.columns.len()
-                        ));
-                    }
-                    found.rows.extend(numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)));
-                } else if topic == LISTS {
-                    let (name, cycle, numbers) = list_of(&data).ok_or("has a list that cannot be read")?;
-                    match Wish::of(&name, &numbers) {
-                        Some(wish) => found.wishes.push((cycle, wish)),
-                        None => found.setup.push((name, numbers)),
-                    }
-                }
-            }
-            _ => {}
         }
     }
     if found.setup.is_empty() {
-        return Err(format!("has no topic {LISTS} of a loop"));
+        let why = found.broken.map_or(String::new(), |what| format!(": {what}"));
+        return Err(format!("has no topic {LISTS} of a loop{why}"));
     }
     if found.columns.is_empty() {
         found.columns = NAMES.iter().map(ToString::to_string).collect();
     }
     Ok(found)
+}
+
+const DAMAGED: &str = "a record's content is damaged";
+
+/// Channels with topic and schema, schemas with their text.
+type Kinds<'a, 'b> = (&'b mut BTreeMap<u16, (String, u16)>, &'b mut BTreeMap<u16, &'a [u8]>);
+
+/// Takes what a record says; nothing where its content is not as long as it says.
+fn take<'a>(
+    found: &mut Contents,
+    (channels, schemas): Kinds<'a, '_>,
+    code: u8,
+    body: &'a [u8],
+) -> Option<Result<(), String>> {
+    let mut fields = Fields(body);
+    match code {
+        op::METADATA => match fields.text()? {
+            ABOUT => found.about = fields.texts()?,
+            END => found.ended = fields.texts()?.remove(WHY),
+            _ => {}
+        },
+        op::SCHEMA => {
+            let id = fields.u16()?;
+            let _name_and_encoding = (fields.text()?, fields.text()?);
+            schemas.insert(id, fields.bytes()?);
+        }
+        op::CHANNEL => {
+            let (id, schema) = (fields.u16()?, fields.u16()?);
+            channels.insert(id, (fields.text()?.to_string(), schema));
+        }
+        op::MESSAGE => {
+            let channel = fields.u16()?;
+            let _sequence_and_times = fields.take(20)?;
+            let Some((topic, schema)) = channels.get(&channel) else { return Some(Ok(())) };
+            if topic == ROWS {
+                if found.columns.is_empty() {
+                    found.columns = columns_of(schemas.get(schema).copied().unwrap_or_default());
+                }
+                let numbers = fields.0.get(4..)?.as_chunks::<8>().0;
+                if numbers.len() != found.columns.len() {
+                    let (came, columns) = (numbers.len(), found.columns.len());
+                    return Some(Err(format!("a row has {came} numbers, its columns are {columns}")));
+                }
+                found.rows.extend(numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)));
+            } else if topic == LISTS {
+                let (name, cycle, numbers) = list_of(fields.0)?;
+                match Wish::of(&name, &numbers) {
+                    Some(wish) => found.wishes.push((cycle, wish)),
+                    None => found.setup.push((name, numbers)),
+                }
+            }
+        }
+        _ => {}
+    }
+    Some(Ok(()))
 }
 
 fn columns_of(schema: &[u8]) -> Vec<String> {

@@ -6,7 +6,7 @@ use crate::cycle::Cycles;
 use crate::host_link::{self, Heard};
 use crate::input_output::{Disturbance, InputOutput};
 use crate::priority::{Granted, ask};
-use crate::record::Record;
+use crate::record::{Record, WITH_THE_RUN, reason};
 use crate::row::{COLUMNS, Row};
 use crate::status::Status;
 use crate::wish::Wish;
@@ -55,6 +55,8 @@ pub struct Running {
 struct Kept {
     rows: Mutex<VecDeque<Row>>,
     recorded: AtomicU64,
+    /// Rows that it lacks because it ended before the loop.
+    unrecorded: AtomicU64,
     /// Why the record ended before the loop.
     record_ended: OnceLock<String>,
 }
@@ -168,9 +170,10 @@ impl Running {
         self.heard.as_deref()
     }
 
-    /// Bytes in the rows of the record, and why it ended before the loop, if it did.
-    pub fn recorded(&self) -> (u64, Option<&str>) {
-        (self.kept.recorded.load(Relaxed), self.kept.record_ended.get().map(String::as_str))
+    /// Bytes of the record, rows that it lacks because it ended before the loop, and why it did, if it did.
+    pub fn recorded(&self) -> (u64, u64, Option<&str>) {
+        let [bytes, lacks] = [&self.kept.recorded, &self.kept.unrecorded].map(|count| count.load(Relaxed));
+        (bytes, lacks, self.kept.record_ended.get().map(String::as_str))
     }
 
     /// The numbers of the newest `most` rows of cycles after `since`, one row after the other.
@@ -245,11 +248,7 @@ impl Keeper {
             }
             thread::sleep(self.nap);
         }
-        if let Some(record) = self.record.take()
-            && let Err(error) = record.finish()
-        {
-            let _ = self.kept.record_ended.set(error.to_string());
-        }
+        self.end(WITH_THE_RUN);
     }
 
     fn take(&mut self) {
@@ -263,6 +262,9 @@ impl Keeper {
         for _ in 0..rows {
             let Ok(row) = self.rows.pop() else { break };
             self.time_s = row.time_s;
+            if self.record.is_none() && self.kept.record_ended.get().is_some() {
+                self.kept.unrecorded.fetch_add(1, Relaxed);
+            }
             self.write(|record| record.row(&row));
             let mut kept = locked(&self.kept.rows);
             if kept.len() >= self.history {
@@ -277,15 +279,31 @@ impl Keeper {
         let Some(record) = &mut self.record else { return };
         let written = write(record);
         self.kept.recorded.store(record.bytes(), Relaxed);
-        let reason = match written {
-            Err(error) => error.to_string(),
-            Ok(()) if record.is_full() => "full".to_string(),
-            Ok(()) => return,
-        };
-        let ended = self.record.take().map(Record::finish);
-        let _ = self.kept.record_ended.set(match ended {
-            Some(Err(error)) => error.to_string(),
-            _ => reason,
-        });
+        let (full, rows) = (record.full(), record.rows());
+        match written {
+            Err(error) => self.ended_early(rows, reason(&error)),
+            Ok(()) => {
+                if let Some(why) = full {
+                    self.end(&why);
+                    let _ = self.kept.record_ended.set(why);
+                }
+            }
+        }
+    }
+
+    /// Ends the record, for the reason that is written into it.
+    fn end(&mut self, why: &str) {
+        let Some(record) = self.record.take() else { return };
+        let taken = record.rows().0;
+        if let Err((kept, error)) = record.finish(why) {
+            self.ended_early((taken, kept), reason(&error));
+        }
+    }
+
+    /// Takes note of a record that could not be written: what is not in its file is lost.
+    fn ended_early(&mut self, (taken, kept): (u64, u64), why: String) {
+        self.record = None;
+        self.kept.unrecorded.fetch_add(taken - kept, Relaxed);
+        let _ = self.kept.record_ended.set(why);
     }
 }

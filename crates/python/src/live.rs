@@ -7,7 +7,7 @@ use crate::limits::{step, timing as in_steps};
 use crate::simulate::{spring_curve, steps};
 use forcefeel_live::controller::Controller;
 use forcefeel_live::input_output::{Command, Disturbance, Fault, InputOutput};
-use forcefeel_live::record::Record;
+use forcefeel_live::record::{Record, Size, reason};
 use forcefeel_live::replay::{Contents, read, replay};
 use forcefeel_live::row::{COLUMNS, NAMES};
 use forcefeel_live::running::{Plan, Running};
@@ -114,7 +114,7 @@ pub struct LiveLoop {
 impl LiveLoop {
     /// Begins: over UDP where there is an address, else with the machine simulated.
     ///
-    /// `record`: path, most bytes, and what is written about it. `host`: where an aircraft simulator is listened to.
+    /// `record`: path, most bytes, rows that are expected, and what is written about it. `host`: where an aircraft simulator is listened to.
     #[new]
     #[pyo3(signature = (setup, *, script = None, address = None, host = None, real_time = true, cycles = None, wishes = vec![], record = None, history = 120_000))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
@@ -126,7 +126,7 @@ impl LiveLoop {
         real_time: bool,
         cycles: Option<u64>,
         wishes: Vec<Wished>,
-        record: Option<(PathBuf, u64, BTreeMap<String, String>)>,
+        record: Option<(PathBuf, u64, u64, BTreeMap<String, String>)>,
         history: usize,
     ) -> PyResult<Self> {
         let mut setup = setup.setup.clone();
@@ -148,11 +148,11 @@ impl LiveLoop {
         let wishes = wishes.collect::<PyResult<_>>()?;
         let controller = Controller::new(&setup).map_err(refused)?;
         let record = match record {
-            Some((path, most_bytes, about)) => {
+            Some((path, most_bytes, rows, about)) => {
                 let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
                 let now = u64::try_from(now).unwrap_or(0);
-                let made = Record::create(&path, most_bytes, now, &about, &setup.numbers());
-                Some(made.map_err(|error| PyOSError::new_err(format!("{}: {error}", path.display())))?)
+                let made = Record::create(&path, Size { most_bytes, rows }, now, &about, &setup.numbers());
+                Some(made.map_err(|error| PyOSError::new_err(format!("{}: {}", path.display(), reason(&error))))?)
             }
             None => None,
         };
@@ -184,10 +184,10 @@ impl LiveLoop {
         (cycles, beats, missed, silent, lost, state, trips, status.ended.load(Relaxed))
     }
 
-    /// Bytes of the record, and why it ended before the loop, if it did.
-    fn recorded(&self) -> (u64, Option<String>) {
-        let (bytes, ended) = self.running.recorded();
-        (bytes, ended.map(str::to_string))
+    /// Bytes of the record, rows that it lacks because it ended before the loop, and why it did, if it did.
+    fn recorded(&self) -> (u64, u64, Option<String>) {
+        let (bytes, lacks, ended) = self.running.recorded();
+        (bytes, lacks, ended.map(str::to_string))
     }
 
     /// Of a host: where it is listened to, packets that were handed on, packets that were left out, who spoke last and how many seconds
@@ -309,28 +309,35 @@ pub fn live_trips() -> Vec<(&'static str, &'static str)> {
     trips()
 }
 
-/// A record: what was written about it, its columns, its rows, its wishes, whether the file broke off.
+/// A record: what was written about it, its columns, its rows, its wishes, why the file breaks off if it does, why it ended if it says so.
 #[pyfunction]
 #[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
 pub fn live_record<'py>(
     py: Python<'py>,
     data: &[u8],
-) -> PyResult<(BTreeMap<String, String>, Vec<String>, Array<'py>, Vec<Wished>, bool)> {
-    let Contents { about, columns, rows, wishes, broken, .. } = py.detach(|| read(data)).map_err(refused)?;
+) -> PyResult<(BTreeMap<String, String>, Vec<String>, Array<'py>, Vec<Wished>, Option<String>, Option<String>)> {
+    let Contents { about, columns, rows, wishes, broken, ended, .. } = py.detach(|| read(data)).map_err(refused)?;
     let shape = [rows.len() / columns.len().max(1), columns.len()];
     let named = |(cycle, wish): &(u64, Wish)| {
         let (name, numbers) = wish.numbers();
         (*cycle, name.to_string(), numbers)
     };
     let wishes = wishes.iter().map(named).collect();
-    Ok((about, columns, PyArray1::from_vec(py, rows).reshape(shape)?, wishes, broken))
+    Ok((about, columns, PyArray1::from_vec(py, rows).reshape(shape)?, wishes, broken, ended))
 }
 
 /// Cycles of a record that were run again, the first number that differs (cycle, column, as recorded, as replayed), the first cycle that is
-/// missing.
+/// missing, why the file breaks off if it does, why it ended if it says so.
 #[pyfunction]
 #[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
-pub fn live_replay(py: Python<'_>, data: &[u8]) -> PyResult<(u64, Option<(u64, &'static str, f64, f64)>, Option<u64>)> {
-    let found = py.detach(|| read(data).and_then(|contents| replay(&contents))).map_err(refused)?;
-    Ok((found.cycles, found.difference, found.gap))
+pub fn live_replay(
+    py: Python<'_>,
+    data: &[u8],
+) -> PyResult<(u64, Option<(u64, &'static str, f64, f64)>, Option<u64>, Option<String>, Option<String>)> {
+    let again = || {
+        let contents = read(data)?;
+        Ok::<_, String>((replay(&contents)?, contents.broken, contents.ended))
+    };
+    let (found, broken, ended) = py.detach(again).map_err(refused)?;
+    Ok((found.cycles, found.difference, found.gap, broken, ended))
 }

@@ -8,12 +8,13 @@ from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.records import BenchRecord, Hold
 from forcefeel.bench.responses import Response
 from forcefeel.errors import InputError, expect
+from forcefeel.tables.between import ALL, Times
 from forcefeel.tables.header import columns_called
 from forcefeel.tables.table_file import open_table
 from forcefeel.units import show
 
 
-def read_bench_data(
+def read_bench_data(  # noqa: PLR0913  what options say of a file
     path: str | Path,
     *,
     experiment: Experiment | str | None = None,
@@ -22,11 +23,12 @@ def read_bench_data(
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
     hold: Hold | None = None,
+    between_s: Times = ALL,
 ) -> Response | BenchRecord:
     """Reads a frequency response or a record: a response has a column ``frequency``, a record one ``time``.
 
-    Arguments are those of ``read_response`` and ``read_bench_record``. With a response ``hold`` is refused, with a record ``input``
-    and ``output``.
+    Arguments are those of ``read_response`` and ``read_bench_record``. With a response ``hold`` and ``between_s`` are
+    refused, with a record ``input`` and ``output``.
 
     Raises:
         InputError: As these two, and if the file has neither column or both.
@@ -49,10 +51,11 @@ def read_bench_data(
             f"{table.where}: has {has}; expected "
             f"{response_file.EXAMPLE!r} or {record_file.EXAMPLE!r}, got {show(','.join(table.header))}"
         )
-    strangers = {"hold": hold} if is_response else {"input": input, "output": output}
+    cut = between_s if between_s != ALL else None
+    strangers = {"hold": hold, "between_s": cut} if is_response else {"input": input, "output": output}
     if given := [name for name, value in strangers.items() if value]:
         kind = "frequency response" if is_response else "record in time"
         raise InputError(f"{table.path}: is a {kind}, to which the argument {given[0]} does not apply; leave it out")
     if is_response:
         return response_file.response_of(table, experiment, (input, output), own, units or {})
-    return record_file.record_of(table, experiment, own, units or {}, hold)
+    return record_file.record_of(table, experiment, own, units or {}, hold, between_s)

@@ -16,7 +16,7 @@ from forcefeel.errors import InputError
 from forcefeel.qualification import load_rules
 from forcefeel.qualification.let_go import check_clipping, check_rate, find_release
 from forcefeel.qualification.records import Record, found_noise, found_resolution
-from forcefeel.tables.faults import check_step, fault
+from forcefeel.tables.faults import check_step, fault, in_file
 from forcefeel.units import factor
 
 FEWEST_SAMPLES = 100
@@ -92,7 +92,7 @@ def check_record(
             )
     if found := fault(columns, {"time": "s", **RECORDED}):
         row, sentence = found
-        raise InputError(f"{where}: row {row}: {sentence}" if places is None else f"{places[row]}: {sentence}")
+        raise InputError(f"{where}: row {row}: {sentence}" if places is None else f"{places[row]}: {in_file(sentence)}")
     if len(record.time_s) < FEWEST_SAMPLES:
         raise InputError(
             f"{where}: has {len(record.time_s)} samples; expected {FEWEST_SAMPLES} at least; record for longer"

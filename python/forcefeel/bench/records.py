@@ -28,6 +28,7 @@ class BenchRecord:
         channels: Values by channel, (samples,) each; those of the drive and at least one that is measured.
         hold: How the drive runs between two samples: straight, or as a staircase that keeps each value until the next.
         data_hash: SHA-256 of the file that it came from, in hexadecimal; empty if from none.
+        run: What the record of a live run says of it: loader, law, machine; empty of other records.
 
     Example:
         >>> import forcefeel as ff
@@ -42,3 +43,4 @@ class BenchRecord:
     channels: Mapping[str, NDArray[np.float64]]
     hold: Hold = "straight"
     data_hash: str = field(default="", repr=False)
+    run: Mapping[str, str] = field(default_factory=dict, repr=False)

@@ -1,6 +1,6 @@
 """What a file of bench data says of itself, and its reader's arguments say of it."""
 
-from forcefeel.bench.experiments import Drive, Experiment
+from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
 from forcefeel.tables.table import Table
 from forcefeel.units import show
@@ -33,10 +33,14 @@ def stated_experiment(table: Table, argument: Experiment | str | None) -> Experi
         raise InputError(
             f"{table.path}: says that it is of {in_file}, and the argument experiment is {given}; leave one of them out"
         )
-    if (experiment := in_file or given) is None:
+    if (experiment := in_file or given or (OF_A_RUN if table.run else None)) is None:
         remedy = "say so at the top of a CSV file, as in '# experiment: servo-closed', or by the argument experiment"
         raise InputError(f"{table.path}: does not say under which experiment it was recorded; {remedy}")
     return experiment
+
+
+OF_A_RUN = Experiment(Loop.LOADER, Drive.PILOT_FORCE)
+"""What the record of a live run is taken for: the whole loader under its law, and a hand at the grip."""
 
 
 def drive_channel(experiment: Experiment) -> str | None:

@@ -1,7 +1,7 @@
 """Files of bench data and what the options say of each: for one file by its stem, or for all."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,19 +11,22 @@ from cyclopts import Group
 
 from forcefeel.cli.options import option
 from forcefeel.errors import InputError
+from forcefeel.tables.between import ALL, times_by_stem
 from forcefeel.tables.column_names import ColumnNames, by_stem
 from forcefeel.units import show
 
 if TYPE_CHECKING:
     from forcefeel.bench.records import BenchRecord, Hold
     from forcefeel.bench.responses import Response
+    from forcefeel.loader.loader import Loader
 
 DATA = Group("Bench data", sort_key=10)
 
 _OPTIONS = {
     "experiment": "--experiment",
-    "input": "--from",
-    "output": "--to",
+    "input": "--input-channel",
+    "output": "--output-channel",
+    "between_s": "--from and --until",
     "columns": "--column",
     "units": "--unit",
     "hold": "--hold",
@@ -47,15 +50,27 @@ class BenchOptions:
             metavar="[STEM=]EXPERIMENT",
         ),
     ] = ()
-    from_: Annotated[
+    input_channel: Annotated[
+        tuple[str, ...],
+        option("Input channel of a response, such as 'test_signal (V)'.", DATA, metavar="[STEM=]CHANNEL"),
+    ] = ()
+    output_channel: Annotated[
+        tuple[str, ...],
+        option("Output channel of a response, such as 'column_angle (deg)'.", DATA, metavar="[STEM=]CHANNEL"),
+    ] = ()
+    times_from: Annotated[
         tuple[str, ...],
         option(
-            "Channel that a response leads from, such as 'test_signal (V)'.", DATA, "--from", metavar="[STEM=]CHANNEL"
+            "First time that is read of a record, by its own time, such as '6 s'. Repeatable.",
+            DATA,
+            "--from",
+            default="its start",
+            metavar="[STEM=]TIME",
         ),
     ] = ()
-    to: Annotated[
+    times_until: Annotated[
         tuple[str, ...],
-        option("Channel that a response leads to, such as 'column_angle (deg)'.", DATA, metavar="[STEM=]CHANNEL"),
+        option("Last time that is read of a record.", DATA, "--until", default="its end", metavar="[STEM=]TIME"),
     ] = ()
     column: Annotated[
         tuple[str, ...],
@@ -93,10 +108,17 @@ class BenchOptions:
         stems = _stems(files)
         experiment, source, target = (
             by_stem(option, given, stems)
-            for option, given in (("--experiment", self.experiment), ("--from", self.from_), ("--to", self.to))
+            for option, given in (
+                ("--experiment", self.experiment),
+                ("--input-channel", self.input_channel),
+                ("--output-channel", self.output_channel),
+            )
         )
         hold = {stem: _hold(text) for stem, text in by_stem("--hold", self.hold, stems).items()}
-        names = ColumnNames.of(self.column, self.unit, stems)
+        names, times = (
+            ColumnNames.of(self.column, self.unit, stems),
+            times_by_stem(self.times_from, self.times_until, stems),
+        )
         with options_named():
             return [
                 read_bench_data(
@@ -105,10 +127,34 @@ class BenchOptions:
                     input=source.get(path.stem),
                     output=target.get(path.stem),
                     hold=hold.get(path.stem),
+                    between_s=times.get(path.stem, ALL),
                     **names.arguments(path.stem),
                 )
                 for path in files
             ]
+
+
+def law_of_runs(data: "Sequence[Response | BenchRecord]", loader: "Loader") -> str | None:
+    """Name of the law that live runs among the data state; ``None`` if there is none.
+
+    Raises:
+        InputError: If they state two, or were of another loader, whose law is another.
+    """
+    from forcefeel.bench.records import BenchRecord
+
+    runs = {one.name: one.run for one in data if isinstance(one, BenchRecord) and one.run}
+    laws = {run.get("law", ""): name for name, run in runs.items()}
+    if len(laws) > 1:
+        came = " and ".join(f"{law} in {name}" for law, name in laws.items())
+        raise InputError(f"--data: live runs under two laws, {came}; expected one law; identify from the runs of one")
+    for name, run in runs.items():
+        if run.get("loader_hash") != loader.fingerprint:
+            came = run.get("loader", "unknown")
+            raise InputError(
+                f"{name}: was run on a loader {came} of other values than {loader.name}, so that its law is another; give the "
+                "loader file of the run, or the law's own file by --law"
+            )
+    return next(iter(laws), None)
 
 
 def _stems(files: tuple[Path, ...]) -> list[str]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Group
 from rich.table import Table
 
-from forcefeel.cli.bench_data import DATA, BenchOptions
+from forcefeel.cli.bench_data import DATA, BenchOptions, law_of_runs
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.given_loader import given_law
 from forcefeel.cli.law_option import ORIGINAL
@@ -59,7 +59,8 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
     data: Annotated[
         tuple[Path, ...],
         option(
-            "A file of bench data: a frequency response (CSV) or a record in time (CSV, Parquet, MATLAB). May be given again.",
+            "A file of bench data: a frequency response (CSV) or a record in time (CSV, Parquet, MATLAB, or MCAP of "
+            "forcefeel run). May be given again.",
             DATA,
             metavar="FILE",
         ),
@@ -98,15 +99,18 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
         Path("forcefeel-identified")
     )
 
-    def settings(self, loader: "Loader") -> "FitSettings":
+    def settings(self, loader: "Loader", law: "Law | None") -> "FitSettings":
         """How the fit is to be made."""
         from forcefeel.bench.identification.as_json import FitSettings
         from forcefeel.laws.law import DEFAULTS
 
-        return filled(FitSettings, self, priors=not self.no_priors, law=str(self.law or DEFAULTS[loader.drive]))
+        named = DEFAULTS[loader.drive] if law is None else law.name
+        return filled(FitSettings, self, priors=not self.no_priors, law=str(self.law or named))
 
     def fixed_law(self, loader: "Loader", data: "Sequence[Response | BenchRecord]") -> "Law | None":
         """The law of the whole loader in the data; ``None`` is that of its drive: the original one, or ``robust`` of a motor.
+
+        Where none is given, the law is the one that live runs among the data state.
 
         Raises:
             InputError: If it is of no use to these data or cannot be designed.
@@ -114,6 +118,8 @@ class IdentifyOptions(BenchOptions, LoaderOptions, FolderOptions, OutputOptions)
         from forcefeel.bench.experiments import Loop
         from forcefeel.loader.parameters import HYDRAULIC
 
+        if self.law is None and (law := law_of_runs(data, loader)) is not None:
+            return given_law(law, loader)
         if self.law is None or (self.law == ORIGINAL and loader.drive == HYDRAULIC):
             return None
         if all(one.experiment.loop is not Loop.LOADER for one in data):
@@ -138,7 +144,7 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
     FOLDER.check(options.out, replace=options.replace, inputs=inputs)  # before the work, not after it
     loader, data = options.loader(path), options.read(options.data)
     law = options.fixed_law(loader, data)
-    settings = options.settings(loader)
+    settings = options.settings(loader, law)
     with all_or_nothing("identify", "searches", silent=options.json, even=False) as bar:
         found = identify(
             loader,

@@ -110,7 +110,7 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
         option(
             "A recorded aircraft in place of the programmed feel: NAME=FILE, NAME being a test such as release-25-positive, "
             "static, medium or fast; a file alone, whose test is told from its name or from what is in it; or a folder of files "
-            "named after tests. CSV, Parquet or MATLAB. May be given again.",
+            "named after tests. CSV, Parquet, MATLAB, or MCAP of forcefeel run. May be given again.",
             RECORDS,
             "--reference",
             metavar="[NAME=]FILE",
@@ -142,6 +142,21 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
             RECORDS,
             metavar="[STEM:]NAME=UNIT",
         ),
+    ] = ()
+    starts: Annotated[
+        tuple[str, ...],
+        option(
+            "First time that is read of the files of --record and --reference, by their own time, such as '6 s'; with STEM= of "
+            "that file alone. Repeatable.",
+            RECORDS,
+            "--from",
+            default="their start",
+            metavar="[STEM=]TIME",
+        ),
+    ] = ()
+    ends: Annotated[
+        tuple[str, ...],
+        option("Last time that is read, as --from.", RECORDS, "--until", default="their end", metavar="[STEM=]TIME"),
     ] = ()
     law: Annotated[
         tuple[str, ...],

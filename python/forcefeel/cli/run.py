@@ -66,7 +66,8 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
 
     It prints the address of its console, a page of this machine; whoever opens it first holds control. Ctrl-C, or SIGTERM, takes
     the feel away and ends it. The loop runs in a thread of its own at the period of the loader's controller. A Linux process is no
-    safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped.
+    safety function: wire an emergency stop that cuts the drive's power. Exit status 1 if the loader tripped, or if the record ended
+    before the run, as on a full disk.
 
     Example: forcefeel run elevator-2khz --law robust --out run
     """
@@ -80,7 +81,7 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
     record = None if options.out is None else _record(options.out, replace=options.replace)
     over = Simulated() if options.machine is None else Udp(options.machine)
     with (
-        start(loader, law, over=over, host=options.host, record=record) as running,
+        start(loader, law, over=over, host=options.host, record=record, expected_s=lasts) as running,
         _told_to_end() as told,
         _console(running, options),
     ):
@@ -93,7 +94,7 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
         lambda terminal: _show(terminal, running),
         as_json=options.json,
     )
-    if running.trips:
+    if running.trips or running.state.record_ended:
         raise SystemExit(BAD_ANSWER)
 
 
@@ -145,9 +146,11 @@ def _told_to_end() -> Iterator[threading.Event]:
 
 
 def _wait(running: "Running", lasts_s: float, told: threading.Event) -> None:
-    end = time.monotonic() + lasts_s
+    end, ended = time.monotonic() + lasts_s, ""
     while (left := end - time.monotonic()) > 0 and not running.state.ended and not told.wait(min(left, _LOOK_S)):
-        pass
+        if (why := running.state.record_ended) != ended:
+            _tell(f"the record has ended, and the loop goes on: {why}")
+            ended = why
 
 
 def _record(out: Path, *, replace: bool) -> Path:
@@ -176,7 +179,8 @@ def _json(running: "Running") -> dict[str, object]:
         "period_s": running.period_s,
         "missed": state.missed,
         "cycles_without_sample": state.silent,
-        "rows_lost": state.lost_rows,
+        "rows_lost": state.lost_rows + state.unrecorded_rows,
+        "record_ended": state.record_ended or None,
         **({} if running.host is None else {"host": asdict(running.host)}),
         "trips": [trip.name for trip in running.trips],
         **{
@@ -231,9 +235,9 @@ def _show(console: Terminal, running: "Running") -> None:
     if (host := running.host) is not None:
         heard = f"{host.packets:,} packets, {host.refused:,} left out"
         console.print(f"- simulator at {host.listens}: {heard}", highlight=False)
-    if state.lost_rows or state.record_ended:
-        console.print(
-            f"- the record lacks {state.lost_rows:,} rows; {state.record_ended}".rstrip("; "), highlight=False
-        )
+    if lost := state.lost_rows + state.unrecorded_rows:
+        console.print(f"- {lost:,} rows were lost", highlight=False)
+    if state.record_ended:
+        console.print(f"- the record ended before the run: {state.record_ended}", style="bold red", highlight=False)
     for trip in running.trips:
         console.print(f"- tripped: {trip.name}. {trip.sentence}", style="bold red", highlight=False)

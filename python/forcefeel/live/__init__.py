@@ -23,7 +23,8 @@ nonlinear machine in the loop's own thread, or ``Udp(address)``, a machine that 
 ``break_(fault, sensor=None, by=0)``, ``repair()``
     Faults of a simulated machine, of ``FAULTS`` and ``SENSORS``.
 ``state``
-    ``State(cycle, time_s, name, trips, missed, silent, lost_rows, recorded, record_ended, ended)``; name is one of ``STATES``.
+    ``State(cycle, time_s, name, trips, missed, silent, lost_rows, recorded, unrecorded_rows, record_ended, ended)``;
+    name is one of ``STATES``.
 ``host``
     ``HostState(listens, address, packets, refused, silent_s, share)``, or ``None``.
 ``trips``

@@ -47,8 +47,8 @@ class Loop(Protocol):
         """Cycles, beats, missed, silent, lost, state, trips, ended."""
         ...
 
-    def recorded(self) -> tuple[int, str | None]:
-        """Bytes of the record, and why it ended before the loop."""
+    def recorded(self) -> tuple[int, int, str | None]:
+        """Bytes of the record, rows that it lacks because it ended before the loop, and why it did."""
         ...
 
     def heard(self) -> tuple[str, int, int, tuple[str, float] | None] | None:

@@ -25,7 +25,8 @@ class LiveRecord:
         columns: Names of the columns with their SI units at the end.
         rows: A row for each cycle.
         wishes: Cycle from which each counts, name, numbers.
-        broken: Whether the file breaks off; what was there before is here.
+        broken: Where and why the file breaks off, empty if it does not; what was there before is here.
+        ended: Why the record ended: "with the run", or before it, as on a full disk; empty if the process that wrote it was killed.
 
     Example:
         >>> import forcefeel as ff
@@ -39,7 +40,8 @@ class LiveRecord:
     columns: tuple[str, ...]
     rows: NDArray[np.float64] = field(repr=False)
     wishes: tuple[tuple[int, str, list[float]], ...] = field(repr=False)
-    broken: bool
+    broken: str
+    ended: str
 
     def column(self, name: str) -> NDArray[np.float64]:
         """A column by its name.
@@ -60,6 +62,7 @@ class Replayed:
         cycles: Cycles that were run.
         difference: The first number that differs: cycle, column, as recorded, as replayed; ``None``: every bit is the same.
         gap: The first cycle that the record lacks, where it has a gap; ``None`` if it has none.
+        broken, ended: As of ``LiveRecord``.
 
     Example:
         >>> import forcefeel as ff
@@ -72,6 +75,8 @@ class Replayed:
     cycles: int
     difference: tuple[int, str, float, float] | None
     gap: int | None
+    broken: str
+    ended: str
 
     @property
     def same(self) -> bool:
@@ -93,8 +98,8 @@ def read_live_record(path: str | Path) -> LiveRecord:
         >>> len(record.column("column_angle_rad")) >= 100
         True
     """
-    about, columns, rows, wishes, broken = _asked(path, _core.live_record)
-    return LiveRecord(about, tuple(columns), rows, tuple(wishes), broken)
+    about, columns, rows, wishes, broken, ended = _asked(path, _core.live_record)
+    return LiveRecord(about, tuple(columns), rows, tuple(wishes), broken or "", ended or "")
 
 
 def replay(path: str | Path) -> Replayed:
@@ -111,11 +116,12 @@ def replay(path: str | Path) -> Replayed:
         >>> ff.live.replay("run.mcap").same
         True
     """
-    return Replayed(*_asked(path, _core.live_replay))
+    cycles, difference, gap, broken, ended = _asked(path, _core.live_replay)
+    return Replayed(cycles, difference, gap, broken or "", ended or "")
 
 
 def _asked(path: str | Path, question: Callable[[bytes], _Answer]) -> _Answer:
-    data = read_input(Path(path), MOST_BYTES * 8, "a record of a live run (.mcap)")
+    data = read_input(Path(path), MOST_BYTES, "a record of a live run (.mcap)")
     try:
         return question(data)
     except _core.ArgumentError as error:

@@ -254,7 +254,7 @@ class Running:
     def state(self) -> State:
         """How it does."""
         cycles, beats, missed, silent, lost, state, trips, ended = self.loop.status()
-        recorded, record_ended = self.loop.recorded()
+        recorded, unrecorded, record_ended = self.loop.recorded()
         return State(
             cycle=cycles,
             time_s=beats * self.period_s,
@@ -264,6 +264,7 @@ class Running:
             silent=silent,
             lost_rows=lost,
             recorded=recorded,
+            unrecorded_rows=unrecorded,
             record_ended=record_ended or "",
             ended=ended,
         )

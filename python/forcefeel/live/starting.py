@@ -1,9 +1,10 @@
 """A loop begun."""
 
+from math import ceil, isfinite
 from pathlib import Path
 
 from forcefeel import _core
-from forcefeel.errors import InputError
+from forcefeel.errors import InputError, expect_number
 from forcefeel.files import check_output_file
 from forcefeel.laws.law import LawLike
 from forcefeel.live.asked import Asked
@@ -12,13 +13,15 @@ from forcefeel.live.running import Running
 from forcefeel.live.setup import feel_numbers, live_law, made_of, script_of
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.engine import engine_changes
+from forcefeel.tables.mcap_table import SIMULATED
+from forcefeel.tables.table import MOST_BYTES
 from forcefeel.units import show
 
 RECORD = ".mcap"
 """What the name of a record ends with."""
 
-MOST_RECORD_BYTES = 2**30
-"""Largest record where nothing else is said: 1.4 hours at 1 kHz."""
+MOST_RECORD_BYTES = MOST_BYTES
+"""Default largest size of a record, the largest file that is read: 1.1 hours at 1 kHz."""
 
 LEAST_RECORD_BYTES = 2**20
 
@@ -33,6 +36,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     host: str | int | None = None,
     record: str | Path | None = None,
     most_bytes: int = MOST_RECORD_BYTES,
+    expected_s: float = 0.0,
 ) -> Running:
     """Starts the loop of a loader in a thread of its own.
 
@@ -48,12 +52,15 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
             sets the feel's surroundings, and starts nothing.
         record: File for all that goes in and out, ``.mcap``. It is whole at any moment, and grows no larger than ``most_bytes``.
         most_bytes: See there.
+        expected_s: How long it is to run, s: the disk must have room for a record of so long when it starts. Room for the next
+            seconds is reserved at any time; where there is none left, the record ends, whole, and ``state.record_ended`` says why.
 
     Returns:
         The loop under way: a context manager that ends it.
 
     Raises:
-        InputError: If the loader has no such controller, the law is none for it, or an address, a port or the file cannot be used.
+        InputError: If the loader has no such controller, the law is none for it, an address, a port or the file cannot be used, or
+            the disk has no room for the record.
 
     Example:
         >>> import forcefeel as ff
@@ -89,7 +96,9 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
             real_time=real_time,
             cycles=cycles,
             wishes=wishes,
-            record=None if record is None else (*_file(record, most_bytes), _about(loader, driven_by.name)),
+            record=None
+            if record is None
+            else (*_file(record, most_bytes), _cycles(expected_s, loader), about_run(loader, driven_by.name, over)),
         )
     except OSError as error:
         raise InputError(f"cannot start: {error}") from error
@@ -125,7 +134,13 @@ def _file(record: str | Path, most_bytes: int) -> tuple[Path, int]:
     return path, most_bytes
 
 
-def _about(loader: Loader, law: str) -> dict[str, str]:
+def _cycles(lasts_s: float, loader: Loader) -> int:
+    """Cycles of a run that lasts so long; none where it lasts until it is ended."""
+    expect_number("expected_s", lasts_s)
+    return ceil(max(lasts_s, 0.0) / loader["controller.period"]) if isfinite(lasts_s) else 0
+
+
+def about_run(loader: Loader, law: str, over: Over) -> dict[str, str]:
     """What a record says of itself."""
     from importlib.metadata import version  # noqa: PLC0415  for records alone
 
@@ -133,6 +148,8 @@ def _about(loader: Loader, law: str) -> dict[str, str]:
         "forcefeel": version("forcefeel"),
         "loader": loader.name,
         "loader_hash": loader.fingerprint,
+        "drive": loader.drive,
+        "machine": over.address if isinstance(over, Udp) else SIMULATED,
         "law": law,
         "period_s": repr(loader["controller.period"]),
     }

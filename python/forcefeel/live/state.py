@@ -29,6 +29,7 @@ class State:
         silent: Cycles without a sample.
         lost_rows: Rows that the history and the record lack, because nobody took them in time.
         recorded: Bytes of the record.
+        unrecorded_rows: Rows that the record lacks because it ended before the loop, as on a full disk.
         record_ended: Why the record ended before the loop; empty if it did not.
         ended: Whether the loop has ended.
 
@@ -48,6 +49,7 @@ class State:
     silent: int
     lost_rows: int
     recorded: int
+    unrecorded_rows: int
     record_ended: str
     ended: bool
 

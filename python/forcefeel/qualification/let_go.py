@@ -143,7 +143,7 @@ def _when(record: Record, level: float, moved: int, floor: float) -> tuple[float
         return float(record.time_s[0]), step
     until = max(int(np.argmax(way > _CLEAR * floor)), _FEWEST)
     when, longer = (_laid_back(t[:count], way[:count], record.step_s) for count in (until, until + until // 2))
-    return when, math.hypot(step, longer - when)
+    return max(when, float(record.time_s[0])), math.hypot(step, longer - when)
 
 
 def _laid_back(t: NDArray[np.float64], way: NDArray[np.float64], step_s: float) -> float:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from forcefeel.qualification.records import Record
+from forcefeel.tables.between import ALL, Times
 from forcefeel.tables.faults import check_step
 from forcefeel.tables.signals import Signals
 from forcefeel.tables.table_file import open_table
@@ -13,6 +14,7 @@ _SIGNALS = Signals(
     needed=("time", "position"),
     example="time (s),position (deg),force (lb)",
     also={"column_angle": "position", "pilot_force": "force"},  # as a bench calls them
+    cuts=True,
 )
 _LONGEST_STEP_S = 1.0
 """Median step of a sweep of 100 s of which a curve can be laid through 401 positions."""
@@ -24,8 +26,9 @@ def read_record(
     name: str | None = None,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
+    between_s: Times = ALL,
 ) -> Record:
-    r"""Reads a record from a ``.csv``, ``.parquet`` or ``.mat`` file, by the ending of its name.
+    r"""Reads a record from a ``.csv``, ``.parquet`` or ``.mat`` file, or of a live run, ``.mcap``, by the ending of its name.
 
     The columns are ``time`` and ``position`` or ``column angle``, and where they were recorded ``force`` or ``pilot force``,
     ``surface`` and ``body rate``, each with its unit: ``time (s)``, ``position [deg]``, ``force_n``. Others may stand beside them
@@ -36,6 +39,7 @@ def read_record(
         name: What messages name; the file's name without its ending if left out.
         columns: The file's own names of these: ``{"position": "theta"}``.
         units: Units where the header has none, by these names or the file's own: ``{"theta": "deg"}``.
+        between_s: First and last time that is read, s; all if left out.
 
     Raises:
         InputError: With the file, the line or row and the time, what is wrong, what was expected and the remedy.
@@ -49,7 +53,7 @@ def read_record(
         100
     """
     table = open_table(path, _SIGNALS.example)
-    read = _SIGNALS.read(table, columns, units)
+    read = _SIGNALS.read(table, columns, units, between_s)
     check_step(read.values["time"], str(table.path), _LONGEST_STEP_S)
     return Record(
         read.values["time"],

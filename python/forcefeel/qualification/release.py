@@ -21,6 +21,7 @@ from forcefeel.qualification.figures import Figure, combined
 from forcefeel.qualification.let_go import LetGo, check_clipping, check_rate, find_release
 from forcefeel.qualification.records import PositionUnit, Record
 from forcefeel.qualification.release_columns import COLUMNS
+from forcefeel.qualification.release_part import release_part
 from forcefeel.qualification.rules import ReleaseRules, load_rules
 
 REST = 3.0
@@ -97,14 +98,15 @@ def measure_release(
     """The features of a release.
 
     Args:
-        record: Held, let go and at rest again; 50 samples a second at least. The first sample may be the release.
+        record: Held, let go and at rest again; 50 samples a second at least. The first sample may be the release, and the way to
+            the held position may stand before it.
         rules: Residual band and shares of Ad; those of the default edition if left out.
         tail: Share of the record after the release, at its end, over which the steady state is the mean.
         settle_check: Refuse a record that does not come to rest; else measure whatever is there, ``settled`` says it.
 
     Raises:
-        InputError: With the record's name and a time: too few samples a second, no release, clipped, ends before its first
-            zero crossing or before it rests.
+        InputError: With the record's name and a time: too few samples a second, no release or more than one,
+            clipped, ends before its first zero crossing or before it rests.
 
     Example:
         >>> import forcefeel as ff
@@ -118,6 +120,7 @@ def measure_release(
     """
     rules = rules or load_rules().release
     check_rate(record)
+    record = release_part(record)
     let_go = find_release(record, tail, rules)
     check_clipping(record, let_go)
     measured = _Measured(record, let_go, rules)

@@ -19,6 +19,14 @@ _SHORTEST_STEP_S = 10e-6
 """Median step that anything is recorded at: a hundredth of a usual controller's period."""
 
 
+_CUT = "cut the recording there"
+
+
+def in_file(sentence: str) -> str:
+    """What is wrong with a row of a file of which a part can be read, with the argument that does."""
+    return f"{sentence}, by the argument between_s" if sentence.endswith(_CUT) else sentence
+
+
 def fault(columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) -> tuple[int, str] | None:
     """The first row at fault, counted from 1, and what is wrong with it; ``time`` is one of the columns."""
     time = columns["time"]
@@ -45,10 +53,7 @@ def fault(columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) 
     if gaps.any():
         i = int(np.argmax(gaps))
         what = f"a gap of {steps[i]:.6g} s after {time[i]:.15g} s"
-        return (
-            i + 2,
-            f"{what}; expected at most {GAP:g} times the median step of {median:.6g} s; cut the recording there",
-        )
+        return i + 2, f"{what}; expected at most {GAP:g} times the median step of {median:.6g} s; {_CUT}"
     return None
 
 

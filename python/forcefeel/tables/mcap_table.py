@@ -1,17 +1,30 @@
 """Tables from records of live runs, MCAP files."""
 
 import hashlib
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.tables.table import Columns, Found, Table, check_size, columns_of
 
+SIMULATED = "simulated"
+"""What a record calls the machine of a loop that simulates it."""
+
+_ACTIVE = _core.live_states().index("active")
+_PISTON = {"drive_position_m": "piston_position_m"}
+"""What the end of a valve's drive is called on a bench."""
+
 
 def read_mcap(path: Path, data: bytes, example: str) -> Table:
-    """The table in a record of a live run; columns without a number, such as a pilot's force that nothing measured, are left out.
+    """The table in a record of a live run: its rows in which the law drives, on the time of its machine.
+
+    A simulated machine goes on by a period a cycle, so that beats of the clock that the loop missed are no time to it; to a real
+    machine they are. Columns without a number, such as a pilot's force that nothing measured, and those of a force sensor that is
+    not there are left out.
 
     Args:
         path: Where it was, for messages.
@@ -19,20 +32,61 @@ def read_mcap(path: Path, data: bytes, example: str) -> Table:
         example: A good CSV header, for messages.
 
     Raises:
-        InputError: If it is no such record.
+        InputError: If it is no such record, or the law drove in none of it.
     """
     try:
-        _, columns, rows, _, _ = _core.live_record(data)
+        about, columns, rows, _, broken, _ = _core.live_record(data)
     except _core.ArgumentError as error:
         raise InputError(
             f"{path}: {error}; expected a record of forcefeel run; export what else is in MCAP files as a table with columns "
             f"such as {example!r}"
         ) from error
     check_size(str(path), len(columns), len(rows))
-    given = {name: rows[:, k] for k, name in enumerate(columns) if not np.isnan(rows[:, k]).all()}
-    header = list(given)
+    whole = dict(zip(columns, rows.T, strict=True))
+    drives = _driven(path, whole)
+    given = {name: values for name, values in whole.items() if not np.isnan(values).all()}
+    if not given["grip_force_n"].any():
+        del given["grip_force_n"]
+    if about.get("machine") == SIMULATED:
+        given["time_s"] = whole["cycle"] * _period_s(path, about)
+    renamed = _PISTON if about.get("drive") == "hydraulic" else {}
+    header = [renamed.get(name, name) for name in given]
+    taken = list(given.values())
 
     def take(found: Found) -> Columns:
-        return columns_of(path, {name: given[header[one.place]] for name, one in found.items()}, found, "row")
+        return columns_of(path, {name: taken[one.place][drives] for name, one in found.items()}, found, "driven row")
 
-    return Table(path, header, f"{path}: topic /cycle", {}, hashlib.sha256(data).hexdigest(), take)
+    where, data_hash = f"{path}: topic /cycle", hashlib.sha256(data).hexdigest()
+    return Table(path, header, where, {}, data_hash, take, about, broken or "")
+
+
+def _period_s(path: Path, about: Mapping[str, str]) -> float:
+    """The loop's period, s.
+
+    Raises:
+        InputError: If the record does not state one.
+    """
+    try:
+        return float(about["period_s"])
+    except (KeyError, ValueError) as error:
+        raise InputError(
+            f"{path}: breaks off: what it states of its run is damaged, period_s; record it anew"
+        ) from error
+
+
+def _driven(path: Path, columns: dict[str, NDArray[np.float64]]) -> NDArray[np.bool_]:
+    """The rows in which the law drives.
+
+    Raises:
+        InputError: If there is none.
+    """
+    state = columns.get("state")
+    if state is None or "grip_force_n" not in columns:
+        raise InputError(f"{path}: was made by another version of forcefeel: its columns are others")
+    drives: NDArray[np.bool_] = state == _ACTIVE
+    if not drives.any():
+        raise InputError(
+            f"{path}: has {len(state):,} rows, and the law drives in none of them; expected a run that was switched on; record "
+            "one that becomes active"
+        )
+    return drives

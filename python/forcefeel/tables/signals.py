@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from forcefeel.errors import InputError
-from forcefeel.tables.faults import fault
+from forcefeel.tables.between import ALL, Times, take_between
+from forcefeel.tables.faults import fault, in_file
 from forcefeel.tables.header import by_wanted_name, locate, need
 from forcefeel.tables.table import Columns, Table
 
@@ -18,20 +19,25 @@ class Signals:
         needed: Names without which there is nothing to read.
         also: Second names of columns, with the name that they are wanted by.
         example: A good CSV header, for messages.
+        cuts: Whether the reader's argument ``between_s`` reads a part of a record.
     """
 
     wanted: Mapping[str, tuple[str, ...]]
     needed: tuple[str, ...]
     example: str
     also: Mapping[str, str] = field(default_factory=dict)
+    cuts: bool = False
 
-    def read(self, table: Table, columns: Mapping[str, str] | None, units: Mapping[str, str] | None) -> Columns:
+    def read(
+        self, table: Table, columns: Mapping[str, str] | None, units: Mapping[str, str] | None, between_s: Times = ALL
+    ) -> Columns:
         """The columns that the table has.
 
         Args:
             table: The table.
             columns: The file's own names of them.
             units: Units where the header has none, by these names or the file's own.
+            between_s: Times between which they are read.
 
         Raises:
             InputError: If one that is needed is missing, one is not what it should be, or a row is at fault.
@@ -41,8 +47,8 @@ class Signals:
         units = by_wanted_name(where, "units", units or {}, (*self.wanted, *columns.values()), self.also)
         found = locate(table, self.wanted, units, columns, self.also)
         need(table, found, self.needed, self.example)
-        read = table.take(found)
+        read = take_between(table, found, between_s)
         if wrong := fault(read.values, read.units):
             row, sentence = wrong
-            raise InputError(f"{read.places[row]}: {sentence}")
+            raise InputError(f"{read.places[row]}: {in_file(sentence) if self.cuts else sentence}")
         return read

@@ -1,7 +1,7 @@
 """A table in a file: its header, its notes, and the numbers of the columns that are asked for."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, overload
 
@@ -26,8 +26,8 @@ Found = Mapping[str, Located]
 NOTES = ("experiment", "from", "to", "hold")
 """What a file can say of itself."""
 
-MOST_BYTES = 256 * 2**20
-"""Largest file of data."""
+MOST_BYTES = 2**30
+"""Largest file of data, and record of a live run."""
 MOST_COLUMNS = 10_000
 MOST_ROWS = 10_000_000
 """Rows of a table: 2.7 hours at 1 kHz."""
@@ -92,6 +92,8 @@ class Table:
         notes: What the file says of itself, by one of ``NOTES``.
         data_hash: SHA-256 of the file, in hexadecimal.
         take: Reads the numbers of columns that were found, in SI units.
+        run: What the record of a live run says of it, such as its law; empty of other files.
+        broken: Why the file breaks off; empty if it does not.
     """
 
     path: Path
@@ -100,6 +102,8 @@ class Table:
     notes: Mapping[str, str]
     data_hash: str
     take: Callable[[Found], Columns]
+    run: Mapping[str, str] = field(default_factory=dict)
+    broken: str = ""
 
 
 def check_size(where: str, columns: int, rows: int = 0) -> None:

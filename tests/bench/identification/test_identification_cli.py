@@ -297,7 +297,7 @@ def test_a_record_says_everything_by_options(identify, found, tmp_path):
         ((*GOOD, "--hold", "bent"), "straight or staircase"),
         ((*GOOD, "--column", "column_angle"), "--column: expected a name and what it stands for"),
         ((*GOOD, "--data", "closed.csv"), "give each file once"),
-        ((*GOOD, "--from", "load_pressure (Pa)"), "leave one of them out"),
+        ((*GOOD, "--input-channel", "load_pressure (Pa)"), "leave one of them out"),
         ((*GOOD, "--starts", "0"), "starts"),
         ((*GOOD, "--loss", "square"), "loss"),
         ((*GOOD, "--set", "linkage.stiffness=7000"), "has no unit"),
@@ -321,9 +321,9 @@ RUN = ("my.toml", "--data", "run.csv", "--fit", "k")
     [
         (CLOSED, "or by --experiment"),
         ((*CLOSED, "--experiment", "servo"), "closed.csv: --experiment: expected servo-open"),
-        ((*GOOD, "--to", "load_pressure (Pa)"), "'to' and --to contradict each other"),
-        ((*GOOD, "--to", "theta"), "--to: unknown channel 'theta'"),
-        ((*GOOD, "--from", "theta"), "--from: unknown channel 'theta'"),
+        ((*GOOD, "--output-channel", "load_pressure (Pa)"), "'to' and --output-channel contradict each other"),
+        ((*GOOD, "--output-channel", "theta"), "--output-channel: unknown channel 'theta'"),
+        ((*GOOD, "--input-channel", "theta"), "--input-channel: unknown channel 'theta'"),
         ((*GOOD, "--unit", "theta=deg"), "--unit: unknown name 'theta'"),
         ((*GOOD, "--unit", "phase=rad"), "the header says 'deg', --unit 'rad'"),
         ((*GOOD, "--hold", "straight"), "to which --hold does not apply"),
@@ -333,7 +333,13 @@ RUN = ("my.toml", "--data", "run.csv", "--fit", "k")
         ),
         ((*RUN, "--experiment", "release"), "says that it is of servo-closed test_signal, and --experiment is"),
         ((*RUN, "--hold", "straight"), "says 'hold: staircase' of itself, and --hold is 'straight'"),
-        ((*RUN, "--from", "test_signal"), "to which --from does not apply"),
+        ((*RUN, "--input-channel", "test_signal"), "to which --input-channel does not apply"),
+        ((*GOOD, "--from", "1 s"), "is a frequency response, to which --from and --until does not apply"),
+        ((*RUN, "--from", "soon"), "--from: "),
+        (
+            (*RUN, "--column", "column_angle=theta", "--unit", "theta=deg", "--from", "2 s", "--until", "1 s"),
+            "--from and --until: expected a time and a later one",
+        ),
         ((*RUN, "--column", "angle=theta"), "--column: unknown name 'angle'"),
         (RUN, "the file's own name of one is given by --column"),
         ((*RUN, "--column", "column_angle=theta"), "add it to the header or by --unit"),
@@ -396,7 +402,7 @@ def test_what_names_a_file_goes_before_what_holds_for_all():
         "release.1": "release",
     }
     assert by_stem("--experiment", None, STEMS) == {}
-    assert by_stem("--to", ["closed=column_angle (deg)"], STEMS) == {"closed": "column_angle (deg)"}
+    assert by_stem("--output-channel", ["closed=column_angle (deg)"], STEMS) == {"closed": "column_angle (deg)"}
     assert names_by_stem("--unit", ["theta=deg", "closed:theta=rad", "release.1:CH1:x=lb"], STEMS) == {
         "closed": {"theta": "rad"},
         "release.1": {"theta": "deg", "CH1:x": "lb"},

@@ -42,6 +42,7 @@ class StandIn:
         self._rows, self._lock, self._end = deque(maxlen=_KEPT), threading.Lock(), threading.Event()
         self._counts = np.zeros(40)
         self.missed = 0
+        self.record_ended = ""
         self._thread = threading.Thread(target=self._go, daemon=True)
 
     def __enter__(self):
@@ -91,6 +92,7 @@ class StandIn:
             silent=0,
             lost_rows=0,
             recorded=0,
+            record_ended=self.record_ended,
             ended=self._end.is_set(),
         )
 

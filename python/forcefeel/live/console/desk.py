@@ -266,6 +266,7 @@ class Desk:
                 kind="status",
                 state=state.name,
                 missed=state.missed,
+                record_ended=state.record_ended,
                 ended=state.ended,
                 trips=[{"name": it.name, "sentence": it.sentence} for it in running.trips],
                 holder=holder and holder.number,

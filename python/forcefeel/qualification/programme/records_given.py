@@ -11,7 +11,9 @@ from forcefeel.files import Kind, input_files, input_kind
 from forcefeel.qualification import Record, Rules, measure_release, read_record
 from forcefeel.qualification.programme.programme import SIGNS, SMALL, STATIC, Trial
 from forcefeel.qualification.release import ReleaseFeatures
+from forcefeel.qualification.release_part import release_part
 from forcefeel.qualification.throw import Throw
+from forcefeel.tables.between import ALL, Times
 from forcefeel.tables.column_names import ColumnNames
 from forcefeel.tables.table_file import ENDINGS
 
@@ -67,21 +69,26 @@ class Recognition:
     rules: Rules
     throw: Throw
 
-    def read(self, option: str, files: Sequence[tuple[str, Path]], names: ColumnNames) -> dict[str, Given]:
+    def read(
+        self, option: str, files: Sequence[tuple[str, Path]], names: ColumnNames, times: Mapping[str, Times]
+    ) -> dict[str, Given]:
         """The records by the test they are of.
 
         Args:
             option: What a message names.
             files: As of ``given_files``.
             names: What the files call their columns.
+            times: Between which times they are read, by stem.
 
         Raises:
             InputError: If a file cannot be read or measured, is of no test, or two are of one.
         """
         found: dict[str, Given] = {}
         for said, path in files:
-            record = read_record(path, **names.arguments(path.stem))
+            record = read_record(path, between_s=times.get(path.stem, ALL), **names.arguments(path.stem))
             key = said or self._test_of(record)
+            if any(trial.key == key and trial.test.kind == "release" for trial in self.planned):
+                record = release_part(record)
             if key in found:
                 raise InputError(
                     f"{option}: {path} and {found[key].path} are both of the test {key}; say which is which with NAME=FILE, where "

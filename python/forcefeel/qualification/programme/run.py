@@ -20,6 +20,7 @@ from forcefeel.qualification.programme.test_bench import Task, TestBench
 from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualification.throw import Throw
+from forcefeel.tables.between import times_by_stem
 from forcefeel.tables.column_names import ColumnNames
 from forcefeel.units import ANGLE, PRESSURE, UnitSystem, show
 
@@ -42,6 +43,7 @@ class QualificationSetup:
         tests: Keys of the tests that alone are made, as ``release-25-positive``; the whole programme if there are none.
         columns: What the files of both call their columns, as the command takes it: ``[STEM:]position=NAME``.
         units: Units of columns whose header has none, likewise: ``[STEM:]NAME=deg``.
+        starts, ends: First and last time that is read of the files, likewise: ``[STEM=]TIME``; all if not given.
         dynamic_pressure_pa: For a feel whose stiffness depends on it.
         overdamped: What a response without overshoots is judged by.
         system: Units; of the rule's two roundings of a force, that one holds.
@@ -62,6 +64,8 @@ class QualificationSetup:
     tests: Sequence[str] = ()
     columns: Sequence[str] = ()
     units: Sequence[str] = ()
+    starts: Sequence[str] = ()
+    ends: Sequence[str] = ()
     dynamic_pressure_pa: Annotated[float, PRESSURE] | None = None
     overdamped: Overdamped = "fall time"
     system: UnitSystem = field(default=UnitSystem.US)
@@ -163,10 +167,11 @@ def _given(setup: QualificationSetup, recognition: Recognition) -> tuple[dict[st
     }
     stems = list(dict.fromkeys(path.stem for named in files.values() for _, path in named))
     names = ColumnNames.of(setup.columns, setup.units, stems)
+    times = times_by_stem(setup.starts, setup.ends, stems)
     references, records = (
         _in_memory(kind, those, recognition.planned)
         if isinstance(those, Mapping)
-        else recognition.read(f"--{kind}", files[kind], names)
+        else recognition.read(f"--{kind}", files[kind], names, times)
         for kind, those in both.items()
     )
     return references, records

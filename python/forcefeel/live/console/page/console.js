@@ -79,6 +79,8 @@ function show(now) {
   by("take").hidden = told.role !== "control" || !(mine || free);
   by("take").textContent = mine ? "Give up" : "Take control";
   by("missed").textContent = now.missed.toLocaleString("en");
+  by("record").hidden = !now.record_ended;
+  by("record").textContent = `The record has ended, and the loop goes on: ${now.record_ended}.`;
   by("watchers").textContent = now.watchers;
   by("simulator").hidden = !now.host;
   if (now.host) by("host").textContent = `${now.host.heard}; share in the feel ${text(now.host.share)}`;

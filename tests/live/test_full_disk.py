@@ -1,0 +1,109 @@
+"""A disk that is full, or becomes full, is never passed over in silence, and what was written stays readable."""
+
+import json
+import subprocess
+import sys
+from contextlib import contextmanager
+
+import pytest
+
+import forcefeel as ff
+
+LIMITED = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), resource.RLIM_INFINITY))
+sys.argv[1:] = sys.argv[2:]
+from forcefeel.cli import main
+main()
+"""
+"""The command in a process whose files may grow no larger: a write beyond fails, as on a full disk without reserved room."""
+
+LIVE = ("run", "elevator-2khz", "--headless", "--out", "live", "--json")
+
+
+def limited(most_bytes, *words, cwd):
+    return subprocess.run(
+        [sys.executable, "-c", LIMITED, str(most_bytes), *words],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+
+
+def test_a_write_that_fails_is_told_and_what_was_written_before_stays(tmp_path):
+    done = limited(500_000, *LIVE, "--duration", "3 s", cwd=tmp_path)
+    assert done.returncode == 1, done.stderr
+    found = json.loads(done.stdout)
+    assert "File too large" in found["record_ended"]
+    assert "the record has ended, and the loop goes on: File too large" in done.stderr
+    path = tmp_path / "live" / "record.mcap"
+    record = ff.live.read_live_record(path)
+    assert not record.broken
+    assert len(record.rows) > 100
+    assert found["rows_lost"] == found["cycles"] - len(record.rows)
+    assert ff.live.replay(path).same
+    data = path.read_bytes()
+    assert data[:8] == data[-8:] == b"\x89MCAP0\r\n"
+    assert len(data) <= 500_000
+
+
+def test_a_record_that_was_full_says_why_it_ended(tmp_path):
+    path = tmp_path / "run.mcap"
+    cycles = 8000
+    with ff.live.start(ff.digital_elevator(), real_time=False, record=path, most_bytes=2**20) as running:
+        running.wait(cycles)
+    state, record = running.state, ff.live.read_live_record(path)
+    assert state.record_ended == record.ended == ff.live.replay(path).ended == "full"
+    assert state.unrecorded_rows == state.cycle - len(record.rows) > 0
+    with ff.live.start(ff.digital_elevator(), real_time=False, record=path) as running:
+        running.wait(100)
+    assert running.state.unrecorded_rows == 0
+    assert ff.live.read_live_record(path).ended == "with the run"
+
+
+@contextmanager
+def small_disk(folder, size):
+    """A file system of its own; skipped where it may not be mounted."""
+    folder.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", folder], capture_output=True, check=False
+    )
+    if mounted.returncode:
+        pytest.skip("this user may not mount a file system")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", folder], check=True)
+
+
+@pytest.mark.parametrize("size", ["100k", "2m"])
+def test_a_run_is_refused_whose_record_has_no_room(tmp_path, size):
+    with small_disk(tmp_path / "disk", size) as disk:
+        done = subprocess.run(
+            [sys.executable, "-c", "from forcefeel.cli import main; main()", *LIVE, "--duration", "6 s"],
+            cwd=disk,
+            capture_output=True,
+            text=True,
+            timeout=100,
+            check=False,
+        )
+        assert (done.returncode, done.stdout) == (2, "")
+        assert "No space left on device" in done.stderr
+        assert "a record of this run takes" in done.stderr
+        assert not (disk / "live" / "record.mcap").exists()
+
+
+def test_a_disk_that_fills_up_ends_the_record_whole(tmp_path):
+    with small_disk(tmp_path / "disk", "9m") as disk:
+        path = disk / "run.mcap"
+        with ff.live.start(ff.digital_elevator(), real_time=False, record=path) as running:
+            running.wait(40_000)
+            assert running.state.record_ended.startswith("the disk is full: No space left on device")
+        record = ff.live.read_live_record(path)
+        assert record.ended == running.state.record_ended
+        assert not record.broken
+        assert len(record.rows) + running.state.unrecorded_rows == running.state.cycle
+        assert len(record.rows) > 25_000  # of 275 bytes each: all but the last reservation of 4 MiB that was refused
+        assert ff.live.replay(path).same
