@@ -74,7 +74,9 @@ PROMISED_MEAN, PROMISED_TENTH = 0.95, 0.90
 
 def on_file(*, electric=False):
     """What ``commission`` is told of the machines."""
-    return (ff.loader.electric("elevator-electric") if electric else ff.digital_elevator()).replace(LAG | ENCODER)
+    return (ff.loader.electric("elevator-electric") if electric else ff.digital_elevator()).replace(
+        LAG | ENCODER, si=True
+    )
 
 
 def drawn(file, count, seed):
@@ -88,7 +90,9 @@ def drawn(file, count, seed):
             DRY: f"{dry} lb",
             BREAKAWAY: f"{dry * random.uniform(*BREAKAWAY_SHARE)} lb",
         }
-        yield bare.replace({key: float(file[key] * (1 + share)) for key, share in case.off.items()}).replace(friction)
+        yield bare.replace({key: float(file[key] * (1 + share)) for key, share in case.off.items()}, si=True).replace(
+            friction
+        )
 
 
 def witnessed(file, machines, places, asked):

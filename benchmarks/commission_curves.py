@@ -141,7 +141,7 @@ def feels_of(loader):
 def apart(file, machine):
     """Largest difference of each curve to the engine's own, of the deflection, sensors exact but for their lag."""
     exact = {f"{sensor}.{row}": None for sensor in SENSORS for row in ("noise", "resolution")}
-    truth, record = machine.replace(exact), Record(witness.PERIOD_S, 4001)
+    truth, record = machine.replace(exact, si=True), Record(witness.PERIOD_S, 4001)
     feel = feels_of(truth)
     law = Law.of("robust", machine, feel)
     mine = released(file, machine, law.sampled, feel, record, None)

@@ -94,12 +94,12 @@ def drawn(seed: int, drive: str = HYDRAULIC) -> ff.Loader:
     found = {key: float(nominal[key] * factor) for key, factor in zip(keys, factors, strict=True)}
     found["linkage.ratio"] = min(found["linkage.ratio"], 1.0)
     if electric:
-        return known(nominal.replace(found))
+        return known(nominal.replace(found, si=True))
     flow, drop = found["valve.rated_flow"], np.sqrt(1 - OPERATING_PRESSURE)
     found["valve.flow_limit"] = flow
     found["valve.current_gain"] = float(flow / nominal["valve.rated_current"] * drop)
     found["valve.pressure_gain"] = float(flow * OPERATING_CURRENT / (2 * found["valve.supply_pressure"] * drop))
-    return known(nominal.replace(found))
+    return known(nominal.replace(found, si=True))
 
 
 def known(loader: ff.Loader) -> ff.Loader:

@@ -76,7 +76,7 @@ class Drawn:
         texts = {key: f"{value!r} {units[key]}" if units[key] else value for key, value in values.items()}
         friction = {"column.static_friction": f"{BREAKAWAY_LB} lb", "amplifier.current_limit": f"{CURRENT_LIMIT_MA} mA"}
         report = ff.elevator()
-        return report.with_tolerances(dict.fromkeys(report.tolerances)).replace(texts | friction)
+        return report.with_tolerances(dict.fromkeys(report.tolerances)).replace(texts | friction, si=True)
 
     @property
     def truth_si(self):

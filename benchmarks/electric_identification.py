@@ -52,7 +52,7 @@ def further(name, random):
     while True:
         drawn = {key: given[key] * 2 ** random.uniform(-1, 1) for key in (*rows, *LIMITS)}
         try:
-            found = given.replace(drawn)
+            found = given.replace(drawn, si=True)
             Law.of("robust", found)
         except InputError:
             continue

@@ -28,12 +28,12 @@ RELEASES_DEG = (10.0, 2.0)
 
 def with_encoder(loader: ff.Loader, bits: int) -> ff.Loader:
     """The loader with an encoder of so many bits a turn at its column."""
-    return loader.replace(dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), 2 * pi / 2**bits))
+    return loader.replace(dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), 2 * pi / 2**bits), si=True)
 
 
 def main() -> None:
     name, friction = (*sys.argv[1:], *("elevator-2khz", "")[len(sys.argv) - 1 :])
-    loader = open_loader(name).replace({"column.coulomb_friction": friction} if friction else {})
+    loader = open_loader(name).replace({"column.coulomb_friction": friction} if friction else {}, si=True)
     loaders = {bits: with_encoder(loader, bits) for bits in BITS}
     own = [[loader[f"feel.{row}"] for row in ("inertia", "damping", "stiffness")]]
     for bits, one in loaders.items():

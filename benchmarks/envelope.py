@@ -88,7 +88,7 @@ def peer(plan, laws, feel, k, record):
     """The same release by python-control."""
     values = plan.loader.values.copy()
     values[[INDEX[key] for key in FEEL_SETTING]] = feel[k]
-    loader = plan.loader.replace(dict(zip(FEEL_SETTING, feel[k].tolist(), strict=True)))
+    loader = plan.loader.replace(dict(zip(FEEL_SETTING, feel[k].tolist(), strict=True)), si=True)
     model = compliant_model(loader, laws.single(plan.loader, k).fixed)[0, 0]
     a, b, c, _ = _core.compliant(values, laws.single(plan.loader, k).fixed)
     at_rest = np.linalg.solve(a, b[:, 0])

@@ -201,7 +201,7 @@ def of_hand(exported: ff.export.Exported, folder: Path) -> tuple[float, int, int
 
 
 def main() -> None:
-    plain, rough = ff.digital_elevator(), ff.digital_elevator().replace(NONLINEAR | CONVERTERS)
+    plain, rough = ff.digital_elevator(), ff.digital_elevator().replace(NONLINEAR | CONVERTERS, si=True)
     knots = ff.flight_schedule.read_knots(KNOTS).feel
 
     def law(loader: ff.Loader, feel: object = None) -> ff.export.Exported:
@@ -210,8 +210,8 @@ def main() -> None:
     cases = (
         ("by hand, I, B, G", of_hand, law(plain)),
         ("C, I, B, G", of_c, law(plain)),
-        ("C, and breakout, dry friction, stops", of_c, law(plain.replace(USUAL))),
-        ("C, every nonlinear part of the feel", of_c, law(plain.replace(FEEL))),
+        ("C, and breakout, dry friction, stops", of_c, law(plain.replace(USUAL, si=True))),
+        ("C, every nonlinear part of the feel", of_c, law(plain.replace(FEEL, si=True))),
         ("C, law's friction and converters too", of_c, law(rough)),
         ("C, changing between four settings", of_c, law(plain, knots)),
         ("C, so with every part", of_c, law(rough, knots)),

@@ -41,7 +41,7 @@ def drawn() -> tuple[np.ndarray, np.ndarray]:
                 g = stiffness * 2 ** rng.uniform(-1.5, 0.7)
                 w, zeta = frequency * 2 ** rng.uniform(-0.5, 0.5), ratio * 2 ** rng.uniform(-0.5, 1)
                 feel = {"feel.inertia": g / w**2, "feel.damping": 2 * zeta * g / w, "feel.stiffness": g}
-                one = loader.replace(feel)
+                one = loader.replace(feel, si=True)
                 try:
                     made = ff.Law.of(law, one).sampled
                 except InputError as error:

@@ -185,7 +185,7 @@ def with_arms(loader, design):
 def felt_by_hand(loader, design, newtons=20.0, hertz=0.2):
     """Share of the friction that a sinusoidal push feels of it where the column moves."""
     feel = np.array([[0.5, 3.0, 20.0]])
-    loader = loader.replace(dict(zip(FEEL_SETTING, feel[0], strict=True)))
+    loader = loader.replace(dict(zip(FEEL_SETTING, feel[0], strict=True)), si=True)
     time = np.linspace(0.0, 20.0, 4001)
     force = newtons * np.sin(2 * np.pi * hertz * time)
     made = Law.of(design(loader, feel), loader, name="way")

@@ -229,8 +229,8 @@ def laid_over(loader, friction_lb, off, arm):
     m = machines(exact, friction_lb, off, arm, len(feel))
     paths, _ = release(exact, METHODS[LAW].design(exact, feel), m, feel, record, None)
     for one, path in zip(feel, paths, strict=True):
-        asked = exact.replace(dict(zip(FEEL_SETTING, one.tolist(), strict=True)))
-        truth = with_friction(asked.replace(machine), friction_lb)
+        asked = exact.replace(dict(zip(FEEL_SETTING, one.tolist(), strict=True)), si=True)
+        truth = with_friction(asked.replace(machine, si=True), friction_lb)
         run = simulate(truth, Scenario(Release(HELD), record.duration_s, 1e-4, record.step_s), Law.of(LAW, asked))
         worst.append(np.abs(run.history["column_angle_rad"].values - path).max() / HELD)
     return max(worst)
@@ -246,7 +246,7 @@ def main():
     asked, begun, wrong = parser.parse_args(), time.perf_counter(), []
     seed, built_in = asked.seed, ff.loader.electric("elevator-electric") if asked.electric else ff.digital_elevator()
     sensor = {"grip_sensor.gain": 1.0, "grip_sensor.noise": "0.02 lb", "grip_sensor.resolution": "0.01 lb"}
-    loader = built_in.replace(sensor)
+    loader = built_in.replace(sensor, si=True)
     grid = MOTOR_GRID if asked.electric else DEFAULT_GRID
     plan = make_plan(loader, [LAW], grid, changes=CHANGES)
     if asked.long:

@@ -105,7 +105,7 @@ def friction_given_back():
 def grip_designs():
     """Time of a design of ``grip`` for settings that have nothing in common."""
     for loader in (digital_elevator(), electric("elevator-electric")):
-        sensed, settings = loader.replace(SENSOR), random_settings(loader, SETTINGS)
+        sensed, settings = loader.replace(SENSOR, si=True), random_settings(loader, SETTINGS)
         start = time.process_time()
         found = METHODS["grip"].design(sensed, settings)
         seconds = time.process_time() - start

@@ -68,7 +68,9 @@ def random_settings(loader, count):
 
 def whole_problem(loader, setting, *, continuous):
     """Matrices of the six-state problem, states scaled to the order of one, and their scale."""
-    own = loader.replace(dict(zip(("feel.inertia", "feel.damping", "feel.stiffness"), setting.tolist(), strict=True)))
+    own = loader.replace(
+        dict(zip(("feel.inertia", "feel.damping", "feel.stiffness"), setting.tolist(), strict=True)), si=True
+    )
     problem = SampledProblem.of(own, DesignSettings())
     scale, q = problem.scale[:6], problem.q[:6, :6]
     if not continuous:

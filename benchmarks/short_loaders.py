@@ -44,7 +44,7 @@ def lifts(loader: ff.Loader) -> dict[str, float]:
     """The least share by which each part must be better, infinite where none of ``STEPS`` does."""
     found = {}
     for name, keys in BETTER.items():
-        steps = (known(loader.replace({key: step * loader[key] for key in keys})) for step in STEPS)
+        steps = (known(loader.replace({key: step * loader[key] for key in keys}, si=True)) for step in STEPS)
         good = (step - 1 for step, one in zip(STEPS, steps, strict=True) if rendered(one, RELEASE_DEG).passes >= GOOD)
         found[name] = next(good, np.inf)
     return found
@@ -64,7 +64,7 @@ def draw(axes: np.ndarray, loader: ff.Loader, seed: int) -> None:
     """The release of the worst setting over its ideal, and the flow."""
     feel, why = worst(loader)
     rows = dict(zip(("feel.inertia", "feel.damping", "feel.stiffness"), feel.tolist(), strict=True))
-    one = loader.replace(rows)
+    one = loader.replace(rows, si=True)
     history = ff.simulate(
         one, ff.Scenario(ff.Release(radians(RELEASE_DEG)), duration_s=SHOWN_S), ff.Law.of("robust", one)
     ).history

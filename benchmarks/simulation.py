@@ -98,7 +98,8 @@ LOADER = elevator().replace(
         "column.stop_high": case.STOP,
         "column.stop_stiffness": f"{case.STOP_STIFFNESS} lb in/rad",
         "column.stop_damping": f"{case.STOP_DAMPING} lb in s/rad",
-    }
+    },
+    si=True,
 )
 
 

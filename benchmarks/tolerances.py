@@ -228,7 +228,7 @@ def drawn(corners):
     noisy, draws = ff.digital_elevator(), Draws(MACHINES, SEED, corners)
     both = [
         ff.find_envelope(one, (LAW,), GRID, changes=KNOWN, arms=(), draws=draws)
-        for one in (noisy.replace(EXACT), noisy)
+        for one in (noisy.replace(EXACT, si=True), noisy)
     ]
     plan = both[0].plan
     cases = [({key: 1 + share for key, share in machine.off.items()}, NO_ARM) for machine in plan.machines]
@@ -248,7 +248,7 @@ def drawn(corners):
 def one_at_a_time():
     """The cases on a grid that is even in proportion on all three axes, by both reckonings."""
     noisy = ff.digital_elevator()
-    both = [ff.find_envelope(one, (LAW,), EVEN) for one in (noisy.replace(EXACT), noisy)]
+    both = [ff.find_envelope(one, (LAW,), EVEN) for one in (noisy.replace(EXACT, si=True), noisy)]
     plan = both[0].plan
     cases = [
         ({key: 1 + share for key, share in case.off.items()}, case.arm.values if case.arm else NO_ARM)

@@ -45,8 +45,8 @@ def file_of(loader, rough=False, backlash_m=0.0):
     force = found["feel.stiffness"] * np.radians(10) / found["column.grip_arm"]
     sizes = {key: share * (force if key.startswith("column") else torque) for key, share in ROUGH.items()}
     sizes |= {"motor.cogging_phase": ROUGH["motor.cogging_phase"], "motor.cogging_periods": 12.0}
-    found = found.replace(sizes) if rough else found
-    return found.replace({"linkage.backlash": backlash_m}) if backlash_m else found
+    found = found.replace(sizes, si=True) if rough else found
+    return found.replace({"linkage.backlash": backlash_m}, si=True) if backlash_m else found
 
 
 def truth_of(file, keys, random):
@@ -56,7 +56,7 @@ def truth_of(file, keys, random):
         key: file[key] + PHASE_OFF * it if key.endswith("phase") else file[key] * np.exp(OFF * it)
         for key, it in zip(keys, off, strict=True)
     }
-    return file.replace(values)
+    return file.replace(values, si=True)
 
 
 def multisine(share, file, duration_s, random, lines_hz=LINES_HZ):

@@ -125,7 +125,7 @@ def determined():
         estimate(given, "J", 0.2, 0.013),
     )
     values = {one.unknown.key: one.value for one in found}
-    after = given.with_tolerances(dict.fromkeys(set(values) & set(given.tolerances))).replace(values)
+    after = given.with_tolerances(dict.fromkeys(set(values) & set(given.tolerances))).replace(values, si=True)
     return Identification(
         before=given,
         estimates=found,

@@ -85,7 +85,7 @@ def loader_of(machine):
         curves["force_curve"] = ff.loader.Curve(angles, tuple(LB * force for force in forces))
     if machine.feel_q:
         curves["stiffness_factor"] = ff.loader.Curve(*machine.feel_q)
-    return replace(ff.elevator().replace(changes), **curves)
+    return replace(ff.elevator().replace(changes, si=True), **curves)
 
 
 def law_of(machine):

@@ -15,8 +15,12 @@ CALLS = {
     "source": [lambda: ff.Loader("a", None, LOADER.values)],
     "values": [lambda: ff.Loader("a", "", "x"), lambda: ff.Loader("a", "", None)],
     "tolerances": [lambda: ff.Loader("a", "", LOADER.values, tolerances=5)],
-    "changes": [lambda: LOADER.replace([1]), lambda: LOADER.replace(None), lambda: LOADER.with_tolerances("a")],
-    "unknown parameter 5": [lambda: LOADER[5], lambda: LOADER.replace({5: 1.0})],
+    "changes": [
+        lambda: LOADER.replace([1], si=True),
+        lambda: LOADER.replace(None, si=True),
+        lambda: LOADER.with_tolerances("a"),
+    ],
+    "unknown parameter 5": [lambda: LOADER[5], lambda: LOADER.replace({5: 1.0}, si=True)],
     "scale": [lambda: LOADER.scale_feel("a")],
     "units": [lambda: LOADER.to_toml("us"), lambda: LOADER.plot_bode(units="si")],
     "loader": [

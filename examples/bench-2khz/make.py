@@ -153,7 +153,9 @@ def record(duration_s: float) -> dict[str, np.ndarray]:
 def believed() -> ff.Loader:
     """The loader as its designers believed it to be."""
     machine = ff.digital_elevator()
-    loader = machine.with_tolerances(dict.fromkeys(machine.tolerances)).replace(BELIEVED).with_tolerances(BY_TAPE)
+    loader = (
+        machine.with_tolerances(dict.fromkeys(machine.tolerances)).replace(BELIEVED, si=True).with_tolerances(BY_TAPE)
+    )
     return replace(loader, name="bench-2khz", source="synthetic; arms by tape, all else as designed")
 
 

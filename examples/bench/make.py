@@ -47,7 +47,7 @@ SENSORS = {
 def loader(changes):
     """The report's loader with changes, free of its assumed tolerances."""
     report = ff.elevator()
-    return report.with_tolerances(dict.fromkeys(report.tolerances)).replace(changes)
+    return report.with_tolerances(dict.fromkeys(report.tolerances)).replace(changes, si=True)
 
 
 def seen(signals, names, rate_hz, seed):

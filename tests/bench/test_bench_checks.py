@@ -281,7 +281,9 @@ def predictions(loader, lines_hz=LINES_HZ):
 
 def off_by(rng, share):
     changes = {key: ELEVATOR[key] * rng.uniform(1 - share, 1 + share) for key in KEYS}
-    return ELEVATOR.replace({key: float(np.clip(value, *limits_si(TABLE[key]))) for key, value in changes.items()})
+    return ELEVATOR.replace(
+        {key: float(np.clip(value, *limits_si(TABLE[key]))) for key, value in changes.items()}, si=True
+    )
 
 
 def as_response(key, value, lines_hz=LINES_HZ):

@@ -163,7 +163,7 @@ def test_the_reports_link():
 def test_a_link_has_the_resonance_that_it_was_made_for():
     """The second route: the column on the link of a piston that stands still, from the matrices of the compliant model."""
     k, c = link_from_resonance(ff.elevator(), 9.0, 0.07)
-    loader = ff.elevator().replace({"linkage.stiffness": k, "linkage.damping": c})
+    loader = ff.elevator().replace({"linkage.stiffness": k, "linkage.damping": c}, si=True)
     model = ff.compliant_model(loader)
     base = [model.state_labels.index(name) for name in ("base_position_m", "base_velocity_m_per_s")]
     # Where the piston stands still, 0 = x_p' = a_p p + a_x x_b + a_v x_b' gives the pressure that holds it, which drives x_b''.

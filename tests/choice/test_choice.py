@@ -184,7 +184,7 @@ def test_an_analog_loader_is_told_so_in_words():
 
 
 def test_an_unstable_law_is_bad():
-    soft = ff.elevator().replace({"feel.inertia": 0.06, "feel.damping": 0.3, "feel.stiffness": 10.0})
+    soft = ff.elevator().replace({"feel.inertia": 0.06, "feel.damping": 0.3, "feel.stiffness": 10.0}, si=True)
     found = score_methods(soft, ("published",), over_envelope=False)
     said = design_conclusions(found, UnitSystem.SI)
     assert (said.good, found.scores[0].own.outcome) == (False, "unstable")

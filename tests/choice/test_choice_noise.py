@@ -88,7 +88,7 @@ def test_a_lag_of_a_sensor_takes_no_noise_off_a_sample():
 @pytest.mark.parametrize("name", ["load-cell", "observer"])
 def test_the_force_on_the_hand_as_the_column_says(name):
     """By the column's equation, J theta'' = T_link - R_p F: from the load cell's force, with no differences."""
-    loader = SMOOTH.replace(HELD)
+    loader = SMOOTH.replace(HELD, si=True)
     law = _law(name, SMOOTH)
     history = _run(loader, law)
     angle, rate, pressure = (
@@ -125,5 +125,5 @@ def test_a_sensor_that_no_law_asks_does_no_harm():
 
 
 def test_an_unstable_loop_knows_no_end():
-    soft = DIGITAL.replace({"feel.inertia": 0.01, "feel.damping": 0.01, "feel.stiffness": 5.0})
+    soft = DIGITAL.replace({"feel.inertia": 0.01, "feel.damping": 0.01, "feel.stiffness": 5.0}, si=True)
     assert noise_at_grip(soft, _law("published", soft)).angle_rad == np.inf

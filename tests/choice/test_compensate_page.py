@@ -38,7 +38,9 @@ def _write(name: str, folder: Path) -> Path:
         )
     if name == "unstable":
         loader = ff.elevator()
-        soft = loader.replace({key: loader[key] / 100 for key in ("feel.inertia", "feel.damping", "feel.stiffness")})
+        soft = loader.replace(
+            {key: loader[key] / 100 for key in ("feel.inertia", "feel.damping", "feel.stiffness")}, si=True
+        )
         return write_choice(score_methods(soft, ("published",), over_envelope=False), None, folder, UnitSystem.US)
     scored = score_methods(ff.digital_elevator() if name == "auto" else ff.elevator(), grid=GRID, **FEW)
     return write_choice(scored, choose(scored), folder, UnitSystem.US)

@@ -33,7 +33,7 @@ def test_it_counts_as_known_where_the_records_hold_it_there():
 def test_a_column_without_friction_has_none(stated):
     """Beside nothing a search ends with some estimate; of the breakaway, to which the data answer in jumps, with a wrong one."""
     truth = ff.digital_elevator()
-    loader = truth.replace({DRY: stated}).with_tolerances({DRY: {"uniform": ["0.2 lb", "0.4 lb"]}})
+    loader = truth.replace({DRY: stated}, si=True).with_tolerances({DRY: {"uniform": ["0.2 lb", "0.4 lb"]}})
     found = identify_loader(loader, simulated_records(truth, truth, BenchTime(3.0, 500.0, 2)), CommissionPlan())
     assert found.outcome.good
     assert found.loader is not None

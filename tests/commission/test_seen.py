@@ -98,7 +98,7 @@ def test_the_tolerance_of_what_others_carry_is_none(records):
 @pytest.mark.parametrize("stated", ["0.3 lb", "3 lb"])
 def test_the_friction_that_the_file_states_leads_no_search_astray(records, stated):
     """From a friction that is too small nothing breaks away; a breakaway force that is only a place to begin from is nobody's."""
-    found = identify_loader(FILE.replace({DRY: stated}), records, CommissionPlan()).loader
+    found = identify_loader(FILE.replace({DRY: stated}, si=True), records, CommissionPlan()).loader
     assert found is not None
     assert found[DRY] == pytest.approx(1.5 * LBF, rel=2e-3)  # noise of the record
     assert found[BREAKAWAY] == 0.0  # four seconds do not tell it, and the file does not state it

@@ -19,7 +19,7 @@ SOFT = {"stiffness": "1, 4 %", "frequency": "1, 3 Hz", "damping": "0.3, 1"}
 def rubbing():
     friction = {DRY: "3 lb", BREAKAWAY: "3.6 lb"}
     encoder = dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), 2 * math.pi / 2**20)
-    loader = ff.digital_elevator().replace(friction | encoder)
+    loader = ff.digital_elevator().replace(friction | encoder, si=True)
     return loader.with_tolerances({DRY: Tolerance("normal", 0.9 * loader[DRY], 1.1 * loader[DRY], loader[DRY], 0.3)})
 
 

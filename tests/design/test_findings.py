@@ -66,7 +66,7 @@ def test_the_elevator_settles_right_and_moves_wrong(found):
 )
 def test_verdicts(loader, changes, settings, verdict, monkeypatch):
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)  # of one that never settles
-    words = said(ff.design_loader(loader.replace(changes), settings))
+    words = said(ff.design_loader(loader.replace(changes, si=True), settings))
     assert verdict in words.verdict
     assert words.good is (verdict in {"does not settle", "at rest and in motion"})
 

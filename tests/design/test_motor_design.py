@@ -60,7 +60,7 @@ def test_the_law_renders_what_the_current_alone_does_not(designed):
 def test_the_step_under_the_law_is_the_engine_s(designed):
     loader = designed.loader
     loader = loader.replace({key: None for key in loader.given if key.endswith((".noise", ".resolution"))})
-    loader = loader.replace({"pilot.force": 0.1 * loader["pilot.force"]})  # within the motor's limits
+    loader = loader.replace({"pilot.force": 0.1 * loader["pilot.force"]}, si=True)  # within the motor's limits
     step, force = law_step(loader, "robust", 0.5), loader["pilot.force"]
     scenario = Scenario(Schedule((0.0, 1.0), (force, force)), 0.5, 1e-4, loader["controller.period"])
     angle = simulate(loader, scenario, "robust").history.column_angle_rad.values

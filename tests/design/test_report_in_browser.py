@@ -38,7 +38,7 @@ SMALLEST_LETTERS_PX = 9
 def _soft() -> Loader:
     """A loader that no compensation keeps stable at its setting: every warning of the page is in view."""
     loader = elevator()
-    return loader.replace({key: loader[key] / 8 for key in ("feel.inertia", "feel.damping", "feel.stiffness")})
+    return loader.replace({key: loader[key] / 8 for key in ("feel.inertia", "feel.damping", "feel.stiffness")}, si=True)
 
 
 REPORTS = {"us": (elevator, UnitSystem.US), "si": (elevator, UnitSystem.SI), "unstable": (_soft, UnitSystem.US)}

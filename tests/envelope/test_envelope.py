@@ -43,7 +43,7 @@ def _machine(found, compensator, case, setting):
     """The loader of a case at a setting, and the law that was designed for its nominal plant."""
     nominal = ff.elevator()
     feel = dict(zip(FEEL_SETTING, found.plan.settings.feel(nominal)[setting].tolist(), strict=True))
-    nominal = nominal.replace(feel)
+    nominal = nominal.replace(feel, si=True)
     law = {
         "original": lambda: None,
         "published": lambda: ff.compensate(nominal).compensator(nominal),
@@ -51,7 +51,7 @@ def _machine(found, compensator, case, setting):
     }[compensator]()
     changes = {case.parameter: nominal[case.parameter] * (1 + case.change)} if case.parameter else {}
     changes |= dict(zip(ARM_ROWS, case.arm.values, strict=True)) if case.arm else {}
-    return nominal.replace(changes), law
+    return nominal.replace(changes, si=True), law
 
 
 def test_random_settings_end_as_single_runs_do(found):
@@ -152,7 +152,7 @@ def test_the_survey_of_passive_settings_is_that_of_one_by_one(found):
     frequency = np.geomspace(passivity.LOWEST_HZ, passivity.HIGHEST_HZ, 60)
     good = 0
     for setting, row in enumerate(feel):
-        loader = plan.loader.replace(dict(zip(FEEL_SETTING, row.tolist(), strict=True)))
+        loader = plan.loader.replace(dict(zip(FEEL_SETTING, row.tolist(), strict=True)), si=True)
         model = ff.compliant_model(loader, laws.single(plan.loader, setting).fixed)
         s = 2j * np.pi * frequency
         admittance = s * control.frequency_response(model[0, 0], s.imag).frdata[0, 0]
@@ -262,9 +262,9 @@ def test_a_loader_with_optional_rows_is_stepped():
     stable, angles = releases.released(plan, (case,), feel[which], laws.some(which), record, 1)
     np.testing.assert_array_equal(stable, found.stable("published")[place, which])
     for k in np.flatnonzero(stable):
-        nominal = plan.loader.replace(dict(zip(FEEL_SETTING, feel[which[k]].tolist(), strict=True)))
+        nominal = plan.loader.replace(dict(zip(FEEL_SETTING, feel[which[k]].tolist(), strict=True)), si=True)
         law = ff.compensate(nominal).compensator(nominal)
-        machine = nominal.replace({"linkage.ratio": nominal["linkage.ratio"] * 0.8})
+        machine = nominal.replace({"linkage.ratio": nominal["linkage.ratio"] * 0.8}, si=True)
         run = ff.simulate(
             machine, Scenario(Release(plan.release_rad), record.duration_s, record.step_s / 2, record.step_s), law
         )

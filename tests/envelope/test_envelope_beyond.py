@@ -14,7 +14,7 @@ from tests.command_line import runner
 
 ANGLE = radians(10)
 GRID = {"stiffness": "10, 40, 70, 100 %", "frequency": "1, 2 Hz", "damping": "0.5, 1"}
-WEAK = ff.loader.electric("aileron-wheel").replace({"current_loop.current_limit": 2.0})
+WEAK = ff.loader.electric("aileron-wheel").replace({"current_loop.current_limit": 2.0}, si=True)
 
 
 @pytest.fixture(scope="module")

@@ -37,9 +37,9 @@ def exact(loader, law, values, setting):
     ``[x (6); held command; delta, delta'; xi]``: eq. (17) with the arm, by SciPy's exponential.
     """
     period = loader["controller.period"]
-    machine = loader.replace(values)
+    machine = loader.replace(values, si=True)
     mass, damper, spring = (machine[row] * machine["column.grip_arm"] ** 2 for row in ARM_ROWS)
-    model = ff.compliant_model(machine.replace(dict.fromkeys(ARM_ROWS, 0.0)), Compensator.none(machine.values))
+    model = ff.compliant_model(machine.replace(dict.fromkeys(ARM_ROWS, 0.0), si=True), Compensator.none(machine.values))
     kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
     a, b = np.array(model.A)[np.ix_(kept, kept)], np.array(model.B)[kept]
     share = machine["column.inertia"] / (machine["column.inertia"] + mass)
@@ -116,7 +116,7 @@ def test_grip_tends_to_the_analog_one_as_the_period_goes_to_zero() -> None:
     analog = Grips.of(ff.elevator(), Law("original"), own).admittance(0, frequency)
     errors = []
     for period in ("0.4 ms", "0.1 ms"):
-        grips = Grips.of(ff.elevator().replace({"controller.period": period}), Law("original"), own)
+        grips = Grips.of(ff.elevator().replace({"controller.period": period}, si=True), Law("original"), own)
         errors.append(float(np.abs(grips.admittance(0, frequency) / analog - 1).max()))
     assert errors[0] < 0.1
     assert errors[1] < 0.3 * errors[0]  # of the first order in the period

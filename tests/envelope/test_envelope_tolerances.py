@@ -84,7 +84,7 @@ def test_what_identify_found_is_the_files_and_what_it_left_is_assumed():
     fitted = Tolerance(
         Distribution.NORMAL, value - 3 * deviation, value + 3 * deviation, value, deviation, nominal=value
     )
-    found = loader.with_tolerances({"linkage.stiffness": None}).replace({"linkage.stiffness": value})
+    found = loader.with_tolerances({"linkage.stiffness": None}).replace({"linkage.stiffness": value}, si=True)
     found = replace(
         found.with_tolerances({"linkage.stiffness": fitted}), source=f"{loader.source}; k identified from a"
     )
@@ -134,7 +134,7 @@ def test_what_cannot_be_off_is_named(changes, message):
 
 
 def test_a_tolerance_that_leads_out_of_its_range_is_refused():
-    loader = ff.elevator().with_tolerances({"linkage.ratio": "20 %"}).replace({"linkage.ratio": 0.95})
+    loader = ff.elevator().with_tolerances({"linkage.ratio": "20 %"}).replace({"linkage.ratio": 0.95}, si=True)
     with pytest.raises(InputError, match=r"tolerances\.linkage\.ratio: out of range"):
         make_plan(loader, ("original",), GRID)
 

@@ -79,12 +79,12 @@ def test_what_the_file_does_not_limit_forbids_nothing():
         (ff.digital_elevator().replace({"amplifier.current_limit": "0.8 mA"}), ("robust", "observer"), Limit.CURRENT),
         (ff.digital_elevator().replace({"valve.supply_pressure": "90 psi"}), ("robust", "observer"), Limit.PRESSURE),
         (
-            ff.loader.electric("rudder-pedals").replace({"current_loop.current_limit": 5.0}),
+            ff.loader.electric("rudder-pedals").replace({"current_loop.current_limit": 5.0}, si=True),
             ("robust", "observer"),
             Limit.TORQUE,
         ),
         (
-            ff.loader.electric("sidestick-pitch").replace({"current_loop.voltage_limit": 2.0}),
+            ff.loader.electric("sidestick-pitch").replace({"current_loop.voltage_limit": 2.0}, si=True),
             ("robust", "observer"),
             None,
         ),
@@ -94,7 +94,7 @@ def test_what_the_file_does_not_limit_forbids_nothing():
             THROW,
         ),
         (
-            ff.loader.electric("sidestick-pitch").replace({"linkage.stiffness": 60000.0}),
+            ff.loader.electric("sidestick-pitch").replace({"linkage.stiffness": 60000.0}, si=True),
             ("robust", "observer"),
             THROW,
         ),
@@ -130,7 +130,7 @@ def test_the_noise_of_a_law_that_renders_is_that_of_its_transfer_function():
 def test_with_a_sensor_at_the_grip_it_is_the_least_of_all_laws_that_render():
     """Over what angle and grip's force are each given, ``T_l = C (theta + n) + D (T_p - m s^2 theta + n_g)``, by a search."""
     sensor = {"grip_sensor.gain": 0.9, "grip_sensor.noise": "0.05 lb", "grip_sensor.mass": "2 lbm"}
-    plan = planned(ff.digital_elevator().replace(sensor))
+    plan = planned(ff.digital_elevator().replace(sensor, si=True))
     g, bare = plan.loader.__getitem__, angle_variance(plan.loader)
     force = sample_variance(plan.loader)[-1] * (g("column.grip_arm") / g("grip_sensor.gain")) ** 2
     outboard = g("grip_sensor.mass") * g("column.grip_arm") ** 2
@@ -159,7 +159,7 @@ def test_with_a_sensor_at_the_grip_it_is_the_least_of_all_laws_that_render():
 def test_noise_forbids_what_is_light_and_small_and_no_law_passes_it():
     rows = {f"{sensor}.{row}": "0.3 deg" for sensor in ("column_sensor",) for row in ("noise", "resolution")}
     coarse = {"potentiometer.noise": "0.1 in", "potentiometer.resolution": "0.1 in"}
-    loader = ff.digital_elevator().replace(rows | coarse)
+    loader = ff.digital_elevator().replace(rows | coarse, si=True)
     found = compute_few(planned(loader, 2.0, ("robust", "observer")), threads=1)
     which = found.forbidden.of(NOISE)
     assert 0 < which.sum() < len(which)

@@ -25,7 +25,9 @@ def rendered(machine, law, grid=GRID, case=NOMINAL):
 
 
 PLAIN = Method(
-    "plain", "of the loader without its friction", lambda it, feel: METHODS["robust"].design(it.replace(NONE), feel)
+    "plain",
+    "of the loader without its friction",
+    lambda it, feel: METHODS["robust"].design(it.replace(NONE, si=True), feel),
 )
 
 
@@ -40,13 +42,13 @@ def test_friction_that_the_law_knows_is_hardly_felt(name):
 def test_a_hand_finds_the_programmed_curve_but_for_the_breakaway():
     """Slowly to and fro: where the column moves, the width of the loop is the damping's alone; without, twice the friction more."""
     feel = {"feel.inertia": 0.5, "feel.damping": 3.0, "feel.stiffness": 20.0}
-    loader = ff.digital_elevator().replace(feel | FRICTION).with_tolerances({"column.coulomb_friction": "1 %"})
+    loader = ff.digital_elevator().replace(feel | FRICTION, si=True).with_tolerances({"column.coulomb_friction": "1 %"})
     time = np.linspace(0.0, 10.0, 2001)
     force = 20.0 * np.sin(2 * np.pi * 0.2 * time)
     off = {}
     for known, law in (
         ("friction", Law.of("robust", loader)),
-        ("none", Law.of("robust", loader.with_tolerances({"column.coulomb_friction": None}).replace(NONE))),
+        ("none", Law.of("robust", loader.with_tolerances({"column.coulomb_friction": None}).replace(NONE, si=True))),
     ):
         history = ff.simulate(loader, ff.Scenario(Recorded(time, force), 10.0, 5e-4, 5e-3), law).history
         angle, rate = history.column_angle_rad.values, history.column_velocity_rad_per_s.values
@@ -106,10 +108,10 @@ def test_a_hand_that_moves_the_column_teaches_nothing_that_stays():
     feel = {"feel.inertia": 0.5, "feel.damping": 3.0, "feel.stiffness": 20.0}
     time = np.linspace(0.0, 10.0, 2001)
     force = 20.0 * np.sin(2 * np.pi * 0.2 * time)
-    stated = ff.digital_elevator().replace(feel | FRICTION)
+    stated = ff.digital_elevator().replace(feel | FRICTION, si=True)
     law = Law.of("robust", stated)
     for off in (-0.1, 0.0, 0.1):
-        loader = stated.replace({key: (1 + off) * stated[key] for key in FRICTION})
+        loader = stated.replace({key: (1 + off) * stated[key] for key in FRICTION}, si=True)
         history = ff.simulate(loader, ff.Scenario(Recorded(time, force), 10.0, 5e-4, 5e-3), law).history
         angle, rate = history.column_angle_rad.values, history.column_velocity_rad_per_s.values
         moving = (np.abs(rate) > 0.2 * np.abs(rate).max()) & (history.time_s.values > 5.0)

@@ -87,8 +87,8 @@ def test_a_board_gives_the_same_bits(single, core):
 def test_a_period_keeps_to_its_instructions_and_the_law_to_its_bytes(tmp_path):
     """Most of any golden sample, with every nonlinear part of the feel; size of four settings with every part."""
     needs("arm-none-eabi-gcc", "qemu-system-arm")
-    every = ff.digital_elevator().replace(NONLINEAR | CONVERTERS)
-    feel = ff.export.Exported.of("robust", ff.digital_elevator().replace(cost.FEEL), "law")
+    every = ff.digital_elevator().replace(NONLINEAR | CONVERTERS, si=True)
+    feel = ff.export.Exported.of("robust", ff.digital_elevator().replace(cost.FEEL, si=True), "law")
     most, size, _ = cost.of_c(feel, tmp_path / "feel")
     assert 600 < most <= cost.PROMISED_INSTRUCTIONS
     knots = ff.flight_schedule.read_knots(KNOTS).feel

@@ -252,7 +252,7 @@ def test_reset_begins_as_the_simulator_does(loader, drive, start):
     """Reset with what the sensors show at the start of a run, the law gives the command that holds the loader there."""
     machine = loader if drive == "valve" else ff.loader.electric("elevator-electric")
     machine = machine.replace(
-        QUIET | {"feel.preload": "1 lb", "feel.breakout": "2 lb", "column.gravity_torque": "3 N m"}
+        QUIET | {"feel.preload": "1 lb", "feel.breakout": "2 lb", "column.gravity_torque": "3 N m"}, si=True
     )
     law = ff.Law.of("robust", machine)
     history = ff.simulate(machine, STARTS[start], law).history

@@ -46,11 +46,11 @@ def plain():
 
 
 def rough():
-    return ff.digital_elevator().replace(NONLINEAR | CONVERTERS | SENSORS)
+    return ff.digital_elevator().replace(NONLINEAR | CONVERTERS | SENSORS, si=True)
 
 
 def motor():
-    return ff.loader.electric("elevator-electric").replace(NONLINEAR | {"motor.cogging_torque": "0.1 N m"})
+    return ff.loader.electric("elevator-electric").replace(NONLINEAR | {"motor.cogging_torque": "0.1 N m"}, si=True)
 
 
 LOADERS = {"plain": plain, "rough": rough, "motor": motor}
@@ -227,7 +227,7 @@ def test_a_new_feel_comes_without_a_bump_and_as_in_a_simulation(fmus):
 def test_a_setting_brings_its_feel_and_its_law(tmp_path):
     feel = ff.flight_schedule.read_knots(KNOTS).feel[:2]
     exported = export(tmp_path, plain(), feel)
-    loader = exported.loader.replace(dict(zip(FEEL_SETTING, feel[0], strict=True)))
+    loader = exported.loader.replace(dict(zip(FEEL_SETTING, feel[0], strict=True)), si=True)
     to = dict(zip(FEEL_SETTING, feel[1], strict=True))
     change = ff.simulation.FeelChange(0.05, to, over_s=0.1, compensator=exported.law.some([1]))
     scenario = ff.Scenario(ff.Step(60.0), duration_s=0.2, sample_s=STEP_S, feel_changes=(change,))

@@ -24,13 +24,13 @@ LAWS = {
     "valve": lambda: ("robust", ff.digital_elevator()),
     "valve, every part": lambda: (
         "robust",
-        ff.digital_elevator().replace(NONLINEAR | {"controller.antiwindup": "50 1/s"}),
+        ff.digital_elevator().replace(NONLINEAR | {"controller.antiwindup": "50 1/s"}, si=True),
     ),
     "motor, cogging": lambda: (
         "robust",
         ff.loader.electric("elevator-electric").replace({"motor.cogging_torque": "0.1 N m"}),
     ),
-    "grip": lambda: ("grip", ff.digital_elevator().replace(GRIP)),
+    "grip": lambda: ("grip", ff.digital_elevator().replace(GRIP, si=True)),
 }
 ASIDE = {
     "sensed_load_cell_force": 20.0,

@@ -18,7 +18,7 @@ SETTINGS = np.array([[6.8, 34.0, 1085.0], [4.0, 25.0, 800.0]])
 def cases():
     hydraulic = ff.digital_elevator().replace({"load_cell.bandwidth": "300 Hz", "column.coulomb_friction": "1 lb"})
     electric = ff.loader.electric("sidestick-roll")
-    at_grip = ff.digital_elevator().replace({"grip_sensor.gain": 1.1, "grip_sensor.mass": "0.5 kg"})
+    at_grip = ff.digital_elevator().replace({"grip_sensor.gain": 1.1, "grip_sensor.mass": "0.5 kg"}, si=True)
     return {
         "valve": ff.export.Exported.of("robust", hydraulic, "pitch", SETTINGS),
         "grip": ff.export.Exported.of("grip", at_grip, "pitch"),
@@ -89,7 +89,7 @@ def test_the_numbers_are_those_of_the_law_to_the_last_bit(folder):
 
 def test_a_lag_at_the_grip_is_in_the_loop(tmp_path):
     lag = {"grip_sensor.gain": 1.1, "grip_sensor.mass": "0.5 kg", "grip_sensor.bandwidth": "200 Hz"}
-    exported = ff.export.Exported.of("grip", ff.digital_elevator().replace(lag), "pitch")
+    exported = ff.export.Exported.of("grip", ff.digital_elevator().replace(lag, si=True), "pitch")
     ff.export.write_export(exported, ff.export.Target.MATLAB, tmp_path)
     assert status_of(tmp_path / "pitch_loop.py") == 0
 

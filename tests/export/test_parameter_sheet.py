@@ -82,7 +82,7 @@ def test_gains_of_an_analog_law():
 
 
 def test_a_law_that_hears_the_grip_names_its_columns():
-    exported = ff.export.Exported.of("grip", ff.digital_elevator().replace({"grip_sensor.gain": 1.0}), "pitch")
+    exported = ff.export.Exported.of("grip", ff.digital_elevator().replace({"grip_sensor.gain": 1.0}, si=True), "pitch")
     sheet, law = rows(exported), exported.law.sampled
     place = law.states + 4
     row = sheet["1", f"law.torque_{place}"]

@@ -56,7 +56,7 @@ KNOTS = Path(__file__).parents[2] / "examples" / "schedule" / "knots.csv"
 
 def valve():
     """A valve's law for two settings, with every nonlinear part of the feel."""
-    loader = ff.digital_elevator().replace(NONLINEAR | CONVERTERS)
+    loader = ff.digital_elevator().replace(NONLINEAR | CONVERTERS, si=True)
     return ff.export.Exported.of("robust", loader, "pitch", ff.flight_schedule.read_knots(KNOTS).feel[:2])
 
 

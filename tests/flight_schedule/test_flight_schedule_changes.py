@@ -42,7 +42,7 @@ WAYS = {"stiffer": (60.0, 380.0), "softer": (380.0, 60.0), "a little": (100.0, 2
 
 @pytest.fixture(scope="module")
 def schedule() -> FlightSchedule:
-    loader = ff.digital_elevator().replace(QUIET)
+    loader = ff.digital_elevator().replace(QUIET, si=True)
     axis = ScheduleAxis("dynamic pressure", "lb/ft^2", (50, 100, 200, 400))
     stiffness = np.array([0.1, 0.2, 0.4, 0.8]) * loader["feel.maximum_stiffness"]
     return design_schedule(loader, [axis], second_order_feel(stiffness, [1.0, 1.2, 1.5, 2.0], 0.6))

@@ -111,7 +111,7 @@ def test_cases_are_plants_that_are_off_under_the_nominal_law(schedule: FlightSch
     assert names[:3] == ["nominal", "linkage.stiffness -20 %", "linkage.stiffness +20 %"]
     assert names[3:] == ["light arm", "loose arm", "firm arm"]
     there = schedule.at(dynamic_pressure=150)
-    off = there.loader.replace({"linkage.stiffness": 0.8 * there.loader["linkage.stiffness"]})
+    off = there.loader.replace({"linkage.stiffness": 0.8 * there.loader["linkage.stiffness"]}, si=True)
     poles = sampled_loops(off, there.compensator).poles[0]
     place = int(np.flatnonzero(found.where[:, 0] == 150)[0])
     assert found.poles.largest[1, place] == pytest.approx(np.abs(poles).max(), abs=1e-12)  # the same arithmetic

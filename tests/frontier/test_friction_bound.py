@@ -61,10 +61,10 @@ def test_releases_with_friction_that_is_left_by_another_route(feel, friction):
 def test_no_sensor_tells_friction_from_a_hand_that_drags():
     """(1 + e) F hands off, and (1 - e) F with a hand that drags with 2 e F: one motion, whatever the law."""
     quiet = {f"{part}.{row}": None for part in ("load_cell", "column_sensor") for row in ("noise", "resolution")}
-    loader = ff.digital_elevator().replace({**quiet, **DRY})
+    loader = ff.digital_elevator().replace({**quiet, **DRY}, si=True)
     law = Law.of("robust", loader)
     force, off = loader["column.coulomb_friction"], 0.3
-    more, less = (loader.replace({"column.coulomb_friction": share * force}) for share in (1 + off, 1 - off))
+    more, less = (loader.replace({"column.coulomb_friction": share * force}, si=True) for share in (1 + off, 1 - off))
     step = 5e-4
     time = np.arange(0.0, 0.6 + step / 2, step)
     push = np.where(time < 0.2, 40.0, -40.0)

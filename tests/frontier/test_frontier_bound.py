@@ -36,10 +36,10 @@ def test_to_the_law_columns_of_one_sum_are_one(error):
     """
     loader = ff.digital_elevator()
     law = METHODS["robust"].design(loader, [[loader[key] for key in FEEL_SETTING]])
-    other = loader.replace({"column.inertia": loader["column.inertia"] * (1 + error)})
+    other = loader.replace({"column.inertia": loader["column.inertia"] * (1 + error)}, si=True)
     mass = abs(error) * loader["column.inertia"] / loader["column.grip_arm"] ** 2
     alone, lighter = (other, loader) if error > 0 else (loader, other)
-    held = lighter.replace({"pilot.arm_mass": mass})
+    held = lighter.replace({"pilot.arm_mass": mass}, si=True)
     scenario = Scenario(Release(np.radians(10)), 1.0)
     one, twin, without = (simulate(each, scenario, law).history for each in (alone, held, lighter))
     for name in ("column_angle_rad", "column_velocity_rad_per_s", "valve_current_a", "load_pressure_pa"):
@@ -62,9 +62,11 @@ def test_an_arm_that_is_known_gives_itself_away():
     law = METHODS["agile"].design(loader, [[loader[key] for key in FEEL_SETTING]])
     lever, firm = loader["column.grip_arm"] ** 2, REFERENCE_ARMS[-1]
     arm = dict(zip(ARM_ROWS, firm.values, strict=True))
-    heavier = loader.replace({"column.inertia": loader["column.inertia"] + firm.mass_kg * lever})
+    heavier = loader.replace({"column.inertia": loader["column.inertia"] + firm.mass_kg * lever}, si=True)
     scenario = Scenario(Release(np.radians(10)), 1.0, sample_s=1e-3)
-    alone, held = (_felt(simulate(each, scenario, law).history, loader) for each in (heavier, loader.replace(arm)))
+    alone, held = (
+        _felt(simulate(each, scenario, law).history, loader) for each in (heavier, loader.replace(arm, si=True))
+    )
     total = loader["column.inertia"] + firm.mass_kg * lever
     assert [alone[0], held[0]] == pytest.approx([total, total], rel=DIFFERENCES)
     assert held[1:] == pytest.approx([firm.damping_n_s_per_m * lever, firm.stiffness_n_per_m * lever], rel=DIFFERENCES)
@@ -203,8 +205,8 @@ def test_the_torques_scale_acts_as_an_error_of_the_inertia(key, scale):
     off, lighter, nominal = (
         simulate(each, scenario, law).history["column_angle_rad"].values
         for each in (
-            loader.replace({key: scale * loader[key]}),
-            loader.replace({"column.inertia": loader["column.inertia"] / scale}),
+            loader.replace({key: scale * loader[key]}, si=True),
+            loader.replace({"column.inertia": loader["column.inertia"] / scale}, si=True),
             loader,
         )
     )

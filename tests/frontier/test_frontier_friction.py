@@ -43,6 +43,6 @@ def test_noise_of_the_sensors_is_felt():
     loader = ff.digital_elevator()
     quiet, loud = (
         smallest_friction(make_plan(each, ("robust",), GRID))
-        for each in (loader, loader.replace({"load_cell.noise": 10 * loader["load_cell.noise"]}))
+        for each in (loader, loader.replace({"load_cell.noise": 10 * loader["load_cell.noise"]}, si=True))
     )
     assert 0 < quiet.noise_n < loud.noise_n

@@ -20,7 +20,7 @@ FOLLOWED = 0.15  # relative; a law follows the ideal so well
 
 
 def plan_of(**changes):
-    return make_plan(ff.loader.electric("sidestick-roll").replace(changes), ("robust",), GRID)
+    return make_plan(ff.loader.electric("sidestick-roll").replace(changes, si=True), ("robust",), GRID)
 
 
 def shares(loader, feel, angle):
@@ -56,7 +56,7 @@ def test_the_engine_asks_for_the_current_of_the_ideal():
     found, loader = motor_limits(plan, threads=1), plan.loader
     stiffest = int(np.argmax(found.demand))
     inertia, damping, stiffness = plan.settings.feel(loader)[stiffest].tolist()
-    own = loader.replace({"feel.inertia": inertia, "feel.damping": damping, "feel.stiffness": stiffness})
+    own = loader.replace({"feel.inertia": inertia, "feel.damping": damping, "feel.stiffness": stiffness}, si=True)
     run = simulate(own, Scenario(Release(plan.release_rad), 0.5, 1e-4, 5e-4), "robust").history
     current = run.motor_current_a.values / loader["current_loop.current_limit"]
     settled = run.time_s.values > run.time_s.values[np.argmax(run.pilot_force_n.values == 0)] + 0.02
@@ -94,7 +94,7 @@ def test_the_rotor_takes_no_less_time_to_let_go_than_the_engine_s_fastest():
 
 
 def test_the_frontier_of_a_motor_says_motor():
-    loader = ff.loader.electric("sidestick-roll").replace({"current_loop.current_limit": 6.0})
+    loader = ff.loader.electric("sidestick-roll").replace({"current_loop.current_limit": 6.0}, si=True)
     grid = {"stiffness": "20, 100 %", "frequency": "2, 4 Hz", "damping": "0.4, 0.7"}
     found = ff.find_frontier(loader, grid=grid, changes={"column.inertia": 0.2}, arms=())
     assert found.drive.forbidden.any()

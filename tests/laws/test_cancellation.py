@@ -23,8 +23,8 @@ COGGING = {
     "motor.cogging_torque_2": 0.05,
     "motor.cogging_phase_2": -1.1,
 }
-SMOOTH = BUILT_IN["desktop-yoke"]().replace(QUIET)
-YOKE = SMOOTH.replace(COGGING)
+SMOOTH = BUILT_IN["desktop-yoke"]().replace(QUIET, si=True)
+YOKE = SMOOTH.replace(COGGING, si=True)
 
 AGREES = 1e-4
 """Of the travel."""
@@ -125,8 +125,8 @@ def test_a_law_with_one_is_none_for_a_valve():
 
 def test_dry_friction_of_the_motor_is_fed_forward(tmp_path):
     """A release with the motor's friction is nearer to that without."""
-    bare = BUILT_IN["elevator-electric"]().replace(QUIET)
-    dry = bare.replace({"motor.coulomb_friction": 0.4, "motor.static_friction": 0.45})
+    bare = BUILT_IN["elevator-electric"]().replace(QUIET, si=True)
+    dry = bare.replace({"motor.coulomb_friction": 0.4, "motor.static_friction": 0.45}, si=True)
     law = Law.of("robust", dry)
     assert law.cancellation.friction_a == pytest.approx(0.8 * 0.4 / dry["motor.torque_constant"])
     law.save(tmp_path / "law.json")

@@ -201,7 +201,7 @@ def stable(loader, law, feel):
 
 def test_without_the_potentiometer_a_softer_link_does_no_harm():
     loader = sampled()
-    soft = loader.replace({"linkage.stiffness": 0.8 * loader["linkage.stiffness"]})
+    soft = loader.replace({"linkage.stiffness": 0.8 * loader["linkage.stiffness"]}, si=True)
     holds = {
         name: [stable(soft, laws.some(k), feel) for k, feel in enumerate(FEELS)]
         for name, tuning in TUNINGS.items()

@@ -18,7 +18,7 @@ STEPPED = 1e-12
 
 
 def sampled(delay=PERIOD, period=PERIOD):
-    return ff.elevator().replace({"controller.period": period, "controller.delay": delay})
+    return ff.elevator().replace({"controller.period": period, "controller.delay": delay}, si=True)
 
 
 def continuous(loader):
@@ -110,4 +110,4 @@ def test_units_are_the_loaders():
 )
 def test_a_plant_that_cannot_be_sampled_is_refused(changes, said):
     with pytest.raises(InputError, match=said):
-        SampledPlant.of(ff.elevator().replace(changes))
+        SampledPlant.of(ff.elevator().replace(changes, si=True))

@@ -19,9 +19,9 @@ from tests import electric_witness as witness
 
 QUIET = {f"{sensor}.{row}": None for sensor in SENSORS for row in ("noise", "resolution")}
 SENSOR = {"grip_sensor.gain": 1.0}
-VALVE = ff.digital_elevator().replace(QUIET | SENSOR)
-MOTOR = BUILT_IN["elevator-electric"]().replace(QUIET | SENSOR)
-YOKE = BUILT_IN["desktop-yoke"]().replace(QUIET)
+VALVE = ff.digital_elevator().replace(QUIET | SENSOR, si=True)
+MOTOR = BUILT_IN["elevator-electric"]().replace(QUIET | SENSOR, si=True)
+YOKE = BUILT_IN["desktop-yoke"]().replace(QUIET, si=True)
 LOADERS = pytest.mark.parametrize("loader", [VALVE, MOTOR], ids=["valve", "motor"])
 
 FORGOTTEN = 1e-7
@@ -36,7 +36,7 @@ def own(loader):
 
 @pytest.mark.parametrize("mass", [None, 0.05])
 def test_the_engine_runs_it_as_its_witness_does(mass):
-    loader = YOKE.replace({"grip_sensor.gain": 0.97, "grip_sensor.mass": mass})
+    loader = YOKE.replace({"grip_sensor.gain": 0.97, "grip_sensor.mass": mass}, si=True)
     law, time = own(loader), np.linspace(0.0, 0.21, 421)
     force = 8 * np.sin(2 * math.pi * 4 * time)
     run = simulate(loader, Scenario(Recorded(time, force), 0.2, 1e-4, loader["controller.period"]), law)
@@ -49,8 +49,11 @@ def test_the_engine_runs_it_as_its_witness_does(mass):
 @pytest.mark.parametrize("mass", [None, 0.3])
 def test_the_stiffness_at_rest_is_the_feels_whatever_the_column_is(loader, mass):
     """By the sensor alone: not by the link's ratio, nor by the load cell, that the torque of other laws comes from."""
-    loader, law = loader.replace({"grip_sensor.mass": mass}), own(loader.replace({"grip_sensor.mass": mass}))
-    off = loader.replace({key: 1.2 * loader[key] for key in ("linkage.ratio", "column.inertia")})
+    loader, law = (
+        loader.replace({"grip_sensor.mass": mass}, si=True),
+        own(loader.replace({"grip_sensor.mass": mass}, si=True)),
+    )
+    off = loader.replace({key: 1.2 * loader[key] for key in ("linkage.ratio", "column.inertia")}, si=True)
     force = 0.2 * loader["pilot.force"]
     angle = force * loader["column.grip_arm"] / loader["feel.stiffness"]
     for machine in (loader, off):
@@ -73,13 +76,13 @@ def test_what_the_column_is_off_does_not_move_the_feel(loader):
     law = own(loader)
     for key in ("column.inertia", "linkage.ratio"):
         for factor in (0.8, 1.2):
-            assert sampled_loops(loader.replace({key: factor * loader[key]}), law).stable.all()
+            assert sampled_loops(loader.replace({key: factor * loader[key]}, si=True), law).stable.all()
 
 
 def test_dry_friction_of_the_column_is_not_felt():
     """Under 2 lb the hand moves it as it moves the feel: half the loop's width is below a twentieth of the friction."""
     friction = 2 * 4.4482216
-    loader = VALVE.replace({"column.coulomb_friction": friction, "column.static_friction": friction})
+    loader = VALVE.replace({"column.coulomb_friction": friction, "column.static_friction": friction}, si=True)
     run = simulate(loader, Scenario(Release(0.17), 3.0), "grip")
     bare = simulate(VALVE, Scenario(Release(0.17), 3.0), "grip")
     angle, expected = (one.history["column_angle_rad"].values for one in (run, bare))
@@ -100,14 +103,14 @@ def test_a_law_with_the_sensor_comes_back_from_its_file(tmp_path):
 
 
 def test_the_sensors_noise_counts():
-    noisy = VALVE.replace({"grip_sensor.noise": 0.5, "grip_sensor.resolution": 0.3})
+    noisy = VALVE.replace({"grip_sensor.noise": 0.5, "grip_sensor.resolution": 0.3}, si=True)
     assert sample_variance(noisy)[-1] == pytest.approx(0.25 + 0.09 / 12)
     assert noise_at_grip(noisy, own(noisy)).angle_rad > 0
 
 
 def test_the_bound_is_about_what_lies_outboard():
     grid = {"stiffness": "1, 10 %", "frequency": "2, 4 Hz", "damping": "0.2, 1"}
-    bare, heavy, without = VALVE, VALVE.replace({"grip_sensor.mass": 1.0}), ff.digital_elevator()
+    bare, heavy, without = VALVE, VALVE.replace({"grip_sensor.mass": 1.0}, si=True), ff.digital_elevator()
     assert unseen_inertia(without) == without["column.inertia"]
     assert unseen_inertia(heavy) == pytest.approx(heavy["column.grip_arm"] ** 2)
     shares = [
@@ -137,7 +140,7 @@ def test_a_sensor_that_sees_nothing_is_refused(changes, said):
     bare = ff.elevator() if "controller.period" in changes else ff.digital_elevator()
     given = {key: value for key, value in changes.items() if value is not None}
     with pytest.raises(ff.InputError) as caught:
-        bare.replace(given)
+        bare.replace(given, si=True)
     assert said in str(caught.value)
 
 

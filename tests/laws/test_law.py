@@ -259,7 +259,7 @@ def test_a_law_is_made_once_for_a_sweep_and_for_a_model():
     assert (len(calls), pieces[0] is pieces[1]) == (1, True)
     model = LinearModel(DIGITAL, experiment.loop, counted)
     for stiffness in ("6000 lb/in", "7000 lb/in"):
-        model.responses(DIGITAL.replace({"linkage.stiffness": stiffness}).values, (), np.array([1.0]))
+        model.responses(DIGITAL.replace({"linkage.stiffness": stiffness}, si=True).values, (), np.array([1.0]))
     assert len(calls) == 2
 
 

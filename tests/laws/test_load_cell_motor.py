@@ -21,7 +21,7 @@ from tests import electric_witness as witness
 QUIET = {
     f"{part}.{row}": None for part in ("load_cell", "potentiometer", "column_sensor") for row in ("noise", "resolution")
 }
-YOKE = BUILT_IN["desktop-yoke"]().replace(QUIET)
+YOKE = BUILT_IN["desktop-yoke"]().replace(QUIET, si=True)
 
 AGREES = 1e-4
 """Of the travel."""
@@ -81,7 +81,7 @@ def test_the_feels_poles_are_those_of_the_best_feedback():
 @pytest.mark.parametrize("name", ELECTRIC_AXES)
 def test_under_a_steady_hand_the_column_is_where_the_feel_is(name):
     """Fed to the motor, the load cell's force leaves the position loop next to nothing to hold."""
-    loader = BUILT_IN[name]().replace(QUIET)
+    loader = BUILT_IN[name]().replace(QUIET, si=True)
     force = 0.3 * loader["pilot.force"]
     run = simulate(loader, Scenario(Recorded([0.0, 1.0], [force, force]), 0.01), "load-cell")
     column, feel = (run.history[key].values[0] for key in ("column_angle_rad", "feel_position_rad"))
@@ -102,7 +102,8 @@ def test_a_run_starts_within_the_motors_limit_where_that_holds_the_feel():
     inertia, stiffness = 2.21, 350.0
     loader = BUILT_IN["elevator-electric"]().replace(
         QUIET
-        | {"feel.inertia": inertia, "feel.stiffness": stiffness, "feel.damping": 0.6 * math.sqrt(inertia * stiffness)}
+        | {"feel.inertia": inertia, "feel.stiffness": stiffness, "feel.damping": 0.6 * math.sqrt(inertia * stiffness)},
+        si=True,
     )
     run = simulate(loader, Scenario(Release(0.17), 0.01), "load-cell")
     held = stiffness * 0.17 / (loader["linkage.ratio"] * loader["column.base_arm"])

@@ -28,7 +28,7 @@ def another(loader, key):
     value, row = loader[key], TABLE[key]
     for change in (1.03 * value, 0.97 * value) if np.isfinite(value) and value else (row.default_si, 1.0):
         try:
-            return loader.replace({key: change})
+            return loader.replace({key: change}, si=True)
         except InputError:
             continue
     return None
@@ -165,7 +165,7 @@ def test_a_motors_law_has_the_motors_quantities(tmp_path):
 def test_a_law_of_another_drive_is_refused_where_its_time_is_the_same(tmp_path):
     saved(tmp_path / "motor.json", STICK)
     valve = DIGITAL.replace(
-        {"controller.period": STICK["controller.period"], "controller.delay": STICK["controller.delay"]}
+        {"controller.period": STICK["controller.period"], "controller.delay": STICK["controller.delay"]}, si=True
     )
     with pytest.raises(InputError, match="is a law for a motor, and elevator-2khz has a valve"):
         Law.of(tmp_path / "motor.json", valve)

@@ -20,9 +20,9 @@ SECONDS = 0.6
 
 
 def smooth(name):
-    loader = open_loader(name).replace(WITH_SENSOR)
+    loader = open_loader(name).replace(WITH_SENSOR, si=True)
     steps = {key: None for key in TABLE if key.endswith(".resolution")}
-    return loader.replace({**SMOOTH, **steps})
+    return loader.replace({**SMOOTH, **steps}, si=True)
 
 
 def moved(loader, method, scenario_of):

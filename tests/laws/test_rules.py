@@ -49,7 +49,7 @@ def motor() -> ff.Loader:
 
 def test_a_law_knows_no_pressure_or_current_that_its_plant_does_not(loader: ff.Loader) -> None:
     other = loader.replace(
-        {"valve.supply_pressure": 2 * loader["valve.supply_pressure"], "valve.rated_current": "20 mA"}
+        {"valve.supply_pressure": 2 * loader["valve.supply_pressure"], "valve.rated_current": "20 mA"}, si=True
     )
     one, two = (ff.laws.method("robust").design(each, FEEL) for each in (loader, other))
     of_samples = slice(one.states, None)
@@ -59,7 +59,7 @@ def test_a_law_knows_no_pressure_or_current_that_its_plant_does_not(loader: ff.L
 
 def test_hundred_times_the_noise_is_a_decade_more(loader: ff.Loader) -> None:
     keys = ("column_sensor.noise", "column_sensor.resolution")
-    noisy = loader.replace({key: 100 * loader[key] for key in keys})
+    noisy = loader.replace({key: 100 * loader[key] for key in keys}, si=True)
     before, after = robust_tuning(loader), robust_tuning(noisy)
     assert after.angle_noise.decades - before.angle_noise.decades == pytest.approx(1.0)
     assert after.pressure_noise == before.pressure_noise
@@ -111,8 +111,8 @@ def test_between_the_two_the_numbers_are_even_in_proportion(motor: ff.Loader) ->
     "row", [{"column.coulomb_friction": "1 N"}, {"load_cell.bandwidth": "500 Hz"}, {"grip_sensor.gain": 1.0}]
 )
 def test_what_no_linear_plant_has_makes_it_less_known(motor: ff.Loader, row: dict) -> None:
-    usual = known(motor, 0.2).replace(row)
-    assert robust_tuning(known(motor, 0.01).replace(row)) == robust_tuning(usual)
+    usual = known(motor, 0.2).replace(row, si=True)
+    assert robust_tuning(known(motor, 0.01).replace(row, si=True)) == robust_tuning(usual)
 
 
 def test_one_parameter_that_is_not_known_is_enough(motor: ff.Loader) -> None:
@@ -145,7 +145,7 @@ def test_a_number_follows_how_far_the_feel_stretches_the_link() -> None:
 def test_it_catches_a_column_that_its_link_throws(loader: ff.Loader) -> None:
     """From 2 deg, with a slow valve; with weights that knew nothing of the link a third of these was felt too short."""
     keys = {"linkage.stiffness": 1 / 6, "valve.natural_frequency": 0.3}
-    soft = loader.replace({key: share * loader[key] for key, share in keys.items()})
+    soft = loader.replace({key: share * loader[key] for key, share in keys.items()}, si=True)
     grid = {"stiffness": "80, 100 %", "frequency": "0.5, 1, 2 Hz", "damping": "0.1, 0.4"}
     plan = make_plan(soft, ["robust"], grid, changes={}, arms=(), angle_rad=radians(2))
     assert compute_few(plan).shares("robust").passes == 1.0
@@ -154,7 +154,7 @@ def test_it_catches_a_column_that_its_link_throws(loader: ff.Loader) -> None:
 def test_it_renders_with_an_encoder_of_20_bits(loader: ff.Loader) -> None:
     """With weights of another encoder it was half of these, and none from 2 deg at the lowest stiffness."""
     step = f"{360 / 2**20} deg"
-    coarse = loader.replace({"column_sensor.noise": step, "column_sensor.resolution": step})
+    coarse = loader.replace({"column_sensor.noise": step, "column_sensor.resolution": step}, si=True)
     grid = {"stiffness": "1..100 %:4:log", "frequency": "1, 4 Hz", "damping": "0.1, 0.7"}
     plan = make_plan(coarse, ["robust"], grid, changes={}, arms=())
     assert compute_few(plan).shares("robust").passes >= 15 / 16
@@ -172,7 +172,7 @@ def rate_noise(loader: ff.Loader, tuning: Tuning) -> float:
 
 
 def with_encoder(loader: ff.Loader, bits: int) -> ff.Loader:
-    return loader.replace(dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), 2 * pi / 2**bits))
+    return loader.replace(dict.fromkeys(("column_sensor.noise", "column_sensor.resolution"), 2 * pi / 2**bits), si=True)
 
 
 def test_the_rate_that_friction_is_given_back_by_is_as_quiet_with_a_coarse_encoder(loader: ff.Loader) -> None:

@@ -39,7 +39,9 @@ def random_settings(loader, count=50):
 
 
 def with_setting(loader, setting):
-    return loader.replace(dict(zip(("feel.inertia", "feel.damping", "feel.stiffness"), setting.tolist(), strict=True)))
+    return loader.replace(
+        dict(zip(("feel.inertia", "feel.damping", "feel.stiffness"), setting.tolist(), strict=True)), si=True
+    )
 
 
 def sampled_gains(loader, design):

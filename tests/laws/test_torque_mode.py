@@ -18,8 +18,8 @@ from tests import electric_witness as witness
 
 SENSORS = ("load_cell", "potentiometer", "column_sensor")
 QUIET = {f"{sensor}.{row}": None for sensor in SENSORS for row in ("noise", "resolution")}
-YOKE = BUILT_IN["desktop-yoke"]().replace(QUIET)
-STICK = BUILT_IN["sidestick-roll"]().replace(QUIET)
+YOKE = BUILT_IN["desktop-yoke"]().replace(QUIET, si=True)
+STICK = BUILT_IN["sidestick-roll"]().replace(QUIET, si=True)
 
 NEAR_RIGID = {
     "linkage.stiffness": 1e8,
@@ -42,7 +42,7 @@ AGREES = 1e-4
 def test_without_delay_and_give_the_column_is_felt_as_said(ratio, monkeypatch):
     """A pole pair of ``max(I, J) s^2 + B s + G``: the motor takes J off a larger I, and without a share none off J."""
     monkeypatch.setattr(torque_mode, "SHARES", ())
-    loader = YOKE.replace(NEAR_RIGID)
+    loader = YOKE.replace(NEAR_RIGID, si=True)
     g = loader.__getitem__
     moved = (
         g("column.inertia")
@@ -51,7 +51,7 @@ def test_without_delay_and_give_the_column_is_felt_as_said(ratio, monkeypatch):
     felt = max(ratio, 1.0) * moved
     stiffness = felt * (2 * math.pi) ** 2
     damping = 0.6 * math.sqrt(felt * stiffness)
-    loader = loader.replace(dict(zip(FEEL_SETTING, (ratio * moved, damping, stiffness), strict=True)))
+    loader = loader.replace(dict(zip(FEEL_SETTING, (ratio * moved, damping, stiffness), strict=True)), si=True)
     poles = sampled_loops(loader, "torque-mode").poles[0]
     expected = np.exp(np.roots([felt, damping, stiffness])[0] * g("controller.period"))
     assert np.abs(poles - expected).min() < RENDERED * abs(expected - 1)
@@ -60,7 +60,7 @@ def test_without_delay_and_give_the_column_is_felt_as_said(ratio, monkeypatch):
 @pytest.mark.parametrize("name", ["elevator-electric", "desktop-yoke"])
 def test_the_stiffness_at_rest_is_the_feels(name):
     """The link gives by 4 to 8 % of it, and the law knows."""
-    loader = BUILT_IN[name]().replace(QUIET)
+    loader = BUILT_IN[name]().replace(QUIET, si=True)
     force = 0.2 * loader["pilot.force"]
     run = simulate(loader, Scenario(Recorded([0.0, 1.0], [force, force]), 0.01), "torque-mode")
     angle = force * loader["column.grip_arm"] / loader["feel.stiffness"]
@@ -86,7 +86,7 @@ def test_a_steep_breakout_makes_no_limit_cycle():
 def test_dry_friction_of_the_feel_sticks():
     """Under half of the friction the column stays within what the coupling gives."""
     friction = 4.0
-    loader = YOKE.replace({"feel.coulomb_friction": friction})
+    loader = YOKE.replace({"feel.coulomb_friction": friction}, si=True)
     time = np.linspace(0.0, 1.6, 321)
     force = np.clip(time / 0.2, 0, 1) * friction / 2
     run = simulate(loader, Scenario(Recorded(time, force), 1.5), "torque-mode")
@@ -106,6 +106,6 @@ def test_a_spring_that_the_link_has_not_is_refused():
 
 def test_a_coarse_encoder_makes_the_coupling_softer():
     """Its steps, times the damper, are not to stir the current."""
-    fine, coarse = (Coupling.of(YOKE.replace({"potentiometer.resolution": step})) for step in (1e-7, 1e-5))
+    fine, coarse = (Coupling.of(YOKE.replace({"potentiometer.resolution": step}, si=True)) for step in (1e-7, 1e-5))
     assert coarse.memory > fine.memory
     assert coarse.frequency < fine.frequency

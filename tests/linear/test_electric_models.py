@@ -57,7 +57,7 @@ def linear(name, **changes):
     """A built-in loader without what is not linear."""
     loader = ff.loader.electric(name)
     off = {key: value for key, value in RAW.items() if key in loader.given}
-    return loader.replace({**off, **changes})
+    return loader.replace({**off, **changes}, si=True)
 
 
 def drawn(seed):
@@ -67,7 +67,9 @@ def drawn(seed):
     factors = 2.0 ** random.uniform(-1, 1, len(DRAWN))
     changes = {key: loader[key] * factor for key, factor in zip(DRAWN, factors, strict=True)}
     changes["transmission.stiffness"] = loader["linkage.stiffness"] * random.uniform(0.5, 5)
-    return loader.replace({**changes, "motor.viscous_friction": loader["motor.inertia"] * random.uniform(0.1, 5)})
+    return loader.replace(
+        {**changes, "motor.viscous_friction": loader["motor.inertia"] * random.uniform(0.1, 5)}, si=True
+    )
 
 
 def of_witness(loader):
@@ -107,7 +109,8 @@ def test_by_current_alone_rotor_and_column_hang_on_the_feel_s_spring(seed):
         {
             "transmission.stiffness": None,
             **{f"linkage.{name}": 1e4 * row(f"linkage.{name}") for name in ("stiffness", "damping")},
-        }
+        },
+        si=True,
     )
     slow = sorted(np.linalg.eigvals(loader_model(stiff, None, Linkage.COMPLIANT).A), key=abs)[:2]
     np.testing.assert_allclose(np.sort_complex(slow), np.sort_complex(sorted(expected, key=abs)[:2]), rtol=RIGID)

@@ -44,7 +44,7 @@ def live(loader, law, scenario, **more):
 @pytest.mark.parametrize(("name", "law"), CASES)
 def test_a_live_run_gives_the_bits_of_a_simulation(name, law):
     # Dry friction and noise, so that the simulation is the nonlinear one.
-    loader = LOADERS[name]().replace({"column.coulomb_friction": 1.0, "load_cell.noise": 0.2})
+    loader = LOADERS[name]().replace({"column.coulomb_friction": 1.0, "load_cell.noise": 0.2}, si=True)
     for scenario in scenarios(loader):
         simulated = ff.simulate(loader, scenario, law)
         assert simulated.method == "stepped"

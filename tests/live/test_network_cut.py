@@ -61,7 +61,7 @@ def run(tmp_path_factory):
     """A loader, and the record of a run with the cuts one after the other."""
     folder = tmp_path_factory.mktemp("cut")
     subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", folder / "relay", HERE / "relay.c"], check=True)
-    loader = ff.digital_elevator().replace({"controller.period": PERIOD})
+    loader = ff.digital_elevator().replace({"controller.period": PERIOD}, si=True)
     with (
         served(sys.executable, "-c", MACHINE) as (_, machine),
         served(folder / "relay", machine.partition(":")[2]) as (relay, address),

@@ -313,7 +313,7 @@ def test_a_file_that_only_says_electric_is_told_what_it_needs(path: Path) -> Non
 def test_a_loader_takes_no_row_of_the_other_drive(loader: Loader, key: str, message: str) -> None:
     row = TABLE[key]
     with pytest.raises(InputError) as caught:
-        loader.replace({key: row.default_si})
+        loader.replace({key: row.default_si}, si=True)
     assert str(caught.value).startswith(f"{message}, with the parts ")
     with pytest.raises(InputError) as caught:
         loader.with_tolerances({key: "10 %"})
@@ -330,11 +330,11 @@ def test_a_loader_takes_no_row_of_the_other_drive(loader: Loader, key: str, mess
 
 def test_unknown_rows_are_answered_with_those_of_the_drive() -> None:
     with pytest.raises(InputError, match=r"'area'; the parameters are motor\.torque_constant"):
-        bare(ELECTRIC).replace({"area": 1.0})
+        bare(ELECTRIC).replace({"area": 1.0}, si=True)
     with pytest.raises(
         InputError, match=r"did you mean transmission\.stiffness or linkage\.stiffness or feel\.stiffness\?"
     ):
-        bare(ELECTRIC).replace({"stiffness": 1.0})
+        bare(ELECTRIC).replace({"stiffness": 1.0}, si=True)
 
 
 # What is stated in another way

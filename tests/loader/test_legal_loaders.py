@@ -118,7 +118,7 @@ SEARCHED = 1e-6
 @pytest.mark.parametrize("ends", [(), *LOST], ids=" ".join)
 def test_a_release_begins_where_it_is_held_also_where_rounding_leaves_no_equilibrium_of_the_matrices(ends):
     given = (end.split() for end in ends)
-    loader = PLAIN.replace({key: limits_si(TABLE[key])[which == "highest"] for which, key in given})
+    loader = PLAIN.replace({key: limits_si(TABLE[key])[which == "highest"] for which, key in given}, si=True)
     run = ff.simulate(loader, ff.Scenario(ff.Release(0.1, 0.1), duration_s=0.2))
     assert run.method == ("stepped" if ends else "exact")
     assert float(run.history["column_angle_rad"][0]) == pytest.approx(0.1, rel=1e-12)  # some roundings

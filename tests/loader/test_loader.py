@@ -103,7 +103,7 @@ def test_equal_loaders_have_equal_hashes_and_others_differ() -> None:
 
 
 def test_minus_zero_is_zero_for_equality_and_hash() -> None:
-    plus, minus = (elevator().replace({"feel.damping": zero}) for zero in (0.0, -0.0))
+    plus, minus = (elevator().replace({"feel.damping": zero}, si=True) for zero in (0.0, -0.0))
     assert plus == minus
     assert hash(plus) == hash(minus)
 
@@ -120,7 +120,7 @@ def test_minus_zero_is_zero_for_equality_and_hash() -> None:
     ],
 )
 def test_replace_takes_text_or_si_numbers(given: str | float, expected: float) -> None:
-    loader = elevator().replace({"linkage.stiffness": given})
+    loader = elevator().replace({"linkage.stiffness": given}, si=True)
     assert loader["linkage.stiffness"] == pytest.approx(expected, rel=ROUNDING)
     changed = np.flatnonzero(loader.values != elevator().values).tolist()
     assert changed == [INDEX["linkage.stiffness"]]
@@ -160,7 +160,7 @@ RANGE = "actuator.area: expected 0.001 to 1000 in^2 (0.0064516 to 6451.6 cm^2), 
 )
 def test_replace_refuses_bad_values(given: str | float, message: str) -> None:
     with pytest.raises(InputError) as caught:
-        elevator().replace({"actuator.area": given})
+        elevator().replace({"actuator.area": given}, si=True)
     assert str(caught.value) == message
 
 
@@ -194,9 +194,9 @@ def test_a_loader_takes_its_limits_and_nothing_beyond(key: str) -> None:
     others, loader = companions(key), bare_of(key)
     for limit, sign in ((low, -1), (high, 1)):
         beyond = limit + sign * (BEYOND * abs(limit) or BEYOND)
-        assert loader.replace({**others, key: limit})[key] == limit
+        assert loader.replace({**others, key: limit}, si=True)[key] == limit
         with pytest.raises(InputError) as caught:
-            loader.replace({**others, key: beyond})
+            loader.replace({**others, key: beyond}, si=True)
         assert str(caught.value).startswith(f"{key}: expected {range_text(TABLE[key])}, got ")
 
 

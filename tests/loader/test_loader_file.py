@@ -173,7 +173,7 @@ def test_limits_are_accepted_and_come_back_in_both_unit_systems(
 def document_with(key: str) -> dict[str, dict[str, object]]:
     """A bare loader's file without tolerances, and with what the row needs to have an effect."""
     loader = dataclasses.replace(bare_of(key), tolerances={})
-    return tomllib.loads(loader.replace({**companions(key), key: TABLE[key].default_si}).to_toml())
+    return tomllib.loads(loader.replace({**companions(key), key: TABLE[key].default_si}, si=True).to_toml())
 
 
 @pytest.mark.parametrize("units", SYSTEMS)

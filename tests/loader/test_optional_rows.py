@@ -48,7 +48,7 @@ def complaints(tmp_path: Path, text: str) -> list[str]:
 
 def with_example(key: str) -> Loader:
     """A loader with one optional row, and what it needs to have an effect."""
-    return bare_of(key).replace({**companions(key), key: TABLE[key].default_si})
+    return bare_of(key).replace({**companions(key), key: TABLE[key].default_si}, si=True)
 
 
 def added(part: str, *lines: str, drive: str = HYDRAULIC) -> str:
@@ -148,9 +148,9 @@ def test_a_switch_is_true_or_false(tmp_path: Path) -> None:
     assert read(tmp_path, added("valve", "orifice = true"))["valve.orifice"] == 1
     assert read(tmp_path, added("valve", "orifice = false")) == read(tmp_path, elevator().to_toml())
     for given in (True, 1, 1.0, np.float64(1)):
-        assert elevator().replace({"valve.orifice": given}).given == ("valve.orifice",)
+        assert elevator().replace({"valve.orifice": given}, si=True).given == ("valve.orifice",)
     for given in (False, 0, 0.0, None):
-        assert elevator().replace({"valve.orifice": given}) == elevator()
+        assert elevator().replace({"valve.orifice": given}, si=True) == elevator()
     assert "\norifice = true " in elevator().replace({"valve.orifice": True}).to_toml()
 
 
@@ -173,7 +173,7 @@ def test_anything_else_is_no_switch(tmp_path: Path, given: str, shown: str) -> N
 @pytest.mark.parametrize("given", ["true", "1", 0.5, 2, -1, math.nan, math.inf, [True], {}])
 def test_a_loader_takes_no_other_switch(given: str | float) -> None:
     with pytest.raises(InputError, match=r"^valve\.orifice: expected true or false, got "):
-        elevator().replace({"valve.orifice": given})
+        elevator().replace({"valve.orifice": given}, si=True)
 
 
 def test_true_is_no_number() -> None:
@@ -197,7 +197,7 @@ def test_endless_is_said_by_leaving_the_row_out(tmp_path: Path, key: str) -> Non
     [message] = complaints(tmp_path, text)
     assert message.endswith(", which is not finite")
     with pytest.raises(InputError, match=r"which is not finite$"):
-        bare_of(key).replace({key: OFF[key]})
+        bare_of(key).replace({key: OFF[key]}, si=True)
     values = bare_of(key).values.copy()
     values[list(TABLE).index(key)] = -OFF[key]
     with pytest.raises(InputError, match=rf"^{key}: expected .+, got "):
@@ -210,7 +210,7 @@ def test_a_period_of_zero_is_refused(tmp_path: Path) -> None:
     assert message == f"controller.period: out of range: {said} '0 ms'; leave the row out for an analog controller"
     for given in ("0 ms", 0.0):
         with pytest.raises(InputError) as caught:
-            elevator().replace({"controller.period": given})
+            elevator().replace({"controller.period": given}, si=True)
         assert (
             str(caught.value)
             == f"controller.period: {said} 0 ms; give None, or off on the command line, for an analog controller"
@@ -221,7 +221,7 @@ def test_a_period_of_zero_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize("key", [key for key in OFF if "friction" in key])
 def test_negative_friction_is_refused(key: str) -> None:
     with pytest.raises(InputError) as caught:
-        bare_of(key).replace({key: -1.0})
+        bare_of(key).replace({key: -1.0}, si=True)
     assert str(caught.value).startswith(f"{key}: expected {range_text(TABLE[key])}, got -")
 
 
@@ -304,11 +304,11 @@ def test_rows_that_do_not_go_together_are_named_with_what_to_do(
     [(part, lines)] = by_part.items()
     if not messages:
         loader = read(tmp_path, added(part, *lines))
-        assert loader == read(tmp_path, elevator().to_toml()).replace(changes)
+        assert loader == read(tmp_path, elevator().to_toml()).replace(changes, si=True)
         return
     assert complaints(tmp_path, added(part, *lines)) == messages
     with pytest.raises(InputError) as caught:
-        elevator().replace(changes)
+        elevator().replace(changes, si=True)
     assert str(caught.value).splitlines() == messages
 
 
@@ -339,7 +339,7 @@ ALONE = [
 def test_a_row_without_what_it_acts_with_is_refused(needed: str, key: str) -> None:
     row = TABLE[key]
     with pytest.raises(InputError) as caught:
-        bare_of(key).replace({key: True if is_switch(row) else (row.default_si or row.maximum_si) * 0.9})
+        bare_of(key).replace({key: True if is_switch(row) else (row.default_si or row.maximum_si) * 0.9}, si=True)
     assert str(caught.value).startswith(f"{key}: has no effect without {needed}")
     assert f"; give {needed} too, such as '" in str(caught.value)
 

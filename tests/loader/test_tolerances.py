@@ -185,10 +185,10 @@ def test_a_loader_keeps_its_own_tolerances() -> None:
 
 
 def test_replacing_a_value_moves_its_tolerance() -> None:
-    loader = elevator().replace({"linkage.stiffness": 1e6})
+    loader = elevator().replace({"linkage.stiffness": 1e6}, si=True)
     assert loader.tolerances["linkage.stiffness"].low == pytest.approx(8e5, rel=ROUNDING)
     fixed = elevator().with_tolerances({"linkage.stiffness": {"uniform": ["5000 lb/in", "7000 lb/in"]}})
-    assert fixed.replace({"linkage.stiffness": 1e6}).tolerances == fixed.tolerances
+    assert fixed.replace({"linkage.stiffness": 1e6}, si=True).tolerances == fixed.tolerances
     scaled = elevator().with_tolerances({"feel.stiffness": "10 %"}).scale_feel(0.5)
     assert scaled.tolerances["feel.stiffness"].high == pytest.approx(1.1 * scaled["feel.stiffness"], rel=ROUNDING)
 

@@ -123,7 +123,7 @@ def test_original_loop_tends_to_the_analog_one() -> None:
     slow = analog[np.abs(analog) < 100]
     errors = []
     for period in (0.4e-3, 0.1e-3):
-        loader = ff.elevator().replace({"controller.period": period})
+        loader = ff.elevator().replace({"controller.period": period}, si=True)
         poles = sampled_loops(loader, None).poles[0]
         s = np.log(poles[np.abs(poles) > 0.3]) / period
         errors.append(max(np.abs(s - pole).min() for pole in slow))

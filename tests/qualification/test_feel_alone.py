@@ -143,7 +143,7 @@ ELEVATORS = ("elevator", "elevator-2khz")
 @pytest.mark.parametrize("built_in", ELEVATORS)
 @pytest.mark.parametrize("name", ROWS)
 def test_each_row_moves_as_its_equation(references, built_in, name):
-    alone = FeelAlone(open_loader(built_in).replace(ROWS[name]))
+    alone = FeelAlone(open_loader(built_in).replace(ROWS[name], si=True))
     released, swept = references[name]
     time = np.linspace(0, SWEEP_S, 8001)
     push = Recorded(time, SWEEP_LB * LB * np.sin(2 * np.pi * time / SWEEP_S) ** 3, "push")

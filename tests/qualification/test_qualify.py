@@ -159,7 +159,7 @@ def test_a_nonlinear_feel_is_judged_too():
 
 @pytest.mark.parametrize("period", ["0.33 ms", "5 ms"])
 def test_a_digital_controller_of_any_period_is_judged(period):
-    loader = ff.elevator().replace({"controller.period": period, "feel.breakout": "1 lb"})
+    loader = ff.elevator().replace({"controller.period": period, "feel.breakout": "1 lb"}, si=True)
     results = _by(qualify_loader(loader, QualificationSetup(laws=("published",))).sections[0].results)
     for key, result in results.items():
         assert result.outcome is not Outcome.NOT_EVALUATED, key
@@ -322,7 +322,9 @@ def test_a_release_from_too_little_is_remarked():
 
 def test_an_unstable_loop_has_failed_and_says_when():
     loader = ff.elevator()
-    soft = loader.replace({key: loader[key] / 100 for key in ("feel.inertia", "feel.damping", "feel.stiffness")})
+    soft = loader.replace(
+        {key: loader[key] / 100 for key in ("feel.inertia", "feel.damping", "feel.stiffness")}, si=True
+    )
     found = qualify_loader(soft)
     results = _by(found.sections[0].results)
     assert results["release-25-positive"].outcome is Outcome.FAILED
@@ -379,7 +381,9 @@ def test_records_of_unknown_tests_and_bad_setups():
 
 
 def test_the_arm_is_left_out():
-    loader = ff.elevator().replace({"pilot.arm_mass": 3.0, "pilot.arm_damping": 40.0, "pilot.arm_stiffness": 1000.0})
+    loader = ff.elevator().replace(
+        {"pilot.arm_mass": 3.0, "pilot.arm_damping": 40.0, "pilot.arm_stiffness": 1000.0}, si=True
+    )
     setup = QualificationSetup(tests=("static", "release-50-negative"))
     found, plain = qualify_loader(loader, setup), qualify_loader(ff.elevator(), setup)
     assert set(found.left_out) == {"pilot.arm_mass", "pilot.arm_damping", "pilot.arm_stiffness"}

@@ -46,8 +46,8 @@ def programmed(loader, t):
 
 @cache
 def released(name, law, noisy, damping=None):
-    loader = open_loader(name).replace({} if noisy else dict.fromkeys(SENSORS))
-    loader = loader.replace({"feel.damping": damping} if damping else {})
+    loader = open_loader(name).replace({} if noisy else dict.fromkeys(SENSORS), si=True)
+    loader = loader.replace({"feel.damping": damping} if damping else {}, si=True)
     moved = SimulatedLoader(loader, named_laws(loader, (law,))[law])
     return loader, Motions.of(loader, None).release(moved, ANGLE, 5.0, law)
 

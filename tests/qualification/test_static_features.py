@@ -77,7 +77,7 @@ ELECTRIC = ("nothing", "friction", "breakout, friction", "deadband, breakout, fr
 def reference(rows, built_in="elevator-2khz", curve=None):
     """A loader and the programme's slow sweep of its feel."""
     loader = replace(open_loader(built_in), force_curve=curve)
-    loader = loader.replace({f"feel.{name}": value for name, value in {**BARE, **rows}.items()})
+    loader = loader.replace({f"feel.{name}": value for name, value in {**BARE, **rows}.items()}, si=True)
     throw = Throw.of(loader)
     record = Motions.of(loader, None).swept(FeelAlone(loader), throw, first_force(loader, throw), SLOW_S, "feel")
     return loader, measure_sweep(record)

@@ -109,10 +109,12 @@ def cycle(loader, loop, signal):
 @pytest.mark.parametrize(("spring", "play_m"), [(1.3, PLAY_M), (1.6, PLAY_M), (1.9, PLAY_M), (1.6, PLAY_M / 4)])
 def test_backlash_cycles_as_its_describing_function_says(spring, play_m):
     """A loop that is stable on the stiff link and not on a soft one settles at the stretch whose mean stiffness is between."""
-    soft = bare(ELECTRIC).replace({"motor.inertia": 0.03, "linkage.damping": 1.0, "transmission.backlash": play_m})
+    soft = bare(ELECTRIC).replace(
+        {"motor.inertia": 0.03, "linkage.damping": 1.0, "transmission.backlash": play_m}, si=True
+    )
     w_0, speed = 20.0, 2000.0
     place = Masses(soft).base * w_0**2
-    loader = soft.replace({"linkage.stiffness": spring * place})
+    loader = soft.replace({"linkage.stiffness": spring * place}, si=True)
     of = Masses(loader)
     loop = Loop(place, 0.1 * speed * w_0**2, speed, (0.0, 0.0, of.lever))
 
@@ -132,7 +134,7 @@ def test_backlash_cycles_as_its_describing_function_says(spring, play_m):
 def test_cogging_cycles_as_its_describing_function_says(share):
     """A loop that is softer at the slot's edge than the cogging is stiff swings until J_1 has taken it back."""
     changes = {"motor.inertia": 0.01, "motor.cogging_torque": COGGING_N_M, "linkage.damping": 2000.0}
-    loader = bare(ELECTRIC).replace(changes)
+    loader = bare(ELECTRIC).replace(changes, si=True)
     of, periods = Masses(loader), loader["motor.cogging_periods"]
     stiffest = COGGING_N_M * periods / of.r**2
     w_0 = 0.6 * math.sqrt(stiffest / of.base)

@@ -36,7 +36,7 @@ RAW = {
     for sensor in ("load_cell", "potentiometer", "column_sensor")
     for name in ("noise", "resolution")
 } | {"column.stop_low": None, "column.stop_high": None}
-LOADER = ff.loader.electric("elevator-electric").replace(RAW)
+LOADER = ff.loader.electric("elevator-electric").replace(RAW, si=True)
 EFFECTS = {
     "nothing": {},
     "limits": {"current_loop.current_limit": 1.5, "current_loop.voltage_limit": 6.0},
@@ -73,7 +73,7 @@ def law():
 
 def both(changes, law, duration_s, step_s):
     """The engine's history and the witness's under a push and a pull, a sample a period."""
-    loader, period = LOADER.replace(changes), LOADER["controller.period"]
+    loader, period = LOADER.replace(changes, si=True), LOADER["controller.period"]
     time = np.arange(round(duration_s / period) + 1) * period
     force = 80 * np.sin(2 * math.pi * 2.5 * time)
     run = simulate(loader, Scenario(Recorded(time, force), duration_s, step_s, period), law)
@@ -103,7 +103,7 @@ def test_the_engine_agrees_with_its_witness_with_everything_on(law):
 
 def test_the_engine_runs_a_law_that_knows_the_friction_as_its_witness_does():
     changes = {"column.coulomb_friction": 5.0}
-    law = ff.Law.of("robust", LOADER.replace(changes)).numbers
+    law = ff.Law.of("robust", LOADER.replace(changes, si=True)).numbers
     assert law.knows_friction
     history, expected = both(changes, law, 0.4, 2.5e-4)
     assert np.abs(history.column_angle_rad.values - expected["column_angle_rad"]).max() / TRAVEL < AGREES
@@ -136,7 +136,7 @@ def held(value):
 @pytest.mark.parametrize("bandwidth_hz", [50.0, 1000.0, 20000.0])
 def test_without_limits_the_current_is_a_first_order_lag_at_any_step(bandwidth_hz, step_s):
     w = 2 * math.pi * bandwidth_hz
-    loader = bare(ELECTRIC).replace({"current_loop.bandwidth": w, "linkage.damping": 100.0})
+    loader = bare(ELECTRIC).replace({"current_loop.bandwidth": w, "linkage.damping": 100.0}, si=True)
     run = simulate(loader, Scenario(HandsOff(), 0.02, step_s, 5e-4, test_signal_v=held(1.0)), deaf(loader))
     time = run.history.time_s.values
     assert run.history.motor_current_a.values == pytest.approx(1 - np.exp(-w * time), rel=EXACT, abs=EXACT)
@@ -177,7 +177,8 @@ def test_the_linear_plant_has_the_poles_of_its_parts():
 def imbalance(changes, step):
     """Largest energy that a run of half a second makes out of nothing, as a share of what moved: in steps of ``step`` s."""
     loader = LOADER.replace(
-        {"motor.cogging_torque": 0.05, "motor.viscous_friction": 1e-3, "column.viscous_friction": 2.0} | changes
+        {"motor.cogging_torque": 0.05, "motor.viscous_friction": 1e-3, "column.viscous_friction": 2.0} | changes,
+        si=True,
     )
     row, time = loader.__getitem__, np.arange(round(0.5 / step) + 1) * step
     force, signal = 100 * np.sin(2 * math.pi * 3 * time), 2 * np.sin(2 * math.pi * 4 * time)
@@ -244,7 +245,7 @@ HEAT = {
 
 def heated(current, changes):
     """A run in which a braked motor holds a current."""
-    loader = bare(ELECTRIC).replace({**HEAT, "brake.torque": 50.0, "brake.engaged": True, **changes})
+    loader = bare(ELECTRIC).replace({**HEAT, "brake.torque": 50.0, "brake.engaged": True, **changes}, si=True)
     scenario = Scenario(HandsOff(), 20.0, 5e-4, 0.1, test_signal_v=held(current))
     return loader, simulate(loader, scenario, deaf(loader)).history
 

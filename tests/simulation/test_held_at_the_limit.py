@@ -12,7 +12,7 @@ from forcefeel.units import UnitSystem
 from tests import electric_witness as witness
 from tests.simulation.test_electric_witness import AGREES, RAW, TRAVEL
 
-LOADER = ff.loader.electric("elevator-electric").replace(RAW | {"current_loop.current_limit": 14.5})
+LOADER = ff.loader.electric("elevator-electric").replace(RAW | {"current_loop.current_limit": 14.5}, si=True)
 """Its motor holds 12.5 deg of its feel with 14.51 A."""
 ANGLE = math.radians(12.5)
 AT_REST = 1e-6
@@ -28,7 +28,7 @@ def at_setting(name, share, hertz=2.0, damping=0.7, **changes):
     stiffness, omega = share * loader["feel.maximum_stiffness"], 2 * math.pi * hertz
     inertia = stiffness / omega**2
     feel = {"feel.stiffness": stiffness, "feel.inertia": inertia, "feel.damping": 2 * damping * omega * inertia}
-    loader = loader.replace(RAW | feel | {f"controller.{key}": value for key, value in changes.items()})
+    loader = loader.replace(RAW | feel | {f"controller.{key}": value for key, value in changes.items()}, si=True)
     return loader, ff.Law.of("robust", loader).numbers
 
 
@@ -63,7 +63,7 @@ def held(loader, law, angle):
 @pytest.mark.parametrize("antiwindup", [0.0, 100.0])
 @pytest.mark.parametrize("limit", [14.5, 10.0])
 def test_a_release_from_beyond_the_motors_holding_torque_is_the_witness_s(limit, antiwindup):
-    loader = LOADER.replace({"current_loop.current_limit": limit, "controller.antiwindup": antiwindup})
+    loader = LOADER.replace({"current_loop.current_limit": limit, "controller.antiwindup": antiwindup}, si=True)
     law = ff.Law.of("robust", loader).numbers
     run = simulate(loader, Scenario(Release(ANGLE), 0.5, sample_s=loader["controller.period"]), law)
     expected = witness.simulate(loader, law, lambda _: 0.0, 0.5, start=held(loader, law, ANGLE))
@@ -74,7 +74,7 @@ def test_a_release_from_beyond_the_motors_holding_torque_is_the_witness_s(limit,
 
 @pytest.mark.parametrize("limit", [14.5, 14.3, 10.0, 3.0])
 def test_a_release_beyond_the_holding_torque_comes_back(limit):
-    loader = LOADER.replace({"current_loop.current_limit": limit})
+    loader = LOADER.replace({"current_loop.current_limit": limit}, si=True)
     run = simulate(loader, Scenario(Release(ANGLE), 4.0), ff.Law.of("robust", loader).numbers)
     assert run.status is RunStatus.SETTLED
     assert abs(run.measures.final_angle_rad) < 0.01 * ANGLE  # of the 12.5 deg
@@ -125,7 +125,7 @@ def test_no_antiwindup_is_too_quick_for_the_period(name, share, antiwindup):
         "column.stop_stiffness": 2e4,
         "column.stop_damping": 50.0,
     }
-    loader = loader.replace(stops)
+    loader = loader.replace(stops, si=True)
     plant = witness.Plant(loader)
     holds = plant.kt * loader["current_loop.current_limit"] / plant.r * plant.alpha * plant.arm / plant.grip
     run = simulate(loader, Scenario(Pulse(1.5 * holds, 0.1, 0.5), 4.0), law)
@@ -162,7 +162,7 @@ def test_a_column_that_hangs_says_where_and_what_holds_it():
     strong = simulate(loader, Scenario(Step(900.0), 3.0), ff.Law.of("robust", loader).numbers)
     assert strong.measures.final_angle_rad > loader["column.stop_high"]
     assert verdict(strong).startswith("Settled at ")
-    loader = loader.replace({"current_loop.current_limit": 8.0})
+    loader = loader.replace({"current_loop.current_limit": 8.0}, si=True)
     run = simulate(loader, Scenario(Step(900.0), 3.0), ff.Law.of("robust", loader).numbers)
     assert run.measures.final_angle_rad > loader["column.stop_high"]
     text = verdict(run)
@@ -174,7 +174,7 @@ def test_a_column_that_hangs_says_where_and_what_holds_it():
 def test_dry_friction_that_the_motor_does_not_overcome_is_named():
     """A motor of 1 A against 60 N of friction at the grip."""
     loader = ff.loader.electric("elevator-electric").replace(
-        {"column.coulomb_friction": 60.0, "current_loop.current_limit": 1.0}
+        {"column.coulomb_friction": 60.0, "current_loop.current_limit": 1.0}, si=True
     )
     law = ff.Law.of("robust", loader).numbers
     run = simulate(loader, Scenario(Pulse(400.0, 0.1, 0.1), 4.0), law)

@@ -107,7 +107,7 @@ def _loader(name, mode):
         loader = _quiet(loader)
     if "friction" in mode:
         torque = FRICTION_SHARE.get(name, 0.04) * loader["feel.stiffness"] * _angle(name)
-        loader = loader.replace({"feel.coulomb_friction": torque / loader["column.grip_arm"]})
+        loader = loader.replace({"feel.coulomb_friction": torque / loader["column.grip_arm"]}, si=True)
     return loader
 
 

@@ -26,7 +26,7 @@ READ = 1e-4
 
 LOADER = ff.elevator().replace({"valve.orifice": True, "column.coulomb_friction": "2 lb"})
 PLAIN = ff.elevator().replace({"column.coulomb_friction": "2 lb"})
-NOISY = LOADER.replace({"controller.period": 1e-3, "load_cell.noise": 0.5, "potentiometer.noise": 1e-5})
+NOISY = LOADER.replace({"controller.period": 1e-3, "load_cell.noise": 0.5, "potentiometer.noise": 1e-5}, si=True)
 SCENARIO = Scenario(Step(96 * LB, 0.1), 1.0)
 KEEP = tuple(outputs("V"))
 

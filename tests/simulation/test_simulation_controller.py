@@ -87,7 +87,10 @@ def test_antiwindup_lets_the_column_follow_the_pilot_back(gains):
 
 def test_noise_has_its_spread_and_belongs_to_its_seed():
     """The load cell's noise seen in c_2 p of a law that does nothing else, through the amplifier to the current."""
-    sigma, loader = 2.0, loader_of(Machine(period=1e-3, coulomb_friction=1e3)).replace({"load_cell.noise": 2.0})
+    sigma, loader = (
+        2.0,
+        loader_of(Machine(period=1e-3, coulomb_friction=1e3)).replace({"load_cell.noise": 2.0}, si=True),
+    )
     gain = 1e-9
     law = law_of(Machine(gains=(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
     law = type(law)([0.0, gain, 0.0, 0.0, 0.0, 0.0, 0.0], law.load_cell_arm, "rad")

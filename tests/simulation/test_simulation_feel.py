@@ -33,7 +33,7 @@ def test_change_does_not_bump_and_then_is_the_new_feel(name):
     change = FeelChange(1.2, CHANGES[name], 0.5)
     changed = simulate(LOADER, Scenario(PULL, 6.0, feel_changes=(change,)))
     before = simulate(LOADER, Scenario(PULL, 6.0))
-    after = simulate(LOADER.replace(CHANGES[name]), Scenario(PULL, 6.0))
+    after = simulate(LOADER.replace(CHANGES[name], si=True), Scenario(PULL, 6.0))
     jumps = [np.abs(np.diff(acceleration(run))) for run in (changed, before, after)]
     # At the ends of the fade, where a feel swapped at once would jump.
     for at in (1200, 1700):
@@ -108,7 +108,7 @@ def test_a_stop_never_throws_the_control():
 
 
 def test_a_trim_rate_is_not_switched_off_while_it_is_followed():
-    loader = LOADER.replace({"feel.trim_rate": 0.02})
+    loader = LOADER.replace({"feel.trim_rate": 0.02}, si=True)
     trim = Schedule((0.0, 1.0, 1.0), (0.0, 0.0, 0.1))
     change = FeelChange(1.7, {"feel.trim_rate": None}, 0.5)
     with pytest.raises(InputError, match=r"feel\.trim_rate: .*would jump.*give a rate"):
@@ -119,7 +119,7 @@ def test_a_trim_rate_is_not_switched_off_while_it_is_followed():
 def test_a_trim_rate_programmed_while_the_neutral_moves_does_not_bump(before, after):
     """The neutral goes on from where it is: its velocity changes, the spring's force does not jump."""
     trim = Schedule((0.0, 1.0, 1.0), (0.0, 0.0, 0.1))
-    loader = LOADER.replace({"feel.trim_rate": before})
+    loader = LOADER.replace({"feel.trim_rate": before}, si=True)
     change = FeelChange(1.7, {"feel.trim_rate": after}, 0.5)
     run, as_was = (simulate(loader, Scenario(HandsOff(), 8.0, trim_rad=trim, feel_changes=c)) for c in ((change,), ()))
     (angle, _, swing), (_, _, naturally) = control(run), control(as_was)

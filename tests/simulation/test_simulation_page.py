@@ -49,7 +49,7 @@ SECTIONS = ("conclusions", "motion-section", "demand-section", "scenario", "numb
 
 
 def _run(changes=None, force=None, duration_s=2.0, compensated=False, **scenario):
-    loader = ff.elevator().replace(changes or {})
+    loader = ff.elevator().replace(changes or {}, si=True)
     force = force or ff.Step(loader["pilot.force"], 0.1)
     law = ff.compensate(loader).compensator(loader) if compensated else None
     return ff.simulate(loader, ff.Scenario(force=force, duration_s=duration_s, **scenario), law)

@@ -251,7 +251,7 @@ RECORD_ERROR = 5e-8
 @pytest.mark.parametrize("name", RECORDS)
 def test_slopes_of_records_are_finite_differences(name):
     changes, scenario, law = RECORDS[name]
-    loader = ff.elevator().replace(changes)
+    loader = ff.elevator().replace(changes, si=True)
     keys = [key for key in KEYS if key not in ("valve.current_gain", "valve.pressure_gain") or "orifice" not in name]
     keys += ORIFICE_KEYS * ("valve.orifice" in changes) + ["column.coulomb_friction"] * ("friction" in name)
     simulation = engine(loader, scenario)
@@ -274,7 +274,7 @@ def test_slopes_of_records_are_finite_differences(name):
 @pytest.mark.parametrize("name", RECORDS)
 def test_channels_are_the_outputs_of_a_run(name):
     changes, scenario, law = RECORDS[name]
-    loader = ff.elevator().replace(changes)
+    loader = ff.elevator().replace(changes, si=True)
     outputs = [k for k, (output, _) in enumerate(_core.simulation_outputs()) if output in CHANNELS]
     channels = [list(CHANNELS).index(_core.simulation_outputs()[k][0]) for k in outputs]
     assert len(channels) == 7
@@ -316,7 +316,8 @@ def test_noise_and_steps_of_the_sensors_are_left_out():
             "load_cell.resolution": "0.5 lb",
             "controller.input_bits": 8,
             "controller.input_range": "10 V",
-        }
+        },
+        si=True,
     )
     scenario = Scenario(Step(96 * LB, 0.05), duration_s=0.2)
     keys = [INDEX["column.inertia"]]

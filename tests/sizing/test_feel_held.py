@@ -23,8 +23,8 @@ NEAR_N = 0.6
 QUIET = dict.fromkeys(
     f"{one}.{row}" for one in ("load_cell", "potentiometer", "column_sensor") for row in ("noise", "resolution")
 )
-ELEVATOR = ff.digital_elevator().replace(QUIET)
-DAMPED = ELEVATOR.replace({"feel.damping": 5 * ELEVATOR["feel.damping"]})
+ELEVATOR = ff.digital_elevator().replace(QUIET, si=True)
+DAMPED = ELEVATOR.replace({"feel.damping": 5 * ELEVATOR["feel.damping"]}, si=True)
 """So that little swings behind a knee."""
 NOT_IN_A_SWEEP = {"feel.static_friction", "feel.shaker_force", "feel.shaker_frequency"}
 """What acts on a control that rests, or while the shaker is on: tests of their own."""
@@ -57,7 +57,7 @@ def at_angles(loader, force, angle, probes):
 
 @pytest.mark.parametrize("row", ROWS)
 def test_a_slow_push_and_pull_feels_what_is_told_to_hold(row):
-    loader = DAMPED.replace(EVERY | {row: OTHER * EVERY.get(row, DAMPED[row])})
+    loader = DAMPED.replace(EVERY | {row: OTHER * EVERY.get(row, DAMPED[row])}, si=True)
     probes = PROBES_DEG * DEG
     within = (probes > loader["feel.hard_stop_low"]) & (probes < loader["feel.hard_stop_high"])
     told = ff._core.feel_held_between(loader.values, probes)
@@ -100,7 +100,7 @@ def test_it_is_the_sum_of_the_forces(rows):
         return value if key.endswith(ANGLES) else f"{value!r} {'lb in/rad' if key.endswith('stiffness') else 'lb'}"
 
     given = {f"feel.{key}": text(key, value) for key, value in rows.items()}
-    loader, angles = ELEVATOR.replace(given), np.linspace(-11.0, 11.0, 45) * DEG
+    loader, angles = ELEVATOR.replace(given, si=True), np.linspace(-11.0, 11.0, 45) * DEG
     told = ff._core.feel_held_between(loader.values, angles) / POUND_N
     expected = [[sum_of_forces(rows, phi, way) for way in (-1, 1)] for phi in angles]
     np.testing.assert_allclose(told, expected, rtol=ROUNDING, atol=ROUNDING)
@@ -140,7 +140,7 @@ DETENT = ff.digital_elevator().replace({"feel.detent_force": "20 lb", "feel.dete
 def test_the_demand_is_what_the_engine_holds_at_that_angle():
     """With a detent on the way: under the force of the demand the engine's programmed control stands where the demand says."""
     (demand,) = (one for one in ff.sizing.size_drive(DETENT).asked if one.name == "feel at 10 deg")
-    loader = DETENT.replace(QUIET)
+    loader = DETENT.replace(QUIET, si=True)
     run = ff.simulate(loader, ff.Scenario(Release(radians(10), 0.1), 0.2), "robust").history
     held, angle = float(run.pilot_force_n[0]), float(run.feel_position_rad[0])
     # The law is off by so much, on the steepest side of the detent.

@@ -13,7 +13,7 @@ from forcefeel.sizing.letting_go import falls_through_s
 
 ANGLE, LEVEL = radians(10), 0.9
 SOFT = ff.digital_elevator().replace({"linkage.stiffness": "700 lb/in", "valve.flow_limit": "40 in^3/s"})
-MOTOR = ff.loader.electric("sidestick-pitch").replace({"linkage.stiffness": 60000.0})
+MOTOR = ff.loader.electric("sidestick-pitch").replace({"linkage.stiffness": 60000.0}, si=True)
 DESK = {
     "motor.torque_constant": 0.56,
     "motor.inertia": 0.0138,
@@ -26,7 +26,7 @@ DESK = {
     "column.inertia": 0.0056,
     "column.base_arm": 0.0589,
 }
-YOKE = ff.loader.electric("desktop-yoke").replace(DESK)
+YOKE = ff.loader.electric("desktop-yoke").replace(DESK, si=True)
 """A heavy rotor on a soft link, whose column is thrown through 0.9 by how slowly the voltage lets the current rise: 25 A/ms."""
 FINE = 0.02
 """Relative; a swing is cut into moments, and the first after the fall is told."""

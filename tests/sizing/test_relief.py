@@ -67,7 +67,9 @@ def test_an_integrator_of_its_own_takes_as_much(name):
 
 
 def test_a_drive_at_its_limit_uses_all_and_no_more():
-    loader = ff.loader.electric("sidestick-pitch").replace({"current_loop.current_limit": 20.0, "pilot.force": "40 N"})
+    loader = ff.loader.electric("sidestick-pitch").replace(
+        {"current_loop.current_limit": 20.0, "pilot.force": "40 N"}, si=True
+    )
     row, _ = release_of(loader)
     assert row.of_motion < 1 - NEAR < row.of_peak <= 1
     assert row.given

@@ -99,7 +99,7 @@ def test_a_valve_that_cannot_is_named_with_the_piston_that_would():
     loader = ff.digital_elevator().replace({"valve.supply_pressure": "200 lb/in^2"})
     found = ff.sizing.size_drive(loader)
     assert not found.good
-    would = loader.replace({"actuator.area": found.asked[0].remedy.area_m2})
+    would = loader.replace({"actuator.area": found.asked[0].remedy.area_m2}, si=True)
     assert ff.sizing.size_drive(would).asked[0].of_peak == pytest.approx(1.0, rel=ROUNDING)
 
 

@@ -125,7 +125,7 @@ def test_a_run_of_a_sweep_is_that_loader_s_run():
     found = run_sweep(sweep).runs
     for run in (0, 7, 39):
         loader = sweep.loader.with_tolerances(dict.fromkeys(sweep.varied))
-        loader = loader.replace({key: float(found[key][run]) for key in sweep.varied})
+        loader = loader.replace({key: float(found[key][run]) for key in sweep.varied}, si=True)
         alone = simulate(loader, PUSH)
         assert str(found["status"].values[run]) == alone.status
         for name in MEASURES:
@@ -210,7 +210,7 @@ def test_a_machine_that_cannot_be_is_a_status_and_the_others_stand():
     # The same machine alone is refused for the same reason.
     bad = int(np.argmax(cannot.values))
     with pytest.raises(InputError, match=r"column\.static_friction: expected at least column\.coulomb_friction"):
-        sweep.loader.replace({key: float(found.runs[key][bad]) for key in vary})
+        sweep.loader.replace({key: float(found.runs[key][bad]) for key in vary}, si=True)
 
 
 # What is said of all runs.
@@ -271,7 +271,7 @@ def test_the_damping_map_changes_sign_where_the_loader_becomes_unstable():
         "feel.stiffness": [0.98 * edge, 1.02 * edge],
         "feel.inertia": [at_edge["feel.inertia"] * k for k in (0.98, 1.02)],
     }
-    base = loader.replace({"feel.damping": at_edge["feel.damping"]})
+    base = loader.replace({"feel.damping": at_edge["feel.damping"]}, si=True)
     damping = damping_map(Sweep(base, PUSH, grids=grids)).values
     assert damping[0, 0] < 0 < damping[1, 1]
 
@@ -410,7 +410,7 @@ def test_a_loader_without_tolerances_says_what_to_do():
 
 def test_shares_that_lead_out_of_the_range_are_refused():
     """A loader may hold them, because they follow a value that moves; no machine may have them."""
-    loader = nonlinear().with_tolerances({"linkage.ratio": "20 %"}).replace({"linkage.ratio": 0.95})
+    loader = nonlinear().with_tolerances({"linkage.ratio": "20 %"}).replace({"linkage.ratio": 0.95}, si=True)
     with pytest.raises(InputError, match=r"tolerances\.linkage\.ratio: out of range: .* narrow it"):
         Sweep(loader, PUSH)
     assert Sweep(loader, PUSH, vary={"linkage.ratio": "5 %"}).total == 10_000

@@ -40,10 +40,10 @@ def analog():
 def alone(loader, design, at):
     """The run of one setting: its law designed for ``loader`` at this feel, the machine with all of ``at``."""
     feel = {key: at[key] for key in FEEL_SETTING if key in at}
-    designed = loader.replace(feel)
+    designed = loader.replace(feel, si=True)
     law = ff.compensate(designed, design).compensator(designed)
     bare = loader.with_tolerances(dict.fromkeys(loader.tolerances))
-    return simulate(bare.replace(at), PUSH, law)
+    return simulate(bare.replace(at, si=True), PUSH, law)
 
 
 def assert_same(runs, k, run):

@@ -40,7 +40,7 @@ def noise_at_grip(loader: Loader, law: Law) -> Noise | None:
     """
     if not loader["controller.period"]:
         return None
-    held = loader.replace(dict(zip(ARM_ROWS, HOLDING.values, strict=True)))
+    held = loader.replace(dict(zip(ARM_ROWS, HOLDING.values, strict=True)), si=True)
     return Noise(NoisyLoop.of(loader, law).angle_rms(), hand_force_rms(NoisyLoop.of(held, law), held))
 
 

@@ -196,7 +196,7 @@ class ScenarioOptions(LoaderOptions):
         for row in ARM_ROWS:
             if row in changes:
                 raise InputError(f"--arm: sets {row}, and so does --set; leave one out")
-        return loader.replace(dict(zip(ARM_ROWS, ARMS[self.arm], strict=True)))
+        return loader.replace(dict(zip(ARM_ROWS, ARMS[self.arm], strict=True)), si=True)
 
     def law_of(self, loader: "Loader") -> "Law":
         """The law, designed for ``loader`` or read from its file.

@@ -85,7 +85,7 @@ def identify_loader(
     found = fits.found
     identified, grip = None, GripSensorFound()
     if found.loader is not None:
-        with_sensor = found.loader.replace({key: loader[key] for key in TABLE if loader[key] != bare[key]})
+        with_sensor = found.loader.replace({key: loader[key] for key in TABLE if loader[key] != bare[key]}, si=True)
         completed = _completed(with_sensor, loader, fits)
         grip = find_grip_sensor(completed, data, law)
         identified = _with_found(completed, grip)
@@ -118,7 +118,7 @@ def _completed(found: Loader, loader: Loader, fits: Fits) -> Loader:
 def _with_found(loader: Loader, grip: GripSensorFound) -> Loader:
     """The loader with what its grip's sensor showed, as sure as that is."""
     bare = loader.with_tolerances(dict.fromkeys(key for key in grip.rows if key in loader.tolerances))
-    told = bare.replace({key: value for key, (value, _) in grip.rows.items()})
+    told = bare.replace({key: value for key, (value, _) in grip.rows.items()}, si=True)
     return told.with_tolerances({key: normal_about(key, *it) for key, it in grip.rows.items()})
 
 

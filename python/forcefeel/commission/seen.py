@@ -81,7 +81,7 @@ def with_friction(loader: Loader) -> Loader:
     usual = bare["feel.stiffness"] * _FRICTION_AT_RAD / bare["column.grip_arm"]
     dry = bare[DRY] if known and bare[DRY] else max(bare[DRY], usual)
     breakaway = bare[BREAKAWAY] if known and bare[BREAKAWAY] else _BREAKAWAY_SHARE * dry
-    return bare.replace({DRY: dry, BREAKAWAY: breakaway})
+    return bare.replace({DRY: dry, BREAKAWAY: breakaway}, si=True)
 
 
 def candidates(loader: Loader) -> tuple[str, ...]:

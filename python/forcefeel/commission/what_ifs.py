@@ -63,14 +63,14 @@ def _others(loader: Loader, name: str) -> Iterator[tuple[str, str, Loader]]:
         exact = Tolerance(Distribution.UNIFORM, (1 - _EXACT) * kept[DRY], (1 + _EXACT) * kept[DRY])
         yield "dry friction known exactly", name, kept.with_tolerances({DRY: exact})
     for words, rows in _electronics(kept).items():
-        yield words, name, _without_tolerances(kept, rows).replace(rows)
+        yield words, name, _without_tolerances(kept, rows).replace(rows, si=True)
     if kept[DRY]:
         yield "half the dry friction", name, _rubbing(kept, 0.5)
         yield "no dry friction", name, _rubbing(kept, 0.0)
     if kept["controller.period"] and not has_grip_sensor(kept):
         least = _GRIP_SHARE * kept["pilot.force"]
         rows = {"grip_sensor.gain": 1.0, "grip_sensor.noise": least, "grip_sensor.resolution": least}
-        yield f"a force sensor at the grip (law {GRIP})", GRIP, kept.replace(rows)
+        yield f"a force sensor at the grip (law {GRIP})", GRIP, kept.replace(rows, si=True)
 
 
 def _without_tolerances(loader: Loader, rows: Iterable[str]) -> Loader:
@@ -107,7 +107,9 @@ def _rubbing(loader: Loader, share: float) -> Loader:
     if not share:
         return bare.replace({DRY: None, BREAKAWAY: None})
     breakaway = bare[BREAKAWAY]
-    less = bare.replace({DRY: share * bare[DRY], BREAKAWAY: share * breakaway if breakaway != OFF[BREAKAWAY] else None})
+    less = bare.replace(
+        {DRY: share * bare[DRY], BREAKAWAY: share * breakaway if breakaway != OFF[BREAKAWAY] else None}, si=True
+    )
     if known is None:
         return less
     values = {at: getattr(known, at) for at in ("low", "high", "peak", "deviation", "nominal")}

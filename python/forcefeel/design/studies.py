@@ -164,7 +164,7 @@ def sensitivity(
     for key in PLANT_PARAMETERS:
         for change in CHANGES:
             try:
-                plant = loader.replace({key: loader[key] * (1 + change)})
+                plant = loader.replace({key: loader[key] * (1 + change)}, si=True)
             except InputError:
                 rows.append(Deviation(key, change, None))
                 continue

@@ -105,7 +105,7 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], list[tuple[i
     loader = exported.loader
     period = exported.law.period_s or 0.0
     law = exported.law.some([0])
-    own = loader.replace(dict(zip(FEEL_SETTING, exported.settings[0].tolist(), strict=True)))
+    own = loader.replace(dict(zip(FEEL_SETTING, exported.settings[0].tolist(), strict=True)), si=True)
     force = loader["pilot.force"]
     duration = PART * period
     parts = [

@@ -56,7 +56,7 @@ class Expected:
 
 def linear_part(loader: Loader) -> Loader:
     """The loader without the effects that its linear plant does not have."""
-    return loader.replace({key: off for key, off in _NOT_IN_PLANT.items() if key in loader.given})
+    return loader.replace({key: off for key, off in _NOT_IN_PLANT.items() if key in loader.given}, si=True)
 
 
 def _sampled(exported: Exported, loader: Loader) -> Expected:
@@ -74,7 +74,7 @@ def _sampled(exported: Exported, loader: Loader) -> Expected:
 def _analog(exported: Exported, loader: Loader) -> Expected:
     angles, critical = [], []
     for setting, feel in enumerate(exported.settings):
-        here = loader.replace(dict(zip(FEEL_SETTING, feel.tolist(), strict=True)))
+        here = loader.replace(dict(zip(FEEL_SETTING, feel.tolist(), strict=True)), si=True)
         model = loader_model(here, exported.law.single(here, setting).fixed, Linkage.COMPLIANT)
         n = len(model.A)
         block = np.zeros((n + 1, n + 1))

@@ -107,7 +107,7 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     """
     loader, law = exported.loader, exported.law.some([0])
     period = law.period_s or 0.0
-    own = loader.replace(dict(zip(FEEL_SETTING, exported.settings[0].tolist(), strict=True)))
+    own = loader.replace(dict(zip(FEEL_SETTING, exported.settings[0].tolist(), strict=True)), si=True)
     duration = PART * period
     force = 0.1 * loader["pilot.force"]
     sweep = recorded(

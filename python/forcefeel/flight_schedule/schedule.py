@@ -124,7 +124,7 @@ class FlightSchedule:
         feel, law = self.between(point_of(self.axes, where)[np.newaxis])
         inertia, damping, stiffness = feel[0].tolist()
         changed = dict(zip(FEEL_SETTING, (inertia, damping, stiffness), strict=True))
-        return ScheduledSetting((inertia, damping, stiffness), self.loader.replace(changed), law)
+        return ScheduledSetting((inertia, damping, stiffness), self.loader.replace(changed, si=True), law)
 
     def change(self, at_s: float, over_s: float = 0.5, **where: float) -> FeelChange:
         """The change of a run, from whatever holds, to a place of the schedule: of I, B, G and of the law.

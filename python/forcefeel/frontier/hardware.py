@@ -56,7 +56,7 @@ class HardwareChange:
         """The changed loader."""
         changed = {key: loader[key] * factor for key, factor in self.factors.items()}
         added = {key: share * (loader[of] if of else 1.0) for key, (share, of) in self.adds.items()}
-        return loader.replace(changed | added | dict(self.sets))
+        return loader.replace(changed | added | dict(self.sets), si=True)
 
 
 GRIP_SENSOR = "force sensor at the grip"

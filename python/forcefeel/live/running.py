@@ -118,7 +118,7 @@ class Running:
     def feel(self, rows: Mapping[str, str | float | bool | None]) -> None:
         checked_feel(rows)
         with self._designs:
-            loader = self.loader.replace(rows)
+            loader = self.loader.replace(rows, si=True)
             law = Law.of(self.asked.law, loader) if self.law.sampled is not None else None
             if law is not None and law.sampled is not None and self.law.sampled is not None:
                 came, had = law.sampled.states, self.law.sampled.states
@@ -233,7 +233,7 @@ class Running:
         with self._lock:
             taken = self.loop.wish(name, numbers)
             if taken and name == "feel":
-                self.asked = replace(self.asked, loader=self.loader.replace(feel_rows(numbers, self.loader)))
+                self.asked = replace(self.asked, loader=self.loader.replace(feel_rows(numbers, self.loader), si=True))
             elif taken and name == "around":
                 self.asked = replace(self.asked, around=dict(zip(self.asked.around, numbers, strict=True)))
         return taken

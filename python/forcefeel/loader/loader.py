@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import isinf
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -294,15 +295,16 @@ class Loader:
         found[:, [self._position(key) for key in keys]] = values
         return found
 
-    def replace(self, changes: Mapping[str, str | float | bool | None]) -> "Loader":
+    def replace(self, changes: Mapping[str, str | float | bool | None], *, si: bool = False) -> "Loader":
         """A copy with some values changed.
 
         Args:
-            changes: New values by ``part.name``, as text with a unit or as SI numbers; ``True`` or ``False`` for a
-                switch; ``None`` switches an optional row off.
+            changes: New values by ``part.name``, as text with a unit; ``True`` or ``False`` for a switch; ``None`` switches
+                an optional row off. Without a unit: numbers of rows that have none, zero, and infinity.
+            si: Take numbers without a unit as SI values.
 
         Raises:
-            InputError: If a key is unknown or a value bad.
+            InputError: If a key is unknown, or a value is bad or has no unit.
 
         Tolerances that are shares of a value follow it, if need be out of its range; where it becomes zero or is switched off, they
         go. Curves stay.
@@ -315,7 +317,7 @@ class Loader:
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
             position = self._own(key)
-            values[position] = _value(key, given)
+            values[position] = _value(key, given, si=si)
             if key in tolerances:
                 told = _about(key, tolerances.pop(key), float(values[position]))
                 tolerances |= {} if told is None else {key: told}
@@ -452,14 +454,19 @@ def _check_range(key: str, value: float, drive: str) -> None:
         raise InputError(f"{key}: expected {range_text(row)}, got {value_text(row, value)}")
 
 
-def _value(key: str, given: str | float | bool | None) -> float:
-    """``given`` as a SI number; a number without a unit is one already."""
+def _value(key: str, given: str | float | bool | None, *, si: bool) -> float:
+    """``given`` in SI units."""
     row = TABLE[key]
     if given is None and row.off_si is not None:
         return row.off_si
     if is_switch(row):
         return _switch(key, given)
     example = f"{to_text(row.default_us)} {row.unit_us}".strip()
+    if not si and row.unit_si and isinstance(given, int | float) and not _same_in_every_unit(row.unit_si, given):
+        raise InputError(
+            f"{key}: expected a value with its unit, such as {example!r}, got {show(given)}; add the unit, or pass si=True for "
+            f"a value in {row.unit_si}"
+        )
     try:
         value = parse(given, row.unit_si if isinstance(given, str) else "", example)
     except InputError as error:
@@ -467,6 +474,11 @@ def _value(key: str, given: str | float | bool | None) -> float:
     if value == row.off_si and not in_range(row, value):
         raise InputError(f"{key}: expected {range_text(row)}, got {value_text(row, value)}; {without(row, _OFF)}")
     return value
+
+
+def _same_in_every_unit(unit_si: str, number: float) -> bool:
+    """Whether a number means the same in each unit of a kind."""
+    return (number == 0 and unit_si != "degC") or isinf(number)
 
 
 def _switch(key: str, given: object) -> float:

@@ -109,4 +109,6 @@ def command_loops(loader: Loader, laws: Law, feel: NDArray[np.float64]) -> Seque
 def _analog_at(loader: Loader, laws: Law, feel: NDArray[np.float64], setting: int) -> CommandLoop:
     laws.check(loader)
     law = laws.single(loader, setting).fixed
-    return CommandLoop.analog(loader.replace(dict(zip(FEEL_SETTING, feel[setting].tolist(), strict=True))), law)
+    return CommandLoop.analog(
+        loader.replace(dict(zip(FEEL_SETTING, feel[setting].tolist(), strict=True)), si=True), law
+    )

@@ -79,7 +79,7 @@ def _scale(loader: Loader) -> list[Row]:
     found = assess(loader, None, linkage=Linkage.RIGID)
     k_1 = loader["potentiometer.gain"] * (loader["linkage.ratio"] * loader["column.base_arm"]) ** 2
     k_1 /= loader["feel.maximum_stiffness"]
-    right = assess(loader.replace({"load_cell.gain": k_1}), None, linkage=Linkage.RIGID)
+    right = assess(loader.replace({"load_cell.gain": k_1}, si=True), None, linkage=Linkage.RIGID)
     return [
         claim(
             "the original system renders the deflection R_p F_p / G (rigid link)",
@@ -167,7 +167,7 @@ def _only_delta(design: Design) -> list[Row]:
 
 def _other_setting(loader: Loader) -> Loader:
     inertia, damping = _core.feel_from_frequency(2 * np.pi, 0.7, loader["feel.stiffness"])
-    return loader.replace({"feel.inertia": inertia, "feel.damping": damping})
+    return loader.replace({"feel.inertia": inertia, "feel.damping": damping}, si=True)
 
 
 def _low_stiffness(design: Design) -> Row:

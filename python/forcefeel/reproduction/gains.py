@@ -73,7 +73,7 @@ def _reason(design: Design, symbol: str, system: UnitSystem) -> Reason | None:
 
 
 def _c_3(design: Design, current_gain: str) -> float:
-    loader = design.loader.replace({"valve.current_gain": current_gain})
+    loader = design.loader.replace({"valve.current_gain": current_gain}, si=True)
     return float(_us(compensate(loader))[2])
 
 

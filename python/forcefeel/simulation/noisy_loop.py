@@ -109,7 +109,7 @@ def _matrices(loader: Loader, law: Law) -> tuple[NDArray[np.float64], int, NDArr
     """M, the place of the base among the states that matter, and N on them, per N, m, m at the base, and per N at the grip."""
     step_s, timing = controller_steps(loader, _STEP_S)
     keys = [f"{sensor}.bandwidth" for sensor in sensors_of(loader)]
-    lagging = loader.replace({key: 1 / step_s for key in keys if np.isinf(loader[key])})
+    lagging = loader.replace({key: 1 / step_s for key in keys if np.isinf(loader[key])}, si=True)
     keywords = law.engine(loader)
     states, loop = _core.sampled_loops(loader.values[np.newaxis], step_s, timing, **keywords)
     wide, found = _core.sampled_loops(lagging.values[np.newaxis], step_s, timing, **keywords)

@@ -201,7 +201,7 @@ class Steps:
         changes = []
         changed = loader
         for change in scenario.feel_changes:
-            before, changed = changed, changed.replace(_only_feel(change.changes))
+            before, changed = changed, changed.replace(_only_feel(change.changes), si=True)
             if scenario.trim_rad is not None and isfinite(before["feel.trim_rate"]) > isfinite(
                 changed["feel.trim_rate"]
             ):

@@ -25,7 +25,7 @@ SIGMAS = 4.0
 )
 def test_an_identification_is_as_sure_as_was_promised(loader, valve):
     found = excite(loader, f"k,c,J,{valve}", plan=ExcitationPlan(time_s=20.0, rate_hz=500.0, to_hz=60.0))
-    bench = loader.replace({key: loader[key] * factor for key, factor in OFF.items()})
+    bench = loader.replace({key: loader[key] * factor for key, factor in OFF.items()}, si=True)
     step, steps = 1 / found.plan.rate_hz, len(found.time_s) - 1
     drive = ff.simulation.Schedule(tuple(found.time_s), tuple(found.signal))
     scenario = Scenario(test_signal_v=drive, duration_s=steps * step, step_s=1e-3, sample_s=step)

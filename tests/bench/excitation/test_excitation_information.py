@@ -52,7 +52,9 @@ def differenced(found):
     h = 1e-3  # the error is h^2 / 6 of a third derivative, some 1e-5 of the slope
     slopes = []
     for key in found.fit:
-        above, below = (in_time(found.loader.replace({key: found.loader[key] * (1 + s)}), found) for s in (h, -h))
+        above, below = (
+            in_time(found.loader.replace({key: found.loader[key] * (1 + s)}, si=True), found) for s in (h, -h)
+        )
         slopes.append((above - below) / (2 * h))
     return np.array(slopes)
 
@@ -97,7 +99,10 @@ def test_slopes_of_lines_against_the_report_s_servo():
     h = 1e-4
     slopes = np.array(
         [
-            (angle(loader.replace({k: loader[k] * (1 + h)})) - angle(loader.replace({k: loader[k] * (1 - h)})))
+            (
+                angle(loader.replace({k: loader[k] * (1 + h)}, si=True))
+                - angle(loader.replace({k: loader[k] * (1 - h)}, si=True))
+            )
             / (2 * h)
             for k in FIT
         ]
@@ -125,7 +130,7 @@ def test_least_squares_of_noisy_records_scatters_as_predicted(short):
     theta = np.array([loader[key] for key in FIT])
 
     def clean(relative):
-        changed = loader.replace(dict(zip(FIT, (theta * (1 + relative)).tolist(), strict=True)))
+        changed = loader.replace(dict(zip(FIT, (theta * (1 + relative)).tolist(), strict=True)), si=True)
         found = channel_responses(changed, Loop.SERVO_CLOSED, FIT, lines)
         return amplitude * found.value[rows, 0] / per_line, theta[:, None, None] * amplitude * found.slopes[
             :, rows, 0

@@ -31,7 +31,7 @@ WITHIN = 2e-3
 @pytest.fixture(scope="module")
 def loader():
     rows = {GAIN: 1.0, MASS: 0.3, "grip_sensor.noise": NOISE_N, "grip_sensor.resolution": STEP_N}
-    return ff.elevator().replace({"controller.period": PERIOD_S, "controller.delay": PERIOD_S} | rows)
+    return ff.elevator().replace({"controller.period": PERIOD_S, "controller.delay": PERIOD_S} | rows, si=True)
 
 
 def recorded(experiment, size, **drive):

@@ -58,7 +58,7 @@ def loader():
     """The file: the report's machine, a guess of its friction."""
     loader = ff.elevator().with_tolerances(dict.fromkeys(ff.elevator().tolerances))
     friction = {"column.coulomb_friction": "1.8 lb", "column.static_friction": f"{BREAKAWAY_LB} lb"}
-    return loader.replace({**friction, "amplifier.current_limit": f"{LIMIT_MA} mA"})
+    return loader.replace({**friction, "amplifier.current_limit": f"{LIMIT_MA} mA"}, si=True)
 
 
 def apart(loader, record):

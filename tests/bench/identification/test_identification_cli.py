@@ -42,7 +42,7 @@ TRUTH = {"linkage.stiffness": 1.08, "linkage.damping": 0.93, "column.inertia": 0
 def bench_response(path: Path) -> None:
     """Potentiometer over test signal of a bench that is off its file, by python-control from the servo's state space."""
     file = ff.elevator()
-    bench = file.replace({key: factor * file[key] for key, factor in TRUTH.items()})
+    bench = file.replace({key: factor * file[key] for key, factor in TRUTH.items()}, si=True)
     frequency = np.geomspace(0.5, 40, 60)
     model = servo(bench, Linkage.COMPLIANT, closed=True)
     response = control.frequency_response(model, 2 * np.pi * frequency)
@@ -230,7 +230,7 @@ def test_responses_of_records_are_written(identify, found, tmp_path):
 def test_a_record_is_identified_through_its_response(identify, tmp_path):
     """A bench under a multisine, by python-control from the servo's state space, drive straight between samples."""
     file = ff.elevator()
-    bench = file.replace({key: factor * file[key] for key, factor in TRUTH.items()})
+    bench = file.replace({key: factor * file[key] for key, factor in TRUTH.items()}, si=True)
     model = servo(bench, Linkage.COMPLIANT, closed=True)
     wave = ff.simulation.Multisine(2.0, tuple(np.arange(1, 61) / 2), 2.0, seed=3).sample(12.0, 0.002).start
     drive = np.concatenate([np.zeros(100), wave])

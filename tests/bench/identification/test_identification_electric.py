@@ -95,7 +95,7 @@ def test_slopes_of_a_sampled_motor_are_those_of_differences(yoke, law):
     for k, key in enumerate(keys):
         step = 1e-5 * yoke[key]
         high, low = (
-            channel_responses(yoke.replace({key: yoke[key] + it}), Loop.LOADER, (), lines, law).value
+            channel_responses(yoke.replace({key: yoke[key] + it}, si=True), Loop.LOADER, (), lines, law).value
             for it in (step, -step)
         )
         apart = (high - low) / (2 * step)
@@ -105,7 +105,7 @@ def test_slopes_of_a_sampled_motor_are_those_of_differences(yoke, law):
 
 
 def test_a_phase_is_looked_for_all_round_and_counted_in_radians(yoke):
-    file = yoke.replace({"motor.cogging_torque": 0.1})
+    file = yoke.replace({"motor.cogging_torque": 0.1}, si=True)
     (phase,) = unknowns_of(file, parameter_keys("phi_1", "electric"))
     assert phase.nominal == 0
     assert (phase.scale, phase.low, phase.high) == (1.0, -np.pi, np.pi)

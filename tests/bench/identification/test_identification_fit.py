@@ -101,8 +101,8 @@ def test_what_enters_as_a_product_is_not_reported(loader):
 def test_the_advised_experiment_does_determine_it(loader):
     random = np.random.default_rng(6)
     data = [servo_response(it, noise=0.01, random=random) for it in ("column_angle", "load_pressure")]
-    model = LinearModel(loader.replace(TRUTH_SI), Loop.SERVO_CLOSED).responses(
-        loader.replace(TRUTH_SI).values, (), FREQUENCY_HZ
+    model = LinearModel(loader.replace(TRUTH_SI, si=True), Loop.SERVO_CLOSED).responses(
+        loader.replace(TRUTH_SI, si=True).values, (), FREQUENCY_HZ
     )
     experiment = Experiment.read("servo-closed")
     current, _ = model.between("test_signal", "valve_current", experiment.drive)
@@ -134,7 +134,7 @@ def test_a_compliant_link_is_needed_where_there_is_one(loader):
 def test_and_not_where_the_link_is_rigid(loader):
     """Responses of eq. (15): no stiffness is then told from a stiffer one, and the test says that none is needed."""
     random = np.random.default_rng(9)
-    truth = loader.replace({key: TRUTH_SI[key] for key in ("column.inertia", "valve.current_gain")})
+    truth = loader.replace({key: TRUTH_SI[key] for key in ("column.inertia", "valve.current_gain")}, si=True)
     refused = 0
     for _ in range(8):
         model = LinearModel(truth, Loop.SERVO_CLOSED, None, Linkage.RIGID)
@@ -180,7 +180,7 @@ def test_under_a_digital_controller_the_sampled_model_is_fitted(drive):
     """The same bench under the 2 kHz controller: a signal on the command has its hold and its delay in it, and the fit knows."""
     loader = ff.digital_elevator()
     loader = loader.with_tolerances(dict.fromkeys(loader.tolerances))
-    truth = loader.replace({**TRUTH_SI, "valve.orifice": False})
+    truth = loader.replace({**TRUTH_SI, "valve.orifice": False}, si=True)
     start = loader.replace({"valve.orifice": False})
     random = np.random.default_rng(5)
     data = []

@@ -128,7 +128,7 @@ def errors(found):
 
 def true_loader(loader):
     friction = dict.fromkeys(("column.coulomb_friction", "column.static_friction"), FRICTION_LB * witness.LBF)
-    return loader.replace({**TRUTH_SI, **friction})
+    return loader.replace({**TRUTH_SI, **friction}, si=True)
 
 
 def test_the_runs_are_the_witness_s(loader):
@@ -161,9 +161,9 @@ def test_a_push_gives_link_column_valve_and_friction(loader):
 
 def test_a_release_gives_the_link_though_nobody_knows_when_it_was_let_go(loader):
     held = loader.replace(
-        {key: KEYS[key] for key in ("column.inertia", "valve.current_gain", "column.coulomb_friction")}
+        {key: KEYS[key] for key in ("column.inertia", "valve.current_gain", "column.coulomb_friction")}, si=True
     )
-    held = held.replace({"column.static_friction": KEYS["column.coulomb_friction"]})
+    held = held.replace({"column.static_friction": KEYS["column.coulomb_friction"]}, si=True)
     found = identify(held, [release_record(noise=0.002)], "k,c", starts=2)
     assert found.determined
     assert errors(found)["k"] < RELEASED
@@ -186,7 +186,7 @@ def test_a_sweep_of_the_whole_loader_gives_what_the_feel_realises(loader):
     time_s, run, force = pushed(TRUTH)
     data = record("sweep", "sweep", time_s, run, {"pilot_force": force}, 0.01, 4)
     guessed = {"column.coulomb_friction": "2 lb", "column.static_friction": "2 lb"}
-    start = true_loader(loader).replace({"feel.stiffness": "8000 lb in", **guessed})
+    start = true_loader(loader).replace({"feel.stiffness": "8000 lb in", **guessed}, si=True)
     found = identify(start, [data], "G,F_c", starts=2)
     assert found["G"].value == pytest.approx(ff.elevator()["feel.stiffness"], rel=NOISY_FEEL)
     assert found["F_c"].value == pytest.approx(FRICTION_LB * witness.LBF, rel=NOISY_FRICTION)
@@ -327,7 +327,7 @@ def multisine_record(loader, duration_s=6.0, jitter=0.0):
     fine = np.arange(round(duration_s * 1000) + 3) / 1000
     schedule = ff.simulation.Schedule(tuple(time_s.tolist()), tuple(signal.tolist()))
     scenario = ff.Scenario(test_signal_v=schedule, duration_s=float(fine[-1]))
-    machine = loader.replace({"linkage.stiffness": 0.9 * loader["linkage.stiffness"]})
+    machine = loader.replace({"linkage.stiffness": 0.9 * loader["linkage.stiffness"]}, si=True)
     run = ff.simulate(machine, scenario, ff.laws.Compensator.position_loop(loader.values))
     angle = CubicSpline(fine, run.history["column_angle_rad"].values)(time_s)
     noisy = angle + 0.002 * angle.std() * random.standard_normal(len(angle))

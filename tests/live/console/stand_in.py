@@ -111,7 +111,7 @@ class StandIn:
     @feel.setter
     def feel(self, rows):
         self.calls.append(("feel", dict(rows)))
-        self.loader = self.loader.replace(rows)
+        self.loader = self.loader.replace(rows, si=True)
 
     def history(self, since=-1, most=None):
         with self._lock:

@@ -260,7 +260,7 @@ def _at_estimates(loader: Loader, estimates: Sequence[Estimate]) -> Loader:
     """The loader at the estimates; an undetermined one stays as the file has it."""
     told = {it.unknown.key: it.value for it in estimates if it.status is not Status.UNDETERMINED}
     try:
-        return loader.with_tolerances(dict.fromkeys(set(told) & set(loader.tolerances))).replace(told)
+        return loader.with_tolerances(dict.fromkeys(set(told) & set(loader.tolerances))).replace(told, si=True)
     except InputError as error:
         raise InputError(
             f"fit: the estimates do not go with the rest of the loader: {error}; fit that parameter too, or correct the loader file"

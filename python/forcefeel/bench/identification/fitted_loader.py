@@ -24,7 +24,7 @@ def fitted_loader(found: Identification) -> Loader:
     The source names the data by their SHA-256.
     """
     values = {it.unknown.key: it.value for it in found.estimates}
-    without = found.before.with_tolerances(dict.fromkeys(values)).replace(values)
+    without = found.before.with_tolerances(dict.fromkeys(values)).replace(values, si=True)
     loader = without.with_tolerances(
         {it.unknown.key: normal_about(it.unknown.key, it.value, it.deviation) for it in found.estimates}
     )

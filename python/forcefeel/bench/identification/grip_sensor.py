@@ -144,7 +144,7 @@ class _Shown:
     @classmethod
     def of(cls, record: BenchRecord, loader: Loader, law: Law | None) -> "_Shown":
         at = moments(record, loader, law)
-        hand, loaded = (grip_force(loader.replace({GAIN: 1.0, MASS: mass}), at) for mass in (None, 1.0))
+        hand, loaded = (grip_force(loader.replace({GAIN: 1.0, MASS: mass}, si=True), at) for mass in (None, 1.0))
         return cls(loader, record.name, record.channels[GRIP_FORCE], grip_force(loader, at), hand, loaded - hand)
 
     @property

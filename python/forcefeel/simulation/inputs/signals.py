@@ -1,7 +1,8 @@
 """Forces at the grip by formula: what a test engineer commands, one frozen class per kind.
 
 Forces are in N at the grip, positive as the column's angle is; times in s from the start of the run; zero force where
-nothing else is said. Each ``sample(time_s, step_s)`` takes the length of the run and the step.
+nothing else is said. Each field also takes text with a unit: ``Step("100 lb")``. Each ``sample(time_s, step_s)`` takes the length
+of the run and the step.
 """
 
 import math
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.special import exprel
 
 from forcefeel.errors import InputError
+from forcefeel.simulation.inputs.quantity import Quantity
 from forcefeel.simulation.inputs.sampled import (
     Bound,
     Grid,
@@ -65,8 +67,8 @@ class Step:
         Step(force_n=100.0, start_s=0.1)
     """
 
-    force_n: float
-    start_s: float = 0.0
+    force_n: Quantity = Quantity()
+    start_s: Quantity = Quantity(0.0)
 
     def __post_init__(self) -> None:
         check_number("Step", "force_n", self.force_n, "finite number")
@@ -99,9 +101,9 @@ class Pulse:
         50.0
     """
 
-    force_n: float
-    start_s: float
-    width_s: float
+    force_n: Quantity = Quantity()
+    start_s: Quantity = Quantity()
+    width_s: Quantity = Quantity()
 
     def __post_init__(self) -> None:
         check_number("Pulse", "force_n", self.force_n, "finite number")
@@ -137,9 +139,9 @@ class Doublet:
         0.2
     """
 
-    force_n: float
-    start_s: float
-    width_s: float
+    force_n: Quantity = Quantity()
+    start_s: Quantity = Quantity()
+    width_s: Quantity = Quantity()
 
     def __post_init__(self) -> None:
         check_number("Doublet", "force_n", self.force_n, "finite number")
@@ -176,8 +178,8 @@ class StopToStop:
         60.0
     """
 
-    force_n: float
-    duration_s: float
+    force_n: Quantity = Quantity()
+    duration_s: Quantity = Quantity()
 
     def __post_init__(self) -> None:
         check_number("StopToStop", "force_n", self.force_n, "finite number")
@@ -220,10 +222,10 @@ class Chirp:
         5.0
     """
 
-    force_n: float
-    from_hz: float
-    to_hz: float
-    duration_s: float
+    force_n: Quantity = Quantity()
+    from_hz: Quantity = Quantity()
+    to_hz: Quantity = Quantity()
+    duration_s: Quantity = Quantity()
     spacing: Spacing = "linear"
 
     def __post_init__(self) -> None:
@@ -277,8 +279,8 @@ class Release:
         0.1
     """
 
-    angle_rad: float
-    start_s: float = 0.0
+    angle_rad: Quantity = Quantity()
+    start_s: Quantity = Quantity(0.0)
 
     def __post_init__(self) -> None:
         check_number("Release", "angle_rad", self.angle_rad, "finite number")
