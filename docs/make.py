@@ -2,18 +2,21 @@
 
 import gc
 import pkgutil
-import shutil
-import tempfile
 from importlib import import_module
 from pathlib import Path
 
-from playwright.sync_api import sync_playwright
+import matplotlib as mpl
+import numpy as np
 
 import forcefeel as ff
 from forcefeel import units
 from forcefeel.files import write_whole
 from forcefeel.loader.parameters import ALTERNATIVES, TABLE, unit
 from forcefeel.reproduction import markdown
+from forcefeel.simulation.programmed_feel import ideal_angle
+
+mpl.use("Agg")
+from matplotlib import pyplot
 
 HERE = Path(__file__).parent
 FACTORS = Path(units.__file__).parent / "data" / "factors.csv"
@@ -48,17 +51,22 @@ def factors() -> str:
 
 
 def picture(path: Path) -> None:
-    """Figure 14 of the built-in loader, as the report page draws it."""
-    browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-    if browser is None:
-        raise SystemExit("docs: no Chromium found; install one to draw the picture")
-    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        page_file = ff.design.write_report(ff.design_loader(ff.elevator()), Path(folder), ff.UnitSystem.US)
-        chromium = playwright.chromium.launch(executable_path=browser, args=["--no-sandbox", "--disable-gpu"])
-        page = chromium.new_page(viewport={"width": 1100, "height": 900}, device_scale_factor=1.5)
-        page.goto(page_file.as_uri())
-        page.locator("#figure-14-figure").screenshot(path=path)
-        chromium.close()
+    """Step of the pilot's force on the built-in digital loader: original loop, law `robust` and the programmed feel."""
+    loader = ff.digital_elevator()
+    scenario = ff.Scenario(ff.Step(loader["pilot.force"], start_s=0.1), duration_s=2.0)
+    original, robust = (ff.simulate(loader, scenario, law) for law in ("original", "robust"))
+    curves = (
+        ("original loop", original.history["column_angle_rad"], {"color": "#d55e00"}),
+        ("law robust", robust.history["column_angle_rad"], {"color": "#009e73", "linewidth": 3.5, "alpha": 0.7}),
+        ("programmed feel", ideal_angle(robust), {"color": "black", "linestyle": ":", "linewidth": 1.8}),
+    )
+    figure, axes = pyplot.subplots(figsize=(9, 4.2), layout="constrained")
+    for label, angle, style in curves:
+        axes.plot(original.history["time_s"], np.degrees(angle), label=label, **style)
+    axes.set(xlabel="Time, s", ylabel="Column angle, deg", xlim=(0, scenario.duration_s))
+    axes.grid(alpha=0.3)
+    axes.legend(loc="lower right", frameon=False)
+    figure.savefig(path, dpi=130)
 
 
 if __name__ == "__main__":

@@ -197,13 +197,13 @@ def test_a_number_of_a_law_file_beyond_every_float(run, tmp_path, key, sign):
         law, loader = ff.Law.of("robust", ff.digital_elevator()), "elevator-2khz"
     law.save(tmp_path / "law.json")
     document = json.loads((tmp_path / "law.json").read_text())
-    place = document["time"] if key in {"period", "delay"} else document
+    name, place = (f"time.{key}", document["time"]) if key in {"period", "delay"} else (key, document)
     assert key in place
     place[key] = int(f"{sign}1{'0' * 400}")
     (tmp_path / "law.json").write_text(json.dumps(document))
     status, out, err = run("simulate", loader, "--duration", "0.5", "--law", "law.json")
     assert (status, out) == (2, "")
-    assert f"law.json: {key}: expected a finite number, got a huge number" in err
+    assert f"law.json: {name}: expected a finite number, got a huge number" in err
 
 
 @pytest.mark.parametrize("command", ["size", "qualify", "envelope"])

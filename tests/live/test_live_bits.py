@@ -1,5 +1,7 @@
 """A live run in virtual time gives the bits of a simulation, and its record replayed gives them again."""
 
+import struct
+
 import numpy as np
 import pytest
 
@@ -71,7 +73,21 @@ def test_a_record_of_it_gives_them_again(tmp_path):
     for name, values in columns.items():
         assert np.array_equal(record.column(name), values, equal_nan=True), name
     replayed = ff.live.replay(tmp_path / "run.mcap")
-    assert replayed == ff.live.Replayed(1000, None, None)
+    assert replayed == ff.live.Replayed(1000, None, None, "", "with the run")
+
+
+def without_sums(data):
+    """An MCAP file whose chunks state no check sum: code, length, two times, size, and the sum, whose zero is none."""
+    data, at = bytearray(data), len(MAGIC)
+    while at < len(data) - len(MAGIC):
+        code, length = struct.unpack_from("<BQ", data, at)
+        if code == CHUNK:
+            data[at + 33 : at + 37] = bytes(4)
+        at += 9 + length
+    return data
+
+
+MAGIC, CHUNK = b"\x89MCAP0\r\n", 0x06
 
 
 def test_a_replay_finds_a_bit_that_differs(tmp_path):
@@ -83,6 +99,10 @@ def test_a_replay_finds_a_bit_that_differs(tmp_path):
     at = data.index(number)
     data[at + 6] ^= 1
     path.write_bytes(data)
+    damaged = ff.live.replay(path)
+    assert "check sum" in damaged.broken
+    assert not damaged.same
+    path.write_bytes(without_sums(data))
     replayed = ff.live.replay(path)
     assert not replayed.same
     assert replayed.difference[0] <= 501

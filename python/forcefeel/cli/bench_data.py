@@ -11,7 +11,6 @@ from cyclopts import Group
 
 from forcefeel.cli.options import option
 from forcefeel.errors import InputError
-from forcefeel.tables.between import ALL, times_by_stem
 from forcefeel.tables.column_names import ColumnNames, by_stem
 from forcefeel.units import show
 
@@ -104,6 +103,7 @@ class BenchOptions:
             InputError: If an option is bad or a file is.
         """
         from forcefeel.bench.data_file import read_bench_data
+        from forcefeel.tables.between import ALL, times_by_stem
 
         stems = _stems(files)
         experiment, source, target = (

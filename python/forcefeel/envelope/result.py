@@ -22,8 +22,8 @@ from forcefeel.wilson import wilson_interval
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-PASSES, UNSTABLE = "passes", "unstable"
-"""Outcomes beside the figure that fails first."""
+PASSES, UNSTABLE, NOT_HELD = "passes", "unstable", "force not held"
+"""Outcomes beside the figure that fails first; the last of a release that passes from a force that the motor cannot hold."""
 
 
 class Failure(StrEnum):
@@ -63,8 +63,8 @@ def failure_of(outcome: str) -> Failure | None:
     """The kind of failure of an outcome; ``None`` for one that passes."""
     if outcome == PASSES:
         return None
-    if outcome == UNSTABLE:
-        return Failure.UNSTABLE
+    if outcome in {UNSTABLE, NOT_HELD}:
+        return Failure.UNSTABLE if outcome == UNSTABLE else Failure.DRIVE
     if outcome == "P0":
         return Failure.FIRST_CROSSING
     if outcome in {"overshoots", "first overshoot"}:

@@ -14,12 +14,13 @@ from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.envelope.passivity import passivity
 from forcefeel.envelope.plan import Plan, PlanOptions, make_plan
 from forcefeel.envelope.releases import Record, carrying, measured, pieces, released
-from forcefeel.envelope.result import PASSES, UNSTABLE, AngleShares, Envelope
+from forcefeel.envelope.result import NOT_HELD, PASSES, UNSTABLE, AngleShares, Envelope
 from forcefeel.envelope.settings import AXES
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification.batch_verdicts import BatchVerdicts, judge_releases
 from forcefeel.qualification.release_batch import ReleaseBatch
+from forcefeel.sizing.too_small import Beyond
 from forcefeel.threads import threads_or_cores
 
 Progress = Callable[[int, int], None]
@@ -142,7 +143,10 @@ def _outcomes(
                 judged = (one.reshape(len(cases), -1) for one in _judged(verdicts, stable))
                 outcome[k, places][:, which], margin[k, places][:, which] = judged
                 advance(len(cases) * len(which))
-    return names, outcome, margin
+    # The hand feels less than is programmed before it lets go, however good the release is after that.
+    not_held = Beyond.of(plan.loader, feel[:, 2], plan.release_rad).settings
+    outcome[(outcome == _PASSES) & not_held] = _FIRST + len(names)
+    return (*names, NOT_HELD), outcome, margin
 
 
 def _designed(plan: Plan) -> tuple[NDArray[np.float64], dict[str, Law]]:

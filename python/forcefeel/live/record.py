@@ -80,8 +80,8 @@ class Replayed:
 
     @property
     def same(self) -> bool:
-        """Whether all of it gave the same bits."""
-        return self.difference is None and self.gap is None
+        """Whether there are cycles, and all of them gave the same bits."""
+        return self.cycles > 0 and self.difference is None and self.gap is None
 
 
 def read_live_record(path: str | Path) -> LiveRecord:

@@ -53,7 +53,7 @@ def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) ->
 
     Example:
         >>> import forcefeel as ff
-        >>> run = ff.simulate(ff.digital_elevator(), ff.Scenario(ff.Step(100.0), duration_s=0.5), "robust")
+        >>> run = ff.simulate(ff.digital_elevator(), ff.Scenario(ff.Step(100.0), duration_s=3.0), "robust")
         >>> run.status.value
         'settled'
     """

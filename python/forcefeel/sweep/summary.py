@@ -88,7 +88,7 @@ class Summary:
         >>> import forcefeel as ff
         >>> found = ff.run_sweep(ff.Sweep(ff.elevator(), ff.Scenario(ff.Step(100.0), 0.5), runs=32))
         >>> sorted(ff.sweep.summarize(found).spreads)[:2]
-        ['final_angle_rad', 'last_swing_rad']
+        ['equilibrium_angle_rad', 'final_angle_rad']
     """
 
     shares: tuple[Share, ...]
