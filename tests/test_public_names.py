@@ -45,32 +45,7 @@ def test_an_unknown_name_is_refused():
         _ = ff.elevater
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [("margins", "linear.margins"), ("Compensator", "laws.Compensator"), ("Conclusions", "conclusions.Conclusions")],
-)
-def test_a_name_that_has_moved_says_where(old, new):
-    with pytest.warns(DeprecationWarning, match=f"forcefeel.{old} is now forcefeel.{new}") as seen:
-        found = getattr(ff, old)
-    module, _, name = f"forcefeel.{new}".rpartition(".")
-    assert found is getattr(import_module(module), name)
-    assert seen[0].filename == __file__
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [("design", "design_loader"), ("envelope", "find_envelope"), ("conclusions", "design.conclusions")],
-)
-def test_a_module_that_was_a_function_still_is_one(old, new):
-    called = getattr(ff, old)
-    with (
-        pytest.warns(DeprecationWarning, match=f"forcefeel.{old} is now forcefeel.{new}"),
-        pytest.raises(TypeError, match="required positional argument"),
-    ):
-        called()
-
-
-def test_no_old_name_is_used_by_the_project():
+def test_the_project_uses_public_names_where_they_are():
     """What mypy shows of the package, for the rest: tests and documents make warnings errors where they run."""
     root = Path(__file__).parents[1]
     files = [path for folder in ("tests", "benchmarks", "docs", "examples") for path in (root / folder).rglob("*.py")]

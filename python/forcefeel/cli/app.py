@@ -4,7 +4,6 @@ A command's file holds its options, a frozen dataclass, and ``run``, which takes
 """
 
 import ast
-import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -91,22 +90,6 @@ def _first_line(command: str) -> str:
     return (ast.get_docstring(found) or "").partition("\n")[0]
 
 
-def _read(tokens: list[str]) -> list[str]:
-    """The words of the command line, those of the last version renamed with a warning."""
-    read = []
-    for token in tokens:
-        name, equals, value = token.partition("=")
-        if (renamed := _RENAMED.get(name)) and not (name == "--force" and tokens[0] != "new"):
-            print(f"forcefeel: warning: {name} is now {renamed}, and is refused from version 0.2 on", file=sys.stderr)
-            read.append(renamed + equals + value)
-        else:
-            read.append(token)
-    return read
-
-
-_RENAMED = {"--compensator": "--law", "--force": "--replace"}
-
-
 def run(tokens: list[str]) -> None:
     """Carries out a command line.
 
@@ -115,7 +98,7 @@ def run(tokens: list[str]) -> None:
         InputError: If what it gives is bad.
     """
     app = command_line(listed=not tokens or tokens[0].startswith("-"))
-    app(_read(tokens), print_error=False, exit_on_error=False)
+    app(tokens, print_error=False, exit_on_error=False)
 
 
 def told(error: CycloptsError) -> str:
