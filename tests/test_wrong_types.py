@@ -66,8 +66,8 @@ CALLS = {
     "shaker": [lambda: ff.Scenario(shaker=1.0)],
     "feel_changes": [lambda: ff.Scenario(feel_changes="x"), lambda: ff.Scenario(feel_changes=(1,))],
     "seed": [lambda: ff.Scenario(seed="a"), lambda: ff.Scenario(seed=1.5)],
-    "Step: expected force_n": [lambda: ff.Step("100 lb"), lambda: ff.Step(None), lambda: ff.Step(ARRAY)],
-    "Release: expected angle_rad": [lambda: ff.Release("5 deg")],
+    "Step: expected force_n": [lambda: ff.Step(["100 lb"]), lambda: ff.Step(None), lambda: ff.Step(ARRAY)],
+    "Release: expected angle_rad": [lambda: ff.Release(["5 deg"])],
     "Recorded: expected force_n": [lambda: ff.Recorded(ARRAY, "b")],
     "scenario": [
         lambda: ff.simulate(LOADER, "x"),

@@ -481,7 +481,10 @@ def test_schedule_with_jumps_has_both_values_exactly(points):
 
 BUILT = [
     (lambda: Step(math.nan), "Step: expected force_n to be a finite number, got nan"),
-    (lambda: Step("3 lb"), "Step: expected force_n to be a finite number, got '3 lb'"),
+    (
+        lambda: Step("3 s"),
+        "Step: force_n: expected a number with its unit such as '100 N', got '3 s': 's' measures a time, not a force",
+    ),
     (lambda: Step(10**400), "Step: expected force_n to be a finite number, got a huge number"),
     (lambda: Step(True), "Step: expected force_n to be a finite number, got true"),
     (lambda: Step(1.0, -0.1), "Step: expected start_s to be a number of 0 or more, got -0.1"),

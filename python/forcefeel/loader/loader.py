@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import isinf
+from math import inf
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -462,7 +462,10 @@ def _value(key: str, given: str | float | bool | None, *, si: bool) -> float:
     if is_switch(row):
         return _switch(key, given)
     example = f"{to_text(row.default_us)} {row.unit_us}".strip()
-    if not si and row.unit_si and isinstance(given, int | float) and not _same_in_every_unit(row.unit_si, given):
+    number = (
+        isinstance(given, int | float) and not isinstance(given, bool) and not _same_in_every_unit(row.unit_si, given)
+    )
+    if number and row.unit_si and not si:
         raise InputError(
             f"{key}: expected a value with its unit, such as {example!r}, got {show(given)}; add the unit, or pass si=True for "
             f"a value in {row.unit_si}"
@@ -478,7 +481,7 @@ def _value(key: str, given: str | float | bool | None, *, si: bool) -> float:
 
 def _same_in_every_unit(unit_si: str, number: float) -> bool:
     """Whether a number means the same in each unit of a kind."""
-    return (number == 0 and unit_si != "degC") or isinf(number)
+    return (number == 0 and unit_si != "degC") or abs(number) == inf
 
 
 def _switch(key: str, given: object) -> float:
