@@ -37,8 +37,8 @@ from forcefeel.bench.experiments import Experiment
 from forcefeel.bench.records import BenchRecord
 from forcefeel.commission.identified import identify_loader
 from forcefeel.commission.law_for import choose_law
+from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.seen import BREAKAWAY, DRY
 from forcefeel.commission.simulated_bench import BenchTime, bench_signal, simulated_records
 from forcefeel.envelope.draws import Draws
 from forcefeel.envelope.plan import make_plan
@@ -136,7 +136,7 @@ def share_on(machine, name, law, plan):
     """Share of the settings that a law renders on a machine, and what fails first elsewhere."""
     found = ff.find_envelope(machine, {name: law}, plan.grid, changes={}, arms=())
     failing = {str(kind): share for kind, share in found.failure_shares(name).items() if share > 0}
-    return found.even_shares(name).passes, failing
+    return found.even_shares(name).nominal_share, failing
 
 
 def surely(machine):
@@ -165,7 +165,7 @@ def commissioned(file, machine, data, plan):
     law = ff.Law.of(chosen.name, step.loader, feel)
     share, failing = share_on(machine, chosen.name, law, plan)
     exact, _ = share_on(machine, chosen.name, ff.Law.of(chosen.name, surely(machine), feel), plan)
-    nominal = next(one.over.shares.passes for one in scored.scores if one.name == chosen.name)
+    nominal = next(one.over.shares.nominal_share for one in scored.scores if one.name == chosen.name)
     off, key = max(
         (abs(one.value / machine[one.key] - 1), one.key) for one in step.outcome.parameters if alone(one.key)
     )

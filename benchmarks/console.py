@@ -21,9 +21,9 @@ import numpy as np
 from websockets.sync.client import connect
 
 import forcefeel as ff
-from forcefeel.live.console.apart import ConsoleApart
-from forcefeel.live.console.door import Door
-from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.live.console.listener import Listener
+from forcefeel.live.console.process import ConsoleProcess
+from forcefeel.qualification.plan.run import QualificationSetup
 
 WATCHERS = 8
 MOST_SHARE = 0.10
@@ -64,7 +64,7 @@ def latencies(folder: Path) -> tuple[np.ndarray, int]:
     return us[places].astype(float), int((counts * (us // PERIOD_US)).sum())
 
 
-def cpu_s(console: ConsoleApart) -> float:
+def cpu_s(console: ConsoleProcess) -> float:
     """What the server has used, and the thread of the loop's process that answers it."""
     fields = Path(f"/proc/{console.process_id}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
     (answers,) = (it for it in threading.enumerate() if it.name == "forcefeel console")
@@ -75,8 +75,8 @@ def cpu_s(console: ConsoleApart) -> float:
 def main() -> None:
     folder = Path(tempfile.mkdtemp())
     frames, context = multiprocessing.Queue(), multiprocessing.get_context("fork")
-    door = Door.at(0, "127.0.0.1", token=True)
-    with loop() as running, ConsoleApart(running, door, QualificationSetup(), print) as console:
+    door = Listener.at(0, "127.0.0.1", token=True)
+    with loop() as running, ConsoleProcess(running, door, QualificationSetup(), print) as console:
         token = door.admission.watch
         url = door.watch_address.partition("?")[0].replace("http", "ws") + "live"
         watchers = [context.Process(target=watch, args=(url, token, SECONDS + 3, frames)) for _ in range(WATCHERS)]
@@ -95,7 +95,7 @@ def main() -> None:
     each = [frames.get() / (SECONDS + 3) for _ in watchers]
     print(f"{WATCHERS} watchers, {min(each):.1f} to {max(each):.1f} frames/s each, over {SECONDS:g} s")
     print(f"server: {100 * share:.1f} % of a core (at most {100 * MOST_SHARE:g} %)")
-    print("; ".join(running.granted))
+    print("; ".join(running.realtime_status))
     mine = np.array([of_loop.quantile_us(share) for share in SHARES])
     print("loop       p50 {:.0f} us, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f}".format(*mine))
     print(f"missed {state.missed - missed} of {state.cycle - cycle + state.missed - missed} cycles")

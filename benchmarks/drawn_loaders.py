@@ -23,7 +23,7 @@ from math import radians
 import numpy as np
 
 import forcefeel as ff
-from forcefeel.choice import choose, score_methods
+from forcefeel.choice import choose, score_laws
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute_few
 from forcefeel.loader.known import machine_rows
@@ -110,7 +110,7 @@ def known(loader: ff.Loader) -> ff.Loader:
 
 def taken(loader: ff.Loader) -> str:
     """The law that ``forcefeel compensate --method auto`` takes of a loader that is known exactly, or ``NO_LAW``."""
-    return choose(score_methods(loader, changes={})).chosen or NO_LAW
+    return choose(score_laws(loader, changes={})).chosen or NO_LAW
 
 
 def rendered(loader: ff.Loader, release_deg: float, law: str = "robust") -> Rendered:
@@ -118,7 +118,7 @@ def rendered(loader: ff.Loader, release_deg: float, law: str = "robust") -> Rend
     names = [] if law == NO_LAW else [law]
     plan = make_plan(loader, names, GRID, changes={}, arms=(), angle_rad=radians(release_deg))
     found = compute_few(plan, threads=1)
-    passes = found.allowed_shares(law).passes if names else 0.0
+    passes = found.allowed_shares(law).nominal_share if names else 0.0
     return Rendered(1 - float(found.forbidden.settings.mean()), passes if np.isfinite(passes) else 1.0)
 
 

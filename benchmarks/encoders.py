@@ -38,7 +38,7 @@ def main() -> None:
     own = [[loader[f"feel.{row}"] for row in ("inertia", "damping", "stiffness")]]
     for bits, one in loaders.items():
         tuning = robust_tuning(one)
-        law = ff.laws.method("robust").design(one, own)
+        law = ff.laws.law_design("robust").design(one, own)
         gain = float(abs(law.command[0, law.states + 2]))
         print(
             f"{bits} bits: angle noise 10^{tuning.angle_noise.decades:.2f}, torque's walk 10^{tuning.torque_walk.decades:.2f}, "
@@ -52,7 +52,7 @@ def main() -> None:
             laws = {str(made): law for made, law in tunings.items()}
             plan = make_plan(one, laws, GRID, changes={}, arms=(), angle_rad=radians(release))
             found = compute_few(plan, threads=1)
-            shares[bits] = {made: found.shares(str(made)).passes for made in BITS}
+            shares[bits] = {made: found.shares(str(made)).nominal_share for made in BITS}
         print(f"released from {release:g} deg; law for | on {', '.join(f'{bits} bits' for bits in BITS)}")
         for made in BITS:
             print(f"  {made} bits: {', '.join(share_text(shares[bits][made]) for bits in BITS)}", flush=True)

@@ -46,8 +46,8 @@ def whole():
     print(
         f"{plan.settings.count:,} settings, {len(plan.cases)} cases: {releases:,} releases in {spent:.1f} s, {memory:.2f} GB"
     )
-    print(f"published: stable {shares.stable:.1%}, passes {shares.passes:.1%}")
-    print(f"in every case: stable {shares.stable_worst:.1%}, passes {shares.passes_worst:.1%}")
+    print(f"published: stable {shares.stable:.1%}, passes {shares.nominal_share:.1%}")
+    print(f"in every case: stable {shares.stable_worst:.1%}, passes {shares.worst_case_share:.1%}")
     return spent, memory
 
 

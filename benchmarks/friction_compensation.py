@@ -44,8 +44,8 @@ from forcefeel.envelope.machines import full_rows
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.releases import carrying, measured, pieces, released
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.methods import METHODS
-from forcefeel.laws.sampled.sampled_compensator import OF_FRICTION
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
+from forcefeel.laws.sampled.sampled_law import OF_FRICTION
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import HYDRAULIC
 from forcefeel.qualification.batch_verdicts import judge_releases
@@ -71,7 +71,7 @@ def law(change=lambda known: None, name="robust", known=True):
     """A design whose numbers of the friction are changed in place."""
 
     def design(loader, feel):
-        made = METHODS[name].design(loader if known else loader.replace(dict.fromkeys(ROWS)), feel)
+        made = LAW_DESIGNS[name].design(loader if known else loader.replace(dict.fromkeys(ROWS)), feel)
         numbers = made.friction.copy()
         change(numbers)
         return replace(made, friction=numbers)

@@ -41,7 +41,7 @@ from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.releases import Record
 from forcefeel.frontier.run import DEFAULT_GRID
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.simulation import Scenario, simulate
@@ -189,7 +189,7 @@ def judged(loader, plan, friction_lb, off, arm, seed):
         which = np.flatnonzero(plan.settings.rows[:, 1] == frequency)
         record = Record.of(frequency, plan.settings.damping[0])
         m = machines(loader, friction_lb, off, arm, len(which))
-        laws = METHODS[LAW].design(loader, feel[which])
+        laws = LAW_DESIGNS[LAW].design(loader, feel[which])
         paths, sung = release(loader, laws, m, feel[which], record, np.random.default_rng([seed, which[0]]))
         sings = sung > SINGS_S
         good = [margin(*pair, record, edge=0) > 0 for pair in zip(paths, carried[which], strict=True)]
@@ -205,7 +205,7 @@ def long_records(loader, plan, grid, seconds, seed):
         which = np.flatnonzero(code == UNSTABLE)
         for friction in (0.0, WITH_CASES_LB) if len(which) else ():
             m = machines(loader, friction, *machine_of(case), len(which))
-            laws = METHODS[LAW].design(loader, feel[which])
+            laws = LAW_DESIGNS[LAW].design(loader, feel[which])
             _, sung = release(loader, laws, m, feel[which], record, np.random.default_rng(seed))
             ended = ", ".join(f"{last:.1f}" for last in sung)
             print(
@@ -227,7 +227,7 @@ def laid_over(loader, friction_lb, off, arm):
     feel = plan.settings.feel(exact)
     record = Record(witness.PERIOD_S, 4001)
     m = machines(exact, friction_lb, off, arm, len(feel))
-    paths, _ = release(exact, METHODS[LAW].design(exact, feel), m, feel, record, None)
+    paths, _ = release(exact, LAW_DESIGNS[LAW].design(exact, feel), m, feel, record, None)
     for one, path in zip(feel, paths, strict=True):
         asked = exact.replace(dict(zip(FEEL_SETTING, one.tolist(), strict=True)), si=True)
         truth = with_friction(asked.replace(machine, si=True), friction_lb)

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 import forcefeel as ff
-from forcefeel.live.running import Running
+from forcefeel.live.live_session import LiveSession
 
 PROMISED_US, PROMISED_WITH_MACHINE_US, PROMISED_P999_US = 1.0, 2.0, 5.0
 PROMISED_RATIO = 1.5
@@ -86,7 +86,7 @@ def cyclictest(seconds: int, period_us: int) -> dict[int, int]:
     return {int(us): int(count) for us, count in thread["histogram"].items()}
 
 
-def loop(seconds: int) -> tuple[dict[int, int], Running]:
+def loop(seconds: int) -> tuple[dict[int, int], LiveSession]:
     """Latencies of the loop in whole us, as cyclictest counts them."""
     with ff.live.start(ff.digital_elevator(), "robust") as running:
         running.on()
@@ -128,7 +128,7 @@ def main() -> None:
         ours = added(ours, found)
         if shutil.which("cyclictest"):
             theirs = added(theirs, cyclictest(5, period_us))
-    print("; ".join(running.granted))
+    print("; ".join(running.realtime_status))
     mine = quantiles(ours)
     of = [running.timing.work.quantile_us(share) for share in (0.5, 0.99, 0.999)]
     print("work of a cycle in real time, its caches cold: p50 {:.2f} us, p99 {:.2f}, p99.9 {:.2f}".format(*of))

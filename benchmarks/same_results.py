@@ -37,6 +37,40 @@ ROUNDING = 1e-9
 """Relative: an equation that is worked out in another order, and the search for a margin behind it, differ by some 1e-12."""
 
 
+RENAMED = {
+    "all_at_once": "joint_tolerances",
+    "asked": "demands",
+    "chance_of_a_correlation": "significance_level",
+    "compensator": "law",
+    "compensators": "laws",
+    "fails_first_nominally": "nominal_first_failure",
+    "force_off_by": "force_error",
+    "given": "available",
+    "gives": "capability",
+    "good": "ok",
+    "granted": "realtime_status",
+    "half_interval_of_data_alone": "half_interval_without_prior",
+    "if_known_exactly": "share_at_zero_tolerance",
+    "largest_share_standing_still": "peak_holding_share",
+    "least_margins": "minimum_margins",
+    "left_out": "omitted",
+    "lost_most": "worst_case",
+    "method": "law",
+    "methods": "laws",
+    "not_told_apart": "inseparable",
+    "outside_the_programme": "tests_not_simulated",
+    "passes": "nominal_share",
+    "passes_worst": "worst_case_share",
+    "programme": "test_plan",
+    "share_asked_for": "required_share",
+    "shares_even_in_proportion": "shares_log_weighted",
+    "standing": "status",
+    "tally": "outcome_counts",
+    "words": "summary",
+}
+"""Keys of BEFORE by what they are called now, for results that were made by a package of before."""
+
+
 def commands() -> Iterator[tuple[str, tuple[str, ...]]]:
     """A name and the words of each call."""
     for loader in LOADERS:
@@ -130,6 +164,7 @@ def _read(path: Path) -> object:
 def _differences(there: object, here: object, place: str = "") -> Iterator[tuple[str, float]]:
     """Where two documents differ, and by how much of the number; infinitely where they are no numbers."""
     if isinstance(there, dict) and isinstance(here, dict):
+        there = {_key_now(key, here): value for key, value in there.items()}
         for key in {**there, **here}:
             if key in there and key in here:
                 yield from _differences(there[key], here[key], f"{place}.{key}")
@@ -142,6 +177,12 @@ def _differences(there: object, here: object, place: str = "") -> Iterator[tuple
         numbers = isinstance(there, float) and isinstance(here, float)
         size = abs(there - here) / max(abs(there), abs(here)) if numbers else inf
         yield f"{place}: {str(there)[:80]} before, {str(here)[:80]} after", size
+
+
+def _key_now(key: str, here: dict[str, object]) -> str:
+    """What a key of before is called in the same document of now."""
+    now = RENAMED.get(key, key)
+    return now if key not in here and now in here else key
 
 
 if __name__ == "__main__":

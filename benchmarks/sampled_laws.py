@@ -27,7 +27,7 @@ from forcefeel.envelope.ideal import ideal_releases
 from forcefeel.laws.analog.gain_schedule import schedule_gains
 from forcefeel.laws.law import Law
 from forcefeel.laws.sampled import robust_tuning
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.laws.sampled.observer import observe
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
@@ -81,7 +81,7 @@ def friction_given_back():
     settings = random_settings(told, RUNS)
     rows = told.rows(FEEL_SETTING, settings)
     scenario = Scenario(Release(0.1), 2.0, 1e-3, 1e-3)
-    laws = [Law.of(METHODS["robust"], one, settings) for one in (told, digital_elevator())]
+    laws = [Law.of(LAW_DESIGNS["robust"], one, settings) for one in (told, digital_elevator())]
 
     def released(law):
         return simulate_batch(told, scenario, rows, law, keep=["column_angle_rad"], threads=1)[
@@ -107,10 +107,10 @@ def grip_designs():
     for loader in (digital_elevator(), electric("elevator-electric")):
         sensed, settings = loader.replace(SENSOR, si=True), random_settings(loader, SETTINGS)
         start = time.process_time()
-        found = METHODS["grip"].design(sensed, settings)
+        found = LAW_DESIGNS["grip"].design(sensed, settings)
         seconds = time.process_time() - start
         for k in range(0, SETTINGS, SETTINGS // PEER_SETTINGS):
-            alone = METHODS["grip"].design(sensed, settings[k : k + 1])
+            alone = LAW_DESIGNS["grip"].design(sensed, settings[k : k + 1])
             apart = np.abs(found.command[k] - alone.command[0]).max() / np.abs(alone.command).max()
             if not apart < AGREEMENT:
                 sys.exit(f"grip: a setting alone and among others {apart:.1e} apart; expected less than {AGREEMENT:g}")
@@ -147,7 +147,7 @@ def main():
     settings = random_settings(loader, SETTINGS)
     ratios = settings[:PEER_SETTINGS, 0] / loader["column.inertia"]
     worst = check(plant, ratios)
-    own = median_seconds(lambda: METHODS["robust"].design(loader, settings))
+    own = median_seconds(lambda: LAW_DESIGNS["robust"].design(loader, settings))
     riccati = median_seconds(lambda: [(regulate(plant, ROBUST, r), observe(plant, ROBUST, r)) for r in ratios]) / len(
         ratios
     )
@@ -165,7 +165,7 @@ def main():
     scenario = Scenario(Release(0.1), 2.0, 1e-3, 1e-3)
     gains = np.zeros((RUNS, len(DESIGN_STATES)))
     gains[:, :-1] = schedule_gains(loader, settings[:RUNS]).gains
-    laws = {"gains": gains, "observer": Law.of(METHODS["robust"], loader, settings[:RUNS])}
+    laws = {"gains": gains, "observer": Law.of(LAW_DESIGNS["robust"], loader, settings[:RUNS])}
     steps = RUNS * round(scenario.duration_s / loader["controller.period"])
     seconds = {
         name: median_seconds(lambda law=law: simulate_batch(loader, scenario, rows, law, threads=1))

@@ -20,7 +20,7 @@ import numpy as np
 from core_peak import cpu_seconds, peak_flops
 
 from forcefeel import _core
-from forcefeel.laws.analog.recursion import compensate
+from forcefeel.laws.analog.recursion import design_gains
 from forcefeel.linear.models import state_feedback
 from forcefeel.loader.built_in import elevator
 from forcefeel.loader.parameters import INDEX, PLANT_PARAMETERS
@@ -80,7 +80,7 @@ def main():
     print(
         f"{'varied':<30}{'law':<10}{'wrong':>6}{'stable':>9}{'proved':>9}{'here':>9}{'eigvals':>10}{'ratio':>7}{'of peak':>9}"
     )
-    laws = {"original": None, "feedback": state_feedback(LOADER, compensate(LOADER).gains)}
+    laws = {"original": None, "feedback": state_feedback(LOADER, design_gains(LOADER).gains)}
     for name, (keys, decades) in CASES.items():
         for law_name, law in laws.items():
             varied = draw(keys, decades, LOOPS)

@@ -25,8 +25,8 @@ from forcefeel.envelope.draws import Draws
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.releases import Record
 from forcefeel.frontier.bound import DAMPINGS, inertia_bound
-from forcefeel.frontier.referee import referees
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.frontier.second_order_bound import referees
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.threads import cores
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))  # behind: it has folders of the benchmarks' names
@@ -188,7 +188,7 @@ def margin(path, feel, record, edge=EDGE):
 def margins(settings, feel, cases):
     """Margins (cases, settings) of machines with arms; a case is factors by parameter and an arm."""
     found = np.empty((len(cases), len(feel)))
-    laws = METHODS[LAW].design(ff.digital_elevator(), feel)
+    laws = LAW_DESIGNS[LAW].design(ff.digital_elevator(), feel)
     for frequency in settings.frequency:
         which = np.flatnonzero(settings.rows[:, 1] == frequency)
         record = Record.of(frequency, settings.damping[0])

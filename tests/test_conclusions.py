@@ -50,7 +50,7 @@ def test_a_changed_result_begins_without(counted):
 COMMANDS = {
     "simulate": ("forcefeel.simulation.findings", ("simulate", "elevator")),
     "design": ("forcefeel.design.findings", ("design", "elevator")),
-    "qualify": ("forcefeel.qualification.programme.sentences", ("qualify", "elevator")),
+    "qualify": ("forcefeel.qualification.plan.sentences", ("qualify", "elevator")),
 }
 
 

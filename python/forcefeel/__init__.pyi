@@ -25,7 +25,7 @@ from forcefeel.design.workflow import design_loader as design_loader
 from forcefeel.envelope.run import find_envelope as find_envelope
 from forcefeel.errors import InputError as InputError
 from forcefeel.frontier.run import find_frontier as find_frontier
-from forcefeel.laws.analog.recursion import compensate as compensate
+from forcefeel.laws.analog.recursion import design_gains as design_gains
 from forcefeel.laws.law import Law as Law
 from forcefeel.linear.modes import modes as modes
 from forcefeel.linear.state_space import compliant_model as compliant_model
@@ -34,7 +34,7 @@ from forcefeel.loader.built_in import digital_elevator as digital_elevator
 from forcefeel.loader.built_in import elevator as elevator
 from forcefeel.loader.loader import Loader as Loader
 from forcefeel.loader.loader import load as load
-from forcefeel.qualification.programme.run import qualify_loader as qualify_loader
+from forcefeel.qualification.plan.run import qualify_loader as qualify_loader
 from forcefeel.simulation.engine import simulate as simulate
 from forcefeel.simulation.inputs.recorded import Recorded as Recorded
 from forcefeel.simulation.inputs.signals import Release as Release

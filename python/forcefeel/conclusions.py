@@ -38,12 +38,12 @@ class Conclusions:
     """What an engineer should conclude.
 
     Attributes:
-        good: Whether the recursion gave gains and the loader is stable with them at the programmed setting.
+        ok: Whether the recursion gave gains and the loader is stable with them at the programmed setting.
         verdict: The result in a line.
         findings: What it rests on and what it does not promise, a sentence or two each.
     """
 
-    good: bool
+    ok: bool
     verdict: str
     findings: tuple[str, ...]
 

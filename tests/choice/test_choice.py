@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.choice import Score, Scored, choose, score_methods
+from forcefeel.choice import LawScores, Score, choose, score_laws
 from forcefeel.choice.as_json import choice_json
 from forcefeel.choice.demand import Demand, largest_demand, limits
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
@@ -30,7 +30,7 @@ DIGITAL = ff.digital_elevator()
 
 @pytest.fixture(scope="module")
 def scored():
-    return score_methods(DIGITAL, ("published", "observer", "robust"), GRID, **FEW)
+    return score_laws(DIGITAL, ("published", "observer", "robust"), GRID, **FEW)
 
 
 def test_the_shares_are_those_of_the_envelope(scored):
@@ -80,7 +80,7 @@ def test_the_limits_are_those_of_the_amplifier_and_the_spool_where_there_are_any
 
 
 def test_every_law_that_a_loader_can_run_is_tried():
-    scored = score_methods(ff.elevator(), grid=GRID, changes={}, arms=())
+    scored = score_laws(ff.elevator(), grid=GRID, changes={}, arms=())
     assert [score.name for score in scored.scores] == list(names_for(ff.elevator()))
     assert all(score.own.noise is None for score in scored.scores)
 
@@ -93,7 +93,7 @@ def test_an_analog_loader_is_told_what_it_needs(name):
 
 def test_an_unknown_name():
     with pytest.raises(ff.InputError, match=r"expected original.*got 'best'"):
-        score_methods(DIGITAL, ("best",))
+        score_laws(DIGITAL, ("best",))
 
 
 # The rule, on scores that are made up for it.
@@ -110,7 +110,7 @@ def _score(name, worst, nominal, *, stable=1.0, margins=GOOD, noise=QUIET, own_s
 
 def _chosen(*scores, period_s=5e-4):
     loader = {"controller.period": period_s}
-    return choose(Scored(SimpleNamespace(loader=loader), scores))
+    return choose(LawScores(SimpleNamespace(loader=loader), scores))
 
 
 def test_the_worst_case_comes_first_then_the_nominal_share_then_noise():
@@ -168,7 +168,7 @@ def test_level_methods_are_told_what_decided():
 def test_the_words_name_the_choice_and_every_other_method(scored):
     choice = choose(scored)
     said = choice_conclusions(scored, choice, UnitSystem.US)
-    assert said.good
+    assert said.ok
     assert said.verdict.startswith(f"Take {choice.chosen}. ")
     for score in scored.scores:
         assert any(score.name in line.lower() for line in (said.verdict, *said.findings))
@@ -177,17 +177,17 @@ def test_the_words_name_the_choice_and_every_other_method(scored):
 
 
 def test_an_analog_loader_is_told_so_in_words():
-    found = score_methods(ff.elevator(), ("published",), over_envelope=False)
+    found = score_laws(ff.elevator(), ("published",), over_envelope=False)
     said = design_conclusions(found, UnitSystem.SI)
-    assert said.good
+    assert said.ok
     assert any("analog" in line and "elevator-2khz" in line and "controller.period" in line for line in said.findings)
 
 
 def test_an_unstable_law_is_bad():
     soft = ff.elevator().replace({"feel.inertia": 0.06, "feel.damping": 0.3, "feel.stiffness": 10.0}, si=True)
-    found = score_methods(soft, ("published",), over_envelope=False)
+    found = score_laws(soft, ("published",), over_envelope=False)
     said = design_conclusions(found, UnitSystem.SI)
-    assert (said.good, found.scores[0].own.outcome) == (False, "unstable")
+    assert (said.ok, found.scores[0].own.outcome) == (False, "unstable")
     assert "unstable" in said.verdict
     json.dumps(choice_json(found, None, UnitSystem.SI), allow_nan=False)
 
@@ -198,14 +198,14 @@ def test_the_results_hold_the_law_that_runs(scored):
     law = next(score for score in scored.scores if score.name == choice.chosen).own.law.sampled
     assert stored["chosen"] == choice.chosen
     np.testing.assert_array_equal(stored["law"]["command"], law.command[0])
-    assert stored["methods"]["robust"]["envelope"]["shares"]["passes"]["unit"] == "%"
+    assert stored["laws"]["robust"]["envelope"]["shares"]["nominal_share"]["unit"] == "%"
 
 
 def test_the_plan_s_loader_is_the_one_that_is_judged():
     """Optional rows of the feel are left out, and said so."""
     loader = DIGITAL.replace({"feel.breakout": "4 lb"})
-    found = score_methods(loader, ("robust",), over_envelope=False)
-    assert found.plan.left_out == ("feel.breakout",)
+    found = score_laws(loader, ("robust",), over_envelope=False)
+    assert found.plan.omitted == ("feel.breakout",)
     assert any("feel.breakout" in line for line in design_conclusions(found, UnitSystem.US).findings)
-    bare = own_setting(make_plan(DIGITAL, ("robust",), GRID), found.plan.compensators["robust"], 1)
+    bare = own_setting(make_plan(DIGITAL, ("robust",), GRID), found.plan.laws["robust"], 1)
     assert found.scores[0].own.margins == bare.margins

@@ -28,14 +28,14 @@ def test_one_method_at_the_own_setting(run, tmp_path):
     assert {one.name for one in (tmp_path / FOLDER).iterdir()} == {PAGE, RESULTS, "plotly.min.js"}
     stored = json.loads((tmp_path / FOLDER / RESULTS).read_text(encoding="utf-8"))
     assert (stored["chosen"], stored["law"]["period_s"]) == ("robust", 0.0005)
-    assert "envelope" not in stored["methods"]["robust"]
+    assert "envelope" not in stored["laws"]["robust"]
 
 
 def test_one_method_over_the_envelope(run):
     status, out, _ = run("--method", "converged", "--envelope", *SMALL, "--json", "--units", "si")
     assert status == 0
     found = json.loads(out)
-    assert found["methods"]["converged"]["envelope"]["shares"]["stable"]["value"] > 0
+    assert found["laws"]["converged"]["envelope"]["shares"]["stable"]["value"] > 0
     assert found["grid"]["frequency"]["values"] == pytest.approx([1, 3])
 
 
@@ -46,7 +46,7 @@ def test_auto_chooses_and_says_why(run, tmp_path, monkeypatch):
     status, out, err = run("elevator-2khz", "--method", "auto", *grid, "--out", "found")
     assert (status, err) == (0, "")
     stored = json.loads((tmp_path / "found" / RESULTS).read_text(encoding="utf-8"))
-    assert tuple(stored["methods"]) == names
+    assert tuple(stored["laws"]) == names
     assert f"Take {stored['chosen']}." in out
     text = re.sub(
         r"<(script|style).*?</\1>", "", (tmp_path / "found" / PAGE).read_text(encoding="utf-8"), flags=re.DOTALL

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import forcefeel as ff
-from forcefeel.choice import choose, score_methods
+from forcefeel.choice import choose, score_laws
 from forcefeel.choice.page.folder import write_choice
 from forcefeel.laws.law import names_for
 from forcefeel.units import UnitSystem
@@ -34,15 +34,15 @@ PLOTS = {"auto": 3, "analog": 3, "one": 2, "unstable": 1}
 def _write(name: str, folder: Path) -> Path:
     if name == "one":
         return write_choice(
-            score_methods(ff.digital_elevator(), ("observer",), over_envelope=False), None, folder, UnitSystem.SI
+            score_laws(ff.digital_elevator(), ("observer",), over_envelope=False), None, folder, UnitSystem.SI
         )
     if name == "unstable":
         loader = ff.elevator()
         soft = loader.replace(
             {key: loader[key] / 100 for key in ("feel.inertia", "feel.damping", "feel.stiffness")}, si=True
         )
-        return write_choice(score_methods(soft, ("published",), over_envelope=False), None, folder, UnitSystem.US)
-    scored = score_methods(ff.digital_elevator() if name == "auto" else ff.elevator(), grid=GRID, **FEW)
+        return write_choice(score_laws(soft, ("published",), over_envelope=False), None, folder, UnitSystem.US)
+    scored = score_laws(ff.digital_elevator() if name == "auto" else ff.elevator(), grid=GRID, **FEW)
     return write_choice(scored, choose(scored), folder, UnitSystem.US)
 
 

@@ -143,7 +143,7 @@ def commands(draw):
 @given(commands())
 @settings(max_examples=max(25, settings.default.max_examples // 2))
 @example(["sweep", "my.toml", "--runs", "4", "--duration", "0.2", "--replace", "--seed", "3000000000"])
-@example(["simulate", "my.toml", "--change", "1 s: feel.damping=200 lb in s/rad", "--over", "5e-324"])
+@example(["simulate", "my.toml", "--change", "1 s: feel.damping=200 lb in s/rad", "--fade-time", "5e-324"])
 def test_a_command_answers_or_says_what_is_wrong(place, words):
     out, err = (io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in range(2))
     with pytest.MonkeyPatch.context() as patched, contextlib.chdir(place):

@@ -75,6 +75,6 @@ def test_what_the_help_of_off_says_is_what_it_takes(run):
     text = " ".join(run("envelope", "--help")[1].replace("│", " ").split())
     said = re.search(r"'([\w.]+=none)' for", text)
     small = ("--grid", "stiffness=20, 50 %", "--grid", "frequency=1, 2 Hz", "--grid", "damping=0.3, 1", "--draws", "0")
-    assert run("envelope", "elevator", *small, "--off", said[1])[0] == 0
-    status, _, err = run("envelope", "elevator", *small, "--off", "none")
+    assert run("envelope", "elevator", *small, "--deviation", said[1])[0] == 0
+    status, _, err = run("envelope", "elevator", *small, "--deviation", "none")
     assert (status, "expected part.name=value such as" in err) == (2, True)

@@ -21,7 +21,7 @@ from forcefeel.qualification import QualificationSetup
 
 TAKEN = {
     (QualifyOptions, QualificationSetup): {"rule", "axis", "overdamped", "tests", "references", "records", "columns"},
-    (ExciteOptions, ExcitationPlan): {"kind", "time_s", "rate_hz", "from_hz", "to_hz"},
+    (ExciteOptions, ExcitationPlan): {"signal", "time_s", "rate_hz", "from_hz", "to_hz"},
     (IdentifyOptions, FitSettings): {"loss", "starts", "as_responses"},
 }
 

@@ -31,7 +31,7 @@ def test_help_fits_and_names_the_choices(command, monkeypatch, capsys, tmp_path)
 def test_what_is_seldom_needed_is_named_and_shown_on_demand(monkeypatch, capsys, tmp_path):
     run = runner(monkeypatch, capsys, tmp_path, "sweep", columns=80)
     short, full = run("--help")[1], run(HELP_ALL)[1]
-    assert re.search(r"shown by --help-all: --width, --lasts", short)
+    assert re.search(r"shown by --help-all: --width, --input-duration", short)
     assert "Seed of all that is random." not in short
     assert "Seed of all that is random." in full
 

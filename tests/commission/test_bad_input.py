@@ -13,12 +13,18 @@ RECORD = str(Path(__file__).parents[2] / "examples" / "bench" / "servo-closed.cs
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("elevator-2khz", "--bench", "wheel.toml"), "has an electric drive, and elevator-2khz a hydraulic drive"),
+        (
+            ("elevator-2khz", "--simulate-bench", "wheel.toml"),
+            "has an electric drive, and elevator-2khz a hydraulic drive",
+        ),
         (("wheel.toml", "--data", RECORD), "is made for a hydraulic drive"),
-        (("elevator-2khz", "--data", RECORD, "--bench", "wheel.toml"), "leave one out"),
+        (("elevator-2khz", "--data", RECORD, "--simulate-bench", "wheel.toml"), "leave one out"),
         (("elevator-2khz",), "give one"),
-        (("elevator-2khz", "--bench", "none.toml"), "none.toml: cannot be read"),
-        (("elevator-2khz", "--data", RECORD, "--share", "120 %"), "share: expected a share above 0 % and up to 100 %"),
+        (("elevator-2khz", "--simulate-bench", "none.toml"), "none.toml: cannot be read"),
+        (
+            ("elevator-2khz", "--data", RECORD, "--required-share", "120 %"),
+            "share: expected a share above 0 % and up to 100 %",
+        ),
     ],
 )
 def test_it_is_named_and_nothing_is_left(monkeypatch, capsys, tmp_path, words, message):

@@ -5,9 +5,9 @@ import pytest
 import forcefeel as ff
 from forcefeel.commission.findings import commission_conclusions
 from forcefeel.commission.identified import identify_loader
+from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import AT_END, NOTHING, Commission
-from forcefeel.commission.seen import BREAKAWAY, DRY
 from forcefeel.commission.simulated_bench import BenchTime, simulated_records
 
 

@@ -41,12 +41,12 @@ def test_what_is_biased_by_more_than_noise_is_good_nowhere(files):
     assert row.good == "no"
     assert row.result.endswith("1 wanting")
     assert wanting in commission_conclusions(commission).findings
-    assert not identification_conclusions(found.found, UnitSystem.US).good
+    assert not identification_conclusions(found.found, UnitSystem.US).ok
     assert "than noise, so parameters can be off" in commission_page(commission)
 
 
 def test_what_is_explained_is_good(files):
     found, commission = identified(files, CommissionPlan())
     assert found.outcome.good
-    assert identification_conclusions(found.found, UnitSystem.US).good
+    assert identification_conclusions(found.found, UnitSystem.US).ok
     assert glance(commission)[0].good == "yes"

@@ -106,7 +106,7 @@ def test_a_good_law_is_handed_over(commissioned, tmp_path):
     assert "1 parameter of elevator-2khz is identified" in text
     assert "the law is robust" in text
     assert (tmp_path / "law.json").exists()
-    assert not (tmp_path / "law-not-good.json").exists()
+    assert not (tmp_path / "law-rejected.json").exists()
     found = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))
     assert (found["good"], found["law"]["name"], found["envelope"]["passes"]) == (True, "robust", 0.97)
     check_folder(tmp_path, "forcefeel commission my.toml")  # the same may go on
@@ -135,7 +135,7 @@ def test_a_law_that_is_not_good_is_not_handed_over_as_if_it_were(commissioned, t
     assert not bad.good
     assert said in text
     assert "no law is handed over as good" in text
-    assert (tmp_path / "law-not-good.json").exists()
+    assert (tmp_path / "law-rejected.json").exists()
     assert not (tmp_path / "law.json").exists()
 
 

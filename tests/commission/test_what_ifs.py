@@ -6,9 +6,9 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.commission.findings import commission_conclusions
+from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, RuleTests, WhatIf
-from forcefeel.commission.seen import BREAKAWAY, DRY
 from forcefeel.commission.what_ifs import _rubbing, what_ifs
 from forcefeel.loader.tolerances import Tolerance
 

@@ -25,7 +25,7 @@ def loader():
 
 @pytest.fixture(scope="module")
 def gains(loader):
-    return ff.compensate(loader, ff.laws.published_settings(loader)).gains
+    return ff.design_gains(loader, ff.laws.published_settings(loader)).gains
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +147,7 @@ def test_dropping_a_path_may_cost_stability_though_the_feel_stays(dropped):
 
 def test_what_can_be_dropped_keeps_fidelity_and_stability(loader, gains, dropped):
     law = ff.linear.state_feedback(loader, gains[:6])
-    edge = ff.linear.smallest_stable_stiffness(loader, compensator=law)
+    edge = ff.linear.smallest_stable_stiffness(loader, law=law)
     assert droppable(dropped, ff.design.assess(loader, law), edge).paths == ("c_2", "c_6")
     strict = ff.linear.StabilityBoundary(edge.stiffness_n_m_per_rad / 2, 0.0, "")
     assert droppable(dropped, ff.design.assess(loader, law), strict) is None
@@ -163,7 +163,7 @@ def test_a_deviation_out_of_range_is_not_evaluated(loader, gains):
 
 def test_one_cost_index_in_a_design(loader):
     found = ff.design_loader(loader, ff.laws.DesignSettings(horizon_s=0.05, r2=10.0))
-    law = found.compensation.compensator(loader)
+    law = found.compensation.law(loader)
     full = ff.design.assess(loader, law, found.compensation.settings)
     assert found.configuration("compensated").programmed.assessment.cost == full.cost
     first = found.dropped[0].assessment, found.dropped[0].cost_increase
@@ -193,6 +193,6 @@ def test_a_design_can_be_sent_to_another_process(loader):
     found = ff.design_loader(loader)
     again = pickle.loads(pickle.dumps(found))
     np.testing.assert_array_equal(again.compensation.gains, found.compensation.gains)
-    assert [one.compensator for one in again.configurations] == [one.compensator for one in found.configurations]
+    assert [one.law for one in again.configurations] == [one.law for one in found.configurations]
     with pytest.raises(ValueError, match="read-only"):
         found.compensation.gains[0] = 0.0

@@ -7,15 +7,15 @@ from dataclasses import replace
 import pytest
 
 import forcefeel as ff
-from forcefeel.design.laws_tried import LawsTried, LawTried, Qualified, Rendered
+from forcefeel.design.law_comparison import EnvelopeSummary, LawComparison, LawResult, QualificationSummary
 from tests.command_line import runner
 from tests.pages import words
 
-GOOD = Qualified(True, "qualifies", "7 of 7 tests passed", ())
-BAD = Qualified(False, "does not qualify", "1 of 7 tests passed, 6 failed", ("Static: too stiff.",))
-REPORT = LawTried("published", "the report's", BAD, Rendered(0.5, 0.1, 0.05))
-BEST = LawTried("robust", "another", GOOD, Rendered(1.0, 0.9, 0.5))
-TRIED = LawsTried(
+GOOD = QualificationSummary(True, "qualifies", "7 of 7 tests passed", ())
+BAD = QualificationSummary(False, "does not qualify", "1 of 7 tests passed, 6 failed", ("Static: too stiff.",))
+REPORT = LawResult("published", "the report's", BAD, EnvelopeSummary(0.5, 0.1, 0.05))
+BEST = LawResult("robust", "another", GOOD, EnvelopeSummary(1.0, 0.9, 0.5))
+TRIED = LawComparison(
     REPORT, BEST, ("Robust is best.", "No other is."), "The Rule", 18, "", ("my loader.toml", "--set", "a.b=3 lb")
 )
 
@@ -31,7 +31,7 @@ def _told(designed, tried):
 
 def test_the_best_law_leads(designed):
     told = _told(designed, TRIED)
-    assert told.good
+    assert told.ok
     assert told.verdict == (
         "By The Rule law robust qualifies: 7 of 7 tests passed. The report's law does not qualify: 1 of 7 tests passed, 6 failed."
     )
@@ -51,7 +51,7 @@ def test_the_best_law_leads(designed):
 def test_verdicts(designed, changes, verdict, good):
     told = _told(designed, replace(TRIED, **changes))
     assert told.verdict.startswith(verdict)
-    assert told.good is good
+    assert told.ok is good
 
 
 def test_commands_can_be_typed_as_they_stand():
@@ -72,7 +72,9 @@ def test_the_command_finds_the_law_that_qualifies(tmp_path, monkeypatch, capsys)
     laws = json.loads(out)["laws"]
     assert (laws["best"]["name"], laws["best"]["qualified"]["qualifies"]) == ("robust", True)
     assert (laws["report"]["name"], laws["report"]["qualified"]["qualifies"]) == ("published", False)
-    assert laws["best"]["rendered"]["passes_worst"]["value"] > laws["report"]["rendered"]["passes_worst"]["value"]
+    assert (
+        laws["best"]["rendered"]["worst_case_share"]["value"] > laws["report"]["rendered"]["worst_case_share"]["value"]
+    )
     results = json.loads((tmp_path / "report" / "results.json").read_text(encoding="utf-8"))
     assert results["laws"] == laws
     assert results["conclusions"]["verdict"].startswith("By 14 CFR Part 60, Appendix A")

@@ -37,7 +37,7 @@ def said(design):
 
 def test_the_elevator_settles_right_and_moves_wrong(found):
     words = said(found)
-    assert words.good
+    assert words.ok
     assert words.verdict.endswith("settles where it should, but it moves at the wrong frequency.")
     text = " ".join(words.findings)
     for figure in (
@@ -68,7 +68,7 @@ def test_verdicts(loader, changes, settings, verdict, monkeypatch):
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)  # of one that never settles
     words = said(ff.design_loader(loader.replace(changes, si=True), settings))
     assert verdict in words.verdict
-    assert words.good is (verdict in {"does not settle", "at rest and in motion"})
+    assert words.ok is (verdict in {"does not settle", "at rest and in motion"})
 
 
 def test_a_stiff_link_is_said_to_be_as_good_as_rigid(loader):

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
+from forcefeel.design.law_comparison import EnvelopeSummary, LawComparison, LawResult, QualificationSummary
 from forcefeel.design.law_loop import law_step
-from forcefeel.design.laws_tried import LawsTried, LawTried, Qualified, Rendered
 from forcefeel.design.motor_findings import NO_REPORT, delay_s
 from forcefeel.design.page.plots import draw
 from forcefeel.errors import InputError
@@ -24,9 +24,9 @@ from tests.pages import words
 
 EXACT = 1e-9  # of the deflection; a sampled loop beside the engine's run of it
 TOLD = 5e-4  # half the last digit of three
-GOOD = Qualified(True, "qualifies", "7 of 7 tests passed", ())
-BEST = LawTried("robust", "a law", GOOD, Rendered(1.0, 0.9, 0.5))
-TRIED = LawsTried(None, BEST, ("Robust is best.", "No other is."), "The Rule", 18, "", ("my loader.toml",))
+GOOD = QualificationSummary(True, "qualifies", "7 of 7 tests passed", ())
+BEST = LawResult("robust", "a law", GOOD, EnvelopeSummary(1.0, 0.9, 0.5))
+TRIED = LawComparison(None, BEST, ("Robust is best.", "No other is."), "The Rule", 18, "", ("my loader.toml",))
 OF_A_VALVE = re.compile(r"\b(valve|piston|oil|amplifier|hydraulic)", re.IGNORECASE)
 KEYS = ("step", "hand", "command-to-force", "command-to-position", "loop")
 
@@ -83,7 +83,7 @@ def test_delay_at_the_crossover():
 
 def test_conclusions_lead_with_the_law_that_was_tried(designed):
     told = ff.design.conclusions(designed, ff.UnitSystem.SI, TRIED)
-    assert told.good
+    assert told.ok
     assert told.verdict == "By The Rule law robust qualifies: 7 of 7 tests passed."
     assert told.findings[0].endswith("Robust is best.")
     assert NO_REPORT in told.findings
@@ -92,7 +92,7 @@ def test_conclusions_lead_with_the_law_that_was_tried(designed):
         alone.verdict == "Under law robust the loader is stable and renders the programmed feel, at rest and in motion."
     )
     none = ff.design.conclusions(designed, ff.UnitSystem.SI, replace(TRIED, best=None))
-    assert (none.good, none.verdict) == (False, "No law is eligible for this loader.")
+    assert (none.ok, none.verdict) == (False, "No law is eligible for this loader.")
 
 
 def test_the_page_has_no_word_of_a_valve(out):

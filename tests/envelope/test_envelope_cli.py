@@ -55,10 +55,10 @@ def test_the_results_agree_with_the_maps(run, tmp_path):
         "test": "2.b.1",
         "verified": True,
     }
-    shares = found["compensators"]["published"]["shares"]
+    shares = found["laws"]["published"]["shares"]
     with xr.open_dataset(tmp_path / "forcefeel-envelope" / Files.of().maps, engine="scipy") as maps:
-        assert shares["passes"]["value"] == pytest.approx(100 * float((maps["outcome"][0, 0] == 0).mean()))
-    assert len(found["compensators"]["published"]["cases"]) == CASES
+        assert shares["nominal_share"]["value"] == pytest.approx(100 * float((maps["outcome"][0, 0] == 0).mean()))
+    assert len(found["laws"]["published"]["cases"]) == CASES
     assert not next(case for case in found["cases"] if case["name"] == "firm arm")["arm"]["verified"]
 
 
@@ -93,7 +93,7 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
 
 
 def test_how_far_a_part_is_off(run):
-    status, out, _ = run(*SMALL, "--off", "column.inertia=2 %", "--off", "linkage.damping=none", "--json")
+    status, out, _ = run(*SMALL, "--deviation", "column.inertia=2 %", "--deviation", "linkage.damping=none", "--json")
     assert status == 0
     names = [case["name"] for case in json.loads(out)["cases"]]
     assert {"column.inertia -2 %", "column.inertia +2 %"} < set(names)
@@ -110,7 +110,7 @@ def test_a_controller_brings_its_laws(run):
         "--law",
         "robust",
         *few,
-        "--off",
+        "--deviation",
         "valve.rated_flow=none",
         "--set",
         "load_cell.noise=0.2 lb",
@@ -120,17 +120,17 @@ def test_a_controller_brings_its_laws(run):
     status, out, _ = run(*words, "--json")
     assert status == 0
     found = json.loads(out)
-    assert list(found["compensators"]) == ["load-cell", "robust"]
-    assert found["compensators"]["robust"]["shares"]["passes"]["value"] == 100
+    assert list(found["laws"]) == ["load-cell", "robust"]
+    assert found["laws"]["robust"]["shares"]["nominal_share"]["value"] == 100
     assert "valve.supply_pressure -20 %" in [case["name"] for case in found["cases"]]
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (("--off", "column.inertia=1 lb"), "--off: column.inertia: expected a number such as '2 %'"),
-        (("--off", "column.inertia=100 %"), "expected a share above 0 and below 1"),
-        (("--off", "colum.inertia=2 %"), "did you mean column.inertia?"),
+        (("--deviation", "column.inertia=1 lb"), "--deviation: column.inertia: expected a number such as '2 %'"),
+        (("--deviation", "column.inertia=100 %"), "expected a share above 0 and below 1"),
+        (("--deviation", "colum.inertia=2 %"), "did you mean column.inertia?"),
         (("--law", "robust"), "controller.period: expected a sample period, got none"),
         (("--rule", "part61"), "part60-a-2014"),
         (("--law", "best"), "original, published, converged"),

@@ -173,8 +173,8 @@ def test_weights_are_the_room_in_proportion():
 def test_shares_in_proportion_are_weighed(found):
     passes = found.passes(LAW)
     even = found.even_shares(LAW)
-    assert even.passes == pytest.approx(float((found.plan.settings.weights * passes[0]).sum()))
-    assert even.passes_worst == pytest.approx(float((found.plan.settings.weights * passes.all(axis=0)).sum()))
+    assert even.nominal_share == pytest.approx(float((found.plan.settings.weights * passes[0]).sum()))
+    assert even.worst_case_share == pytest.approx(float((found.plan.settings.weights * passes.all(axis=0)).sum()))
 
 
 def test_draws_on_page_terminal_and_files(monkeypatch, capsys, tmp_path):
@@ -187,7 +187,7 @@ def test_draws_on_page_terminal_and_files(monkeypatch, capsys, tmp_path):
     folder = tmp_path / "forcefeel-envelope"
     stored = json.loads((folder / RESULTS).read_text(encoding="utf-8"))
     assert stored["draws"] == {"count": 5, "seed": 2**62, "corners": True}
-    assert stored["compensators"][LAW]["all_at_once"]["machines"] == 5
+    assert stored["laws"][LAW]["joint_tolerances"]["machines"] == 5
     with xr.open_dataset(folder / Files.of().maps, engine="scipy") as maps:
         assert maps["drawn_outcome"].shape == (1, 5, 2, 2, 2)
         assert maps["off"].shape == (5, len(NAMES))
@@ -195,7 +195,7 @@ def test_draws_on_page_terminal_and_files(monkeypatch, capsys, tmp_path):
     assert "All tolerances at once" in page
     run(*words, "--draws", "0", "--replace")
     assert "All tolerances at once" not in (folder / PAGE).read_text(encoding="utf-8")
-    assert json.loads((folder / RESULTS).read_text(encoding="utf-8"))["compensators"][LAW]["all_at_once"] is None
+    assert json.loads((folder / RESULTS).read_text(encoding="utf-8"))["laws"][LAW]["joint_tolerances"] is None
 
 
 @pytest.mark.parametrize("given", [{"count": -1}, {"count": 1001}, {"count": 2.0}, {"seed": 2**63}, {"seed": True}])

@@ -12,12 +12,12 @@ from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.releases import Record, released
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, names_for
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import HYDRAULIC
-from forcefeel.qualification.programme import QualificationSetup, qualify_loader
-from forcefeel.qualification.programme.result import Standing
+from forcefeel.qualification.plan import QualificationSetup, qualify_loader
+from forcefeel.qualification.plan.result import QualificationStatus
 
 GRID = {"stiffness": "3, 10, 40 %", "frequency": "0.7, 2, 3.5 Hz", "damping": "0.2, 0.9"}
 NEAR = 4e-3
@@ -70,12 +70,13 @@ def exact(loader, law, values, setting):
 
 
 @pytest.mark.parametrize(
-    "name", [name for name, method in METHODS.items() if HYDRAULIC in method.drives and not method.needs_grip_sensor]
+    "name",
+    [name for name, method in LAW_DESIGNS.items() if HYDRAULIC in method.drives and not method.needs_grip_sensor],
 )
 def test_verdicts_and_releases_are_those_of_the_exact_plant(loader: ff.Loader, name: str) -> None:
     plan = make_plan(loader, (name,), GRID)
     feel = plan.settings.feel(plan.loader)
-    laws = Law.of(METHODS[name], plan.loader, feel)
+    laws = Law.of(LAW_DESIGNS[name], plan.loader, feel)
     draw = np.random.default_rng(4)
     record = Record(1e-3, 1500)
     followed = 0
@@ -104,7 +105,7 @@ def test_verdicts_and_releases_are_those_of_the_exact_plant(loader: ff.Loader, n
 def test_trust_in_the_potentiometer_is_what_a_softer_link_takes_away(loader: ff.Loader) -> None:
     changes = {"linkage.stiffness": 0.2}
     found = ff.find_envelope(loader, ("observer", "recovered", "robust"), GRID, changes=changes, arms=())
-    lost = {name: found.shares(name).stable - found.shares(name).stable_worst for name in found.compensators}
+    lost = {name: found.shares(name).stable - found.shares(name).stable_worst for name in found.laws}
     assert lost["recovered"] > 0.9
     assert lost["observer"] > 0.1
     assert lost["robust"] == 0.0
@@ -124,7 +125,7 @@ def test_grip_tends_to_the_analog_one_as_the_period_goes_to_zero() -> None:
 
 def test_residues_are_the_admittance(loader: ff.Loader) -> None:
     feel = make_plan(loader, ("robust",), GRID).settings.feel(loader)[[2, 11]]
-    grips = Grips.of(loader, Law.of(METHODS["robust"], loader, feel), feel)
+    grips = Grips.of(loader, Law.of(LAW_DESIGNS["robust"], loader, feel), feel)
     frequency = np.geomspace(0.1, 300, 20)
     poles, residues = grips.poles_and_residues()
     for k in range(len(feel)):
@@ -146,13 +147,13 @@ def test_orifice_takes_the_place_of_its_gains() -> None:
 def test_robust_loader_qualifies() -> None:
     loader = ff.digital_elevator()
     found = qualify_loader(loader, QualificationSetup(laws=("published", "robust")))
-    assert [section.name for section in found.sections if section.standing is Standing.QUALIFIES] == ["robust"]
+    assert [section.name for section in found.sections if section.status is QualificationStatus.QUALIFIES] == ["robust"]
 
 
 def test_analog_loader_takes_the_laws_of_the_report_alone(loader: ff.Loader) -> None:
     assert names_for(ff.elevator()) == ("original", "published", "converged")
-    assert set(names_for(loader)) == {*names_for(ff.elevator()), *METHODS} - {"torque-mode", "grip"}
+    assert set(names_for(loader)) == {*names_for(ff.elevator()), *LAW_DESIGNS} - {"torque-mode", "grip"}
     with pytest.raises(InputError, match=r"controller\.period: expected a sample period, got none"):
         Law.of("robust", ff.elevator())
-    with pytest.raises(InputError, match="compensator: expected original, published"):
+    with pytest.raises(InputError, match="law: expected original, published"):
         Law.of("best", loader)

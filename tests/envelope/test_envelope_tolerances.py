@@ -155,7 +155,14 @@ def test_every_command_with_cases_takes_the_files_tolerances_and_its_options(com
     (tmp_path / "knots.csv").write_text(KNOTS)
     run = runner(monkeypatch, capsys, tmp_path, command)
     words, wanted = COMMANDS[command]
-    options = ("--off", "linkage.ratio=3 %", "--off", "column.grip_arm=none", "--set", "linkage.stiffness=7000 lb/in")
+    options = (
+        "--deviation",
+        "linkage.ratio=3 %",
+        "--deviation",
+        "column.grip_arm=none",
+        "--set",
+        "linkage.stiffness=7000 lb/in",
+    )
     status, out, err = run(*words, *options)
     assert (status, err) == (wanted, "")
     said = " ".join(out.split())
@@ -170,7 +177,7 @@ def test_every_command_with_cases_takes_the_files_tolerances_and_its_options(com
     assert by_key[INERTIA]["origin"] == "loader file"
     assert isclose(by_key["linkage.ratio"]["ends"][1]["value"], 3)
     assert "column.grip_arm" not in by_key
-    assert run(*words, "--off", "column.mass=none")[0] == 2
+    assert run(*words, "--deviation", "column.mass=none")[0] == 2
     assert run(*words, "--set", "column.mass=3")[0] == 2
 
 
@@ -179,5 +186,5 @@ def test_a_law_by_its_equations_takes_set_too(monkeypatch, capsys, tmp_path):
     found = [json.loads(run("--json", *words)[1]) for words in ((), ("--set", "linkage.stiffness=9000 lb/in"))]
     gains = [[one["value"] for one in each["compensation"]["gains"]] for each in found]
     assert not np.allclose(*gains, rtol=A_CHANGE)
-    status, _, err = run("--off", f"{INERTIA}=2 %")
-    assert (status, "--off: is for --method" in err) == (2, True)
+    status, _, err = run("--deviation", f"{INERTIA}=2 %")
+    assert (status, "--deviation: is for --method" in err) == (2, True)

@@ -164,7 +164,7 @@ def test_noise_forbids_what_is_light_and_small_and_no_law_passes_it():
     which = found.forbidden.of(NOISE)
     assert 0 < which.sum() < len(which)
     assert (found.forbidden.noise_rad[which] > COVERED * 0.05 * radians(2)).all()
-    for law in found.compensators:
+    for law in found.laws:
         assert not found.passes(law)[0][which].any()
 
 
@@ -172,7 +172,7 @@ def test_it_is_counted_apart_everywhere():
     found = ff.find_envelope(SLOW, ["robust"], GRID, changes={}, arms=(), smaller_rad=(radians(2),))
     count, allowed = int(found.forbidden.settings.sum()), found.allowed_shares("robust")
     assert allowed.settings == 12 - count
-    assert allowed.passes * allowed.settings == pytest.approx(found.shares("robust").passes * 12)
+    assert allowed.nominal_share * allowed.settings == pytest.approx(found.shares("robust").nominal_share * 12)
     told = envelope_conclusions(found, ff.UnitSystem.US)
     assert told.verdict.startswith(
         f"Of the {12 - count} programmed feels that the valve's flow allows, of 12, released from 10 deg"
@@ -180,7 +180,7 @@ def test_it_is_counted_apart_everywhere():
     assert told.findings[0].startswith(f"{count} of 12 settings are forbidden by the valve's flow, whatever the law")
     kept = envelope_json(found, ff.UnitSystem.US)
     assert kept["forbidden"] == {"the valve's flow": count}
-    own, small = kept["compensators"]["robust"]["nominal_by_release_angle"]
+    own, small = kept["laws"]["robust"]["nominal_by_release_angle"]
     assert (own["release_angle"]["value"], small["release_angle"]["value"]) == pytest.approx((10, 2))
     assert small["allowed"] > own["allowed"]
     assert [one.release_rad for one in found.by_angle] == pytest.approx([radians(10), radians(2)])

@@ -8,7 +8,7 @@ from forcefeel.envelope.cases import NOMINAL, Case, Kind
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute_few
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.methods import METHODS, Method
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS, LawDesign
 from forcefeel.simulation.inputs import Recorded
 
 GRID = {"stiffness": "5, 12, 30 %", "frequency": "0.7, 2 Hz", "damping": "0.3, 0.7"}
@@ -21,13 +21,13 @@ def rendered(machine, law, grid=GRID, case=NOMINAL):
     """Share of the settings whose release is within tolerance, in one case."""
     plan = make_plan(machine, [law] if isinstance(law, str) else {"law": law}, grid, arms=())
     object.__setattr__(plan, "cases", (case,))
-    return compute_few(plan).shares(next(iter(plan.compensators))).passes
+    return compute_few(plan).shares(next(iter(plan.laws))).nominal_share
 
 
-PLAIN = Method(
+PLAIN = LawDesign(
     "plain",
     "of the loader without its friction",
-    lambda it, feel: METHODS["robust"].design(it.replace(NONE, si=True), feel),
+    lambda it, feel: LAW_DESIGNS["robust"].design(it.replace(NONE, si=True), feel),
 )
 
 
@@ -79,7 +79,9 @@ def test_friction_that_is_off_is_learnt_while_the_hand_is_off(share):
     """Breakaway off with it. Measured of 18 soft settings: 14 and 17; 3 and 4 under a law that is sure of what it was told."""
     loader = ff.digital_elevator().replace(FRICTION)
     certain = loader.with_tolerances({"column.coulomb_friction": "0.01 %"})
-    fixed = Method("fixed", "of a friction that is certain", lambda _, feel: METHODS["robust"].design(certain, feel))
+    fixed = LawDesign(
+        "fixed", "of a friction that is certain", lambda _, feel: LAW_DESIGNS["robust"].design(certain, feel)
+    )
     case = Case("off", Kind.PLANT, dict.fromkeys(FRICTION, share))
     learnt, told = (rendered(loader, law, SOFT, case) for law in ("robust", fixed))
     assert learnt > 0.7
@@ -124,7 +126,7 @@ def test_viscous_friction_is_known_to_the_observer():
     """Measured of 18 soft settings: all; 8 where it is not."""
     loader = ff.digital_elevator().replace({"column.viscous_friction": "10 lb in s/rad"})
     bare = loader.replace({"column.viscous_friction": None})
-    without = Method("without", "", lambda _, feel: METHODS["robust"].design(bare, feel))
+    without = LawDesign("without", "", lambda _, feel: LAW_DESIGNS["robust"].design(bare, feel))
     known, unknown = (rendered(loader, law, SOFT) for law in ("robust", without))
     assert known > 0.95
     assert unknown < 0.8

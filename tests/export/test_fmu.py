@@ -209,7 +209,7 @@ def test_a_new_feel_comes_without_a_bump_and_as_in_a_simulation(fmus):
         ff.Step(60.0),
         duration_s=0.5,
         sample_s=STEP_S,
-        feel_changes=(ff.simulation.FeelChange(0.1, changes, over_s=0.2),),
+        feel_changes=(ff.simulation.FeelChange(0.1, changes, fade_s=0.2),),
     )
     history = ff.simulate(exported.loader, scenario, exported.law).history
     with opened(fmus, "rough", "loader", "fmi3") as run:
@@ -229,7 +229,7 @@ def test_a_setting_brings_its_feel_and_its_law(tmp_path):
     exported = export(tmp_path, plain(), feel)
     loader = exported.loader.replace(dict(zip(FEEL_SETTING, feel[0], strict=True)), si=True)
     to = dict(zip(FEEL_SETTING, feel[1], strict=True))
-    change = ff.simulation.FeelChange(0.05, to, over_s=0.1, compensator=exported.law.some([1]))
+    change = ff.simulation.FeelChange(0.05, to, fade_s=0.1, law=exported.law.some([1]))
     scenario = ff.Scenario(ff.Step(60.0), duration_s=0.2, sample_s=STEP_S, feel_changes=(change,))
     history = ff.simulate(loader, scenario, exported.law.some([0])).history
     with Imported(unzipped(tmp_path, "pitch_loader_fmi2")) as run:

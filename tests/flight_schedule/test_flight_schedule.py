@@ -16,8 +16,8 @@ from forcefeel.flight_schedule import (
     second_order_feel,
 )
 from forcefeel.flight_schedule.page.plots import gains
-from forcefeel.laws.sampled.methods import METHODS
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.units import factor
 
 PRESSURE = ScheduleAxis("dynamic pressure", "lb/ft^2", (50, 100, 200, 400))
@@ -26,7 +26,7 @@ ROUNDING = 1e-12
 """Relative: sums of some products of numbers near one."""
 
 
-def numbers(law: SampledCompensator) -> np.ndarray:
+def numbers(law: SampledLaw) -> np.ndarray:
     parts = (law.transition, law.input, law.command, law.torque)
     return np.hstack([part.reshape(law.settings, -1) for part in parts])
 
@@ -68,9 +68,9 @@ def test_second_order_feel_has_its_frequency_and_damping() -> None:
 def test_at_a_knot_it_is_the_law_designed_there(loader: ff.Loader, plane: FlightSchedule) -> None:
     there = plane.at(dynamic_pressure=200, flaps=15)
     np.testing.assert_array_equal(there.feel, plane.feel[2, 1])
-    own = METHODS["robust"].design(loader, [there.feel])
-    np.testing.assert_array_equal(numbers(plane.laws.some(2 * 3 + 1)), numbers(there.compensator))
-    np.testing.assert_allclose(numbers(there.compensator), numbers(own), rtol=1e-9, atol=1e-9)  # two Riccati solutions
+    own = LAW_DESIGNS["robust"].design(loader, [there.feel])
+    np.testing.assert_array_equal(numbers(plane.laws.some(2 * 3 + 1)), numbers(there.law))
+    np.testing.assert_allclose(numbers(there.law), numbers(own), rtol=1e-9, atol=1e-9)  # two Riccati solutions
     assert [there.loader[key] for key in ("feel.inertia", "feel.damping", "feel.stiffness")] == pytest.approx(
         there.feel, rel=ROUNDING
     )
@@ -80,8 +80,8 @@ def test_between_two_knots_every_number_is_linear(line: FlightSchedule) -> None:
     there = line.at(dynamic_pressure=125)
     np.testing.assert_allclose(there.feel, 0.75 * line.feel[1] + 0.25 * line.feel[2], rtol=ROUNDING)
     blended = line.laws.some(1).between(line.laws.some(2), 0.25)
-    np.testing.assert_allclose(numbers(there.compensator), numbers(blended), rtol=ROUNDING, atol=ROUNDING)
-    np.testing.assert_allclose(there.compensator.settled, blended.settled, rtol=1e-6)  # near an integrator
+    np.testing.assert_allclose(numbers(there.law), numbers(blended), rtol=ROUNDING, atol=ROUNDING)
+    np.testing.assert_allclose(there.law.settled, blended.settled, rtol=1e-6)  # near an integrator
 
 
 def test_on_two_axes_it_is_linear_along_each(plane: FlightSchedule) -> None:
@@ -89,8 +89,8 @@ def test_on_two_axes_it_is_linear_along_each(plane: FlightSchedule) -> None:
     there = plane.at(dynamic_pressure=130, flaps=27)
     weights = np.outer([0.7, 0.3], [0.2, 0.8]).ravel()
     np.testing.assert_allclose(there.feel, weights @ [corner.feel for corner in corners], rtol=ROUNDING)
-    expected = weights @ np.vstack([numbers(corner.compensator) for corner in corners])
-    np.testing.assert_allclose(numbers(there.compensator)[0], expected, rtol=ROUNDING, atol=ROUNDING)
+    expected = weights @ np.vstack([numbers(corner.law) for corner in corners])
+    np.testing.assert_allclose(numbers(there.law)[0], expected, rtol=ROUNDING, atol=ROUNDING)
 
 
 def test_many_points_are_the_same_as_one_by_one(plane: FlightSchedule) -> None:
@@ -99,16 +99,16 @@ def test_many_points_are_the_same_as_one_by_one(plane: FlightSchedule) -> None:
     for k, (pressure, flaps) in enumerate(where):
         one = plane.at(dynamic_pressure=pressure, flaps=flaps)
         np.testing.assert_array_equal(feel[k], one.feel)
-        np.testing.assert_array_equal(laws.rows()[k], one.compensator.rows()[0])
+        np.testing.assert_array_equal(laws.rows()[k], one.law.rows()[0])
 
 
 def test_a_change_takes_feel_and_law_over(line: FlightSchedule) -> None:
     change, there = line.change(1.0, 0.25, dynamic_pressure=300), line.at(dynamic_pressure=300)
-    assert (change.at_s, change.over_s) == (1.0, 0.25)
+    assert (change.at_s, change.fade_s) == (1.0, 0.25)
     assert tuple(change.changes) == ("feel.inertia", "feel.damping", "feel.stiffness")
     assert tuple(change.changes.values()) == there.feel
-    assert change.compensator is not None
-    np.testing.assert_array_equal(change.compensator.rows(), there.compensator.rows())
+    assert change.law is not None
+    np.testing.assert_array_equal(change.law.rows(), there.law.rows())
 
 
 @pytest.mark.parametrize(

@@ -51,7 +51,7 @@ def schedule() -> FlightSchedule:
 def run(schedule: FlightSchedule, start: float, force: Force, *changes: ff.simulation.FeelChange) -> ff.simulation.Run:
     there = schedule.at(dynamic_pressure=start)
     scenario = ff.Scenario(force, DURATION_S, STEP_S, STEP_S, feel_changes=changes)
-    return ff.simulate(there.loader, scenario, there.compensator)
+    return ff.simulate(there.loader, scenario, there.law)
 
 
 def steps(found: ff.simulation.Run) -> dict[str, float]:
@@ -78,7 +78,7 @@ def test_a_change_does_not_bump(schedule: FlightSchedule, motion: str, way: str)
 def test_a_law_that_is_switched_at_once_does(schedule: FlightSchedule, way: str) -> None:
     """The measure of the test before would see a bump."""
     start, end = WAYS[way]
-    switched = ff.simulation.FeelChange(AT_S, {}, STEP_S, schedule.at(dynamic_pressure=end).compensator)
+    switched = ff.simulation.FeelChange(AT_S, {}, STEP_S, schedule.at(dynamic_pressure=end).law)
     natural = max(steps(run(schedule, each, PUSHED))["command"] for each in (start, end))
     assert steps(run(schedule, start, PUSHED, switched))["command"] > JUMP * natural
 

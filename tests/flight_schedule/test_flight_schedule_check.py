@@ -20,8 +20,8 @@ from forcefeel.flight_schedule import (
 from forcefeel.flight_schedule.findings import schedule_conclusions
 from forcefeel.flight_schedule.result import Part
 from forcefeel.flight_schedule.transitions import Transitions, blended_feel
-from forcefeel.laws.sampled.methods import METHODS
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.sampled_loop import sampled_loops
 
@@ -63,7 +63,7 @@ def turned(schedule: FlightSchedule, turns: Sequence[np.ndarray]) -> FlightSched
     for row in (command, torque):
         row[:, :n] = np.einsum("ki,kij->kj", row[:, :n], back)
     transition, taken = t @ laws.transition @ back, t @ laws.input
-    return replace(schedule, laws=SampledCompensator(laws.period_s, laws.delay_s, transition, taken, command, torque))
+    return replace(schedule, laws=SampledLaw(laws.period_s, laws.delay_s, transition, taken, command, torque))
 
 
 def flipped(schedule: FlightSchedule, *knots: int) -> FlightSchedule:
@@ -78,7 +78,7 @@ def rotation(angle: float, n: int) -> np.ndarray:
     return scipy.linalg.block_diag(*[plane] * (n // 2), *[[1.0]] * (n % 2))
 
 
-def exact_poles(loader: ff.Loader, law: SampledCompensator) -> np.ndarray:
+def exact_poles(loader: ff.Loader, law: SampledLaw) -> np.ndarray:
     """Poles of the sampled loop with one sample of delay: eq. (17) and the feel by SciPy's exponential, put together here."""
     period = loader["controller.period"]
     model = ff.compliant_model(loader, Compensator.none(loader.values))
@@ -100,7 +100,7 @@ def exact_poles(loader: ff.Loader, law: SampledCompensator) -> np.ndarray:
 def test_poles_between_knots_are_those_of_the_exact_loop(schedule: FlightSchedule, found: ScheduleCheck) -> None:
     for place in (0, 2, 5, 8):  # a knot, a middle, others
         there = schedule.at(dynamic_pressure=float(found.where[place, 0]))
-        poles = exact_poles(there.loader, there.compensator)
+        poles = exact_poles(there.loader, there.law)
         swinging = np.abs(poles[np.abs(np.angle(poles)) > 1e-9]).max()  # off the positive axis but for rounding
         assert found.poles.largest[0, place] == pytest.approx(np.abs(poles).max(), abs=FINE)
         assert found.poles.swinging[0, place] == pytest.approx(swinging, abs=FINE)
@@ -112,7 +112,7 @@ def test_cases_are_plants_that_are_off_under_the_nominal_law(schedule: FlightSch
     assert names[3:] == ["light arm", "loose arm", "firm arm"]
     there = schedule.at(dynamic_pressure=150)
     off = there.loader.replace({"linkage.stiffness": 0.8 * there.loader["linkage.stiffness"]}, si=True)
-    poles = sampled_loops(off, there.compensator).poles[0]
+    poles = sampled_loops(off, there.law).poles[0]
     place = int(np.flatnonzero(found.where[:, 0] == 150)[0])
     assert found.poles.largest[1, place] == pytest.approx(np.abs(poles).max(), abs=1e-12)  # the same arithmetic
 
@@ -131,7 +131,7 @@ def test_a_good_schedule_is_stable_and_dense(found: ScheduleCheck) -> None:
     assert (found.poles.largest < 1).all()
     assert [one.passes for one in found.releases] == [True] * 5
     said = schedule_conclusions(found)
-    assert said.good
+    assert said.ok
     assert said.verdict.startswith(
         "Stable wherever it was checked: at 3 knots, at 6 places between them and during 3 changes"
     )
@@ -156,7 +156,7 @@ def test_a_schedule_that_is_bad_between_good_knots_is_found(schedule: FlightSche
     assert between.largest > 1
     assert found.remedy_helps
     said = schedule_conclusions(found)
-    assert not said.good
+    assert not said.ok
     assert "A law that is designed for" in said.verdict
     assert f"{between.place} is stable there: add a knot." in said.verdict
     lost = [one for one in found.releases if not one.passes]
@@ -229,6 +229,6 @@ def test_a_thousand_knots_are_one_design(loader: ff.Loader) -> None:
     inertia = 5.0  # one, so that the test is fast; docs/how-to/flight-schedule.md says what a thousand inertias take
     feel = np.column_stack([np.full(count, inertia), 0.6 * 2 * np.sqrt(stiffness * inertia), stiffness])
     schedule = design_schedule(loader, [axis], feel)
-    alone = METHODS["robust"].design(loader, feel[[617]])
+    alone = LAW_DESIGNS["robust"].design(loader, feel[[617]])
     close = IN_COMPANY * np.abs(alone.command[0]).max()
     np.testing.assert_allclose(schedule.laws.command[617], alone.command[0], rtol=0, atol=close)

@@ -11,7 +11,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.flight_schedule import check, read_knots
 from forcefeel.flight_schedule.page.folder import GAINS, PAGE, RESULTS
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from tests.command_line import runner
 
 KNOTS = """dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio
@@ -46,7 +46,7 @@ def test_the_gains_are_every_number_of_each_law(run, tmp_path):
     run(*GOOD)
     head, *rows = csv.reader(io.StringIO((tmp_path / "forcefeel-schedule" / GAINS).read_text(encoding="utf-8")))
     found = read_knots(tmp_path / "knots.csv")
-    laws = METHODS["robust"].design(ff.digital_elevator(), found.feel)
+    laws = LAW_DESIGNS["robust"].design(ff.digital_elevator(), found.feel)
     n = laws.states
     assert head[:4] == ["dynamic pressure (lb/ft^2)", "I (N m s^2/rad)", "B (N m s/rad)", "G (N m/rad)"]
     assert len(head) == len(set(head)) == 4 + n * n + 4 * n + 2 * (n + 5)
@@ -80,7 +80,7 @@ def test_one_that_is_not_stable_ends_with_one(run, tmp_path):
     assert "Not stable: " in out
     results = json.loads((tmp_path / "forcefeel-schedule" / RESULTS).read_text(encoding="utf-8"))
     assert not results["stable"]
-    assert not results["conclusions"]["good"]
+    assert not results["conclusions"]["ok"]
 
 
 def test_a_folder_with_a_schedule_is_not_overwritten(run, tmp_path):
@@ -91,7 +91,7 @@ def test_a_folder_with_a_schedule_is_not_overwritten(run, tmp_path):
     assert "--replace" in err
     assert (tmp_path / "forcefeel-schedule" / RESULTS).read_bytes() == before
     run(*GOOD, "--method", "observer", "--replace")
-    assert json.loads((tmp_path / "forcefeel-schedule" / RESULTS).read_text())["method"] == "observer"
+    assert json.loads((tmp_path / "forcefeel-schedule" / RESULTS).read_text())["law"] == "observer"
 
 
 def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
@@ -111,7 +111,7 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
         ((), "--knots"),
         (("elevator-2khz", "--knots", "none.csv"), "none.csv: cannot be read"),
         (("elevator", "--knots", "knots.csv"), "controller.period: expected a sample period"),
-        ((*GOOD, "--method", "published"), "method: expected"),
+        ((*GOOD, "--method", "published"), "law: expected"),
         ((*GOOD, "--rule", "part61"), "part60-a-2014"),
         (("elevator-2khz", "--knots", "knots.csv", "--refine", "1"), "refine"),
         (("elevator-2khz", "--knots", "knots.csv", "--refine", "1000000"), "smaller refine"),

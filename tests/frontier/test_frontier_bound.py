@@ -9,7 +9,7 @@ from forcefeel.envelope.cases import REFERENCE_ARMS
 from forcefeel.envelope.plan import make_plan
 from forcefeel.errors import InputError
 from forcefeel.frontier.bound import inertia_bound
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation import Scenario, simulate
@@ -35,7 +35,7 @@ def test_to_the_law_columns_of_one_sum_are_one(error):
     A heavier column, hands off, is the nominal one with a mass in the hand; a lighter one with that mass is the nominal one alone.
     """
     loader = ff.digital_elevator()
-    law = METHODS["robust"].design(loader, [[loader[key] for key in FEEL_SETTING]])
+    law = LAW_DESIGNS["robust"].design(loader, [[loader[key] for key in FEEL_SETTING]])
     other = loader.replace({"column.inertia": loader["column.inertia"] * (1 + error)}, si=True)
     mass = abs(error) * loader["column.inertia"] / loader["column.grip_arm"] ** 2
     alone, lighter = (other, loader) if error > 0 else (loader, other)
@@ -59,7 +59,7 @@ def _felt(history, loader):
 def test_an_arm_that_is_known_gives_itself_away():
     """The premise: a heavier column is a hand's mass, but no arm of the envelope is one. Each has a spring, and no column has."""
     loader = ff.digital_elevator()
-    law = METHODS["agile"].design(loader, [[loader[key] for key in FEEL_SETTING]])
+    law = LAW_DESIGNS["agile"].design(loader, [[loader[key] for key in FEEL_SETTING]])
     lever, firm = loader["column.grip_arm"] ** 2, REFERENCE_ARMS[-1]
     arm = dict(zip(ARM_ROWS, firm.values, strict=True))
     heavier = loader.replace({"column.inertia": loader["column.inertia"] + firm.mass_kg * lever}, si=True)
@@ -200,7 +200,7 @@ def test_an_error_that_was_not_computed(plan):
 def test_the_torques_scale_acts_as_an_error_of_the_inertia(key, scale):
     """A torque s times as large moves the column as J / s does; what is left is that the link's travel differs too."""
     loader = ff.digital_elevator()
-    law = METHODS["robust"].design(loader, [[loader[row] for row in FEEL_SETTING]])
+    law = LAW_DESIGNS["robust"].design(loader, [[loader[row] for row in FEEL_SETTING]])
     scenario = Scenario(Release(np.radians(10)), 1.0)
     off, lighter, nominal = (
         simulate(each, scenario, law).history["column_angle_rad"].values

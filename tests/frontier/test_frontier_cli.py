@@ -51,11 +51,11 @@ def test_the_results_hang_together(run, tmp_path):
     assert sum(row["value"] for row in found["limits"].values()) == pytest.approx(100)
     limits = np.array(found["limit_of_each_setting"])
     assert limits.shape == (2, 2, 2)
-    every = found["shares"]["passes_worst"]["value"]
+    every = found["shares"]["worst_case_share"]["value"]
     assert 100 * (limits == list(Limit).index(Limit.NONE)).mean() == pytest.approx(every)
     assert found["tightening"]["passes_in_every_case"]["value"] == pytest.approx(every)
     assert len(found["bound"]["possible"]) == len(found["bound"]["inertia_known_to"])
-    assert found["compensator"] == "published"
+    assert found["law"] == "published"
 
 
 def test_the_same_from_python():

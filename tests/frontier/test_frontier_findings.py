@@ -27,7 +27,7 @@ def found():
 def _said(found, **parts):
     changed = replace(found, tightening=replace(found.tightening, **parts))
     conclusions = frontier_conclusions(changed, UnitSystem.US)
-    return conclusions.good, " ".join(conclusions.findings)
+    return conclusions.ok, " ".join(conclusions.findings)
 
 
 def _path(shares, limit, needed):

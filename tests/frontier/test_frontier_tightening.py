@@ -10,8 +10,8 @@ from forcefeel.envelope.cases import REFERENCE_ARMS, Case, Kind
 from forcefeel.envelope.plan import make_plan
 from forcefeel.errors import InputError
 from forcefeel.frontier.hardware import CHANGES, hardware
-from forcefeel.frontier.rungs import Rungs, climb, rung_releases
 from forcefeel.frontier.tightening import KNOWN_BETTER, needed, tightening
+from forcefeel.frontier.tolerance_levels import Rungs, climb, rung_releases
 from forcefeel.loader.parameters import table
 
 GRID = {"stiffness": "10..100 %:6:log", "frequency": "1..4 Hz:4:log", "damping": "0.2, 0.4, 1.2"}
@@ -48,7 +48,7 @@ def test_every_release_is_counted(rungs):
 def test_paths_and_costs(rungs):
     found = tightening(rungs)
     shares = rungs.full.shares(LAW)
-    assert (found.nominal, found.worst) == (shares.passes, shares.passes_worst)
+    assert (found.nominal, found.worst) == (shares.nominal_share, shares.worst_case_share)
     assert found.all_in_proportion.shares[0] == found.inertia_and_geometry.shares[0] == found.worst
     assert found.all_in_proportion.limit >= found.inertia_and_geometry.limit >= found.inertia_and_geometry.shares[-1]
     by_case = {row.case: row for row in rungs.full.case_shares(LAW)}
@@ -120,11 +120,11 @@ def test_gains_are_those_of_the_changed_loader(rungs):
             after = ff.find_envelope(change.on(ff.elevator()), (LAW,), GRID, changes=SMALL).shares(LAW)
             gain = gains[change.name]
             assert (gain.nominal, gain.worst, gain.stable_worst) == (
-                after.passes,
-                after.passes_worst,
+                after.nominal_share,
+                after.worst_case_share,
                 after.stable_worst,
             )
-            assert gain.worst_gain == pytest.approx(after.passes_worst - before.passes_worst)
+            assert gain.worst_gain == pytest.approx(after.worst_case_share - before.worst_case_share)
     assert "half the delay" not in gains  # an analog loader has none
     assert gains["column inertia known to 2 %"].worst == rungs.worst(("column.inertia",), 2).mean()
     order = [gain.worst_gain for gain in hardware(rungs, threads=1)]

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 import forcefeel as ff
 from forcefeel.envelope.plan import make_plan
 from forcefeel.frontier.valve_limits import valve_limits
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import Release
@@ -64,7 +64,7 @@ def test_the_flow_of_a_law_that_follows_the_ideal(plan):
     """The engine, with a column held and let go at the loader's own setting, some time after the link has let go."""
     loader = plan.loader
     own = np.array([loader[key] for key in FEEL_SETTING])
-    law = METHODS["robust"].design(loader, own[None])
+    law = LAW_DESIGNS["robust"].design(loader, own[None])
     run = simulate(loader, Scenario(Release(plan.release_rad), 0.5), law).history
     later = run["time_s"].values > 0.06
     flow, pressure = (run[name].values[later] for name in ("actuator_flow_m3_per_s", "load_pressure_pa"))

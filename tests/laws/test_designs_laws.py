@@ -10,7 +10,7 @@ from scipy.optimize import linear_sum_assignment
 import forcefeel as ff
 from forcefeel import _core
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled import METHODS, OBSERVER, RECOVERED, Power, design, method, robust_tuning
+from forcefeel.laws.sampled import LAW_DESIGNS, OBSERVER, RECOVERED, Power, design, law_design, robust_tuning
 from forcefeel.laws.sampled.feedforward import feel_moves
 from forcefeel.laws.sampled.observer import observe
 from forcefeel.laws.sampled.plant import SampledPlant, link_stiffness
@@ -255,8 +255,8 @@ def test_a_tuning_means_the_same_at_another_period():
 def test_methods():
     loader = sampled()
     for name in ("observer", "recovered", "robust"):
-        found = method(name)
-        assert found is METHODS[name]
+        found = law_design(name)
+        assert found is LAW_DESIGNS[name]
         laws = found.design(loader, FEELS)
         assert (laws.settings, laws.states, laws.period_s, laws.delay_s) == (3, 9, PERIOD, PERIOD)
         np.testing.assert_array_equal(laws.rows(), design(loader, FEELS, TUNINGS[name]).rows())
@@ -264,7 +264,7 @@ def test_methods():
         InputError,
         match="method: expected load-cell, observer, recovered, h-infinity, robust, agile, grip, torque-mode, got 'h2'",
     ):
-        method("h2")
+        law_design("h2")
 
 
 @pytest.mark.parametrize(

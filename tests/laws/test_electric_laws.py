@@ -107,4 +107,4 @@ def test_a_valve_is_run_in_any_step():
 def test_the_robust_law_renders_what_a_sidestick_asks_for():
     grid = {"stiffness": "3, 100 %", "frequency": "1, 4 Hz", "damping": "0.3, 1"}
     found = ff.find_envelope(BUILT_IN["sidestick-roll"](), ["robust"], grid, changes={}, arms=())
-    assert found.shares("robust").passes == 1.0
+    assert found.shares("robust").nominal_share == 1.0

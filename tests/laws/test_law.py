@@ -14,10 +14,10 @@ from forcefeel.cli.law_option import LAWS
 from forcefeel.errors import InputError
 from forcefeel.laws.law import NAMED_LAWS, Law, names_for
 from forcefeel.laws.made_for import design_rows
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.sampled_loop import sampled_loops
-from forcefeel.qualification.programme.run import QualificationSetup, qualify_loader
+from forcefeel.qualification.plan.run import QualificationSetup, qualify_loader
 from tests.command_line import runner
 
 ANALOG, DIGITAL = ff.elevator(), ff.digital_elevator()
@@ -37,7 +37,7 @@ def laws():
     feel = settings(DIGITAL, 500.0, 900.0, 1500.0)
     return {
         "original": (Law.of("original", ANALOG), ANALOG),
-        "compensator": (Law.of("published", ANALOG), ANALOG),
+        "law": (Law.of("published", ANALOG), ANALOG),
         "state feedback": (Law.of("published", DIGITAL, feel), DIGITAL),
         "sampled": (Law.of("robust", DIGITAL), DIGITAL),
         "sampled, many": (Law.of("observer", DIGITAL, feel), DIGITAL),
@@ -224,8 +224,7 @@ def test_the_laws_of_an_envelope_are_saved_with_it(run):
         json.loads(run("envelope", "elevator", "--law", law, *common)[1]) for law in ("published", "law.json")
     )
     named, read = (
-        {**found["compensators"][law]["shares"], "compensator": ""}
-        for law, found in (("published", by_name), ("law.json", by_file))
+        {**found["laws"][law]["shares"], "law": ""} for law, found in (("published", by_name), ("law.json", by_file))
     )
     assert named == read
     status, _, err = run(
@@ -252,10 +251,10 @@ def test_a_law_is_made_once_for_a_sweep_and_for_a_model():
     """Not for each piece or evaluation: a design takes a second, and its file may lie on another machine."""
     calls = []
     experiment = Experiment(Loop.LOADER, Drive.TEST_SIGNAL)
-    robust = METHODS["robust"]
+    robust = LAW_DESIGNS["robust"]
     counted = dataclasses.replace(robust, design=lambda *given: calls.append(1) or robust.design(*given))
     sweep = ff.Sweep(DIGITAL, PUSH, counted, runs=4, vary={"linkage.stiffness": "5 %"})
-    pieces = [sweep.law(sweep.values(range(first, first + 2))) for first in (0, 2)]
+    pieces = [sweep.law_of(sweep.values(range(first, first + 2))) for first in (0, 2)]
     assert (len(calls), pieces[0] is pieces[1]) == (1, True)
     model = LinearModel(DIGITAL, experiment.loop, counted)
     for stiffness in ("6000 lb/in", "7000 lb/in"):
@@ -270,5 +269,5 @@ def test_a_sweep_takes_its_laws_file_along(tmp_path):
     sent = pickle.dumps(sweep)
     path.unlink()
     values = sweep.values(range(2))
-    there, here = (one.law(values).engine(DIGITAL)["observers"] for one in (pickle.loads(sent), sweep))
+    there, here = (one.law_of(values).engine(DIGITAL)["observers"] for one in (pickle.loads(sent), sweep))
     assert np.array_equal(there, here)

@@ -8,7 +8,7 @@ import forcefeel as ff
 from forcefeel.errors import InputError
 from forcefeel.laws.sampled import load_cell_loop
 from forcefeel.laws.sampled.load_cell_loop import design
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
 
 PERIOD = 0.5e-3
@@ -29,7 +29,7 @@ def feel(loader: ff.Loader) -> np.ndarray:
     return own * np.array([[1.0, 1.0, 1.0], [0.05, 0.1, 0.2], [8.0, 3.0, 2.0]])
 
 
-def witness(loader: ff.Loader, feel: np.ndarray, law: SampledCompensator) -> np.ndarray:
+def witness(loader: ff.Loader, feel: np.ndarray, law: SampledLaw) -> np.ndarray:
     """The closed loop ``[x_p, p, x_b, x_b'; e_h; delta, delta']`` from the matrices of eq. (19), column by column.
 
     One period of the plant, of the computer and of the law, each by itself, the base's velocity taken as measured.
@@ -98,7 +98,7 @@ def test_release_swings_at_the_programmed_frequency(loader: ff.Loader) -> None:
         2 * np.pi * np.sqrt(own[0, 0] / own[0, 2]) / np.sqrt(1 - (own[0, 1] / 2) ** 2 / (own[0, 0] * own[0, 2]))
     )
     assert run.measures.period_s == pytest.approx(programmed, rel=WEIGHED)
-    report = ff.simulate(loader, ff.Scenario(ff.Release(0.1), 3.0), ff.compensate(loader).compensator(loader))
+    report = ff.simulate(loader, ff.Scenario(ff.Release(0.1), 3.0), ff.design_gains(loader).law(loader))
     assert report.measures.period_s > 1.15 * programmed
 
 

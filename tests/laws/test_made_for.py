@@ -11,7 +11,7 @@ from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
 from forcefeel.laws.made_for import design_rows, differing
-from forcefeel.laws.sampled.sampled_compensator import NUMBERS
+from forcefeel.laws.sampled.sampled_law import NUMBERS
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, has

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import forcefeel as ff
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.built_in import open_loader
 from forcefeel.loader.parameters import TABLE
 from forcefeel.simulation import HandsOff, Release, Schedule
@@ -37,7 +37,7 @@ def moved(loader, method, scenario_of):
 CASES = [
     (name, method.name)
     for name in ("elevator-2khz", "elevator-electric", "sidestick-pitch")
-    for method in METHODS.values()
+    for method in LAW_DESIGNS.values()
     if method.serves(smooth(name))
 ]
 

@@ -11,7 +11,7 @@ import scipy.linalg
 from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.laws.analog import recursion
-from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, compensate, gains_in, published_settings
+from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, design_gains, gains_in, published_settings
 from forcefeel.linear.state_space import design_plant
 from forcefeel.loader.built_in import elevator
 from forcefeel.units import UnitSystem
@@ -33,7 +33,7 @@ def loader():
 
 @pytest.fixture(scope="module")
 def published(loader):
-    return compensate(loader, published_settings(loader))
+    return design_gains(loader, published_settings(loader))
 
 
 def riccati_gains(problem):
@@ -89,20 +89,20 @@ def test_horizon_gains_are_the_least_squares_answer(loader):
     forced = scipy.linalg.toeplitz(np.append(0.0, pulse), np.zeros(steps))
     stacked = np.vstack([forced, np.sqrt(problem.r[0, 0]) * np.eye(steps)])
     inputs, *_ = np.linalg.lstsq(stacked, np.vstack([-free, np.zeros((steps, 7))]))
-    gains = compensate(loader, settings).gains
+    gains = design_gains(loader, settings).gains
     np.testing.assert_allclose(gains, inputs[0] / problem.scale, rtol=LEAST_SQUARES)
 
 
 @pytest.mark.parametrize("pilot_arm_m", [None, -0.14986, 0.0])
 def test_converged_gains_are_the_riccati_equations(loader, pilot_arm_m):
     settings = DesignSettings(pilot_arm_m=pilot_arm_m)
-    found = compensate(loader, settings)
+    found = design_gains(loader, settings)
     assert found.status == "converged"
     np.testing.assert_allclose(found.gains, riccati_gains(SampledProblem.of(loader, settings)), rtol=RICCATI)
 
 
 def test_feedback_leaves_the_plant_stable_and_only_the_endless_one_is_optimal(loader, published):
-    found = compensate(loader, DesignSettings())
+    found = design_gains(loader, DesignSettings())
     problem = SampledProblem.of(loader, found.settings)
     closed = problem.phi[:6, :6] + problem.h[:6] @ (found.gains * problem.scale)[None, :6]
     assert np.max(np.abs(np.linalg.eigvals(closed))) < 1
@@ -120,13 +120,13 @@ def test_gains_tend_to_the_continuous_ones_in_first_order_of_the_step(loader):
     q = DesignSettings().weight(loader)[:6, :6] * np.outer(scale, scale)
     continuous = -control.lqr(a, b, q, [[DesignSettings().r2]])[0][0] / scale
     steps = [8e-4, 4e-4, 2e-4, 1e-4]
-    errors = [np.abs(compensate(loader, DesignSettings(step_s=h)).gains[:6] / continuous - 1) for h in steps]
+    errors = [np.abs(design_gains(loader, DesignSettings(step_s=h)).gains[:6] / continuous - 1) for h in steps]
     slopes = np.array([np.log2(coarse / fine) for coarse, fine in pairwise(errors)])
     # Measured: 0.975, 0.988, 0.994 for the gain on x_b; the distance from one halves with the step.
     assert np.all(np.abs(slopes[-1] - 1) < 0.02), slopes
     assert np.all(np.abs(slopes[-1] - 1) < np.abs(slopes[0] - 1)), slopes
     # One step of Richardson's extrapolation removes the first order.
-    fine, coarse = (compensate(loader, DesignSettings(step_s=h)).gains[:6] for h in (1e-4, 2e-4))
+    fine, coarse = (design_gains(loader, DesignSettings(step_s=h)).gains[:6] for h in (1e-4, 2e-4))
     assert np.max(np.abs((2 * fine - coarse) / continuous - 1)) < 0.02 * np.max(errors[-1])
 
 
@@ -140,15 +140,15 @@ def test_rate_weight_enters_as_eq_21_says(loader):
     np.testing.assert_allclose(
         problem.q, weight * np.outer(problem.scale, problem.scale), rtol=1e-14, atol=0
     )  # a few products
-    gains = compensate(loader, settings).gains
+    gains = design_gains(loader, settings).gains
     np.testing.assert_allclose(gains, riccati_gains(problem), rtol=RICCATI)
-    assert np.all(np.abs(gains / compensate(loader, DesignSettings(position_weight=40.0)).gains - 1) > 0.01)
+    assert np.all(np.abs(gains / design_gains(loader, DesignSettings(position_weight=40.0)).gains - 1) > 0.01)
 
 
 def test_weight_given_whole_gives_the_same_gains(loader):
     by_weights = DesignSettings(position_weight=40.0, r1=0.3)
     whole = DesignSettings(q=tuple(map(tuple, by_weights.weight(loader).tolist())))
-    np.testing.assert_array_equal(compensate(loader, whole).gains, compensate(loader, by_weights).gains)
+    np.testing.assert_array_equal(design_gains(loader, whole).gains, design_gains(loader, by_weights).gains)
 
 
 def matrix(**entries):
@@ -206,7 +206,7 @@ def test_bad_settings_are_refused_by_name(name, value):
 def test_recursion_that_cannot_converge_says_so(loader, monkeypatch):
     # The weight is so small beside R_2 that ten million steps are not enough; a million tell it as well.
     monkeypatch.setattr(recursion, "MOST_STEPS", 1_000_000)
-    found = compensate(loader, DesignSettings(r2=1e4))
+    found = design_gains(loader, DesignSettings(r2=1e4))
     assert not found.reached
     assert found.note.startswith("not converged after 1000000 steps of 0.0001 s: the gains still change by")
     assert "change r2" in found.note
@@ -214,8 +214,8 @@ def test_recursion_that_cannot_converge_says_so(loader, monkeypatch):
 
 def test_whole_numbers_are_numbers(loader):
     np.testing.assert_array_equal(
-        compensate(loader, DesignSettings(r2=1, position_weight=100)).gains,
-        compensate(loader, DesignSettings(r2=1.0, position_weight=100.0)).gains,
+        design_gains(loader, DesignSettings(r2=1, position_weight=100)).gains,
+        design_gains(loader, DesignSettings(r2=1.0, position_weight=100.0)).gains,
     )
 
 
@@ -224,12 +224,12 @@ def test_stopping_tolerance_bounds_the_error(loader, tolerance):
     # The gains swing as they settle and stand still for a moment at each turning point.
     settings = DesignSettings(tolerance=tolerance)
     problem = SampledProblem.of(loader, settings)
-    found, exact = (gains * problem.scale for gains in (compensate(loader, settings).gains, riccati_gains(problem)))
+    found, exact = (gains * problem.scale for gains in (design_gains(loader, settings).gains, riccati_gains(problem)))
     assert np.max(np.abs(found - exact)) < tolerance * np.max(np.abs(exact))
 
 
 def test_published_horizon_is_run_whole_whatever_the_tolerance(loader, published):
-    loose = compensate(loader, replace(published_settings(loader), tolerance=0.9))
+    loose = design_gains(loader, replace(published_settings(loader), tolerance=0.9))
     assert (loose.steps, loose.status) == (500, "horizon")
     np.testing.assert_array_equal(loose.gains, published.gains)
 

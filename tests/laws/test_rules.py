@@ -11,7 +11,7 @@ from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute_few
 from forcefeel.laws.sampled import design, robust_tuning
 from forcefeel.laws.sampled.rules import Units
-from forcefeel.laws.sampled.sampled_compensator import SAMPLED
+from forcefeel.laws.sampled.sampled_law import SAMPLED
 from forcefeel.laws.sampled.tuning import Power, Tuning
 from forcefeel.loader.known import machine_rows
 from forcefeel.loader.sensors import sample_variance
@@ -51,7 +51,7 @@ def test_a_law_knows_no_pressure_or_current_that_its_plant_does_not(loader: ff.L
     other = loader.replace(
         {"valve.supply_pressure": 2 * loader["valve.supply_pressure"], "valve.rated_current": "20 mA"}, si=True
     )
-    one, two = (ff.laws.method("robust").design(each, FEEL) for each in (loader, other))
+    one, two = (ff.laws.law_design("robust").design(each, FEEL) for each in (loader, other))
     of_samples = slice(one.states, None)
     np.testing.assert_allclose(two.command[:, of_samples], one.command[:, of_samples], rtol=SAME)
     np.testing.assert_allclose(two.torque[:, of_samples], one.torque[:, of_samples], rtol=SAME, atol=SAME)
@@ -95,7 +95,7 @@ def test_a_motor_that_is_known_needs_no_load_cell(motor: ff.Loader) -> None:
     assert robust_tuning(usual) == robust_tuning(motor.with_tolerances(dict.fromkeys(motor.tolerances)))
     gains = []
     for one in (exact, usual):
-        law = ff.laws.method("robust").design(one, LIGHT)
+        law = ff.laws.law_design("robust").design(one, LIGHT)
         cell = law.states
         gains.append(abs(float(law.torque[0, cell])))
     assert gains[0] < UNHEARD * gains[1]
@@ -126,7 +126,7 @@ def test_a_motor_that_is_known_renders_light_feels_that_the_load_cells_noise_cov
     shares = []
     for one in (known(motor, 0.01), known(motor, 0.2)):
         plan = make_plan(one, ["robust"], grid, changes={}, arms=(), angle_rad=radians(2))
-        shares.append(compute_few(plan).shares("robust").passes)
+        shares.append(compute_few(plan).shares("robust").nominal_share)
     assert shares[0] == 1.0
     assert shares[1] <= HALF
 
@@ -148,7 +148,7 @@ def test_it_catches_a_column_that_its_link_throws(loader: ff.Loader) -> None:
     soft = loader.replace({key: share * loader[key] for key, share in keys.items()}, si=True)
     grid = {"stiffness": "80, 100 %", "frequency": "0.5, 1, 2 Hz", "damping": "0.1, 0.4"}
     plan = make_plan(soft, ["robust"], grid, changes={}, arms=(), angle_rad=radians(2))
-    assert compute_few(plan).shares("robust").passes == 1.0
+    assert compute_few(plan).shares("robust").nominal_share == 1.0
 
 
 def test_it_renders_with_an_encoder_of_20_bits(loader: ff.Loader) -> None:
@@ -157,7 +157,7 @@ def test_it_renders_with_an_encoder_of_20_bits(loader: ff.Loader) -> None:
     coarse = loader.replace({"column_sensor.noise": step, "column_sensor.resolution": step}, si=True)
     grid = {"stiffness": "1..100 %:4:log", "frequency": "1, 4 Hz", "damping": "0.1, 0.7"}
     plan = make_plan(coarse, ["robust"], grid, changes={}, arms=())
-    assert compute_few(plan).shares("robust").passes >= 15 / 16
+    assert compute_few(plan).shares("robust").nominal_share >= 15 / 16
 
 
 def rate_noise(loader: ff.Loader, tuning: Tuning) -> float:
@@ -190,7 +190,7 @@ def test_with_it_a_column_that_rubs_renders_what_noise_took(loader: ff.Loader) -
     grid = {"stiffness": "5, 10 %", "frequency": "1, 3 Hz", "damping": "0.2, 1"}
     tuned = {name: ff.laws.tuned(name, "", one) for name, one in laws.items()}
     found = compute_few(make_plan(coarse, tuned, grid, changes={}, arms=()))
-    slower, other = (found.shares(name).passes for name in laws)
+    slower, other = (found.shares(name).nominal_share for name in laws)
     assert slower == 1.0
     assert other <= RENDERED
 

@@ -5,7 +5,7 @@ import pytest
 
 from forcefeel import _core
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled.sampled_compensator import MOST_STATES, SAMPLED, SampledCompensator
+from forcefeel.laws.sampled.sampled_law import MOST_STATES, SAMPLED, SampledLaw
 
 PERIOD, DELAY = 5e-4, 2e-4
 ROUNDING = 1e-12
@@ -30,7 +30,7 @@ def numbers(settings=3, n=7, seed=0):
 
 
 def law(**options):
-    return SampledCompensator(PERIOD, DELAY, **numbers(**options))
+    return SampledLaw(PERIOD, DELAY, **numbers(**options))
 
 
 def says(one, xi, y, feel):
@@ -127,7 +127,7 @@ def test_some_of_many():
 
 def test_numbers_stay_as_they_were_given():
     given = numbers()
-    laws = SampledCompensator(PERIOD, DELAY, **given)
+    laws = SampledLaw(PERIOD, DELAY, **given)
     before = laws.rows()
     given["transition"][:] = 0.0
     np.testing.assert_array_equal(laws.rows(), before)
@@ -163,12 +163,12 @@ def integrating():
 )
 def test_what_breaks_its_laws_is_refused(change, said):
     with pytest.raises(InputError, match=said):
-        SampledCompensator(**{"period_s": PERIOD, "delay_s": DELAY, **numbers(), **change})
+        SampledLaw(**{"period_s": PERIOD, "delay_s": DELAY, **numbers(), **change})
 
 
 def test_what_cannot_be_blended_is_refused():
     one = law(settings=1)
-    slow = SampledCompensator(2 * PERIOD, DELAY, **numbers(settings=1))
+    slow = SampledLaw(2 * PERIOD, DELAY, **numbers(settings=1))
     for other, share, said in (
         (slow, 0.5, "period_s 0.0005"),
         (law(settings=1, n=6), 0.5, "states 7"),

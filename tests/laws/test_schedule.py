@@ -6,7 +6,7 @@ import pytest
 
 from forcefeel.errors import InputError
 from forcefeel.laws.analog.gain_schedule import schedule_gains
-from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, compensate, published_settings
+from forcefeel.laws.analog.recursion import DesignSettings, SampledProblem, design_gains, published_settings
 from forcefeel.linear.state_space import design_plant
 from forcefeel.loader.built_in import elevator
 
@@ -85,7 +85,7 @@ HORIZONS = {
 def test_schedule_over_a_horizon_gives_the_gains_of_the_recursion(loader, name):
     settings, design = random_settings(loader), HORIZONS[name](loader)
     found = schedule_gains(loader, settings, design).gains
-    expected = [compensate(with_setting(loader, setting), design).gains[:6] for setting in settings]
+    expected = [design_gains(with_setting(loader, setting), design).gains[:6] for setting in settings]
     np.testing.assert_allclose(found, expected, rtol=HORIZON)
 
 

@@ -6,7 +6,7 @@ from scipy.linalg import expm
 
 import forcefeel as ff
 from forcefeel.errors import InputError
-from forcefeel.laws import SampledCompensator
+from forcefeel.laws import SampledLaw
 from forcefeel.linear import Linkage
 from forcefeel.linear.electric_modes import (
     AS_ONE,
@@ -193,7 +193,7 @@ def by_current(loader):
     torque[0, 1] = -0.1  # the feel computer runs, and nobody listens
     entry = np.zeros((1, 1, 4))
     entry[0, 0, 1] = 1.0
-    return SampledCompensator(period, loader["controller.delay"], np.zeros((1, 1, 1)), entry, command, torque)
+    return SampledLaw(period, loader["controller.delay"], np.zeros((1, 1, 1)), entry, command, torque)
 
 
 def pushed(loader, duration_s, step_s, sample_s):

@@ -172,7 +172,7 @@ def test_bad_input_is_named(varied, gains, said):
 @pytest.mark.parametrize("law", [None, "feedback"])
 def test_damping_map_is_that_of_numpys_poles(law):
     grids = {"feel.stiffness": tuple(np.geomspace(30, 3000, 7)), "feel.damping": tuple(np.linspace(1, 60, 5))}
-    sweep = ff.Sweep(LOADER, ff.Scenario(ff.Step(96 * LB), 1.0), grids=grids, compensator=law and law_of(law))
+    sweep = ff.Sweep(LOADER, ff.Scenario(ff.Step(96 * LB), 1.0), grids=grids, law=law and law_of(law))
     found = damping_map(sweep)
     assert found.dims == tuple(grids)
     for place in np.ndindex(7, 5):
@@ -191,11 +191,11 @@ def test_damping_map_of_a_law_designed_for_each_setting():
         LOADER,
         ff.Scenario(ff.Step(96 * LB), 1.0),
         grids={"feel.stiffness": stiffness},
-        compensator=ff.laws.DesignSettings(),
+        law=ff.laws.DesignSettings(),
     )
     found = damping_map(sweep)
     for k, value in enumerate(stiffness):
         values = row({"feel.stiffness": stiffness}, k)
-        gains = sweep.law(values[np.newaxis]).gains[0]
+        gains = sweep.law_of(values[np.newaxis]).gains[0]
         poles = np.linalg.eigvals(matrix(values, ff.linear.state_feedback(LOADER, gains)))
         assert math.isclose(found.values[k], np.min(-poles.real / np.abs(poles)), rel_tol=NUMPYS), value

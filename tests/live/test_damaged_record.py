@@ -27,8 +27,8 @@ def whole(tmp_path_factory):
 def record_cycles(path, cycles):
     loader = ff.digital_elevator()
     scenario = ff.Scenario(ff.Step(50.0), duration_s=cycles * loader["controller.period"], sample_s=5e-4)
-    over = ff.live.Simulated(scenario)
-    with ff.live.start(loader, over=over, real_time=False, supervised=False, record=path) as running:
+    endpoint = ff.live.Simulated(scenario)
+    with ff.live.start(loader, endpoint=endpoint, real_time=False, supervised=False, record=path) as running:
         running.wait(10**6)
 
 

@@ -36,8 +36,8 @@ def scenarios(loader):
 
 def live(loader, law, scenario, **more):
     """The columns of a run in virtual time."""
-    over = ff.live.Simulated(scenario)
-    with ff.live.start(loader, law, over=over, real_time=False, supervised=False, **more) as running:
+    endpoint = ff.live.Simulated(scenario)
+    with ff.live.start(loader, law, endpoint=endpoint, real_time=False, supervised=False, **more) as running:
         running.wait(10**6)
         rows = running.history()
     return dict(zip(running.columns, rows.T, strict=True))

@@ -84,9 +84,9 @@ def release(tmp_path_factory):
     """The record of a release: by the supervisor's leave, with the simulated hand, in virtual time."""
     path = tmp_path_factory.mktemp("live") / "release.mcap"
     scenario = ff.Scenario(ff.Release(HELD_RAD, LET_GO_S), duration_s=6.0, sample_s=5e-4)
-    over = ff.live.Simulated(scenario)
+    endpoint = ff.live.Simulated(scenario)
     loader = ff.digital_elevator()
-    with ff.live.start(loader, "robust", over=over, real_time=False, supervised=False, record=path) as running:
+    with ff.live.start(loader, "robust", endpoint=endpoint, real_time=False, supervised=False, record=path) as running:
         running.wait(10**6)
     return path
 
@@ -109,7 +109,7 @@ def test_the_release_of_a_live_run_qualifies_where_that_of_a_simulation_does(rel
         status, out, err = call(*asked, *out_folder, "--record", f"release-25-positive={device}")
         assert status == 0, err or out
         verdicts.append(json.loads(out))
-    assert [found["standing"] for found in verdicts] == ["incomplete", "incomplete"]
+    assert [found["status"] for found in verdicts] == ["incomplete", "incomplete"]
 
 
 def test_a_live_record_is_bench_data(release):

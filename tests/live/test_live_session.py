@@ -7,7 +7,7 @@ import pytest
 
 import forcefeel as ff
 from forcefeel.live.console.programmed import Programmed
-from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.qualification.plan.run import QualificationSetup
 from tests.command_line import runner
 from tests.live.planned import planned
 
@@ -115,8 +115,8 @@ def shaken(tmp_path_factory):
     """A run under a chirp of the hand: between two samples its force is straight, as a record is read."""
     path = tmp_path_factory.mktemp("shaken") / "shaken.mcap"
     force = ff.simulation.Chirp(60.0, 0.4, 12.0, duration_s=5.0)
-    over = ff.live.Simulated(ff.Scenario(force, duration_s=10.0, sample_s=PERIOD_S))
-    with ff.live.start(LOADER, "robust", over=over, real_time=False, supervised=False, record=path) as running:
+    endpoint = ff.live.Simulated(ff.Scenario(force, duration_s=10.0, sample_s=PERIOD_S))
+    with ff.live.start(LOADER, "robust", endpoint=endpoint, real_time=False, supervised=False, record=path) as running:
         running.wait(10**6)
     return path
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 import forcefeel as ff
-from forcefeel.live.console.judged import judged_json
 from forcefeel.live.console.programmed import Programmed
+from forcefeel.live.console.verdict_json import verdict_json
 from forcefeel.qualification import Record, qualify_loader
-from forcefeel.qualification.programme.programme import STATIC
-from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.qualification.plan.plan import STATIC
+from forcefeel.qualification.plan.run import QualificationSetup
 from tests.live.planned import planned
 
 READY_S = 3.0
@@ -28,6 +28,6 @@ def test_the_slow_sweep_of_a_live_loop_passes_the_rule():
     assert at[-1] > 90
     assert (found["state"][swept] == ff.live.STATES.index("active")).all()
     record = Record(time_s[swept], found["column_angle_rad"][swept], found["pilot_force_n"][swept], name="live")
-    judged = judged_json(qualify_loader(loader, replace(setup, records={STATIC: record}, tests=(STATIC,))))
+    judged = verdict_json(qualify_loader(loader, replace(setup, records={STATIC: record}, tests=(STATIC,))))
     assert judged["passed"], judged["sentence"]
     assert judged["plot"]["kind"] == "sweep"

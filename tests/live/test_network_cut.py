@@ -65,7 +65,7 @@ def run(tmp_path_factory):
     with (
         served(sys.executable, "-c", MACHINE) as (_, machine),
         served(folder / "relay", machine.partition(":")[2]) as (relay, address),
-        ff.live.start(loader, "robust", over=ff.live.Udp(address), record=folder / "run.mcap") as running,
+        ff.live.start(loader, "robust", endpoint=ff.live.Udp(address), record=folder / "run.mcap") as running,
     ):
         for lasts_ms in CUTS_MS:
             running.off()

@@ -91,14 +91,14 @@ def test_the_hand_holds_an_angle_and_lets_go(running):
     [(("not_a_number", "column"), "not a number"), (("silent",), "sensors silent"), (("jump", "drive", 0.05), "jump")],
 )
 def test_a_fault_stops_the_loader(running, fault, trip):
-    running.break_(*fault)
+    running.inject_fault(*fault)
     running.wait(2000)
     assert running.state.name == "tripped"
     assert trip in running.state.trips
     assert running.trips[0].sentence
     last = settled(running, 10)
     assert (last["command"], last["enable"]) == (0.0, 0.0)
-    running.repair()
+    running.clear_faults()
     running.wait(200)  # a sensor that comes back jumps once more
     running.acknowledge()
     running.wait(100)
@@ -138,8 +138,8 @@ def test_history_goes_on_where_it_ended(running):
         (lambda r: setattr(r, "trim_rad", 7.0), "trim_rad"),
         (lambda r: setattr(r, "shaker", 2.0), "shaker"),
         (lambda r: setattr(r, "hand_force_n", 1e6), "hand_force_n"),
-        (lambda r: r.break_("magic"), "fault"),
-        (lambda r: r.break_("stuck"), "sensor"),
+        (lambda r: r.inject_fault("magic"), "fault"),
+        (lambda r: r.inject_fault("stuck"), "sensor"),
     ],
 )
 def test_what_has_no_meaning_is_refused(loader, ask, part):
@@ -156,7 +156,7 @@ def test_a_real_time_loop_keeps_its_period(loader):
     with ff.live.start(loader, "robust") as running:
         running.on()
         running.wait(400)
-        assert len(running.granted) == 3
+        assert len(running.realtime_status) == 3
         state = running.state
     # Beats that went by are counted, whether the machine was quick enough or not.
     time_s = column(running, "time_s")

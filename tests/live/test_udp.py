@@ -33,7 +33,7 @@ def test_a_machine_over_the_network_runs_as_the_one_in_the_process_and_trips_the
     # One process for both: Python takes seconds to start there.
     with served(sys.executable, EXAMPLES / "machine.py", 0) as address:
         runs_as_the_one_in_the_process(address)
-        running = ff.live.start(ff.digital_elevator(), "robust", over=ff.live.Udp(address))
+        running = ff.live.start(ff.digital_elevator(), "robust", endpoint=ff.live.Udp(address))
         running.on()
         running.wait(1000, 20.0)
         assert running.state.silent < running.state.cycle
@@ -50,8 +50,8 @@ def test_a_machine_over_the_network_runs_as_the_one_in_the_process_and_trips_the
 def runs_as_the_one_in_the_process(python_machine):
     loader = ff.digital_elevator()
     runs = []
-    for over in (ff.live.Udp(python_machine), ff.live.Simulated()):
-        with ff.live.start(loader, "robust", over=over, real_time=False) as running:
+    for endpoint in (ff.live.Udp(python_machine), ff.live.Simulated()):
+        with ff.live.start(loader, "robust", endpoint=endpoint, real_time=False) as running:
             running.on()
             running.wait(12_000)
             rows = running.history(most=1000)
@@ -69,7 +69,7 @@ def test_packets_that_are_none_are_dropped():
         machine.bind(("127.0.0.1", 0))
         machine.settimeout(10)
         address = f"127.0.0.1:{machine.getsockname()[1]}"
-        with ff.live.start(ff.digital_elevator(), over=ff.live.Udp(address)) as running:
+        with ff.live.start(ff.digital_elevator(), endpoint=ff.live.Udp(address)) as running:
             _, loop = machine.recvfrom(64)
             head = struct.pack("<4sHHQQ5dI", b"FFLV", 1, 1, 5, 0, 0.0, 0.0, 0.0, float("nan"), 0.0, 0)
             good = head + struct.pack("<I", zlib.crc32(head))
@@ -90,7 +90,7 @@ def test_the_machine_in_c_speaks_the_same(tmp_path):
     subprocess.run(["cc", "-O2", "-Wall", "-Werror", "-o", program, EXAMPLES / "machine.c"], check=True)
     with (
         served(program, 0) as address,
-        ff.live.start(ff.digital_elevator(), over=ff.live.Udp(address), real_time=False) as running,
+        ff.live.start(ff.digital_elevator(), endpoint=ff.live.Udp(address), real_time=False) as running,
     ):
         running.wait(2000)
         assert running.state.silent == 0

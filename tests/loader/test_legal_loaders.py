@@ -64,8 +64,8 @@ def test_every_loader_is_analysed(loader):
 @given(loaders())
 @settings(max_examples=FEW)
 def test_every_loader_is_compensated(loader):
-    found = ff.compensate(loader)
-    law = found.compensator(loader)
+    found = ff.design_gains(loader)
+    law = found.law(loader)
     judged = assess(loader, law, found.settings)
     if judged.stable:
         peaks(loader, law)

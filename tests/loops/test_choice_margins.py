@@ -8,7 +8,7 @@ import forcefeel as ff
 from forcefeel.laws.law import Law, named
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.command_loop import CommandLoop, command_loops
-from forcefeel.loops.margins import least_margins, loop_margins
+from forcefeel.loops.margins import loop_margins, minimum_margins
 
 DIGITAL = ff.digital_elevator()
 G_MAX = DIGITAL["feel.maximum_stiffness"]
@@ -141,7 +141,7 @@ def test_an_unstable_loop_has_none():
 
 def test_the_least_of_several(loops):
     found = [loop_margins(loop) for loop in loops]
-    least = least_margins(found)
+    least = minimum_margins(found)
     assert least.gain_up == min(one.gain_up for one in found)
     assert least.gain_down == max(one.gain_down for one in found)
     assert least.delay_s == min(one.delay_s for one in found)

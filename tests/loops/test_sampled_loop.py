@@ -8,7 +8,7 @@ import forcefeel as ff
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loops.command_loop import CommandLoop
 from forcefeel.loops.margins import loop_margins
@@ -25,13 +25,13 @@ def loader() -> ff.Loader:
     return ff.elevator().replace({"controller.period": "0.5 ms", "controller.delay": "0.5 ms"})
 
 
-def own(loader: ff.Loader, name: str) -> SampledCompensator:
+def own(loader: ff.Loader, name: str) -> SampledLaw:
     law = Law.of(name, loader).sampled
     assert law is not None
     return law
 
 
-def exact_loop(loader: ff.Loader, law: SampledCompensator, gain: float = 1.0) -> np.ndarray:
+def exact_loop(loader: ff.Loader, law: SampledLaw, gain: float = 1.0) -> np.ndarray:
     """``[x (6); held command; delta, delta'; xi]`` over a period with one sample of delay.
 
     Eq. (17) by SciPy's exponential, the law and the computer multiplied out; ``gain`` is between controller and amplifier.

@@ -80,7 +80,7 @@ def test_the_guide_has_a_row_for_each_test_of_each_axis_and_leads_to_it(pages, g
     assert within <= set(re.findall(r' id="([\w-]+)"', text))
     assert set(articles) <= within
     stored = json.loads((pages[GUIDE].parent / "results.json").read_text(encoding="utf-8"))
-    assert stored["standing"] == "does not qualify"
+    assert stored["status"] == "does not qualify"
     assert [one["rule"]["axis"] for one in stored["axes"].values()] == ["pitch", "yaw"]
 
 
@@ -91,8 +91,8 @@ def test_the_table_over_the_axes_leads_to_pages_that_are_there(pages, envelopes)
         assert [one for one in links if not (folder / one).is_file()] == []
     stored = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     for row in envelopes.rows:
-        alone = stored["axes"][row.axis]["compensators"][row.compensator]["shares"]
-        assert alone["passes"]["value"] == pytest.approx(100 * row.passes)
+        alone = stored["axes"][row.axis]["laws"][row.law]["shares"]
+        assert alone["nominal_share"]["value"] == pytest.approx(100 * row.nominal_share)
     assert [row["axis"] for row in stored["table"]] == ["pitch", "yaw"]
 
 

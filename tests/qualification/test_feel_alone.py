@@ -15,8 +15,8 @@ import forcefeel as ff
 from forcefeel.loader.built_in import open_loader
 from forcefeel.loader.curves import Curve
 from forcefeel.qualification import Outcome
-from forcefeel.qualification.programme import QualificationSetup, qualify_loader
-from forcefeel.qualification.programme.feel_alone import FeelAlone
+from forcefeel.qualification.plan import QualificationSetup, qualify_loader
+from forcefeel.qualification.plan.feel_alone import FeelAlone
 from forcefeel.simulation import Scenario
 from forcefeel.simulation.inputs import Recorded, Schedule
 from forcefeel.units import factor

@@ -123,13 +123,13 @@ def test_the_summary_leads_to_every_test_and_names_the_others(pages, made, name)
     (table,) = re.findall(r'<table class="outcomes">.*?</table>', text, flags=re.DOTALL)
     assert sorted(re.findall(r'<a href="#([\w-]+)">', table)) == sorted(_articles(text))
     assert table.count("not asked for") == len(found.sections) * (
-        len(found.programme.trials) - len(found.programme.made)
+        len(found.test_plan.trials) - len(found.test_plan.made)
     )
-    for trial in found.programme.outside:
+    for trial in found.test_plan.outside:
         assert trial.title.replace("'", "&#39;") in table
-    assert table.count("outside the programme: ") == len(found.programme.outside) * len(found.sections)
+    assert table.count("outside the programme: ") == len(found.test_plan.outside) * len(found.sections)
     for section in found.sections:
-        assert f">{section.standing}<" in table
+        assert f">{section.status}<" in table
 
 
 @pytest.mark.parametrize("name", MADE)

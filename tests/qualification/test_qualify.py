@@ -12,13 +12,13 @@ import forcefeel as ff
 from forcefeel.errors import InputError
 from forcefeel.linear.state_space import compliant_model
 from forcefeel.qualification import Outcome, Record, load_rules
-from forcefeel.qualification.programme import QualificationSetup, Standing, qualify_loader
-from forcefeel.qualification.programme.feel_alone import FeelAlone
-from forcefeel.qualification.programme.law_names import named_laws
-from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
-from forcefeel.qualification.programme.programme import trials
-from forcefeel.qualification.programme.sentences import conclusions, result_text
-from forcefeel.qualification.programme.sweep_force import SweepForce
+from forcefeel.qualification.plan import QualificationSetup, QualificationStatus, qualify_loader
+from forcefeel.qualification.plan.feel_alone import FeelAlone
+from forcefeel.qualification.plan.law_names import named_laws
+from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
+from forcefeel.qualification.plan.plan import trials
+from forcefeel.qualification.plan.sentences import conclusions, result_text
+from forcefeel.qualification.plan.sweep_force import SweepForce
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import factor
 
@@ -124,7 +124,7 @@ def test_periods_are_those_of_the_linear_loop(elevator, law):
 def test_the_elevator_does_not_qualify_and_why(elevator):
     told = {section.name: _by(section.results) for section in elevator.sections}
     assert not elevator.qualifies
-    assert all(section.standing is Standing.DOES_NOT_QUALIFY for section in elevator.sections)
+    assert all(section.status is QualificationStatus.DOES_NOT_QUALIFY for section in elevator.sections)
     frequency = 1 / told["published"]["release-25-positive"].measured.features.cycles[1].value
     assert frequency == pytest.approx(1.58, abs=THREE_DIGITS_HZ)
     words = result_text(told["published"]["release-25-positive"], elevator)
@@ -221,7 +221,7 @@ def test_a_recording_of_the_ideal_response_passes_all_that_a_loader_is_about():
     outcomes = {result.trial.key: result.outcome for result in found.sections[0].results}
     assert {key for key, outcome in outcomes.items() if outcome is not Outcome.PASSED} == {"surface", "small-inputs"}
     # A simulator has surfaces and a body, which the programmed feel cannot be the reference of.
-    assert found.standing is Standing.INCOMPLETE
+    assert found.status is QualificationStatus.INCOMPLETE
     assert "surface (needs the surface in both static sweeps" in conclusions(found).verdict
 
 
@@ -233,15 +233,17 @@ def test_a_simulator_recorded_in_everything_qualifies_against_its_aircraft_and_n
     whole["static"] = replace(swept, surface_rad=0.8 * swept.position)
     whole["small-inputs"] = Record(time, 0.01 * np.sin(time), body_rate_rad_per_s=0.05 * np.sin(2 * time), name="small")
 
-    def standing(records):
+    def status(records):
         found = qualify_loader(ff.elevator(), QualificationSetup(records=records, references=records))
-        assert found.fulfilled is (found.standing is Standing.QUALIFIES)
-        return found.standing
+        assert found.fulfilled is (found.status is QualificationStatus.QUALIFIES)
+        return found.status
 
-    assert standing(whole) is Standing.QUALIFIES
+    assert status(whole) is QualificationStatus.QUALIFIES
     for key in whole:
-        assert standing({name: record for name, record in whole.items() if name != key}) is Standing.INCOMPLETE, key
-    assert standing(whole | {"static": swept}) is Standing.INCOMPLETE  # without its surface
+        assert (
+            status({name: record for name, record in whole.items() if name != key}) is QualificationStatus.INCOMPLETE
+        ), key
+    assert status(whole | {"static": swept}) is QualificationStatus.INCOMPLETE  # without its surface
 
 
 @pytest.mark.parametrize(
@@ -257,7 +259,9 @@ def test_a_recording_that_is_a_tenth_slow_just_fails(slower, outcome):
     assert result.outcome is outcome
     assert alone.fulfilled is (outcome is Outcome.PASSED)
     found = qualify_loader(ff.elevator(), QualificationSetup(records=one))
-    assert found.standing is (Standing.INCOMPLETE if outcome is Outcome.PASSED else Standing.DOES_NOT_QUALIFY)
+    assert found.status is (
+        QualificationStatus.INCOMPLETE if outcome is Outcome.PASSED else QualificationStatus.DOES_NOT_QUALIFY
+    )
     assert not found.fulfilled
     others = {one.outcome for key, one in _by(found.sections[0].results).items() if key != "release-25-positive"}
     assert others == {Outcome.NOT_EVALUATED}
@@ -272,7 +276,7 @@ def test_a_difference_at_the_limit_is_too_close_to_call_and_does_not_qualify():
     result = _by(found.sections[0].results)["release-25-positive"]
     assert result.outcome is Outcome.TOO_CLOSE
     assert result_text(result, found).startswith("Too close to call: P0 is 9.9 % long")
-    assert (found.standing, found.fulfilled) == (Standing.INCOMPLETE, False)
+    assert (found.status, found.fulfilled) == (QualificationStatus.INCOMPLETE, False)
     assert "release-25-positive (too close to call)" in conclusions(found).verdict
 
 
@@ -386,7 +390,7 @@ def test_the_arm_is_left_out():
     )
     setup = QualificationSetup(tests=("static", "release-50-negative"))
     found, plain = qualify_loader(loader, setup), qualify_loader(ff.elevator(), setup)
-    assert set(found.left_out) == {"pilot.arm_mass", "pilot.arm_damping", "pilot.arm_stiffness"}
+    assert set(found.omitted) == {"pilot.arm_mass", "pilot.arm_damping", "pilot.arm_stiffness"}
     pairs = zip(found.sections[0].results, plain.sections[0].results, strict=True)
     assert all(one.verdicts == other.verdicts for one, other in pairs)
     assert any("Hands off" in line for line in conclusions(found).findings)

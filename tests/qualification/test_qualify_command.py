@@ -118,10 +118,10 @@ def test_json_holds_every_figure_with_unit_and_margin(run, tmp_path):
     assert first["margin"]["value"] == pytest.approx(first["tolerance"]["value"] - first["difference"]["value"])
     assert first["rule"] == "10 %"
     assert tests["static"]["verdicts"][0]["rule"] == "0.9 daN"  # the rule's own rounding for SI
-    assert found["standing"] == "does not qualify"
-    assert found["outside_the_programme"] == ["surface", "small-inputs", "trim-indicator", "trim-rate"]
+    assert found["status"] == "does not qualify"
+    assert found["tests_not_simulated"] == ["surface", "small-inputs", "trim-indicator", "trim-rate"]
     assert list(tests) == found["named"] == ["static", "release-25-positive"]
-    assert set(tests) < set(found["programme"])
+    assert set(tests) < set(found["test_plan"])
     kept = json.loads((tmp_path / "forcefeel-qualification" / "results.json").read_text(encoding="utf-8"))
     assert {key: value for key, value in found.items() if key != "page"} == kept
 
@@ -139,7 +139,7 @@ def test_one_release_alone_is_incomplete_unless_it_is_all_that_is_asked_for(run,
     status, out, err = run("--record", "one.csv", "--json")  # the test is told from what is in the file
     found = json.loads(out)
     assert (status, err) == (1, "")
-    assert found["standing"] == "incomplete"
+    assert found["status"] == "incomplete"
     missing = [one["any_of"] for one in found["sections"][0]["missing"]]
     assert missing == [["static"], ["surface"], ["release-25-negative", "release-50-negative"], ["small-inputs"]]
     outcomes = _outcomes(found)
@@ -164,10 +164,10 @@ def test_the_digital_elevator_qualifies_under_robust(run):
     """All that a control loader can be given passes: exit status 0, and what is outside its programme is named."""
     status, out, _ = run("elevator-2khz", "--law", "robust", "--json")
     found = json.loads(out)
-    assert (status, found["standing"], found["conclusions"]["good"]) == (0, "qualifies", True)
+    assert (status, found["status"], found["conclusions"]["ok"]) == (0, "qualifies", True)
     assert found["conclusions"]["verdict"].endswith("the robust compensation qualifies: 7 of 7 tests passed.")
     assert found["sections"][0]["missing"] == []
-    assert found["outside_the_programme"] == ["surface", "small-inputs", "trim-indicator", "trim-rate"]
+    assert found["tests_not_simulated"] == ["surface", "small-inputs", "trim-indicator", "trim-rate"]
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet", "mat"])
@@ -226,7 +226,7 @@ def test_a_recorded_aircraft_is_the_reference(run, tmp_path):
     found = json.loads(out)
     assert status == 1
     assert found["reference"] == "recorded aircraft"
-    words = {test["key"]: test["words"] for test in found["sections"][0]["tests"]}
+    words = {test["key"]: test["summary"] for test in found["sections"][0]["tests"]}
     assert "where 1.97 Hz are recorded" in words["release-25-positive"]
     assert run("--replace", *asked, "--record", "aircraft.csv")[0] == 0
 

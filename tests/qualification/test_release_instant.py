@@ -12,8 +12,8 @@ import pytest
 from forcefeel.laws.law import names_for
 from forcefeel.loader.built_in import open_loader
 from forcefeel.qualification import Outcome, Record, judge_release, load_rules, measure_release
-from forcefeel.qualification.programme.law_names import named_laws
-from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
+from forcefeel.qualification.plan.law_names import named_laws
+from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
 from forcefeel.qualification.verdicts import overall
 
 ANGLE = math.radians(5.0)

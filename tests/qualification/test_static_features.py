@@ -14,8 +14,8 @@ import pytest
 from forcefeel.loader.built_in import open_loader
 from forcefeel.loader.curves import Curve
 from forcefeel.qualification import Record
-from forcefeel.qualification.programme.feel_alone import FeelAlone
-from forcefeel.qualification.programme.motions import Motions, first_force
+from forcefeel.qualification.plan.feel_alone import FeelAlone
+from forcefeel.qualification.plan.motions import Motions, first_force
 from forcefeel.qualification.sweep import measure_sweep
 from forcefeel.qualification.throw import Throw
 from forcefeel.units import factor

@@ -23,7 +23,7 @@ import pytest
 from scipy.optimize import root
 from scipy.special import j1
 
-from forcefeel.laws import SampledCompensator
+from forcefeel.laws import SampledLaw
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import Recorded
@@ -56,7 +56,7 @@ class Loop:
         command[0, 2:5] = -self.place * np.array(self.senses)
         command[0, 3] -= self.speed / PERIOD_S
         torque[0, 2] = -0.1  # the feel computer runs beside, and is not listened to
-        return SampledCompensator(PERIOD_S, 0.0, transition, inputs, command / newton_per_ampere, torque)
+        return SampledLaw(PERIOD_S, 0.0, transition, inputs, command / newton_per_ampere, torque)
 
     def answers(self, w, lag):
         """Force per `-p` and per `-x` at the frequency ``w``."""

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 import forcefeel as ff
 from forcefeel import _core
-from forcefeel.laws import SampledCompensator
+from forcefeel.laws import SampledLaw
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import HandsOff, Recorded, Schedule
@@ -125,7 +125,7 @@ def deaf(loader):
     period, delay = loader["controller.period"], loader["controller.delay"]
     command, torque = np.zeros((1, 6)), np.zeros((1, 6))
     command[0, 4], torque[0, 1] = 1e-12, -0.1
-    return SampledCompensator(period, delay, np.zeros((1, 1, 1)), np.zeros((1, 1, 4)), command, torque)
+    return SampledLaw(period, delay, np.zeros((1, 1, 1)), np.zeros((1, 1, 4)), command, torque)
 
 
 def held(value):

@@ -79,7 +79,7 @@ def test_a_run_lasts_as_long_as_its_input_needs(kind):
 def test_an_option_for_another_input_is_refused(option, kind):
     if kind in OPTIONS[option]:
         return
-    field = {"--from": "from_"}.get(option, option[2:])
+    field = {"--from": "from_"}.get(option, option[2:].replace("-", "_"))
     with pytest.raises(InputError, match=f"{option}: is for --input .*; the input is {kind}, so leave it out"):
         scenario(input=kind, **{field: "1"})
 
@@ -130,8 +130,8 @@ def test_laws_are_designed_for_the_changed_loader():
     loader = ff.elevator().replace({"linkage.stiffness": "9000 lb/in"})
     published = ScenarioOptions(law="published").law_of(loader).fixed
     converged = ScenarioOptions(law="converged").law_of(loader).fixed
-    assert published == ff.compensate(loader).compensator(loader)
-    assert converged == ff.compensate(loader, ff.laws.DesignSettings()).compensator(loader)
+    assert published == ff.design_gains(loader).law(loader)
+    assert converged == ff.design_gains(loader, ff.laws.DesignSettings()).law(loader)
     assert ScenarioOptions(law="original").law_of(loader).numbers is None
 
 
@@ -153,7 +153,7 @@ def test_dynamic_pressure_for_a_feel_that_depends_on_it():
 
 
 def test_changes_of_the_feel():
-    found = scenario(change=["1 s: feel.stiffness=5000 lb in/rad, feel.damping=200 lb in s/rad"], over="0.25 s")
+    found = scenario(change=["1 s: feel.stiffness=5000 lb in/rad, feel.damping=200 lb in s/rad"], fade_time="0.25 s")
     assert found.feel_changes == (
         ff.simulation.FeelChange(1.0, {"feel.stiffness": "5000 lb in/rad", "feel.damping": "200 lb in s/rad"}, 0.25),
     )
@@ -197,7 +197,7 @@ def test_changes_of_the_feel():
         ({"input": InputKind.MULTISINE, "to": "2e307 Hz", "lasts": "100"}, "multiples of 0.01 Hz, .* got inf"),
         ({"change": ["1e300 s: feel.breakout=2 lb"]}, "expected changes that are done by 1e\\+06 s, got 1e\\+300 s"),
         ({"change": ["1 s: feel.breakout=2 lb"], "over": "1e300 s"}, "expected changes that are done by"),
-        ({"over": "1 s"}, "--over: is how long a --change takes, and there is none"),
+        ({"fade_time": "1 s"}, "--fade-time: is how long a --change takes, and there is none"),
         ({"change": ["feel.stiffness=3 N m/rad"]}, "--change: expected a time, a colon and new values"),
         ({"change": ["1 s: feel.stiffness"]}, "--change: expected a parameter and its value"),
         ({"change": ["1 s: feel.stiffness=off"]}, "--change: feel.stiffness is what every loader has"),

@@ -118,7 +118,7 @@ def test_json_holds_every_number_with_its_unit(run):
     assert found["limits"]["stuck"]["unit"] == "s"
     assert found["limits"]["stuck_at_end"] is True
     assert found["loader"]["values"]["pilot.arm_mass"] == {"value": pytest.approx(1.0), "unit": "kg"}
-    assert found["conclusions"]["good"] is True
+    assert found["conclusions"]["ok"] is True
 
 
 def test_limits_are_told_in_words(run):
@@ -201,10 +201,10 @@ def test_a_history_can_be_played_again(run, tmp_path):
     [
         ["--input", "pulse", "--force", "20 lb", "--width", "0.2"],
         ["--input", "stop-to-stop", "--force", "20 lb", "--duration", "4"],
-        ["--input", "multisine", "--lasts", "1 s", "--duration", "2", "--from", "1 Hz"],
+        ["--input", "multisine", "--input-duration", "1 s", "--duration", "2", "--from", "1 Hz"],
         ["--input", "hands-off", "--set", "feel.shaker_force=10 lb", "--shaker", "1"],
         ["--trim", "0 s: 0 deg, 1 s: 5 deg", "--set", "feel.trim_rate=3 deg/s"],
-        ["--change", "1 s: feel.stiffness=5000 lb in/rad", "--over", "0.2 s"],
+        ["--change", "1 s: feel.stiffness=5000 lb in/rad", "--fade-time", "0.2 s"],
         ["--set", "controller.period=0.5 ms", "--set", "load_cell.noise=0.1 lb", "--seed", "3"],
         ["--arm", "firm", "--sample", "10 ms", "--step", "0.5 ms"],
         ["--law", "converged"],
@@ -307,7 +307,10 @@ def test_a_bad_loader_file_is_named_and_nothing_is_written(run, tmp_path, part, 
         (["--duration", "1e9"], "--duration: expected at most 2000000 steps"),
         (["--change", "0.0005 s: feel.breakout=1 lb"], "feel change: jumps at 0.0005 s"),
         (["--change", "1 s: valve.orifice=true"], "feel change: expected rows of the feel"),
-        (["--change", "1 s: feel.damping=200 lb in s/rad", "--over", "5e-324"], "feel change: expected to take a step"),
+        (
+            ["--change", "1 s: feel.damping=200 lb in s/rad", "--fade-time", "5e-324"],
+            "feel change: expected to take a step",
+        ),
         (
             ["--set", "controller.period=0.5 ms", "--set", "controller.delay=0.123 ms"],
             "expected a simple share of the period",

@@ -22,7 +22,7 @@ KEEP = ("column_angle_rad", "load_pressure_pa", "valve_current_a")
 @pytest.mark.parametrize("feedback", [False, True])
 def test_linear_run_is_forced_response(feedback):
     loader = ff.elevator()
-    law = ff.linear.state_feedback(loader, ff.compensate(loader).gains) if feedback else None
+    law = ff.linear.state_feedback(loader, ff.design_gains(loader).gains) if feedback else None
     run = simulate(loader, Scenario(Pulse(96 * LB, 0.1, 0.3), 1.0), law)
     assert run.method == "exact"
     model = ff.compliant_model(loader, law)

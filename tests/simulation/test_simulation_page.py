@@ -51,7 +51,7 @@ SECTIONS = ("conclusions", "motion-section", "demand-section", "scenario", "numb
 def _run(changes=None, force=None, duration_s=2.0, compensated=False, **scenario):
     loader = ff.elevator().replace(changes or {}, si=True)
     force = force or ff.Step(loader["pilot.force"], 0.1)
-    law = ff.compensate(loader).compensator(loader) if compensated else None
+    law = ff.design_gains(loader).law(loader) if compensated else None
     return ff.simulate(loader, ff.Scenario(force=force, duration_s=duration_s, **scenario), law)
 
 
@@ -170,7 +170,7 @@ def test_limits_count_samples():
     angle = np.radians([0, 6, 11, 12.1, 12.2, 11, 0, -12.5, -11, 0])
     current = np.array([0, 1, 2, 2, 2, 0, -2, 0, 0, 0]) * 1e-3
     velocity = np.array([0, 1, 1, 1, 0, 0, 1, 1, 0, 0])
-    found = ff.simulation.limits(
+    found = ff.simulation.limit_times(
         _synthetic(STOPS, column_angle_rad=angle, valve_current_a=current, column_velocity_rad_per_s=velocity)
     )
     assert found.current == pytest.approx(0.4)
@@ -186,7 +186,7 @@ def test_limits_of_the_feel_and_of_what_has_no_limit():
     per_angle = np.prod([ff.elevator()[key] for key in ("potentiometer.gain", "linkage.ratio", "column.base_arm")])
     feel = per_angle * np.radians([0, 4, 5, 5, 4, 0, -5, -4, 0, 0])
     flow = ff.elevator()["valve.rated_flow"] * np.array([0, 0.5, 1.1, 1.2, 1.0, 0, 0, -1.5, 0, 0])
-    found = ff.simulation.limits(_synthetic(stops, feel_position_v=feel, actuator_flow_m3_per_s=flow))
+    found = ff.simulation.limit_times(_synthetic(stops, feel_position_v=feel, actuator_flow_m3_per_s=flow))
     assert found.feel_high_s == pytest.approx(0.2)
     assert found.feel_low_s == pytest.approx(0.1)
     assert found.over_flow == pytest.approx(0.3)
@@ -195,7 +195,7 @@ def test_limits_of_the_feel_and_of_what_has_no_limit():
 
 
 def test_limits_of_a_run_that_diverged_end_with_it():
-    found = ff.simulation.limits(_run(UNSTABLE))
+    found = ff.simulation.limit_times(_run(UNSTABLE))
     assert 0 < found.over_current < 1
 
 

@@ -334,12 +334,12 @@ def test_noise_and_steps_of_the_sensors_are_left_out():
 @pytest.mark.parametrize("law", LAWS)
 def test_run_under_a_small_test_signal_is_the_linear_model(law):
     loader = ff.elevator()
-    compensator = LAWS[law](loader.values)
+    drives = LAWS[law](loader.values)
     signal = swept(0.01)
-    run = simulate(loader, Scenario(test_signal_v=signal, duration_s=0.5, step_s=2.5e-4, sample_s=1e-3), compensator)
+    run = simulate(loader, Scenario(test_signal_v=signal, duration_s=0.5, step_s=2.5e-4, sample_s=1e-3), drives)
     assert run.method == "stepped"
     time = np.asarray(signal.times_s)
-    model = ff.compliant_model(loader, compensator)
+    model = ff.compliant_model(loader, drives)
     expected = control.forced_response(model[:, 1], time, signal.values)
     for name in ("column_angle_rad", "piston_position_m", "load_cell_force_n", "valve_current_a"):
         row = expected.outputs[model.output_labels.index(name)]

@@ -139,7 +139,7 @@ DETENT = ff.digital_elevator().replace({"feel.detent_force": "20 lb", "feel.dete
 
 def test_the_demand_is_what_the_engine_holds_at_that_angle():
     """With a detent on the way: under the force of the demand the engine's programmed control stands where the demand says."""
-    (demand,) = (one for one in ff.sizing.size_drive(DETENT).asked if one.name == "feel at 10 deg")
+    (demand,) = (one for one in ff.sizing.size_drive(DETENT).demands if one.name == "feel at 10 deg")
     loader = DETENT.replace(QUIET, si=True)
     run = ff.simulate(loader, ff.Scenario(Release(radians(10), 0.1), 0.2), "robust").history
     held, angle = float(run.pilot_force_n[0]), float(run.feel_position_rad[0])
@@ -154,6 +154,6 @@ def test_the_feel_is_asked_where_it_is_hardest_on_the_way():
     stops = {"column.stop_low": "-12 deg", "column.stop_high": "12 deg"}
     loader = ELEVATOR.replace(stops | {"feel.detent_force": "100 lb", "feel.detent_angle": "3 deg"})
     assert degrees(hardest_angle(loader, radians(-12), radians(12))) == pytest.approx(4.0, rel=ROUNDING)
-    (demand,) = (one for one in ff.sizing.size_drive(loader).asked if one.name.startswith("feel"))
+    (demand,) = (one for one in ff.sizing.size_drive(loader).demands if one.name.startswith("feel"))
     assert demand.name == "feel at 4 deg"
     assert demand.force_n == pytest.approx((9600 * radians(4) / 31.375 + 100) * POUND_N, rel=ROUNDING)

@@ -19,7 +19,7 @@ NOISE = ("load_cell", "potentiometer", "column_sensor")
 def release_of(loader):
     """The release among what is asked."""
     found = ff.sizing.size_drive(loader)
-    (row,) = (one for one in found.asked if one.name.startswith("release"))
+    (row,) = (one for one in found.demands if one.name.startswith("release"))
     return row, found.plan.release_rad
 
 
@@ -72,7 +72,7 @@ def test_a_drive_at_its_limit_uses_all_and_no_more():
     )
     row, _ = release_of(loader)
     assert row.of_motion < 1 - NEAR < row.of_peak <= 1
-    assert row.given
+    assert row.available
 
 
 def test_a_valve_holds_before_it_moves():
@@ -81,7 +81,7 @@ def test_a_valve_holds_before_it_moves():
     run = ff.simulate(quiet(loader), ff.Scenario(Release(angle), 0.6), ff.Law.of("robust", loader).sampled)
     pressure = np.abs(run.history.load_pressure_pa.to_numpy()).max()
     assert row.needs.pressure_pa == pytest.approx(pressure, rel=ENGINE)
-    assert ff.sizing.sizing_conclusions(ff.sizing.size_drive(ff.elevator()), ff.UnitSystem.SI).good
+    assert ff.sizing.sizing_conclusions(ff.sizing.size_drive(ff.elevator()), ff.UnitSystem.SI).ok
 
 
 def test_the_report_s_loader_is_released_by_its_own_loop():

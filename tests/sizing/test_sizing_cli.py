@@ -41,7 +41,7 @@ def test_the_folder_and_what_is_printed_agree(run, tmp_path):
     assert {key: value for key, value in found.items() if key != "page"} == stored
     assert found["good"]
     assert found["axis"] == "pitch"
-    assert found["asked"][0]["force"] == {"value": pytest.approx(60 * POUND_N, rel=ROUNDING), "unit": "N"}
+    assert found["demands"][0]["force"] == {"value": pytest.approx(60 * POUND_N, rel=ROUNDING), "unit": "N"}
     assert run("elevator-electric")[0] == 2  # the folder is there
     assert run("elevator-electric", "--replace")[0] == 0
 
@@ -59,8 +59,8 @@ def test_a_motor_that_cannot_hold_the_programmed_force_is_named_with_what_would(
     (travel,) = re.findall(r"a transmission\.travel of ([0-9.]+) cm per radian in place of 0\.318 cm", said)
     loader = ff.loader.electric("elevator-electric").replace({"pilot.force": "600 N"})
     would = ff.sizing.size_drive(loader.replace({"transmission.travel": f"{travel} cm"}))
-    assert 1 - SHOWN <= would.asked[0].of_peak <= 1
-    torque = ff.sizing.size_drive(loader).asked[0].remedy.torque_n_m
+    assert 1 - SHOWN <= would.demands[0].of_peak <= 1
+    torque = ff.sizing.size_drive(loader).demands[0].remedy.torque_n_m
     assert f"takes {torque:.1f} N m at the motor, which gives 6.58 N m for a short time" in said
 
 
@@ -71,7 +71,7 @@ def test_what_would_do_does_with_the_digits_that_are_shown(run):
         said = " ".join(run("desktop-yoke", "--units", units, "--replace")[1].split())
         (travel,) = re.findall(rf"a transmission\.travel of ([0-9.]+) {unit} per radian", said)
         would = ff.sizing.size_drive(loader.replace({"transmission.travel": f"{travel} {unit}"}))
-        (short,) = (one for one in would.asked if one.name == "25.143(d) short term, two hands")
+        (short,) = (one for one in would.demands if one.name == "25.143(d) short term, two hands")
         assert 1 - 2 * SHOWN <= short.of_peak <= 1
         assert "the motor turns 26.8 % faster." in said
 
@@ -99,8 +99,8 @@ def test_a_valve_that_cannot_is_named_with_the_piston_that_would():
     loader = ff.digital_elevator().replace({"valve.supply_pressure": "200 lb/in^2"})
     found = ff.sizing.size_drive(loader)
     assert not found.good
-    would = loader.replace({"actuator.area": found.asked[0].remedy.area_m2}, si=True)
-    assert ff.sizing.size_drive(would).asked[0].of_peak == pytest.approx(1.0, rel=ROUNDING)
+    would = loader.replace({"actuator.area": found.demands[0].remedy.area_m2}, si=True)
+    assert ff.sizing.size_drive(would).demands[0].of_peak == pytest.approx(1.0, rel=ROUNDING)
 
 
 def test_a_release_that_is_too_fast_is_told(run):
@@ -117,7 +117,7 @@ def test_without_the_heat_the_continuous_torque_is_not_known():
     loader = ff.loader.electric("elevator-electric")
     found = ff.sizing.size_drive(loader.replace(dict.fromkeys([*HEAT, "winding.temperature_coefficient"])))
     assert found.missing == HEAT
-    assert all(isnan(one.of_continuous) for one in found.asked)
+    assert all(isnan(one.of_continuous) for one in found.demands)
     said = ff.sizing.sizing_conclusions(found, ff.UnitSystem.SI).findings
     assert any("the motor gives all but long term; of long term it is not known." in line for line in said)
     assert any(line.startswith(f"The continuous torque is not known: {', '.join(HEAT)}") for line in said)
@@ -129,7 +129,7 @@ def test_the_rule_goes_by_the_axis():
     loader = ff.loader.electric("rudder-pedals")
     assert ff.sizing.SizingPlan.of(loader).axis == "yaw"
     for axis, forces in expected.items():
-        rows = [one for one in ff.sizing.size_drive(loader, axis).asked if not one.programmed]
+        rows = [one for one in ff.sizing.size_drive(loader, axis).demands if not one.programmed]
         assert [one.force_n / POUND_N for one in rows] == pytest.approx(forces, rel=ROUNDING)
         assert [one.duration for one in rows[-1:]] == [Duration.LONG] * bool(rows)
     assert not any(row.verified for row in control_forces())
@@ -181,6 +181,6 @@ def test_each_side_of_the_feel_is_asked_at_its_own_stop():
     """A soft stop on the nearer side, beyond which the farther end does not lie."""
     stops = {"column.stop_low": "-15 deg", "column.stop_high": "12 deg", "feel.soft_stop_high": "13 deg"}
     loader = ff.loader.electric("elevator-electric").replace(stops)
-    found = {one.name: one for one in ff.sizing.size_drive(loader).asked}["feel at its stop, -15 deg"]
+    found = {one.name: one for one in ff.sizing.size_drive(loader).demands}["feel at its stop, -15 deg"]
     expected = loader["feel.stiffness"] * radians(15.0) / loader["column.grip_arm"]
     assert found.force_n == pytest.approx(expected, rel=ROUNDING)

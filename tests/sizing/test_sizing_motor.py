@@ -116,15 +116,15 @@ def test_the_force_of_a_current_takes_that_current(loader):
     speed, force = motor.curve(inf, loader["current_loop.current_limit"])
     inner = slice(None, -1)  # at its end there is no force
     np.testing.assert_allclose(motor.share(force, speed)[inner], 1.0, rtol=ROUNDING)
-    assert force[0] == pytest.approx(motor.gives.peak_force_n)
+    assert force[0] == pytest.approx(motor.capability.peak_force_n)
     assert force[-1] == pytest.approx(0.0, abs=ROUNDING * force[0])
-    assert speed[-1] == motor.gives.fastest_m_per_s
+    assert speed[-1] == motor.capability.fastest_m_per_s
 
 
 def test_the_rotor_at_the_grip_is_its_inertia_times_the_square_of_force_per_torque():
-    gives = Motor(ELECTRIC).gives
-    expected = ELECTRIC["motor.inertia"] * (gives.peak_force_n / gives.peak_torque_n_m) ** 2
-    assert gives.added_mass_kg == pytest.approx(expected, rel=ROUNDING)
+    capability = Motor(ELECTRIC).capability
+    expected = ELECTRIC["motor.inertia"] * (capability.peak_force_n / capability.peak_torque_n_m) ** 2
+    assert capability.added_mass_kg == pytest.approx(expected, rel=ROUNDING)
 
 
 def test_losses_help_a_load_that_drives():
@@ -146,12 +146,12 @@ def test_the_valve_gives_what_its_flow_leaves(loader):
         valve.needs(f, v, held=False).flow_m3_per_s
         for f, v in zip(force[moving, None], speed[moving, None], strict=True)
     ]
-    np.testing.assert_allclose(flow, valve.gives.flow_m3_per_s, rtol=ROUNDING)
-    assert force[0] == pytest.approx(valve.gives.peak_force_n)
-    assert speed[-1] == pytest.approx(valve.gives.fastest_m_per_s)
+    np.testing.assert_allclose(flow, valve.capability.flow_m3_per_s, rtol=ROUNDING)
+    assert force[0] == pytest.approx(valve.capability.peak_force_n)
+    assert speed[-1] == pytest.approx(valve.capability.fastest_m_per_s)
 
 
 def test_a_motor_without_its_heat_has_no_continuous_force():
-    gives = Motor(ELECTRIC.replace(dict.fromkeys([*HEAT, "winding.temperature_coefficient"]))).gives
-    assert isnan(gives.continuous_force_n)
-    assert gives.peak_force_n == Motor(ELECTRIC).gives.peak_force_n
+    capability = Motor(ELECTRIC.replace(dict.fromkeys([*HEAT, "winding.temperature_coefficient"]))).capability
+    assert isnan(capability.continuous_force_n)
+    assert capability.peak_force_n == Motor(ELECTRIC).capability.peak_force_n

@@ -49,5 +49,5 @@ def test_the_picture_has_the_drive_and_all_that_is_asked(page):
         return
     names = page.evaluate("() => document.getElementById('force-speed').data.map(one => one.name)")
     curves = {"motor": ["the motor gives for a short time", "the motor gives for ever"], "valve": ["the valve gives"]}
-    asked = ff.sizing.size_drive(LOADERS[page.called]).asked
+    asked = ff.sizing.size_drive(LOADERS[page.called]).demands
     assert names == [*curves[page.called], *(one.name for one in asked)]

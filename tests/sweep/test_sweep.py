@@ -154,9 +154,7 @@ def test_pieces_cover_every_run_once_and_depend_on_the_sweep_alone():
 
 
 def test_a_sweep_can_be_sent():
-    sweep = small(
-        30, vary={"feel.damping": "5 %"}, compensator=ff.laws.Compensator.original(nonlinear().values), seed=3
-    )
+    sweep = small(30, vary={"feel.damping": "5 %"}, law=ff.laws.Compensator.original(nonlinear().values), seed=3)
     sent = pickle.loads(pickle.dumps(sweep))
     assert np.array_equal(sent.values(range(30)), sweep.values(range(30)))
     assert np.array_equal(measure(sent, range(30)), measure(sweep, range(30)), equal_nan=True)

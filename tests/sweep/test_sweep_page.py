@@ -128,7 +128,7 @@ def test_the_summary_holds_what_the_page_says(pages):
     found = json.loads((pages["unstable"].parent / "summary.json").read_text(encoding="utf-8"))
     assert sum(one["runs"] for one in found["statuses"]) == 600
     assert found["varied"]["column.static_friction"]["high"] == {"value": pytest.approx(17.792886), "unit": "N"}
-    assert found["conclusions"]["good"] is False
+    assert found["conclusions"]["ok"] is False
     grid = json.loads((pages["map"].parent / "summary.json").read_text(encoding="utf-8"))
     assert grid["grid"]["feel.stiffness"]["unit"] == "lb in/rad"
     assert grid["grid"]["feel.stiffness"]["values"][-1] == pytest.approx(28800)

@@ -41,7 +41,7 @@ def alone(loader, design, at):
     """The run of one setting: its law designed for ``loader`` at this feel, the machine with all of ``at``."""
     feel = {key: at[key] for key in FEEL_SETTING if key in at}
     designed = loader.replace(feel, si=True)
-    law = ff.compensate(designed, design).compensator(designed)
+    law = ff.design_gains(designed, design).law(designed)
     bare = loader.with_tolerances(dict.fromkeys(loader.tolerances))
     return simulate(bare.replace(at, si=True), PUSH, law)
 
@@ -67,7 +67,7 @@ def test_each_point_of_a_grid_has_the_law_of_its_setting(name, machine):
 
 def test_the_laws_differ_from_one_for_all():
     loader = analog()
-    one = run_sweep(Sweep(loader, PUSH, ff.compensate(loader).compensator(loader), grids=GRID)).runs
+    one = run_sweep(Sweep(loader, PUSH, ff.design_gains(loader).law(loader), grids=GRID)).runs
     own = run_sweep(Sweep(loader, PUSH, published_settings(loader), grids=GRID)).runs
     apart = np.abs(one["maximum_angle_rad"] - own["maximum_angle_rad"]).values
     assert apart.max() > 1e-3
@@ -90,7 +90,7 @@ def test_grid_of_settings_and_of_a_plant():
     sweep = Sweep(
         loader, PUSH, published_settings(loader), grids={"feel.stiffness": STIFFNESS, "column.inertia": [2.0, 3.0]}
     )
-    law = sweep.law(sweep.values(range(6))).gains
+    law = sweep.law_of(sweep.values(range(6))).gains
     assert law.shape == (6, 7)
     assert np.array_equal(law[0::2], law[1::2])  # the inertia varies fastest, and the law does not see it
     assert len(np.unique(law, axis=0)) == 3
@@ -111,7 +111,7 @@ def test_the_numbers_do_not_depend_on_threads_or_pieces():
 def test_the_nominal_law_is_the_one_designed_for_the_nominal_loader():
     loader = nonlinear()
     sweep = Sweep(loader, PUSH, published_settings(loader), grids=GRID)
-    want = ff.compensate(loader).compensator(loader)
+    want = ff.design_gains(loader).law(loader)
     assert np.allclose(sweep.nominal_law.fixed.gains, want.gains, rtol=SOLVED, atol=0)
     assert sweep.nominal_law.fixed.load_cell_arm == want.load_cell_arm
 
@@ -132,7 +132,7 @@ def test_a_sweep_goes_on_with_the_same_design_only(tmp_path):
     other = Sweep(loader, PUSH, ff.laws.DesignSettings(), grids=dict(sweep.grids))
     with pytest.raises(InputError, match=r"law\.horizon_s: 0\.05 there, null here"):
         run_sweep(other, tmp_path, resume=True)
-    one = Sweep(loader, PUSH, ff.compensate(loader).compensator(loader), grids=dict(sweep.grids))
+    one = Sweep(loader, PUSH, ff.design_gains(loader).law(loader), grids=dict(sweep.grids))
     assert identity.digest(identity.identity(one)) != plan["sweep"]
     assert run_sweep(sweep, tmp_path, resume=True).runs.identical(run_sweep(sweep).runs)
 

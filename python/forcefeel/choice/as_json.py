@@ -6,17 +6,17 @@ from forcefeel._core import Compensator
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_RAD, Choice
-from forcefeel.choice.score import Score, Scored
+from forcefeel.choice.score import LawScores, Score
 from forcefeel.envelope.as_json import deviations_json, grid_json
 from forcefeel.json_values import Json, json_value, quantity
-from forcefeel.laws.law_file import Numbers, compensator_json
-from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
+from forcefeel.laws.law_file import Numbers, gain_law_json
+from forcefeel.laws.sampled.sampled_law import NUMBERS, SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import ANGLE, SECONDS, UnitSystem
 
 
-def choice_json(scored: Scored, choice: Choice | None, units: UnitSystem) -> dict[str, Json]:
+def choice_json(scored: LawScores, choice: Choice | None, units: UnitSystem) -> dict[str, Json]:
     """What was tried, what is taken, and why.
 
     Args:
@@ -34,10 +34,10 @@ def choice_json(scored: Scored, choice: Choice | None, units: UnitSystem) -> dic
         "setting": {key.partition(".")[2]: quantity(loader[key], unit(TABLE[key]), units) for key in FEEL_SETTING},
         "rule": {"edition": plan.rule, "title": plan.rules.title, "verified": plan.rule_verified},
         "release_angle": quantity(plan.release_rad, ANGLE, units),
-        "left_out": list(plan.left_out),
+        "omitted": list(plan.omitted),
         "conclusions": json_value(conclusions, units),
         "chosen": taken,
-        "methods": {score.name: _score(score, units) for score in scored.scores},
+        "laws": {score.name: _score(score, units) for score in scored.scores},
     }
     if any(score.over for score in scored.scores):
         found["grid"] = grid_json(plan.settings, units)
@@ -61,8 +61,8 @@ def law_json(numbers: Numbers) -> Json:
     """A law's numbers in SI units; ``None`` for the original loop."""
     match numbers:
         case Compensator():
-            return compensator_json(numbers)
-        case SampledCompensator():
+            return gain_law_json(numbers)
+        case SampledLaw():
             matrices = {name: getattr(numbers, name)[0].tolist() for name in NUMBERS}
             return {"period_s": numbers.period_s, "delay_s": numbers.delay_s, **matrices}
     return None
@@ -84,8 +84,8 @@ def _score(score: Score, units: UnitSystem) -> dict[str, Json]:
     if over is not None:
         found["envelope"] = {
             "shares": json_value(over.shares, units),
-            "lost_most": json_value(over.lost_most, units),
+            "worst_case": json_value(over.worst_case, units),
             "largest_demand": json_value(over.demand, units),
-            "least_margins": json_value(over.margins, units),
+            "minimum_margins": json_value(over.margins, units),
         }
     return found

@@ -5,7 +5,7 @@ from math import degrees, inf, isfinite
 from forcefeel.choice.demand import demand_shares
 from forcefeel.choice.noise import HOLDING, Noise
 from forcefeel.choice.rule import Choice, obstacles
-from forcefeel.choice.score import OverEnvelope, Score, Scored
+from forcefeel.choice.score import LawScores, OverEnvelope, Score
 from forcefeel.conclusions import Conclusions, capital, of_result, share_text
 from forcefeel.envelope.result import PASSES
 from forcefeel.envelope.tolerance_sentences import silent_sentences, tolerance_sentences
@@ -17,7 +17,7 @@ from forcefeel.units import ANGLE, FORCE, HERTZ, UnitSystem, to_text
 
 
 @of_result
-def choice_conclusions(scored: Scored, choice: Choice, units: UnitSystem) -> Conclusions:
+def choice_conclusions(scored: LawScores, choice: Choice, units: UnitSystem) -> Conclusions:
     """What to take, why, why not the others, and what the choice does not promise; ``good`` where a method is eligible."""
     lines = [remark.sentence for remark in choice.remarks if remark.name != choice.chosen]
     if choice.chosen is None:
@@ -30,14 +30,14 @@ def choice_conclusions(scored: Scored, choice: Choice, units: UnitSystem) -> Con
     )
 
 
-def _too_small(scored: Scored, units: UnitSystem) -> tuple[str, ...]:
+def _too_small(scored: LawScores, units: UnitSystem) -> tuple[str, ...]:
     """That the motor does not give what is programmed, and what would; nothing where it does."""
     found = too_small_text(scored.plan.given, units, scored.plan.release_rad)
     return (found,) if found else ()
 
 
 @of_result
-def design_conclusions(scored: Scored, units: UnitSystem) -> Conclusions:
+def design_conclusions(scored: LawScores, units: UnitSystem) -> Conclusions:
     """What one method does; ``good`` where it is stable at the loader's own setting."""
     score = scored.scores[0]
     own, name = score.own, capital(score.name)
@@ -67,7 +67,7 @@ def margins_text(margins: LoopMargins) -> str:
     return f"its gain may {up} or {down}, and it bears {lag} and {delay}"
 
 
-def _about(scored: Scored, score: Score, units: UnitSystem) -> list[str]:
+def _about(scored: LawScores, score: Score, units: UnitSystem) -> list[str]:
     own = score.own
     lines = [f"At the loader's own setting the loop has room: {margins_text(own.margins)} (one of them at a time)."]
     if score.over is not None:
@@ -97,16 +97,16 @@ def _elsewhere(over: OverEnvelope) -> list[str]:
         lines.append("At one of the grid's corners it is unstable.")
     else:
         lines.append(f"The least over the grid's corners: {margins_text(over.margins)}.")
-    if over.lost_most is not None:
+    if over.worst_case is not None:
         lines.append(
-            f"Most is lost with {over.lost_most.case}: {share_text(over.lost_most.lost)} of what passes nominally."
+            f"Most is lost with {over.worst_case.case}: {share_text(over.worst_case.lost)} of what passes nominally."
         )
     if over.demand.current >= 1:
         lines.append("At some settings its releases take all the current that there is.")
     return lines
 
 
-def _rendered(scored: Scored, score: Score) -> list[str]:
+def _rendered(scored: LawScores, score: Score) -> list[str]:
     """The mode that renders the feel beside the programmed one."""
     inertia, damping, stiffness = (scored.plan.loader[key] for key in FEEL_SETTING)
     frequency = (stiffness / inertia) ** 0.5
@@ -129,7 +129,7 @@ _PAIR = 2
 """Real poles that an overdamped feel has."""
 
 
-def _caveats(scored: Scored) -> tuple[str, ...]:
+def _caveats(scored: LawScores) -> tuple[str, ...]:
     plan = scored.plan
     lines = []
     if not scored.sampled:
@@ -148,6 +148,6 @@ def _caveats(scored: Scored) -> tuple[str, ...]:
         unverified.append(f"{HOLDING.name} arm")
     if unverified:
         lines.append(f"Not verified against a source: {', '.join(unverified)}.")
-    if plan.left_out:
-        lines.append(f"Left out, because I, B and G alone are programmed: {', '.join(plan.left_out)}.")
+    if plan.omitted:
+        lines.append(f"Left out, because I, B and G alone are programmed: {', '.join(plan.omitted)}.")
     return tuple(filter(None, lines))

@@ -18,7 +18,7 @@ of them costs.
 from dataclasses import dataclass
 from math import degrees, inf, radians
 
-from forcefeel.choice.score import Score, Scored
+from forcefeel.choice.score import LawScores, Score
 from forcefeel.conclusions import capital, share_text
 from forcefeel.units import to_text
 
@@ -88,7 +88,7 @@ class Choice:
     remarks: tuple[Remark, ...]
 
 
-def choose(scored: Scored, least: float = 0.0, reserve: Reserve = USUAL) -> Choice:
+def choose(scored: LawScores, least: float = 0.0, reserve: Reserve = USUAL) -> Choice:
     """Chooses among methods that were scored over the envelope, by the rule of this file.
 
     Args:
@@ -99,7 +99,7 @@ def choose(scored: Scored, least: float = 0.0, reserve: Reserve = USUAL) -> Choi
     Example:
         >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "2, 3 Hz", "damping": "0.3, 1"}
-        >>> scored = ff.choice.score_methods(ff.digital_elevator(), ("observer", "robust"), grid, changes={}, arms=())
+        >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("observer", "robust"), grid, changes={}, arms=())
         >>> ff.choice.choose(scored).chosen in ("observer", "robust")
         True
     """
@@ -142,7 +142,7 @@ def obstacles(score: Score, period_s: float, reserve: Reserve = USUAL) -> list[s
 
 def _best(able: list[Score]) -> Score | None:
     """Worst case first, then nominal, then noise."""
-    for key in ("passes_worst", "passes"):
+    for key in ("worst_case_share", "nominal_share"):
         most = max((_share(score, key) for score in able), default=0.0)
         able = [score for score in able if _share(score, key) > most - CLOSE]
     return min(able, key=_noise, default=None)
@@ -150,11 +150,11 @@ def _best(able: list[Score]) -> Score | None:
 
 def _reaching(able: list[Score], least: float) -> list[Score]:
     """Those whose nominal share is what is asked for, or as near as the best of them comes to it."""
-    most = max((_share(score, "passes") for score in able), default=0.0)
+    most = max((_share(score, "nominal_share") for score in able), default=0.0)
     return [
         score
         for score in able
-        if _share(score, "passes") >= least or (most < least and _share(score, "passes") > most - CLOSE)
+        if _share(score, "nominal_share") >= least or (most < least and _share(score, "nominal_share") > most - CLOSE)
     ]
 
 
@@ -163,8 +163,8 @@ def _why(best: Score, eligible: int) -> str:
         return f"{capital(best.name)} is stable with the margins that are asked for."
     shares = best.over.shares
     what = (
-        f"{capital(best.name)} renders {share_text(shares.passes_worst)} of the settings in every case and "
-        f"{share_text(shares.passes)} with the nominal plant"
+        f"{capital(best.name)} renders {share_text(shares.worst_case_share)} of the settings in every case and "
+        f"{share_text(shares.nominal_share)} with the nominal plant"
     )
     if eligible == 1:
         return f"{what}; no other method is eligible."
@@ -174,13 +174,13 @@ def _why(best: Score, eligible: int) -> str:
 def _behind(score: Score, best: Score, least: float) -> str:
     """The first figure of the rule in which an eligible method falls behind."""
     name = capital(score.name)
-    mine, its = _share(score, "passes"), _share(best, "passes")
+    mine, its = _share(score, "nominal_share"), _share(best, "nominal_share")
     if mine < min(least, its):
         return (
             f"{name} is eligible and renders {share_text(mine)} with the nominal plant, less than the {share_text(least)} that are "
             f"asked for and the {share_text(its)} of {best.name}."
         )
-    for key, where in (("passes_worst", "in every case"), ("passes", "with the nominal plant")):
+    for key, where in (("worst_case_share", "in every case"), ("nominal_share", "with the nominal plant")):
         mine, its = _share(score, key), _share(best, key)
         if its - mine >= CLOSE:
             return (
@@ -195,8 +195,8 @@ def _behind(score: Score, best: Score, least: float) -> str:
 def _better(score: Score, best: Score) -> str:
     """What one gives up with the choice."""
     given_up = []
-    if _share(score, "passes") - _share(best, "passes") >= CLOSE:
-        given_up.append(f"more with the nominal plant ({share_text(_share(score, 'passes'))})")
+    if _share(score, "nominal_share") - _share(best, "nominal_share") >= CLOSE:
+        given_up.append(f"more with the nominal plant ({share_text(_share(score, 'nominal_share'))})")
     if _noise(score) < 0.5 * _noise(best):
         given_up.append("less than half the noise at the grip")
     return f"; it has {' and '.join(given_up)}" if given_up else ""

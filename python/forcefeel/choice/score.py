@@ -18,10 +18,10 @@ from forcefeel.errors import InputError
 from forcefeel.laws.law import NAMED_LAWS, Law, drives_of, names_for, of_another_drive
 from forcefeel.laws.law_file import LAW_FILE
 from forcefeel.laws.sampled.grip import GRIP, no_sensor
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.loader import Loader
 from forcefeel.loops.command_loop import command_loops
-from forcefeel.loops.margins import LoopMargins, least_margins, loop_margins
+from forcefeel.loops.margins import LoopMargins, loop_margins, minimum_margins
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
 
@@ -45,13 +45,13 @@ class OverEnvelope:
 
     Attributes:
         shares: Stable, and within tolerance: nominally and in every case.
-        lost_most: What costs most of what passes nominally; ``None`` where nothing is lost.
+        worst_case: What costs most of what passes nominally; ``None`` where nothing is lost.
         demand: Largest over the stable settings, nominal plant.
         margins: Least of each over the loader's own setting and the grid's corners.
     """
 
     shares: Shares
-    lost_most: CaseShares | None
+    worst_case: CaseShares | None
     demand: AnyDemand
     margins: LoopMargins
 
@@ -68,7 +68,7 @@ class Score:
 
     Example:
         >>> import forcefeel as ff
-        >>> scored = ff.choice.score_methods(ff.digital_elevator(), ("robust",), over_envelope=False)
+        >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("robust",), over_envelope=False)
         >>> scored.scores[0].own.stable
         True
     """
@@ -80,7 +80,7 @@ class Score:
 
 
 @dataclass(frozen=True, eq=False)
-class Scored:
+class LawScores:
     """Methods and what they were tried on.
 
     Attributes:
@@ -89,7 +89,7 @@ class Scored:
 
     Example:
         >>> import forcefeel as ff
-        >>> scored = ff.choice.score_methods(ff.digital_elevator(), ("robust",), over_envelope=False)
+        >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("robust",), over_envelope=False)
         >>> [score.name for score in scored.scores]
         ['robust']
     """
@@ -103,7 +103,7 @@ class Scored:
         return bool(self.plan.loader["controller.period"])
 
 
-def score_methods(
+def score_laws(
     loader: Loader,
     names: Sequence[str] | None = None,
     grid: Mapping[str, str | Sequence[float]] = COARSE,
@@ -112,7 +112,7 @@ def score_methods(
     threads: int | None = None,
     progress: Progress = lambda done, total: None,
     **options: Unpack[PlanOptions],
-) -> Scored:
+) -> LawScores:
     """Designs with each method and scores it.
 
     Args:
@@ -132,7 +132,7 @@ def score_methods(
 
     Example:
         >>> import forcefeel as ff
-        >>> scored = ff.choice.score_methods(ff.digital_elevator(), ("published", "robust"), over_envelope=False)
+        >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("published", "robust"), over_envelope=False)
         >>> [(score.name, score.own.outcome) for score in scored.scores]
         [('published', 'P0'), ('robust', 'passes')]
     """
@@ -141,10 +141,10 @@ def score_methods(
     plan = make_plan(loader, chosen, grid, **options)
     found = compute(plan, threads=threads, progress=progress) if over_envelope else None
     scores = (
-        Score(name, summary_of(name), own_setting(plan, plan.compensators[name], threads_or_cores(threads)), None)
+        Score(name, summary_of(name), own_setting(plan, plan.laws[name], threads_or_cores(threads)), None)
         for name in chosen
     )
-    return Scored(plan, tuple(score if found is None else score_over(plan, score, found) for score in scores))
+    return LawScores(plan, tuple(score if found is None else score_over(plan, score, found) for score in scores))
 
 
 def check_names(loader: Loader, names: Sequence[str]) -> None:
@@ -173,22 +173,22 @@ def summary_of(name: str) -> str:
     """What a method is, in a line."""
     if name.endswith(LAW_FILE):
         return "the law of a file, as it is"
-    return METHODS[name].summary if name in METHODS else _OF_THE_REPORT[name]
+    return LAW_DESIGNS[name].summary if name in LAW_DESIGNS else _OF_THE_REPORT[name]
 
 
 def score_over(plan: Plan, score: Score, found: Envelope) -> Score:
     """A method's score, with what it does over an envelope of the plan."""
     name = score.name
     feel = plan.settings.feel(plan.loader)
-    laws = Law.of(plan.compensators[name], plan.loader, feel, name)
+    laws = Law.of(plan.laws[name], plan.loader, feel, name)
     lost = max(found.case_shares(name), key=lambda row: row.lost if row.lost > 0 else 0.0)
     corners = _corners(plan)
     loops = command_loops(plan.loader, laws.some(corners), feel[corners])
     over = OverEnvelope(
         shares=found.shares(name),
-        lost_most=lost if lost.lost > 0 else None,
+        worst_case=lost if lost.lost > 0 else None,
         demand=_demand(plan, laws, feel, found.stable(name)[0]),
-        margins=least_margins([score.own.margins, *map(loop_margins, loops)]),
+        margins=minimum_margins([score.own.margins, *map(loop_margins, loops)]),
     )
     return replace(score, over=over)
 

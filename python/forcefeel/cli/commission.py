@@ -55,14 +55,14 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
             DATA,
         ),
     ] = False
-    bench: Annotated[
+    simulate_bench: Annotated[
         Path | None,
         option("A loader file of a machine that is simulated in place of a bench.", BENCH, metavar="TRUTH.toml"),
     ] = None
     time_s: Annotated[float, option("Length of the simulated record in s.", BENCH, "--time")] = 60.0
     rate_hz: Annotated[float, option("Samples per second of it.", BENCH, "--rate")] = 1000.0
     seed: Annotated[int, option("Of the noise of its sensors.", BENCH)] = 1974
-    share: Annotated[
+    required_share: Annotated[
         str,
         option(
             "Share of the settings, spaced in proportion, that the law is to render: of the identified loader, and on average of "
@@ -106,7 +106,7 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
         from forcefeel.sweep import text
 
         return CommissionPlan(
-            share=value("--share", self.share, "", "95 %"),
+            share=value("--required-share", self.required_share, "", "95 %"),
             fit=tuple(one.strip() for one in self.fit.split(",") if one.strip()),
             starts=self.starts,
             rule=self.rule,
@@ -123,9 +123,9 @@ class CommissionOptions(BenchOptions, LoaderOptions, FolderOptions, ThreadOption
         Raises:
             InputError: If there are none and no machine to simulate, or both, or a file is bad.
         """
-        if bool(self.data) is (self.bench is not None):
+        if bool(self.data) is (self.simulate_bench is not None):
             raise InputError(
-                "--data: expected bench data, or with --bench a machine to simulate in their place, and not both; "
+                "--data: expected bench data, or with --simulate-bench a machine to simulate in their place, and not both; "
                 + ("leave one out" if self.data else "give one")
             )
         return self.read(self.data)
@@ -136,7 +136,7 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
 
     A folder for each step, and one page with the result. Interrupted, it goes on where it was when it is called again. Exit status
     1 if something that is needed is not determined, or the law does not reach the share or the tests: it is then written as
-    law-not-good.json.
+    law-rejected.json.
 
     Example: forcefeel commission my.toml --data bench.csv --out commissioned
     """
@@ -146,11 +146,11 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
     from forcefeel.commission.simulated_bench import BenchTime
     from forcefeel.loader.built_in import open_loader
 
-    inputs = [one for one in (path, options.bench, *options.data) if one is not None and input_kind(one)]
+    inputs = [one for one in (path, options.simulate_bench, *options.data) if one is not None and input_kind(one)]
     command = options.command_line(path)
     check_folder(options.out, command, replace=options.replace, inputs=inputs)  # before the work, not after it
     loader, data, plan = options.loader(path), options.measured(), options.plan()
-    truth = None if options.bench is None else open_loader(options.bench)
+    truth = None if options.simulate_bench is None else open_loader(options.simulate_bench)
     with Bar("commission", "steps", silent=options.json, even=False) as bar:
 
         def told(step: str, what: str) -> None:
@@ -189,7 +189,7 @@ def _there(out: Path, name: str) -> Path | None:
 
 def law_file(out: Path) -> Path | None:
     """The law that was written, good or not."""
-    return _there(out, "law.json") or _there(out, "law-not-good.json")
+    return _there(out, "law.json") or _there(out, "law-rejected.json")
 
 
 def _show(console: Terminal, found: "Commission") -> None:

@@ -20,7 +20,7 @@ from forcefeel.json_values import json_value
 from forcefeel.units import UnitSystem, to_text
 
 if TYPE_CHECKING:
-    from forcefeel.choice import Choice, Score, Scored
+    from forcefeel.choice import Choice, LawScores, Score
     from forcefeel.laws.law import Law
     from forcefeel.loader.loader import Loader
 
@@ -93,7 +93,7 @@ class CompensateOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadO
                 "--envelope: is for one method by its name; --method auto tries all over the envelope anyway"
             )
         if self.method != AUTO and not self.envelope:
-            self._refuse({"grid", "off"}, "is for the envelope; add --envelope, or take --method auto")
+            self._refuse({"grid", "deviation"}, "is for the envelope; add --envelope, or take --method auto")
 
     def _refuse(self, names: set[str], why: str) -> None:
         for field, name, _ in named_options(type(self)):
@@ -101,7 +101,7 @@ class CompensateOptions(ReleaseOptions, RecursionOptions, FolderOptions, ThreadO
                 raise InputError(f"{name}: {why}")
 
 
-_METHOD_ALONE = ("envelope", "grid", "rule", "off", "out")
+_METHOD_ALONE = ("envelope", "grid", "rule", "deviation", "out")
 
 
 def run(path: LoaderFile = None, /, *, options: CompensateOptions = CompensateOptions()) -> None:
@@ -129,12 +129,12 @@ def _recursion(loader: "Loader", options: CompensateOptions) -> None:
     """Computes gains and closes the loop; gains that the recursion reached go to their file."""
     from forcefeel.cli import show
     from forcefeel.design.assessment import assess, peaks
-    from forcefeel.laws.analog.recursion import compensate
+    from forcefeel.laws.analog.recursion import design_gains
     from forcefeel.laws.law import Law
 
     settings = options.settings(loader)
-    found = compensate(loader, settings)
-    law = found.compensator(loader)
+    found = design_gains(loader, settings)
+    law = found.law(loader)
     judged = assess(loader, law, found.settings)
     demand = peaks(loader, law) if judged.stable else None
     saved = options.save_law if found.reached else None
@@ -153,7 +153,7 @@ def _recursion(loader: "Loader", options: CompensateOptions) -> None:
 
 def _methods(loader: "Loader", options: CompensateOptions, command: str) -> None:
     """Tries methods, or designs one, and writes the folder; the law goes to its file."""
-    from forcefeel.choice import choose, score_methods
+    from forcefeel.choice import choose, score_laws
     from forcefeel.choice.as_json import choice_json
     from forcefeel.choice.page.folder import FOLDER, write_choice
     from forcefeel.choice.score import COARSE, check_names
@@ -166,7 +166,7 @@ def _methods(loader: "Loader", options: CompensateOptions, command: str) -> None
     grid = {**COARSE, **text.assignments("--grid", options.grid, "stiffness=1..100 %:6:log")}
     FOLDER.check(out, replace=options.replace)  # before the work, not after it
     with all_or_nothing("compensate", "releases", silent=options.json) as bar:
-        scored = score_methods(
+        scored = score_laws(
             loader,
             names,
             grid,
@@ -193,7 +193,7 @@ def _methods(loader: "Loader", options: CompensateOptions, command: str) -> None
         raise SystemExit(BAD_ANSWER)
 
 
-def _law(loader: "Loader", scored: "Scored", choice: "Choice | None") -> "Law | None":
+def _law(loader: "Loader", scored: "LawScores", choice: "Choice | None") -> "Law | None":
     """The law that was chosen or asked for, at the loader's own setting and those it was tried at; ``None`` where there is none."""
     import numpy as np
 
@@ -212,7 +212,7 @@ def _law(loader: "Loader", scored: "Scored", choice: "Choice | None") -> "Law | 
     )
 
 
-def _show(console: Terminal, scored: "Scored", choice: "Choice | None", units: UnitSystem) -> None:
+def _show(console: Terminal, scored: "LawScores", choice: "Choice | None", units: UnitSystem) -> None:
     from forcefeel.choice.findings import choice_conclusions, design_conclusions
 
     console.show(_table(scored, choice), on_the_page=_MARGINS)
@@ -222,7 +222,7 @@ def _show(console: Terminal, scored: "Scored", choice: "Choice | None", units: U
 _MARGINS = ("gain", "phase deg", "delay ms")
 
 
-def _table(scored: "Scored", choice: "Choice | None") -> Table:
+def _table(scored: "LawScores", choice: "Choice | None") -> Table:
     table = Table(title="Methods, shares in %", title_justify="left", title_style="bold")
     table.add_column("method", no_wrap=True)
     over = scored.scores[0].over is not None
@@ -240,7 +240,7 @@ def _table(scored: "Scored", choice: "Choice | None") -> Table:
 def _cells(score: "Score") -> list[str]:
     own, margins = score.own, score.own.margins
     shares = score.over.shares if score.over else None
-    numbers = [100 * one for one in (shares.passes_worst, shares.passes, shares.stable)] if shares else []
+    numbers = [100 * one for one in (shares.worst_case_share, shares.nominal_share, shares.stable)] if shares else []
     found = [to_text(one, 3) for one in numbers]
     if own.stable:
         bears = (margins.gain_up, degrees(margins.phase_rad), 1e3 * margins.delay_s)

@@ -31,7 +31,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
 
     Example: forcefeel design elevator-2khz --out report
     """
-    from forcefeel.choice import best_law, few_settings
+    from forcefeel.choice import best_law, quick_choice
     from forcefeel.design import workflow
     from forcefeel.design.findings import conclusions
     from forcefeel.design.motor_design import design_motor
@@ -47,7 +47,7 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
         options.check_none(loader)
     called = (str(path or loader.name), *(word for change in options.set_ for word in ("--set", change)))
     with all_or_nothing("design", "steps", silent=options.json, even=False) as bar:
-        own, of_laws = (() if electric else workflow.STEPS), (few_settings.steps(loader) if digital else ())
+        own, of_laws = (() if electric else workflow.STEPS), (quick_choice.steps(loader) if digital else ())
         begin = bar.steps(len(own) + len(of_laws) + 1)
         servo = None if electric else workflow.design_servo(loader, settings, begin)
         tried = best_law(loader, units=units, called=called, progress=begin) if digital else None
@@ -61,5 +61,5 @@ def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions())
     else:
         Terminal().conclude(told)
         print(f"report: {page}")
-    if not told.good:
+    if not told.ok:
         raise SystemExit(BAD_ANSWER)

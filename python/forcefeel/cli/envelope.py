@@ -87,7 +87,7 @@ def run(path: LoaderOrProject = None, /, *, options: EnvelopeOptions = EnvelopeO
     """Map which programmed feels the loader renders: stable, and its release within the tolerances of a rule.
 
     With the nominal plant, with each plant parameter at either end of its tolerance (the loader file's; where it gives none, 20 %
-    are assumed, of the valve's gain 30 %; --off) and with each pilot's arm at the grip; then with all tolerances at once.
+    are assumed, of the valve's gain 30 %; --deviation) and with each pilot's arm at the grip; then with all tolerances at once.
 
     In place of a loader also a project file, whose table [axes] names the loader of each axis: a table over them, a page for each.
 
@@ -151,7 +151,7 @@ def _show_axes(console: Terminal, found: "CockpitEnvelope") -> None:
             row.axis,
             row.loader,
             row.drive,
-            row.compensator,
+            row.law,
             angle_text(row.release_rad, UnitSystem.SI),
             *row.shares,
             row.worst_text,
@@ -164,12 +164,12 @@ def _show(console: Terminal, found: "Envelope", units: UnitSystem) -> None:
     from forcefeel.envelope.findings import angle_text, envelope_conclusions
 
     title = f"Shares of the settings, released from {angle_text(found.plan.release_rad, units)}"
-    table = Table("compensator", title=title, title_justify="left", title_style="bold")
+    table = Table("law", title=title, title_justify="left", title_style="bold")
     for name in ("stable", "passes", "stable in every case", "passes in every case"):
         table.add_column(name, justify="right")
-    for name in found.compensators:
+    for name in found.laws:
         one = found.shares(name)
-        table.add_row(name, *map(share_text, (one.stable, one.passes, one.stable_worst, one.passes_worst)))
+        table.add_row(name, *map(share_text, (one.stable, one.nominal_share, one.stable_worst, one.worst_case_share)))
     console.show(table)
     if found.smaller:
         console.show(_by_angle(found, units))
@@ -181,12 +181,10 @@ def _show(console: Terminal, found: "Envelope", units: UnitSystem) -> None:
 def _by_angle(found: "Envelope", units: UnitSystem) -> Table:
     from forcefeel.envelope.findings import angle_text
 
-    table = Table(
-        "compensator", title="Passes with the nominal plant, released from", title_justify="left", title_style="bold"
-    )
+    table = Table("law", title="Passes with the nominal plant, released from", title_justify="left", title_style="bold")
     for one in found.by_angle:
         table.add_column(angle_text(one.release_rad, units), justify="right")
-    for name in found.compensators:
+    for name in found.laws:
         table.add_row(name, *(share_text(one.passes[name]) for one in found.by_angle))
     return table
 
@@ -195,11 +193,11 @@ def _drawn(found: "Envelope") -> Table:
     from forcefeel.envelope.result import MOST
 
     machines = f"{len(found.plan.machines):,} machines {'at the corners' if found.plan.draws.corners else 'at random'}"
-    table = Table("compensator", title=f"All tolerances at once, {machines}", title_justify="left", title_style="bold")
+    table = Table("law", title=f"All tolerances at once, {machines}", title_justify="left", title_style="bold")
     most = share_text(MOST)
     for name in (f"settings, in {most} of machines", f"machines, at {most} of settings", "a machine, on average"):
         table.add_column(name, justify="right")
-    for name in found.compensators:
+    for name in found.laws:
         one = found.drawn_shares(name)
         table.add_row(name, *map(share_text, (one.settings, one.good, one.passes)))
     return table

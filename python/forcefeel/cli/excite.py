@@ -86,7 +86,7 @@ class ExciteOptions(LoaderOptions, OutputOptions):
             metavar="[CHANNEL=]NOISE",
         ),
     ] = ()
-    kind: Annotated[Literal["multisine", "chirp"], option("What kind of signal.", SIGNAL)] = "multisine"
+    signal: Annotated[Literal["multisine", "chirp"], option("Kind of signal.", SIGNAL)] = "multisine"
     time_s: Annotated[float, option("Length in s; six periods fit in it at least.", SIGNAL, "--time")] = 60.0
     rate_hz: Annotated[float, option("Samples per second, four per cycle of the highest line.", SIGNAL, "--rate")] = (
         1000.0

@@ -68,7 +68,7 @@ def _spelled(error: InputError) -> InputError:
     """What is wrong, told by the option that says it."""
     text = str(error)
     for argument, option_name in (
-        ("compensator: ", "--law: "),
+        ("law: ", "--law: "),
         ("law: ", "--law: "),
         ("name: ", "--name: "),
         ("target: ", "--target: "),

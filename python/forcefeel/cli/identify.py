@@ -171,7 +171,7 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
         lambda terminal: _show(terminal, found, options.units),
         as_json=options.json,
     )
-    if not identification_conclusions(found, options.units).good:
+    if not identification_conclusions(found, options.units).ok:
         raise SystemExit(BAD_ANSWER)
 
 

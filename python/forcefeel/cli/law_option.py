@@ -61,4 +61,4 @@ def law_option_named() -> Iterator[None]:
         raise InputError(f"--law: {said.removeprefix(_ARGUMENT)}") from error
 
 
-_ARGUMENT = "compensator: "
+_ARGUMENT = "law: "

@@ -28,8 +28,8 @@ from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
     from forcefeel.loader.loader import Loader
-    from forcefeel.qualification.programme import Qualification, QualificationSetup
-    from forcefeel.qualification.programme.cockpit import CockpitQualification
+    from forcefeel.qualification.plan import Qualification, QualificationSetup
+    from forcefeel.qualification.plan.cockpit import CockpitQualification
 
 TESTS = Group("Tests", sort_key=10)
 RECORDS = Group("Records", sort_key=20)
@@ -189,7 +189,7 @@ class QualifyOptions(LoaderOptions, FolderOptions, OutputOptions):
             InputError: If an option is bad or does not go with another.
         """
         from forcefeel.laws.law import names_for
-        from forcefeel.qualification.programme import QualificationSetup
+        from forcefeel.qualification.plan import QualificationSetup
 
         for name, given in (("--law", self.law), ("--compare", self.compare)):
             if given and self.records:
@@ -220,9 +220,9 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
     """
     from forcefeel.page.chromium import find_chromium
     from forcefeel.qualification.page.folder import FOLDER, write_cockpit, write_qualification
-    from forcefeel.qualification.programme import qualify_loader
-    from forcefeel.qualification.programme.as_json import cockpit_json, qualification_json
-    from forcefeel.qualification.programme.cockpit import qualify_cockpit
+    from forcefeel.qualification.plan import qualify_loader
+    from forcefeel.qualification.plan.as_json import cockpit_json, qualification_json
+    from forcefeel.qualification.plan.cockpit import qualify_cockpit
 
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     if options.pdf:
@@ -256,7 +256,7 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
 
 
 def _show_axes(console: Terminal, found: "CockpitQualification") -> None:
-    from forcefeel.qualification.programme.cockpit import cockpit_conclusions
+    from forcefeel.qualification.plan.cockpit import cockpit_conclusions
 
     table = Table(
         "axis", "test", "outcome", "law", title=f"{found.name}: test guide", title_justify="left", title_style="bold"
@@ -273,7 +273,7 @@ def _show_axes(console: Terminal, found: "CockpitQualification") -> None:
 
 
 def _show(console: Terminal, found: "Qualification") -> None:
-    from forcefeel.qualification.programme.sentences import conclusions
+    from forcefeel.qualification.plan.sentences import conclusions
 
     title = f"{found.loader.name}, {found.rules.title} ({found.rules.edition}), {found.axis}"
     console.show((_tests if len(found.sections) <= _SIDE_BY_SIDE else _counts)(found, title))
@@ -300,10 +300,10 @@ def _counts(found: "Qualification", title: str) -> Table:
     """What each law came to, and how many tests came to what."""
     from forcefeel.qualification import Outcome
 
-    table = Table("law", "standing", title=title, title_justify="left", title_style="bold")
+    table = Table("law", "status", title=title, title_justify="left", title_style="bold")
     for outcome in Outcome:
         table.add_column(str(outcome), justify="right")
     for section in found.sections:
         counts = (str(section.count(outcome)) for outcome in Outcome)
-        table.add_row(section.title, str(section.standing), *counts)
+        table.add_row(section.title, str(section.status), *counts)
     return table

@@ -25,7 +25,7 @@ class ReleaseOptions(LoaderOptions):
     rule: Annotated[str, option("Edition of the rule whose release test is asked for.", ASKED, metavar="EDITION")] = (
         EDITION
     )
-    off: Annotated[
+    deviation: Annotated[
         tuple[str, ...],
         option(
             "How far a parameter of the plant is off to either side, such as 'column.inertia=2 %', in place of the loader file's "
@@ -42,7 +42,7 @@ class ReleaseOptions(LoaderOptions):
         Raises:
             InputError: If an option is bad, or a tolerance of the loader leads out of its row's range.
         """
-        return given_deviations(loader, self.off)
+        return given_deviations(loader, self.deviation)
 
 
 @dataclass(frozen=True, kw_only=True)

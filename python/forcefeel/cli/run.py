@@ -21,7 +21,7 @@ from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
 
 if TYPE_CHECKING:
-    from forcefeel.live import Histogram, Running
+    from forcefeel.live import Histogram, LiveSession
 
 LIVE = Group("Live run", sort_key=10)
 CONSOLE = Group("Console", sort_key=20)
@@ -79,9 +79,9 @@ def run(path: LoaderFile = None, /, *, options: RunOptions = RunOptions()) -> No
     loader = options.loader(path)
     law = given_law(options.law, loader)
     record = None if options.out is None else _record(options.out, replace=options.replace)
-    over = Simulated() if options.machine is None else Udp(options.machine)
+    endpoint = Simulated() if options.machine is None else Udp(options.machine)
     with (
-        start(loader, law, over=over, host=options.host, record=record, expected_s=lasts) as running,
+        start(loader, law, endpoint=endpoint, host=options.host, record=record, expected_s=lasts) as running,
         _told_to_end() as told,
         _console(running, options),
     ):
@@ -105,7 +105,7 @@ _LOOK_S = 0.05
 
 
 @contextmanager
-def _console(running: "Running", options: RunOptions) -> Iterator[None]:
+def _console(running: "LiveSession", options: RunOptions) -> Iterator[None]:
     """The console, where it is wanted; without one the law is switched on here.
 
     Raises:
@@ -116,12 +116,12 @@ def _console(running: "Running", options: RunOptions) -> Iterator[None]:
         running.on()
         yield
         return
-    from forcefeel.live.console.apart import ConsoleApart
-    from forcefeel.live.console.door import Door
-    from forcefeel.qualification.programme.run import QualificationSetup
+    from forcefeel.live.console.listener import Listener
+    from forcefeel.live.console.process import ConsoleProcess
+    from forcefeel.qualification.plan.run import QualificationSetup
 
-    door = Door.at(options.port, options.bind, token=not options.no_token)
-    with ConsoleApart(running, door, QualificationSetup(system=options.units), _tell):
+    door = Listener.at(options.port, options.bind, token=not options.no_token)
+    with ConsoleProcess(running, door, QualificationSetup(system=options.units), _tell):
         _tell(f"console: {door.address}")
         if not options.no_token:
             _tell(f"to look on and stop: {door.watch_address}")
@@ -145,7 +145,7 @@ def _told_to_end() -> Iterator[threading.Event]:
             signal.signal(one, handler)
 
 
-def _wait(running: "Running", lasts_s: float, told: threading.Event) -> None:
+def _wait(running: "LiveSession", lasts_s: float, told: threading.Event) -> None:
     end, ended = time.monotonic() + lasts_s, ""
     while (left := end - time.monotonic()) > 0 and not running.state.ended and not told.wait(min(left, _LOOK_S)):
         if (why := running.state.record_ended) != ended:
@@ -167,7 +167,7 @@ def _record(out: Path, *, replace: bool) -> Path:
     return out / RECORD
 
 
-def _json(running: "Running") -> dict[str, object]:
+def _json(running: "LiveSession") -> dict[str, object]:
     from forcefeel.live.state import QUANTILE_ERROR
 
     state, timing = running.state, running.timing
@@ -188,12 +188,12 @@ def _json(running: "Running") -> dict[str, object]:
             for name, one in of.items()
         },
         "quantile_error": QUANTILE_ERROR,
-        "granted": list(running.granted),
+        "realtime_status": list(running.realtime_status),
         "findings": _findings(running),
     }
 
 
-def _findings(running: "Running") -> list[str]:
+def _findings(running: "LiveSession") -> list[str]:
     remark = running.law.made_for_another(running.loader)
     return [remark] if remark else []
 
@@ -205,7 +205,7 @@ def _quantiles(histogram: "Histogram") -> dict[str, float]:
     }
 
 
-def _show(console: Terminal, running: "Running") -> None:
+def _show(console: Terminal, running: "LiveSession") -> None:
     from rich.table import Table
 
     from forcefeel.live.state import QUANTILE_ERROR
@@ -226,7 +226,7 @@ def _show(console: Terminal, running: "Running") -> None:
     for name, one in (("thread woke late by", timing.late), ("work of a cycle", timing.work)):
         table.add_row(name, *(f"{to_text(value, 3)} us" for value in _quantiles(one).values()))
     console.show(table)
-    for line in running.granted:
+    for line in running.realtime_status:
         console.print(f"- the loop's thread {line}" if line.startswith("runs") else f"- {line}", highlight=False)
     for line in _findings(running):
         console.print(f"- {line}", highlight=False)

@@ -40,7 +40,7 @@ OPTIONS: Mapping[str, tuple[InputKind, ...]] = {
     "--start": (InputKind.STEP, InputKind.PULSE, InputKind.DOUBLET, InputKind.RELEASE),
     "--width": (InputKind.PULSE, InputKind.DOUBLET),
     "--angle": (InputKind.RELEASE,),
-    "--lasts": _LASTING,
+    "--input-duration": _LASTING,
     "--from": (InputKind.CHIRP, InputKind.MULTISINE),
     "--to": (InputKind.CHIRP, InputKind.MULTISINE),
     "--spacing": (InputKind.CHIRP,),
@@ -113,7 +113,7 @@ class InputOptions:
     def _lasting(self) -> "Force":
         from forcefeel.simulation import inputs
 
-        lasts = self._time("--lasts", self.duration_s)
+        lasts = self._time("--input-duration", self.duration_s)
         match self.kind:
             case InputKind.STOP_TO_STOP:
                 return inputs.StopToStop(self._force(), lasts)
@@ -174,6 +174,6 @@ class InputOptions:
         if not 0 <= last - first < _MOST_LINES:
             raise InputError(
                 f"--from, --to: expected 1 to {_MOST_LINES} multiples of {1 / period_s:g} Hz, one over the period, from "
-                f"{low:g} Hz to {high:g} Hz, got {max(last - first + 1, 0):.6g}; change the band or --lasts"
+                f"{low:g} Hz to {high:g} Hz, got {max(last - first + 1, 0):.6g}; change the band or --input-duration"
             )
         return tuple(cycles / period_s for cycles in range(int(first), int(last) + 1))

@@ -64,7 +64,7 @@ class ScenarioOptions(LoaderOptions):
     angle: Annotated[
         str | None, option("Release: angle at which the grip is held, such as '10 deg'.", INPUT, metavar="ANGLE")
     ] = None
-    lasts: Annotated[
+    input_duration: Annotated[
         str | None,
         option(
             "Length of a stop-to-stop sweep or a chirp, period of a multisine.",
@@ -158,7 +158,9 @@ class ScenarioOptions(LoaderOptions):
             metavar="CHANGE",
         ),
     ] = ()
-    over: Annotated[str | None, option("How long each --change takes.", RARE, default="0.5 s", metavar="TIME")] = None
+    fade_time: Annotated[str | None, option("How long each --change takes.", RARE, default="0.5 s", metavar="TIME")] = (
+        None
+    )
     step: Annotated[
         str | None,
         option(
@@ -261,7 +263,9 @@ class ScenarioOptions(LoaderOptions):
 
     def _given(self) -> dict[str, str]:
         """The options of the input that are given, by name."""
-        named = {"--from": self.from_} | {name: getattr(self, name[2:]) for name in OPTIONS if name != "--from"}
+        named = {"--from": self.from_} | {
+            name: getattr(self, name[2:].replace("-", "_")) for name in OPTIONS if name != "--from"
+        }
         return {name: text for name, text in named.items() if text is not None}
 
     def _recorded(self) -> "Recorded | None":
@@ -291,9 +295,9 @@ class ScenarioOptions(LoaderOptions):
     def _changes(self) -> "tuple[FeelChange, ...]":
         from forcefeel.simulation import FeelChange
 
-        if self.over is not None and not self.change:
-            raise InputError("--over: is how long a --change takes, and there is none; leave it out")
-        over_s = FADE_S if self.over is None else seconds("--over", self.over)
+        if self.fade_time is not None and not self.change:
+            raise InputError("--fade-time: is how long a --change takes, and there is none; leave it out")
+        fade_s = FADE_S if self.fade_time is None else seconds("--fade-time", self.fade_time)
         found = []
         for text in self.change or ():
             time, colon, values = text.partition(":")
@@ -303,7 +307,7 @@ class ScenarioOptions(LoaderOptions):
                     f"--change: expected a time, a colon and new values such as {example!r}, got {show(text)}"
                 )
             changes = assignments("--change", tuple(values.split(",")))
-            found.append(FeelChange(seconds("--change", time.strip()), changes, over_s))
+            found.append(FeelChange(seconds("--change", time.strip()), changes, fade_s))
         return tuple(found)
 
 

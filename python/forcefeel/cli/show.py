@@ -10,7 +10,7 @@ from forcefeel.cli.terminal import Terminal
 from forcefeel.design.analysis import Analysis
 from forcefeel.design.assessment import AnyPeaks, Assessment, Peaks
 from forcefeel.design.workflow import ServoAnalysis
-from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, GainDesign
 from forcefeel.linear.frequency import Margins
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.linear.modes import Mode, least_damped
@@ -76,7 +76,7 @@ def show_boundary(console: Terminal, title: str, stiffness: str, found: Analysis
 def compensation(
     console: Terminal,
     loader: Loader,
-    found: Compensation,
+    found: GainDesign,
     judged: Assessment,
     demand: AnyPeaks | None,
     units: UnitSystem,

@@ -96,7 +96,7 @@ def _show(console: Terminal, found: "Sizing", units: UnitSystem) -> None:
     from forcefeel.sizing.findings import sizing_conclusions
 
     title = f"{found.loader.name}, {found.plan.axis}: asked at the grip"
-    _show_table(console, ("asked", title), columns(found, units), ((one.name, one) for one in found.asked))
+    _show_table(console, ("asked", title), columns(found, units), ((one.name, one) for one in found.demands))
     console.conclude(sizing_conclusions(found, units))
 
 

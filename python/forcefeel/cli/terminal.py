@@ -58,7 +58,7 @@ class Terminal(Output):
             found: Both.
             alarming: Whether a bad verdict is red: where it ends the command with status 1. A map of what can be had is neither.
         """
-        red = alarming and not found.good
+        red = alarming and not found.ok
         self.print(found.verdict, style="bold red" if red else "bold", highlight=False)
         for finding in found.findings:
             self.print(f"- {finding}", highlight=False)

@@ -17,7 +17,7 @@ def commission_json(found: Commission) -> dict[str, Json]:
         "units": str(units),
         "loader": found.before.name,
         "good": found.good,
-        "share_asked_for": found.plan.share,
+        "required_share": found.plan.share,
         "rule": found.plan.rule,
         "conclusions": json_value(commission_conclusions(found), units),
         "identification": {

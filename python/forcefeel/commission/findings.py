@@ -6,7 +6,7 @@ from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, UN
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, TESTS
 from forcefeel.conclusions import Conclusions, of_result, share_text
 
-GOOD_LAW, OTHER_LAW = "law.json", "law-not-good.json"
+GOOD_LAW, OTHER_LAW = "law.json", "law-rejected.json"
 """Name of the law's file: one that may be handed over, and one that is there to be looked at."""
 
 _MOST = 3

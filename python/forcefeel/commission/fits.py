@@ -7,9 +7,9 @@ from forcefeel.bench.identification.fit import identify, unseen_from_afar
 from forcefeel.bench.identification.result import Estimate, Identification, Status
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
+from forcefeel.commission.observability import BREAKAWAY, DRY, candidates, seen_by, with_friction
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import AT_END, CARRIED, NOTHING, UNSEEN
-from forcefeel.commission.seen import BREAKAWAY, DRY, candidates, seen_by, with_friction
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader

@@ -17,9 +17,9 @@ from forcefeel.bench.identification.unknowns import parameter_keys
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.commission.fits import Fits, fit_what_is_seen
+from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import AT_END, CARRIED, IDENTIFIED, NOTHING, Identified, ParameterFound
-from forcefeel.commission.seen import BREAKAWAY, DRY
 from forcefeel.commission.sensor_lag import SENSOR_OF, without_lag
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader

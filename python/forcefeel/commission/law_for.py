@@ -8,13 +8,13 @@ compared; it does in the step that checks the one that is taken.
 from collections.abc import Callable
 from dataclasses import replace
 
-from forcefeel.choice.few_settings import at_own_setting
 from forcefeel.choice.findings import choice_conclusions
+from forcefeel.choice.quick_choice import at_own_setting
 from forcefeel.choice.rule import CLOSE, MEASURED, Choice, choose, obstacles
-from forcefeel.choice.score import Score, Scored, score_over
+from forcefeel.choice.score import LawScores, Score, score_over
 from forcefeel.commission.plan import CommissionPlan
+from forcefeel.commission.qualification_step import run_tests
 from forcefeel.commission.result import LawChosen
-from forcefeel.commission.tested import run_tests
 from forcefeel.conclusions import capital
 from forcefeel.envelope.deviations import Deviation, deviations_of
 from forcefeel.envelope.plan import make_plan
@@ -30,7 +30,7 @@ SIZED = 0.005
 
 def choose_law(
     loader: Loader, plan: CommissionPlan, progress: Callable[[str], None] = lambda _: None
-) -> tuple[LawChosen, Scored, Choice]:
+) -> tuple[LawChosen, LawScores, Choice]:
     """Scores the laws and takes one by the rule of ``choose``, those first that render the asked share.
 
     Args:
@@ -45,11 +45,9 @@ def choose_law(
     scores, refused = at_own_setting(asked, threads)
     period = loader["controller.period"]
     able = [score.name for score in scores if not obstacles(score, period, MEASURED)]
-    scored = Scored(
-        replace(asked, compensators={one.name: asked.compensators[one.name] for one in scores}), tuple(scores)
-    )
+    scored = LawScores(replace(asked, laws={one.name: asked.laws[one.name] for one in scores}), tuple(scores))
     if able:
-        tried = replace(asked, compensators={name: asked.compensators[name] for name in able})
+        tried = replace(asked, laws={name: asked.laws[name] for name in able})
         progress(f"{len(able)} laws over {asked.settings.count} settings")
         found = compute(tried, threads=threads)
         over = {score.name: score_over(tried, score, found) for score in scores if score.name in able}
@@ -66,7 +64,9 @@ def choose_law(
     return LawChosen(choice.chosen or "", said.verdict, (*lesser, *failed, *remarks, *refused)), scored, choice
 
 
-def _passing(scored: Scored, plan: CommissionPlan, progress: Callable[[str], None]) -> tuple[Choice, tuple[str, ...]]:
+def _passing(
+    scored: LawScores, plan: CommissionPlan, progress: Callable[[str], None]
+) -> tuple[Choice, tuple[str, ...]]:
     """The first choice that passes the rule's tests, of those that render the share; the first of all where none does."""
     first = choice = _choice(scored, plan.share)
     failed: list[str] = []
@@ -85,7 +85,7 @@ def _passing(scored: Scored, plan: CommissionPlan, progress: Callable[[str], Non
     return first, tuple(failed)
 
 
-def _choice(scored: Scored, share: float) -> Choice:
+def _choice(scored: LawScores, share: float) -> Choice:
     """By the usual reserve, if what it leaves renders the share; else by that of a loader that is measured."""
     usual = choose(scored, share)
     if usual.chosen and _passes(scored, usual) >= share:
@@ -95,13 +95,13 @@ def _choice(scored: Scored, share: float) -> Choice:
     return measured if better else usual
 
 
-def _score(scored: Scored, choice: Choice) -> Score:
+def _score(scored: LawScores, choice: Choice) -> Score:
     return next(score for score in scored.scores if score.name == choice.chosen)
 
 
-def _passes(scored: Scored, choice: Choice) -> float:
+def _passes(scored: LawScores, choice: Choice) -> float:
     over = _score(scored, choice).over
-    return 0.0 if over is None else over.shares.passes
+    return 0.0 if over is None else over.shares.nominal_share
 
 
 def _sizing(loader: Loader) -> dict[str, Deviation]:

@@ -12,14 +12,14 @@ from forcefeel.bench.record_file import read_bench_record
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
 from forcefeel.choice.page.folder import write_choice
-from forcefeel.commission.checked import check_law
+from forcefeel.commission.envelope_step import check_law
 from forcefeel.commission.identified import identify_loader
 from forcefeel.commission.law_for import choose_law
 from forcefeel.commission.plan import CommissionPlan
+from forcefeel.commission.qualification_step import run_tests
 from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, RuleTests
 from forcefeel.commission.simulated_bench import BenchTime, record_csv, simulated_records
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, STEPS, TESTS, State, digest
-from forcefeel.commission.tested import run_tests
 from forcefeel.envelope.page.folder import write_envelope
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError

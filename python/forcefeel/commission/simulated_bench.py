@@ -1,4 +1,4 @@
-"""Records of a simulated machine, as a bench would make them of a real one: ``--bench TRUTH.toml``."""
+"""Records of a simulated machine, as a bench would make them of a real one: ``--simulate-bench TRUTH.toml``."""
 
 import io
 from collections.abc import Mapping

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import WhatIf
-from forcefeel.commission.seen import BREAKAWAY, DRY
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute
 from forcefeel.errors import InputError
@@ -49,7 +49,7 @@ def what_ifs(loader: Loader, name: str, plan: CommissionPlan, now: float) -> tup
     for change, law, other in _others(loader, name):
         try:
             asked = make_plan(other, [law], plan.grid, rule=plan.rule, changes={}, arms=())
-            found.append(WhatIf(change, compute(asked, threads=plan.threads).even_shares(law).passes))
+            found.append(WhatIf(change, compute(asked, threads=plan.threads).even_shares(law).nominal_share))
         except InputError:  # no law of this design for such a machine
             continue
     return tuple(one for one in found if one.passes >= now + _GAIN)

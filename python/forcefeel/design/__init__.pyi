@@ -9,8 +9,8 @@ from forcefeel.design.assessment import peaks as peaks
 from forcefeel.design.figure import Figure as Figure
 from forcefeel.design.figure_data import figures as figures
 from forcefeel.design.findings import conclusions as conclusions
-from forcefeel.design.laws_tried import LawsTried as LawsTried
-from forcefeel.design.laws_tried import LawTried as LawTried
+from forcefeel.design.law_comparison import LawComparison as LawComparison
+from forcefeel.design.law_comparison import LawResult as LawResult
 from forcefeel.design.motor import MotorAnalysis as MotorAnalysis
 from forcefeel.design.motor_design import MotorDesign as MotorDesign
 from forcefeel.design.motor_design import design_motor as design_motor

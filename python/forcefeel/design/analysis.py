@@ -47,7 +47,7 @@ class Configuration:
     Attributes:
         name: ``rigid``, ``compliant`` or ``compensated``.
         linkage: Rigid or compliant link.
-        compensator: The law; ``None`` is the original position loop, eq. (13), or a motor's feel by current alone.
+        law: The law; ``None`` is the original position loop, eq. (13), or a motor's feel by current alone.
         programmed: Result at the programmed setting.
         low: Result with I, B, G and the pilot's force at ``LOW_SHARE`` of it.
         boundary: Smallest stable G; of a motor the largest, under its controller.
@@ -55,7 +55,7 @@ class Configuration:
 
     name: str
     linkage: Linkage
-    compensator: Compensator | None = field(repr=False)
+    law: Compensator | None = field(repr=False)
     programmed: LoopResult
     low: LoopResult
     boundary: StabilityBoundary

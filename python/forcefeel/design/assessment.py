@@ -105,17 +105,17 @@ AnyPeaks = Peaks | MotorPeaks
 
 def assess(
     loader: Loader,
-    compensator: Compensator | None,
+    law: Compensator | None,
     settings: DesignSettings | None = None,
     *,
     linkage: Linkage = Linkage.COMPLIANT,
     programmed: Loader | None = None,
 ) -> Assessment:
-    """Judges the response of ``loader`` under ``compensator`` to its step of pilot force.
+    """Judges the response of ``loader`` under ``law`` to its step of pilot force.
 
     Args:
         loader: The loader that is there.
-        compensator: State feedback; the original system if ``None``.
+        law: State feedback; the original system if ``None``.
         settings: Weights of the cost index; the report's if not given.
         linkage: Rigid or compliant link.
         programmed: The loader whose feel is asked for, where ``loader`` deviates from it; its ideal is the measure.
@@ -123,12 +123,12 @@ def assess(
     Example:
         >>> import forcefeel as ff
         >>> loader = ff.elevator()
-        >>> law = ff.compensate(loader).compensator(loader)
+        >>> law = ff.design_gains(loader).law(loader)
         >>> f"{ff.design.assess(loader, law).tracking_error:.1%}"
         '19.2%'
     """
     programmed = programmed or loader
-    model, ideal = loader_model(loader, compensator, linkage), feel_model(programmed)
+    model, ideal = loader_model(loader, law, linkage), feel_model(programmed)
     abscissa = spectral_abscissa(model.A)
     if not is_stable(abscissa):
         return Assessment(False, abscissa, *[np.nan] * 7)
@@ -144,8 +144,8 @@ def assess(
     squares = gramian(system, start, DURATION_S)
     tracking = deviation @ squares @ deviation
     cost = np.nan
-    if compensator is not None and compensator.displacement_unit == "rad" and linkage is Linkage.COMPLIANT:
-        weight = _cost_weight(model, len(system), compensator, settings or DesignSettings(), programmed)
+    if law is not None and law.displacement_unit == "rad" and linkage is Linkage.COMPLIANT:
+        weight = _cost_weight(model, len(system), law, settings or DesignSettings(), programmed)
         cost = float(np.sum(weight * squares))
     return Assessment(
         stable=True,
@@ -179,7 +179,7 @@ def programmed_angle_rad(loader: Loader) -> float:
     return float(response(feel_model(loader), np.zeros(1, complex))[0].real) * loader["pilot.force"]
 
 
-def peaks(loader: Loader, compensator: Compensator | None, linkage: Linkage = Linkage.COMPLIANT) -> AnyPeaks:
+def peaks(loader: Loader, law: Compensator | None, linkage: Linkage = Linkage.COMPLIANT) -> AnyPeaks:
     """Largest demand on the valve, or on the motor, in the two seconds after the step of pilot force.
 
     Example:
@@ -187,7 +187,7 @@ def peaks(loader: Loader, compensator: Compensator | None, linkage: Linkage = Li
         >>> f"{ff.design.peaks(ff.elevator(), None).flow_share:.0%} of the rated flow"
         '19% of the rated flow'
     """
-    model = loader_model(loader, compensator, linkage)
+    model = loader_model(loader, law, linkage)
     _, outputs = step_outputs(model, loader["pilot.force"])
     largest = dict(zip(model.output_labels, np.nanmax(np.abs(outputs), axis=1).tolist(), strict=True))
     if loader.drive == ELECTRIC:
@@ -213,12 +213,12 @@ def _deviation(model: LinearModel, ideal: LinearModel) -> NDArray[np.float64]:
 
 
 def _cost_weight(
-    model: LinearModel, size: int, compensator: Compensator, settings: DesignSettings, programmed: Loader
+    model: LinearModel, size: int, law: Compensator, settings: DesignSettings, programmed: Loader
 ) -> NDArray[np.float64]:
     """Matrix of eq. (20)'s integrand ``x' [Q] x + R_2 e^2`` on ``z``."""
     pick = np.zeros((len(DESIGN_STATES), size))
     for row, state in enumerate(DESIGN_STATES[:-1]):
         pick[row, model.state_labels.index(state)] = 1.0
     pick[-1, -1] = 1.0
-    command = np.array(compensator.gains) @ pick
+    command = np.array(law.gains) @ pick
     return np.asarray(pick.T @ settings.weight(programmed) @ pick + settings.r2 * np.outer(command, command))

@@ -83,7 +83,7 @@ def _servo(key: str, title: str, loader: Loader, *, closed: bool) -> Figure:
 
 def _overall(design: Design) -> Figure:
     curves = {
-        one.name: frequency_response(open_loop_model(design.low_loader, one.linkage, one.compensator), FREQUENCIES_HZ)
+        one.name: frequency_response(open_loop_model(design.low_loader, one.linkage, one.law), FREQUENCIES_HZ)
         for one in design.configurations
     }
     return Figure("figure-10", "Overall open loop at the low setting", Kind.FREQUENCY, curves)
@@ -104,7 +104,7 @@ def _compensated(design: Design) -> Figure:
 
 
 def _configuration(one: Configuration, loader: Loader) -> xr.Dataset:
-    return _response(loader_model(loader, one.compensator, one.linkage), loader)
+    return _response(loader_model(loader, one.law, one.linkage), loader)
 
 
 def _response(model: LinearModel, loader: Loader) -> xr.Dataset:

@@ -7,7 +7,7 @@ from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.design import tried_findings
 from forcefeel.design.analysis import Configuration
 from forcefeel.design.assessment import Assessment, Peaks
-from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.law_comparison import LawComparison
 from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.motor_findings import motor_conclusions
 from forcefeel.design.sentences import FREQUENCY_TOLERANCE, hertz, percent, rendering, settling
@@ -22,7 +22,7 @@ SAME_MODE = 0.02
 """Relative difference in frequency below which two models' modes are called the same: what one can read off a plot."""
 
 
-def conclusions(design: Design | MotorDesign, units: UnitSystem, tried: LawsTried | None = None) -> Conclusions:
+def conclusions(design: Design | MotorDesign, units: UnitSystem, tried: LawComparison | None = None) -> Conclusions:
     """The conclusions of ``design``, with numbers in ``units``; those of the laws that were tried lead, where some were.
 
     Example:
@@ -37,7 +37,7 @@ def conclusions(design: Design | MotorDesign, units: UnitSystem, tried: LawsTrie
 
 
 @of_result
-def _servo_conclusions(design: Design, units: UnitSystem, tried: LawsTried | None) -> Conclusions:
+def _servo_conclusions(design: Design, units: UnitSystem, tried: LawComparison | None) -> Conclusions:
     lead = (
         ()
         if tried is None

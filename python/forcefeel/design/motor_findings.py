@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.design import tried_findings
 from forcefeel.design.assessment import Assessment, MotorPeaks
-from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.law_comparison import LawComparison
 from forcefeel.design.motor import MotorAnalysis
 from forcefeel.design.sentences import hertz, percent, rendering, settling
 from forcefeel.linear.electric_modes import COLUMN_ON_LINK, CURRENT_LOOP, ON_THE_LINK
@@ -26,7 +26,7 @@ NO_REPORT = (
 
 
 @of_result
-def motor_conclusions(design: "MotorDesign", units: UnitSystem, tried: LawsTried | None) -> Conclusions:
+def motor_conclusions(design: "MotorDesign", units: UnitSystem, tried: LawComparison | None) -> Conclusions:
     """The conclusions, with numbers in ``units``; those of the laws that were tried lead, where some were."""
     lead = () if tried is None else tuple(tried_findings.lines(tried))
     own = rendering(f"Under law {design.law} the loader", design.programmed.assessment, design.feel_frequency_rad_per_s)

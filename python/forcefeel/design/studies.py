@@ -33,7 +33,7 @@ class DroppedPaths:
     Example:
         >>> import forcefeel as ff
         >>> loader = ff.elevator()
-        >>> found = ff.design.drop_paths(loader, ff.compensate(loader).gains)
+        >>> found = ff.design.drop_paths(loader, ff.design_gains(loader).gains)
         >>> found[0].paths
         ('c_1',)
     """
@@ -56,7 +56,7 @@ class Deviation:
     Example:
         >>> import forcefeel as ff
         >>> loader = ff.elevator()
-        >>> found = ff.design.sensitivity(loader, ff.compensate(loader).gains)
+        >>> found = ff.design.sensitivity(loader, ff.design_gains(loader).gains)
         >>> found[0].quantity, found[0].change
         ('c_1', -0.2)
     """
@@ -79,7 +79,7 @@ def drop_paths(
     Example:
         >>> import forcefeel as ff
         >>> loader = ff.elevator()
-        >>> len(ff.design.drop_paths(loader, ff.compensate(loader).gains)) > 1
+        >>> len(ff.design.drop_paths(loader, ff.design_gains(loader).gains)) > 1
         True
     """
     full = assess(loader, state_feedback(loader, gains[:6]), settings)
@@ -91,7 +91,7 @@ def drop_paths(
             law = state_feedback(loader, left)
             found = assess(loader, law, settings)
             paths = tuple(GAIN_SYMBOLS[k] for k in dropped)
-            edge = smallest_stable_stiffness(loader, compensator=law)
+            edge = smallest_stable_stiffness(loader, law=law)
             rows.append(DroppedPaths(paths, found, found.cost / full.cost - 1, edge))
     return tuple(rows)
 
@@ -151,7 +151,7 @@ def sensitivity(
     Example:
         >>> import forcefeel as ff
         >>> loader = ff.elevator()
-        >>> len(ff.design.sensitivity(loader, ff.compensate(loader).gains)) > 1
+        >>> len(ff.design.sensitivity(loader, ff.design_gains(loader).gains)) > 1
         True
     """
     nominal = state_feedback(loader, gains[:6])

@@ -1,9 +1,9 @@
 """What the laws that were tried came to, in sentences: the best by the rule, and the report's where the loader can take it."""
 
-from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.law_comparison import LawComparison
 
 
-def verdict(tried: LawsTried) -> str:
+def verdict(tried: LawComparison) -> str:
     """Which law is the best and whether it qualifies."""
     if tried.impossible:
         return f"The laws cannot be tried on this loader: {tried.impossible}."
@@ -19,7 +19,7 @@ def verdict(tried: LawsTried) -> str:
     return f"By {tried.rule} law {best.name} {best.qualified_text}. The report's law {report.qualified_text}."
 
 
-def lines(tried: LawsTried) -> list[str]:
+def lines(tried: LawComparison) -> list[str]:
     """What the laws render, why the best is chosen, why the report's does not qualify, and what looks closer."""
     if tried.impossible:
         return []

@@ -10,7 +10,7 @@ from forcefeel._core import feel_frequency
 from forcefeel.design.analysis import LOW_SHARE, Analysis, configuration, originals
 from forcefeel.design.motor import MotorAnalysis, analyze_motor
 from forcefeel.design.studies import Deviation, DroppedPaths, drop_paths, sensitivity
-from forcefeel.laws.analog.recursion import Compensation, DesignSettings, compensate
+from forcefeel.laws.analog.recursion import DesignSettings, GainDesign, design_gains
 from forcefeel.linear.frequency import Margins, Peak, margins, resonance
 from forcefeel.linear.models import Linkage, servo_model
 from forcefeel.linear.modes import Mode, least_damped, modes
@@ -84,9 +84,9 @@ class Design(ServoAnalysis):
         ['rigid', 'compliant', 'compensated']
     """
 
-    compensation: Compensation
-    published: Compensation
-    converged: Compensation
+    compensation: GainDesign
+    published: GainDesign
+    converged: GainDesign
     dropped: tuple[DroppedPaths, ...]
     deviations: tuple[Deviation, ...]
 
@@ -203,9 +203,9 @@ def design_servo(
     """
     check_hydraulic(loader, "the design of the report", "design_loader takes either")
     progress(STEPS[0])
-    published, converged = compensate(loader), compensate(loader, DesignSettings())
-    chosen = published if settings is None else compensate(loader, settings)
-    law = chosen.compensator(loader)
+    published, converged = design_gains(loader), design_gains(loader, DesignSettings())
+    chosen = published if settings is None else design_gains(loader, settings)
+    law = chosen.law(loader)
     progress(STEPS[1])
     original = _analyze_servo(loader)
     progress(STEPS[2])

@@ -36,9 +36,9 @@ def envelope_json(found: Envelope, units: UnitSystem) -> dict[str, Json]:
         "cases": [_case(case, units) for case in plan.cases],
         "draws": json_value(plan.draws, units),
         "releases": releases(found),
-        "left_out": list(plan.left_out),
+        "omitted": list(plan.omitted),
         "conclusions": json_value(envelope_conclusions(found, units), units),
-        "compensators": {name: _compensator(found, name, units) for name in found.compensators},
+        "laws": {name: _law(found, name, units) for name in found.laws},
     }
 
 
@@ -104,7 +104,7 @@ def _case(case: Case, units: UnitSystem) -> dict[str, Json]:
     }
 
 
-def _compensator(found: Envelope, name: str, units: UnitSystem) -> dict[str, Json]:
+def _law(found: Envelope, name: str, units: UnitSystem) -> dict[str, Json]:
     return {
         "shares": json_value(found.shares(name), units),
         "shares_of_allowed": json_value(found.allowed_shares(name), units),
@@ -116,9 +116,9 @@ def _compensator(found: Envelope, name: str, units: UnitSystem) -> dict[str, Jso
             }
             for one in found.by_angle
         ],
-        "shares_even_in_proportion": json_value(found.even_shares(name), units),
-        "all_at_once": json_value(found.drawn_shares(name), units) if found.plan.machines else None,
-        "fails_first_nominally": {str(kind): share for kind, share in found.failure_shares(name).items()},
+        "shares_log_weighted": json_value(found.even_shares(name), units),
+        "joint_tolerances": json_value(found.drawn_shares(name), units) if found.plan.machines else None,
+        "nominal_first_failure": {str(kind): share for kind, share in found.failure_shares(name).items()},
         "smallest_nominally": json_value(found.smallest(name), units),
         "smallest_in_every_case": json_value(found.smallest(name, worst=True), units),
         "cases": [json_value(row, units) for row in found.case_shares(name)],
@@ -127,7 +127,7 @@ def _compensator(found: Envelope, name: str, units: UnitSystem) -> dict[str, Jso
 
 
 def settings_csv(found: Envelope, units: UnitSystem) -> str:
-    """Every setting in a line: what is programmed, and how each compensator ends nominally and in its first failing case."""
+    """Every setting in a line: what is programmed, and how each law ends nominally and in its first failing case."""
     plan = found.plan
     rows = plan.settings.rows * [axis.unit.from_si(1.0, units) for axis in AXES.values()]
     feel = plan.settings.feel(plan.loader)
@@ -136,7 +136,7 @@ def settings_csv(found: Envelope, units: UnitSystem) -> str:
     names = [f"{axis.title} ({axis.unit.shown(units)})".removesuffix(" ()") for axis in AXES.values()]
     names += [f"{symbol} ({one.shown(units)})" for symbol, one in zip("IBG", shown, strict=True)]
     columns = []
-    for name in found.compensators:
+    for name in found.laws:
         codes = found.codes(name)
         first = np.argmax(codes != 0, axis=0)
         case = np.array([one.name for one in plan.cases])[first]

@@ -25,10 +25,10 @@ class AxisRow:
     """One law on one axis, as the table over the axes has it; shares of all settings.
 
     Attributes:
-        axis, loader, drive, compensator: Which.
+        axis, loader, drive, law: Which.
         release_rad: Angle of its releases.
-        passes: Passes with the nominal plant, hands off.
-        passes_worst: Passes in every case.
+        nominal_share: Passes with the nominal plant, hands off.
+        worst_case_share: Passes in every case.
         drawn: Passes in most of the machines with all tolerances at once; not a number where none were drawn.
         worst_case: The case that loses most of what passes nominally; empty where none loses any.
         lost: How much of it.
@@ -37,10 +37,10 @@ class AxisRow:
     axis: str
     loader: str
     drive: str
-    compensator: str
+    law: str
     release_rad: Annotated[float, ANGLE]
-    passes: Annotated[float, PERCENT]
-    passes_worst: Annotated[float, PERCENT]
+    nominal_share: Annotated[float, PERCENT]
+    worst_case_share: Annotated[float, PERCENT]
     drawn: Annotated[float, PERCENT]
     worst_case: str
     lost: Annotated[float, PERCENT]
@@ -48,12 +48,14 @@ class AxisRow:
     @property
     def shares(self) -> tuple[str, ...]:
         """The shares as people read them, as ``SHARES``."""
-        return tuple(share_text(one) if isfinite(one) else "–" for one in (self.passes, self.passes_worst, self.drawn))
+        return tuple(
+            share_text(one) if isfinite(one) else "–" for one in (self.nominal_share, self.worst_case_share, self.drawn)
+        )
 
     @property
     def worst_text(self) -> str:
         """The worst case as people read it."""
-        if not self.passes:
+        if not self.nominal_share:
             return "–"
         return f"{self.worst_case} ({share_text(self.lost)})" if self.worst_case else "none"
 
@@ -74,7 +76,7 @@ class CockpitEnvelope:
         >>> def plan(loader):
         ...     return ff.envelope.make_plan(loader, ["original"], grid)
         >>> found = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
-        >>> found.axes["pitch"].compensators
+        >>> found.axes["pitch"].laws
         ('original',)
     """
 
@@ -84,7 +86,7 @@ class CockpitEnvelope:
     @property
     def rows(self) -> tuple[AxisRow, ...]:
         """The table over the axes, a row for each law of each."""
-        return tuple(_row(axis, one, law) for axis, one in self.axes.items() for law in one.compensators)
+        return tuple(_row(axis, one, law) for axis, one in self.axes.items() for law in one.laws)
 
 
 def find_cockpit(
@@ -114,7 +116,7 @@ def find_cockpit(
         >>> def plan(loader):
         ...     return ff.envelope.make_plan(loader, ["original"], grid)
         >>> found = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
-        >>> [(row.axis, row.compensator) for row in found.rows]
+        >>> [(row.axis, row.law) for row in found.rows]
         [('pitch', 'original')]
     """
     plans = project.each(lambda axis, loader: replace(plan(loader), axis=rule_axis(axis)))
@@ -140,7 +142,7 @@ def cockpit_conclusions(found: CockpitEnvelope) -> Conclusions:
     lines = []
     for axis, one in found.axes.items():
         each = ", ".join(
-            f"{share_text(row.passes)} with {name_text(row.compensator)} ({share_text(row.passes_worst)} in every case)"
+            f"{share_text(row.nominal_share)} with {name_text(row.law)} ({share_text(row.worst_case_share)} in every case)"
             for row in found.rows
             if row.axis == axis
         )
@@ -161,8 +163,8 @@ def _row(axis: str, found: Envelope, law: str) -> AxisRow:
         loader.drive,
         law,
         found.plan.release_rad,
-        shares.passes,
-        shares.passes_worst,
+        shares.nominal_share,
+        shares.worst_case_share,
         found.drawn_shares(law).settings if found.plan.machines else nan,
         worst.case if worst else "",
         worst.lost if worst else 0.0,

@@ -16,19 +16,19 @@ from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import ANGLE, INERTIA, UnitSystem, to_text
 
 WHOLE_NOMINAL, WHOLE_WORST = 0.95, 0.90
-"""Shares from which on a compensator is said to render the envelope: nominally, and in every case."""
+"""Shares from which on a law is said to render the envelope: nominally, and in every case."""
 
 
 @of_result
 def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
-    """The conclusions, with numbers in ``units``; ``good`` where a compensator renders the envelope."""
+    """The conclusions, with numbers in ``units``; ``good`` where a law renders the envelope."""
     best = _best(found)
     verdict = (
         f"Of {_feels(found)}, released from {_angle(found, units)}, the loader renders within "
         "tolerance "
         + ", ".join(
-            f"{share_text(one.passes)} with {name_text(one.compensator)} ({share_text(one.passes_worst)} in every case)"
-            for one in map(found.allowed_shares, found.compensators)
+            f"{share_text(one.nominal_share)} with {name_text(one.law)} ({share_text(one.worst_case_share)} in every case)"
+            for one in map(found.allowed_shares, found.laws)
         )
         + "."
     )
@@ -36,26 +36,26 @@ def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
         count = found.plan.settings.count
         verdict = f"None of {count:,} programmed feels, released from {_angle(found, units)}, is rendered by any law."
     lines = [*forbidden_sentences(found.forbidden, units)]
-    lines += [_fails(found, name) for name in found.compensators]
-    lines += [line for name in found.compensators if (line := _worst(found, name))]
-    lines += [_by_angle(found, best.compensator, units)] if found.smaller else []
-    lines += [_drawn(found, best.compensator)] if found.plan.machines else []
-    lines += [line for line in (_smallest(found, best.compensator, units), _passive(found)) if line]
+    lines += [_fails(found, name) for name in found.laws]
+    lines += [line for name in found.laws if (line := _worst(found, name))]
+    lines += [_by_angle(found, best.law, units)] if found.smaller else []
+    lines += [_drawn(found, best.law)] if found.plan.machines else []
+    lines += [line for line in (_smallest(found, best.law, units), _passive(found)) if line]
     return Conclusions(renders(found), verdict, (*lines, _counted(found, units), *caveats(found, units)))
 
 
 def renders(found: Envelope) -> bool:
-    """Whether the best of the compensators renders the envelope."""
+    """Whether the best of the laws renders the envelope."""
     best = _best(found)
-    return best.passes >= WHOLE_NOMINAL and best.passes_worst >= WHOLE_WORST
+    return best.nominal_share >= WHOLE_NOMINAL and best.worst_case_share >= WHOLE_WORST
 
 
 def _best(found: Envelope) -> Shares:
-    return max(map(found.shares, found.compensators), key=lambda one: (one.passes_worst, one.passes))
+    return max(map(found.shares, found.laws), key=lambda one: (one.worst_case_share, one.nominal_share))
 
 
 def name_text(name: str) -> str:
-    """What a compensator is called in a sentence."""
+    """What a law is called in a sentence."""
     return {
         "original": "the original loop",
         "published": "the published gains",
@@ -71,8 +71,8 @@ def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
     what += [case.name for case in plan.cases if not case.verified]
     if what:
         lines.append(f"Not verified against a source: {', '.join(what)}.")
-    if plan.left_out:
-        rows = ", ".join(plan.left_out)
+    if plan.omitted:
+        rows = ", ".join(plan.omitted)
         lines.append(f"Left out, because an envelope programs I, B and G alone: {rows}.")
     if not plan.linear:
         loop = "sampled loop, its delay included" if plan.loader["controller.period"] else "linear model"
@@ -150,8 +150,8 @@ def _counted(found: Envelope, units: UnitSystem) -> str:
         f"{axis.title} {spacing_text(axis, getattr(settings, name), units)}" for name, axis in AXES.items()
     )
     others = ", ".join(
-        f"{share_text(one.passes)} with {name_text(one.compensator)} ({share_text(one.passes_worst)} in every case)"
-        for one in map(found.even_shares, found.compensators)
+        f"{share_text(one.nominal_share)} with {name_text(one.law)} ({share_text(one.worst_case_share)} in every case)"
+        for one in map(found.even_shares, found.laws)
     )
     return (
         f"Every point of the grid counts the same: {grid}. Weighed so that equal steps in proportion count the same along all "
@@ -198,7 +198,7 @@ def _smallest(found: Envelope, name: str, units: UnitSystem) -> str:
 
 def _passive(found: Envelope) -> str:
     states = []
-    for name in found.compensators:
+    for name in found.laws:
         grip = found.passivity[name]
         if not grip.stable:
             state = "unstable"

@@ -111,7 +111,7 @@ def forbidden(plan: Plan, *, threads: int | None = None) -> Forbidden:
     """What no law renders of a plan's settings, released from the plan's angle.
 
     Args:
-        plan: The envelope; its compensators and cases are not used.
+        plan: The envelope; its laws and cases are not used.
         threads: How many; all cores if not given.
     """
     loader, fastest, angle = plan.loader, Fastest.of(plan.loader), plan.release_rad

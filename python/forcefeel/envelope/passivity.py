@@ -36,7 +36,7 @@ _SURVEY = 60
 
 @dataclass(frozen=True, eq=False)
 class Passivity:
-    """How passive the grip of one compensator is.
+    """How passive the grip of one law is.
 
     Attributes:
         frequency_hz: Frequencies.
@@ -70,7 +70,7 @@ def passivity(loader: Loader, law: LawLike, laws: Law, feel: NDArray[np.float64]
 
     Args:
         loader: The loader.
-        law: The compensator.
+        law: The law.
         laws: Its law for each setting.
         feel: I, B, G of the settings, a row each.
     """

@@ -1,4 +1,4 @@
-"""What an envelope is made of: a loader, the settings, the compensators, the rule, what is off its value, the arms."""
+"""What an envelope is made of: a loader, the settings, the laws, the rule, what is off its value, the arms."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -36,7 +36,7 @@ class Plan:
 
     Attributes:
         given: The loader as it was given. Its own feel and arm are not used.
-        compensators: The laws by name: names of ``law.NAMED_LAWS``, or laws of one's own.
+        laws: The laws by name: names of ``law.NAMED_LAWS``, or laws of one's own.
         settings: The grid of settings.
         rule: Edition of the rule whose release test it must pass.
         changes: How far each parameter of the plant is off: shares to either side, or deviations; ``deviations_of`` the loader if
@@ -47,7 +47,7 @@ class Plan:
         smaller_rad: Further angles of release at which the nominal plant is tried, hands off; none if not given.
         axis: Which control of the rule; that of a built-in loader of its name, else pitch, if not given.
         loader: The loader with a feel of I, B and G alone.
-        left_out: Rows of the feel and the arm that the loader has and the envelope leaves out.
+        omitted: Rows of the feel and the arm that the loader has and the envelope leaves out.
         deviations: How far each parameter may be off, and who says so.
         cases: The nominal case, then what is off, then the arms.
         machines: The machines that are drawn.
@@ -66,7 +66,7 @@ class Plan:
     """
 
     given: Loader
-    compensators: Mapping[str, LawLike]
+    laws: Mapping[str, LawLike]
     settings: Settings
     rule: str = DEFAULT_EDITION
     changes: Mapping[str, float | Deviation] | None = None
@@ -76,7 +76,7 @@ class Plan:
     smaller_rad: Sequence[float] = ()
     axis: Axis | None = None
     loader: Loader = field(init=False)
-    left_out: tuple[str, ...] = field(init=False)
+    omitted: tuple[str, ...] = field(init=False)
     deviations: Mapping[str, Deviation] = field(init=False)
     cases: tuple[Case, ...] = field(init=False)
     machines: tuple[Case, ...] = field(init=False, repr=False)
@@ -85,26 +85,26 @@ class Plan:
     throw: Throw = field(init=False)
 
     def __post_init__(self) -> None:
-        loader, left_out = feel_json(self.given)
+        loader, omitted = feel_json(self.given)
         rules = load_rules(self.rule)
         expect("draws", self.draws, Draws, "Draws such as ff.envelope.Draws(100, seed=1)")
         if self.angle_rad is not None:
             _check_angle("angle_rad", self.angle_rad)
         for angle in self.smaller_rad:
             _check_angle("smaller_rad", angle)
-        if not self.compensators:
-            raise InputError(f"compensators: expected at least one, such as {', '.join(NAMED_LAWS)}")
+        if not self.laws:
+            raise InputError(f"laws: expected at least one, such as {', '.join(NAMED_LAWS)}")
         deviations = chosen_deviations(loader, self.changes)
         found = {
             "loader": loader,
-            "left_out": left_out,
+            "omitted": omitted,
             "deviations": deviations,
             "cases": make_cases(deviations, self.arms),
             "machines": self.draws.machines(deviations),
             "rules": rules,
             "test": rules.of("release", self.axis or rule_axis(usual_axis(self.given.name))),
             "throw": Throw.of(self.given),
-            "compensators": MappingProxyType(dict(self.compensators)),
+            "laws": MappingProxyType(dict(self.laws)),
         }
         for name, value in found.items():
             object.__setattr__(self, name, value)
@@ -126,7 +126,7 @@ class Plan:
     def releases(self) -> int:
         """How many releases it has in all."""
         cases = len(self.cases) + len(self.machines) + len(self.smaller_rad)
-        return len(self.compensators) * cases * self.settings.count
+        return len(self.laws) * cases * self.settings.count
 
     @property
     def linear(self) -> bool:
@@ -165,7 +165,7 @@ def usual_law(loader: Loader) -> str:
 
 def make_plan(
     loader: Loader,
-    compensators: Sequence[str] | Mapping[str, LawLike] = ("original", "published", "converged"),
+    laws: Sequence[str] | Mapping[str, LawLike] = ("original", "published", "converged"),
     grid: Mapping[str, str | Sequence[float]] | None = None,
     **options: Unpack[PlanOptions],
 ) -> Plan:
@@ -173,7 +173,7 @@ def make_plan(
 
     Args:
         loader: The loader.
-        compensators: Names of ``law.NAMED_LAWS``, or laws by name.
+        laws: Names of ``law.NAMED_LAWS``, or laws by name.
         grid: Axes as ``Settings.of`` takes them.
         options: ``rule``, ``changes``, ``arms``, ``angle_rad``, ``draws``, ``smaller_rad``, ``axis`` of ``Plan``.
 
@@ -186,10 +186,10 @@ def make_plan(
         '2.b.3'
     """
     check_loader(loader)
-    if isinstance(compensators, str) or not isinstance(compensators, Sequence | Mapping):
-        raise InputError(f"compensators: expected a list of names or laws by name, got {show(compensators)}")
-    chosen = dict(compensators) if isinstance(compensators, Mapping) else named(tuple(compensators), loader)
+    if isinstance(laws, str) or not isinstance(laws, Sequence | Mapping):
+        raise InputError(f"laws: expected a list of names or laws by name, got {show(laws)}")
+    chosen = dict(laws) if isinstance(laws, Mapping) else named(tuple(laws), loader)
     for name, law in chosen.items():
-        check_given(law, f"compensators: {name}")
+        check_given(law, f"laws: {name}")
     expect("grid", grid or {}, Mapping, 'values by axis such as {"stiffness": "1..100 %:40:log"}')
     return Plan(loader, chosen, Settings.of(grid or {}), **options)

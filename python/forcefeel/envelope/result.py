@@ -1,4 +1,4 @@
-"""What an envelope says: the outcome at each setting, for each compensator, in each case; shares; what can be rendered."""
+"""What an envelope says: the outcome at each setting, for each law, in each case; shares; what can be rendered."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -78,29 +78,29 @@ def failure_of(outcome: str) -> Failure | None:
 
 @dataclass(frozen=True)
 class Shares:
-    """One compensator in one number each, as shares of all settings.
+    """One law in one number each, as shares of all settings.
 
     Attributes:
-        compensator: Its name.
+        law: Its name.
         stable: Stable with the nominal plant, hands off.
-        passes: Passes the release test there.
+        nominal_share: Passes the release test there.
         stable_worst: Stable in every case.
-        passes_worst: Passes in every case.
+        worst_case_share: Passes in every case.
     """
 
-    compensator: str
+    law: str
     stable: Annotated[float, PERCENT]
-    passes: Annotated[float, PERCENT]
+    nominal_share: Annotated[float, PERCENT]
     stable_worst: Annotated[float, PERCENT]
-    passes_worst: Annotated[float, PERCENT]
+    worst_case_share: Annotated[float, PERCENT]
 
 
 @dataclass(frozen=True)
 class DrawnShares:
-    """One compensator on machines that were drawn from all tolerances at once.
+    """One law on machines that were drawn from all tolerances at once.
 
     Attributes:
-        compensator: Its name.
+        law: Its name.
         machines: How many were drawn.
         settings: Share of the settings that pass in at least ``MOST`` of the machines.
         good: Share of the machines that pass at ``MOST`` of the settings or more.
@@ -109,7 +109,7 @@ class DrawnShares:
         least: That of the worst of the machines.
     """
 
-    compensator: str
+    law: str
     machines: int
     settings: Annotated[float, PERCENT]
     good: Annotated[float, PERCENT]
@@ -121,19 +121,19 @@ class DrawnShares:
 
 @dataclass(frozen=True)
 class AllowedShares:
-    """One compensator's shares of the settings that drive and sensors allow; not numbers where they allow none.
+    """One law's shares of the settings that drive and sensors allow; not numbers where they allow none.
 
     Attributes:
-        compensator: Its name.
+        law: Its name.
         settings: How many settings are allowed.
-        passes: Passes with the nominal plant, hands off.
-        passes_worst: Passes in every case.
+        nominal_share: Passes with the nominal plant, hands off.
+        worst_case_share: Passes in every case.
     """
 
-    compensator: str
+    law: str
     settings: int
-    passes: Annotated[float, PERCENT]
-    passes_worst: Annotated[float, PERCENT]
+    nominal_share: Annotated[float, PERCENT]
+    worst_case_share: Annotated[float, PERCENT]
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class AngleShares:
     Attributes:
         release_rad: The angle.
         allowed: Share of the settings that drive and sensors allow there.
-        passes: Share of all settings that passes, by compensator.
+        passes: Share of all settings that passes, by law.
     """
 
     release_rad: Annotated[float, ANGLE]
@@ -157,17 +157,17 @@ MOST = 0.95
 
 @dataclass(frozen=True)
 class EvenShares:
-    """One compensator's shares where equal steps in proportion count the same along stiffness, frequency and damping ratio.
+    """One law's shares where equal steps in proportion count the same along stiffness, frequency and damping ratio.
 
     Attributes:
-        compensator: Its name.
-        passes: Passes with the nominal plant, hands off.
-        passes_worst: Passes in every case.
+        law: Its name.
+        nominal_share: Passes with the nominal plant, hands off.
+        worst_case_share: Passes in every case.
     """
 
-    compensator: str
-    passes: Annotated[float, PERCENT]
-    passes_worst: Annotated[float, PERCENT]
+    law: str
+    nominal_share: Annotated[float, PERCENT]
+    worst_case_share: Annotated[float, PERCENT]
 
 
 @dataclass(frozen=True)
@@ -190,10 +190,10 @@ class CaseShares:
 
 @dataclass(frozen=True)
 class Smallest:
-    """The smallest inertia and the smallest stiffness that a compensator renders: the edges of what passes on the grid.
+    """The smallest inertia and the smallest stiffness that a law renders: the edges of what passes on the grid.
 
     Attributes:
-        compensator: Its name.
+        law: Its name.
         worst: Of what passes in every case, or nominally.
         inertia_n_m_s2_per_rad: Smallest I; not a number where nothing passes.
         stiffness_n_m_per_rad: Smallest G.
@@ -202,7 +202,7 @@ class Smallest:
         frequency_rad_per_s: Highest natural frequency that passes.
     """
 
-    compensator: str
+    law: str
     worst: bool
     inertia_n_m_s2_per_rad: Annotated[float, INERTIA]
     stiffness_n_m_per_rad: Annotated[float, ROTARY_STIFFNESS]
@@ -217,19 +217,19 @@ class Envelope:
 
     Attributes:
         plan: Of what.
-        data: ``outcome`` (compensator, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the least
+        data: ``outcome`` (law, case, damping, frequency, stiffness), an index into ``outcomes``, and ``margin``, the least
             margin as a share of its tolerance: 1 exact, 0 at the limit, not a number where it could not be measured. Where
             machines were drawn, ``drawn_outcome`` and ``drawn_margin`` (.., machine, ..) too, and ``off`` (machine, parameter): by
             which share of its value each parameter is off.
         outcomes: ``passes``, ``unstable``, then what can fail first, by the rule's names.
-        passivity: How passive the grip is, by compensator.
+        passivity: How passive the grip is, by law.
         smaller: The shares from ``Plan.smaller_rad``.
         law_remarks: Of laws that were made for another loader: ``Law.made_for_another``.
 
     Example:
         >>> import forcefeel as ff
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
-        >>> ff.find_envelope(ff.elevator(), ["original"], grid).compensators
+        >>> ff.find_envelope(ff.elevator(), ["original"], grid).laws
         ('original',)
     """
 
@@ -241,15 +241,15 @@ class Envelope:
     law_remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        found = map(self.shares, self.compensators)
+        found = map(self.shares, self.laws)
         each = "; ".join(
-            f"{it.compensator} passes at {it.passes:.1%}, in every case at {it.passes_worst:.1%}" for it in found
+            f"{it.law} passes at {it.nominal_share:.1%}, in every case at {it.worst_case_share:.1%}" for it in found
         )
         return f"<Envelope of {self.plan.given.name!r}, {self.plan.settings.count:,} settings: {each}>"
 
     def plot(
         self,
-        compensator: str | None = None,
+        law: str | None = None,
         *,
         damping: float | None = None,
         worst: bool = True,
@@ -259,7 +259,7 @@ class Envelope:
         """Draws the map of what passes, and of what fails first where it does not, over stiffness and natural frequency.
 
         Args:
-            compensator: Which law; the last if not given.
+            law: Which law; the last if not given.
             damping: The map of the damping ratio nearest to this; the loader's own if not given.
             worst: Coloured by what fails in the first case that fails, in place of what fails nominally.
             units: Units of the labels.
@@ -280,9 +280,9 @@ class Envelope:
         """
         from forcefeel.plots.draw import cells  # noqa: PLC0415  Matplotlib, for whoever plots
 
-        name = self.compensators[-1] if compensator is None else compensator
-        if name not in self.compensators:
-            raise InputError(f"compensator: expected one of {', '.join(self.compensators)}, got {show(name)}")
+        name = self.laws[-1] if law is None else law
+        if name not in self.laws:
+            raise InputError(f"law: expected one of {', '.join(self.laws)}, got {show(name)}")
         settings, loader = self.plan.settings, self.plan.given
         inertia, friction, stiffness = (loader[key] for key in FEEL_SETTING)
         frequency = (stiffness / inertia) ** 0.5
@@ -304,66 +304,66 @@ class Envelope:
 
     @cached_property
     def _codes(self) -> NDArray[np.int8]:
-        """Outcomes (compensator, case, settings)."""
+        """Outcomes (law, case, settings)."""
         values = self.data["outcome"].values
         return np.asarray(values.reshape(*values.shape[:2], -1))
 
     @property
-    def compensators(self) -> tuple[str, ...]:
+    def laws(self) -> tuple[str, ...]:
         """Their names."""
-        return tuple(self.plan.compensators)
+        return tuple(self.plan.laws)
 
-    def codes(self, compensator: str) -> NDArray[np.int8]:
-        """Outcomes (case, settings) of a compensator."""
-        return np.asarray(self._codes[self.compensators.index(compensator)])
+    def codes(self, law: str) -> NDArray[np.int8]:
+        """Outcomes (case, settings) of a law."""
+        return np.asarray(self._codes[self.laws.index(law)])
 
-    def passes(self, compensator: str) -> NDArray[np.bool_]:
+    def passes(self, law: str) -> NDArray[np.bool_]:
         """Which settings pass (case, settings)."""
-        return np.asarray(self.codes(compensator) == 0)
+        return np.asarray(self.codes(law) == 0)
 
-    def stable(self, compensator: str) -> NDArray[np.bool_]:
+    def stable(self, law: str) -> NDArray[np.bool_]:
         """Which settings are stable (case, settings)."""
-        return np.asarray(self.codes(compensator) != self.outcomes.index(UNSTABLE))
+        return np.asarray(self.codes(law) != self.outcomes.index(UNSTABLE))
 
-    def shares(self, compensator: str) -> Shares:
-        """A compensator in one number each."""
-        stable, passes = self.stable(compensator), self.passes(compensator)
+    def shares(self, law: str) -> Shares:
+        """A law in one number each."""
+        stable, passes = self.stable(law), self.passes(law)
         found = (stable[0], passes[0], stable.all(axis=0), passes.all(axis=0))
-        return Shares(compensator, *(float(which.mean()) for which in found))
+        return Shares(law, *(float(which.mean()) for which in found))
 
-    def allowed_shares(self, compensator: str) -> AllowedShares:
-        """A compensator's shares of the settings that are not forbidden to every law."""
-        allowed, passes = ~self.forbidden.settings, self.passes(compensator)
+    def allowed_shares(self, law: str) -> AllowedShares:
+        """A law's shares of the settings that are not forbidden to every law."""
+        allowed, passes = ~self.forbidden.settings, self.passes(law)
         both = np.stack([passes[0], passes.all(axis=0)])[:, allowed]
         shares = both.mean(axis=1).tolist() if allowed.any() else [np.nan, np.nan]
-        return AllowedShares(compensator, int(allowed.sum()), *shares)
+        return AllowedShares(law, int(allowed.sum()), *shares)
 
     @property
     def by_angle(self) -> tuple[AngleShares, ...]:
         """The nominal shares over the release's angle, its own first; of those that were asked for."""
-        passes = {name: float(self.passes(name)[0].mean()) for name in self.compensators}
+        passes = {name: float(self.passes(name)[0].mean()) for name in self.laws}
         own = AngleShares(self.plan.release_rad, 1 - float(self.forbidden.settings.mean()), passes)
         return (own, *self.smaller)
 
-    def even_shares(self, compensator: str) -> EvenShares:
+    def even_shares(self, law: str) -> EvenShares:
         """The shares with each setting weighed by the room that it stands for in proportion."""
-        passes, weights = self.passes(compensator), self.plan.settings.weights
-        return EvenShares(compensator, float(weights[passes[0]].sum()), float(weights[passes.all(axis=0)].sum()))
+        passes, weights = self.passes(law), self.plan.settings.weights
+        return EvenShares(law, float(weights[passes[0]].sum()), float(weights[passes.all(axis=0)].sum()))
 
-    def drawn_shares(self, compensator: str) -> DrawnShares:
-        """A compensator on the machines that were drawn.
+    def drawn_shares(self, law: str) -> DrawnShares:
+        """A law on the machines that were drawn.
 
         Raises:
             InputError: If none were.
         """
         if not self.plan.machines:
             raise InputError("draws: expected machines that were drawn, got none; compute the envelope with some")
-        place, machines = self.compensators.index(compensator), len(self.plan.machines)
+        place, machines = self.laws.index(law), len(self.plan.machines)
         passes = self.data["drawn_outcome"].values[place].reshape(machines, -1) == 0
         share = passes.mean(axis=1)
         good = int((share >= MOST).sum())
         return DrawnShares(
-            compensator,
+            law,
             machines,
             float((passes.mean(axis=0) >= MOST).mean()),
             good / machines,
@@ -372,9 +372,9 @@ class Envelope:
             float(share.min()),
         )
 
-    def case_shares(self, compensator: str) -> tuple[CaseShares, ...]:
-        """What each case does to a compensator."""
-        stable, passes = self.stable(compensator), self.passes(compensator)
+    def case_shares(self, law: str) -> tuple[CaseShares, ...]:
+        """What each case does to a law."""
+        stable, passes = self.stable(law), self.passes(law)
         lost = passes[0] & ~passes
         nominal = int(passes[0].sum())
         return tuple(
@@ -388,17 +388,17 @@ class Envelope:
             for k, case in enumerate(self.plan.cases)
         )
 
-    def failures(self, compensator: str, *, worst: bool = False) -> NDArray[np.int8]:
+    def failures(self, law: str, *, worst: bool = False) -> NDArray[np.int8]:
         """Why each setting fails (damping, frequency, stiffness): places in ``Failure``, -1 where it passes.
 
         Args:
-            compensator: Its name.
+            law: Its name.
             worst: The first case in which it fails, instability before all else, in place of the nominal one.
         """
         order = list(Failure)
         kinds = [failure_of(outcome) for outcome in self.outcomes]
         table = np.array([-1 if kind is None else order.index(kind) for kind in kinds], dtype=np.int8)
-        found = table[self.codes(compensator)]
+        found = table[self.codes(law)]
         if worst:
             first = np.argmax(found >= 0, axis=0)
             failing = np.take_along_axis(found, first[np.newaxis], axis=0)[0]
@@ -409,12 +409,12 @@ class Envelope:
             one = np.where((one >= 0) & which, order.index(kind), one)
         return np.asarray(one.astype(np.int8).reshape(self.plan.settings.shape))
 
-    def kinds(self, compensator: str, *, worst: bool) -> NDArray[np.int8]:
+    def kinds(self, law: str, *, worst: bool) -> NDArray[np.int8]:
         """What becomes of each setting (damping, frequency, stiffness): places in ``COLORS``."""
         order = list(COLORS)
         table = np.array([order.index(kind) for kind in Failure], dtype=np.int8)
-        failing = self.failures(compensator, worst=worst)
-        every = self.passes(compensator).all(axis=0).reshape(failing.shape)
+        failing = self.failures(law, worst=worst)
+        every = self.passes(law).all(axis=0).reshape(failing.shape)
         passing = np.where(every, order.index(EVERY), order.index(NOMINAL)).astype(np.int8)
         return np.asarray(np.where(failing < 0, passing, table[failing]))
 
@@ -423,21 +423,21 @@ class Envelope:
         """What no law renders, released from the plan's angle."""
         return forbidden(self.plan)
 
-    def failure_shares(self, compensator: str, *, worst: bool = False) -> dict[Failure, float]:
+    def failure_shares(self, law: str, *, worst: bool = False) -> dict[Failure, float]:
         """Share of all settings that fail for each reason."""
-        found = self.failures(compensator, worst=worst)
+        found = self.failures(law, worst=worst)
         return {kind: float((found == place).mean()) for place, kind in enumerate(Failure)}
 
-    def smallest(self, compensator: str, *, worst: bool = False) -> Smallest:
-        """The smallest inertia and stiffness that a compensator renders."""
-        passes = self.passes(compensator)
+    def smallest(self, law: str, *, worst: bool = False) -> Smallest:
+        """The smallest inertia and stiffness that a law renders."""
+        passes = self.passes(law)
         which = passes.all(axis=0) if worst else passes[0]
         loader = self.plan.loader
         if not which.any():
-            return Smallest(compensator, worst, *[np.nan] * 5)
+            return Smallest(law, worst, *[np.nan] * 5)
         inertia, _, stiffness = self.plan.settings.feel(loader)[which].T
         return Smallest(
-            compensator,
+            law,
             worst,
             float(inertia.min()),
             float(stiffness.min()),
@@ -450,11 +450,11 @@ class Envelope:
         """The case of that name."""
         return next(case for case in self.plan.cases if case.name == name)
 
-    def worst_case(self, compensator: str, kind: Kind) -> CaseShares | None:
+    def worst_case(self, law: str, kind: Kind) -> CaseShares | None:
         """The case of a kind that loses most; ``None`` if there is none that loses any."""
         rows = [
             row
-            for row, case in zip(self.case_shares(compensator), self.plan.cases, strict=True)
+            for row, case in zip(self.case_shares(law), self.plan.cases, strict=True)
             if case.kind is kind and row.lost > 0
         ]
         return max(rows, key=lambda row: row.lost, default=None)

@@ -1,4 +1,4 @@
-"""Computes an envelope: for each frequency, piece by piece, the ideal once and then every compensator in every case."""
+"""Computes an envelope: for each frequency, piece by piece, the ideal once and then every law in every case."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -29,7 +29,7 @@ Progress = Callable[[int, int], None]
 
 def find_envelope(
     loader: Loader,
-    compensators: Sequence[str] | Mapping[str, Law] = ("original", "published", "converged"),
+    laws: Sequence[str] | Mapping[str, Law] = ("original", "published", "converged"),
     grid: Mapping[str, str | Sequence[float]] | None = None,
     *,
     threads: int | None = None,
@@ -45,7 +45,7 @@ def find_envelope(
 
     Args:
         loader: The loader. Its programmed feel is replaced by the settings; optional rows of the feel and an arm are left out.
-        compensators: Names of ``law.NAMED_LAWS``, or laws by name: ``DesignSettings`` and ``Method`` design a law for
+        laws: Names of ``law.NAMED_LAWS``, or laws by name: ``DesignSettings`` and ``LawDesign`` design a law for
             each setting and the nominal plant, a file or a ``Law`` has one for each, a ``Compensator`` is one law for all, ``None``
             the original loop.
         grid: Values by axis, ``stiffness`` (shares of G_max), ``frequency`` (rad/s), ``damping``, as numbers or as text such as
@@ -69,7 +69,7 @@ def find_envelope(
         >>> found.shares("original").stable
         0.7777777777777778
     """
-    return compute(make_plan(loader, compensators, grid, **options), threads=threads, progress=progress)
+    return compute(make_plan(loader, laws, grid, **options), threads=threads, progress=progress)
 
 
 def compute(plan: Plan, *, threads: int | None = None, progress: Progress = lambda done, total: None) -> Envelope:
@@ -105,7 +105,7 @@ def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None
         _, found, _ = _outcomes(there, feel, laws, [(NOMINAL,)], threads, advance)
         passes = {name: float((found[k] == _PASSES).mean()) for k, name in enumerate(laws)}
         smaller.append(AngleShares(angle, 1 - float(forbidden(there, threads=threads).settings.mean()), passes))
-    grips = {name: passivity(plan.loader, plan.compensators[name], law, feel) for name, law in laws.items()}
+    grips = {name: passivity(plan.loader, plan.laws[name], law, feel) for name, law in laws.items()}
     outcomes = (PASSES, UNSTABLE, *names)
     # A law that is designed here is for what the plan left of the loader, one of a file for all of it.
     remarks = [law.made_for_another(plan.given) for law in laws.values() if law.made_for_another(plan.loader)]
@@ -152,7 +152,7 @@ def _outcomes(
 def _designed(plan: Plan) -> tuple[NDArray[np.float64], dict[str, Law]]:
     """I, B, G of the settings, and the laws that are designed for them."""
     feel = plan.settings.feel(plan.loader)
-    return feel, {name: Law.of(law, plan.loader, feel, name) for name, law in plan.compensators.items()}
+    return feel, {name: Law.of(law, plan.loader, feel, name) for name, law in plan.laws.items()}
 
 
 def _ideal(plan: Plan, case: Case, feel: NDArray[np.float64], record: Record) -> NDArray[np.float64]:
@@ -176,22 +176,22 @@ def _dataset(
 ) -> xr.Dataset:
     axes = {name: (name, list(getattr(plan.settings, name)), {"units": axis.unit.si}) for name, axis in AXES.items()}
     coordinates: dict[str, Any] = {
-        "compensator": list(plan.compensators),
+        "law": list(plan.laws),
         "case": [case.name for case in plan.cases],
         **axes,
     }
     over = tuple(axes)
-    shape = (len(plan.compensators), -1, *plan.settings.shape)
+    shape = (len(plan.laws), -1, *plan.settings.shape)
     single = slice(len(plan.cases))
     data: dict[str, Any] = {
-        "outcome": (("compensator", "case", *over), outcome[:, single].reshape(shape)),
-        "margin": (("compensator", "case", *over), margin[:, single].reshape(shape)),
+        "outcome": (("law", "case", *over), outcome[:, single].reshape(shape)),
+        "margin": (("law", "case", *over), margin[:, single].reshape(shape)),
     }
     if plan.machines:
         drawn = slice(len(plan.cases), None)
         coordinates["parameter"] = list(plan.deviations)
-        data["drawn_outcome"] = ("compensator", "machine", *over), outcome[:, drawn].reshape(shape)
-        data["drawn_margin"] = ("compensator", "machine", *over), margin[:, drawn].reshape(shape)
+        data["drawn_outcome"] = ("law", "machine", *over), outcome[:, drawn].reshape(shape)
+        data["drawn_margin"] = ("law", "machine", *over), margin[:, drawn].reshape(shape)
         data["off"] = ("machine", "parameter"), [list(machine.off.values()) for machine in plan.machines]
     about = {"loader": plan.loader.name, "rule": plan.rule, "outcomes": ", ".join(outcomes)}
     return xr.Dataset(data, coordinates, about)

@@ -18,7 +18,7 @@ from forcefeel.loader.loader import Loader
 from forcefeel.units import HERTZ, PERCENT, RATIO, Unit, UnitSystem, parse, show, to_text
 
 MOST_SETTINGS = 200_000
-"""Most settings of an envelope: some minutes for each compensator."""
+"""Most settings of an envelope: some minutes for each law."""
 
 
 _BARE = re.compile(r"[-+0-9.eE]+")

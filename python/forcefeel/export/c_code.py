@@ -15,7 +15,7 @@ from forcefeel._core import ExportedLaw, LawSource
 from forcefeel.errors import InputError
 from forcefeel.export.exported import Exported
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.loader.sensors import has_grip_sensor
@@ -82,7 +82,7 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
     }
 
 
-def traced_law(loader: Loader, law: Law, numbers: SampledCompensator, *, single: bool) -> ExportedLaw:
+def traced_law(loader: Loader, law: Law, numbers: SampledLaw, *, single: bool) -> ExportedLaw:
     """The law with its feel as the tracer takes it."""
     feel = law.feel if law.feel is not None else np.array([[loader[key] for key in FEEL_SETTING]])
     curve = loader.force_curve
@@ -160,7 +160,7 @@ def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) ->
     return found
 
 
-def about(exported: Exported, numbers: SampledCompensator, *, single: bool) -> dict[str, object]:
+def about(exported: Exported, numbers: SampledLaw, *, single: bool) -> dict[str, object]:
     """What every file tells of loader and law."""
     loader, law = exported.loader, exported.law
     suffix = "F" if single else ""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.laws.law import Law, LawLike
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.feel_settings import check_feel_range, own_feel
 from forcefeel.loader.loader import Loader
 from forcefeel.units import show
@@ -80,7 +80,7 @@ class Exported:
                 "sampled law, such as robust"
             )
 
-    def sampled(self) -> SampledCompensator:
+    def sampled(self) -> SampledLaw:
         """The numbers of its sampled law, which is what runs on a digital target.
 
         Raises:

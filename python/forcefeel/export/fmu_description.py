@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel._core import FmuVariable
 from forcefeel.export.exported import Exported
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.parameters import TABLE, meaning, unit
 from forcefeel.loader.sensors import has_grip_sensor
@@ -160,7 +160,7 @@ def _in_an_event(exported: Exported, output: str) -> set[str]:
     return torque | (command if gives_way else set()) | {"trim", "stiffness_factor", "shaker"}
 
 
-def _sensors(numbers: SampledCompensator, rows: NDArray[np.float64]) -> set[str]:
+def _sensors(numbers: SampledLaw, rows: NDArray[np.float64]) -> set[str]:
     """The sensors that have a part in rows on [xi; F_c, x_p, theta; delta; delta'], F_g after theta where there is one."""
     columns = rows[:, numbers.states : -2].T
     return {name for name, column in zip(_SENSED, columns, strict=False) if column.any()}

@@ -10,7 +10,7 @@ import numpy as np
 from forcefeel.export.exported import Exported
 from forcefeel.export.fmu_description import description
 from forcefeel.export.fmu_library import PLATFORMS, library
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.loader.timing import controller_steps
 
@@ -73,7 +73,7 @@ def fmu_files(exported: Exported) -> dict[str, str | bytes]:
     return files
 
 
-def _resources(exported: Exported, numbers: SampledCompensator, kind: str) -> str:
+def _resources(exported: Exported, numbers: SampledLaw, kind: str) -> str:
     """A line for each list of numbers, as ``crates/fmu/src/resources.rs`` reads them."""
     loader, law = exported.loader, exported.law
     step_s, timing = controller_steps(loader, LONGEST_STEP_S)

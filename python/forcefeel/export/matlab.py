@@ -15,7 +15,7 @@ from forcefeel.export.expected import Expected
 from forcefeel.export.exported import Exported
 from forcefeel.export.plant import LinearPlant
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
+from forcefeel.laws.sampled.sampled_law import NUMBERS, SampledLaw
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.beyond_linear import left_out
 from forcefeel.loader.loader import FEEL_SETTING
@@ -82,7 +82,7 @@ def _matrices(exported: Exported, expected: Expected) -> bytes:
     return file.getvalue()
 
 
-def _sampled(law: Law, numbers: SampledCompensator) -> dict[str, Any]:
+def _sampled(law: Law, numbers: SampledLaw) -> dict[str, Any]:
     """The numbers of a sampled law, the settings last."""
     arrays = {f"law_{name}": np.moveaxis(getattr(numbers, name), 0, -1) for name in (*NUMBERS, "settled")}
     return {"period_s": law.period_s, "delay_s": law.delay_s, **arrays}

@@ -20,7 +20,7 @@ from typing import NamedTuple
 from forcefeel.export.exported import Exported
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.sampled_compensator import OF_FRICTION, SampledCompensator
+from forcefeel.laws.sampled.sampled_law import OF_FRICTION, SampledLaw
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import DIGITS, ELECTRIC, is_switch, meaning, table, unit
@@ -183,7 +183,7 @@ def _gains(law: Law, loader: Loader, place: int) -> Iterator[Row]:
         yield Row(place + 1, "gain", f"law.{symbol}", f"command on {state}", value, Unit(units.si, units.si, units.us))
 
 
-def _sampled(law: SampledCompensator, place: int, command: str) -> Iterator[Row]:
+def _sampled(law: SampledLaw, place: int, command: str) -> Iterator[Row]:
     """The rows of a sampled law: [xi; y; delta; delta'; n] to torque and command, [xi; y; e] to the next xi."""
     n = law.states
     sampled = _SAMPLED[: law.input.shape[2] - 1]

@@ -23,7 +23,7 @@ def schedule_json(found: ScheduleCheck, units: UnitSystem) -> dict[str, Json]:
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "loader": schedule.loader.name,
-        "method": schedule.method,
+        "law": schedule.law,
         "period": quantity(schedule.laws.period_s, SECONDS, units),
         "delay": quantity(schedule.laws.delay_s, SECONDS, units),
         "axes": [{"name": axis.name, "unit": axis.unit, "values": list(axis.values)} for axis in schedule.axes],

@@ -14,7 +14,7 @@ MOST_AXES = 3
 """Most axes of a schedule."""
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*(?:[ _][A-Za-z0-9]+)*")
-_TAKEN = ("at_s", "over_s")
+_TAKEN = ("at_s", "fade_s")
 """Arguments of ``FlightSchedule.change``."""
 
 

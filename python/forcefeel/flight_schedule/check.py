@@ -20,7 +20,7 @@ from forcefeel.flight_schedule.releases import PASSES, ReleaseTest
 from forcefeel.flight_schedule.result import CheckedMargins, CheckedRelease, Part, PartFound, ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
 from forcefeel.flight_schedule.transitions import Transitions
-from forcefeel.laws.sampled.methods import method
+from forcefeel.laws.sampled.law_designs import law_design
 from forcefeel.loader.loader import Loader
 from forcefeel.loops.command_loop import CommandLoop
 from forcefeel.loops.margins import loop_margins
@@ -175,7 +175,7 @@ def _remedy_helps(
     if poles.largest[case, place] < 1:
         return None
     feel, _ = schedule.between(where[[place]])
-    own = method(schedule.method).design(loader, feel)
+    own = law_design(schedule.law).design(loader, feel)
     return bool(loops_of(loader, feel, own, cases[case], threads=1).stable[0])
 
 
@@ -204,7 +204,7 @@ def _releases(schedule: FlightSchedule, loader: Loader, test: ReleaseTest, threa
     designed = list(outcomes)
     failing = [k for k in range(schedule.knots, len(where)) if outcomes[k] != PASSES]
     if failing:
-        own = method(schedule.method).design(loader, feel[failing])
+        own = law_design(schedule.law).design(loader, feel[failing])
         for k, outcome in zip(failing, test.outcomes(loader, feel[failing], own, threads), strict=True):
             designed[k] = outcome
     return tuple(

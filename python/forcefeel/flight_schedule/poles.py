@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from forcefeel.envelope.cases import Case
 from forcefeel.envelope.machines import full_rows
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import Loader
 from forcefeel.loops.sampled_loop import SampledLoops, sampled_loops
 
@@ -53,7 +53,7 @@ class Poles:
 def poles_of(
     loader: Loader,
     feel: NDArray[np.float64],
-    laws: SampledCompensator,
+    laws: SampledLaw,
     cases: Sequence[Case],
     *,
     threads: int,
@@ -74,9 +74,7 @@ def poles_of(
     return Poles(largest, swinging, laws.period_s)
 
 
-def loops_of(
-    loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator, case: Case, *, threads: int
-) -> SampledLoops:
+def loops_of(loader: Loader, feel: NDArray[np.float64], laws: SampledLaw, case: Case, *, threads: int) -> SampledLoops:
     """The loops of a case, one for each law with its feel (loops, 3)."""
     rows = full_rows(loader, case, feel, Law.of(laws, loader))
     return sampled_loops(loader, laws, rows, threads=threads)

@@ -12,7 +12,7 @@ from forcefeel.envelope.machines import full_rows
 from forcefeel.envelope.releases import Record
 from forcefeel.envelope.settings import AXES
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import Rules
 from forcefeel.qualification.batch_verdicts import judge_releases
@@ -49,7 +49,7 @@ class ReleaseTest:
         throw = Throw.of(loader)
         return cls(rules, throw.release_rad(rules), throw.travel_rad)
 
-    def outcomes(self, loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator, threads: int) -> list[str]:
+    def outcomes(self, loader: Loader, feel: NDArray[np.float64], laws: SampledLaw, threads: int) -> list[str]:
         """How each feel (settings, 3) with its law ends: passes, or the figure that fails first."""
         frequency, damping = _core.feel_frequencies(feel)
         outcome = np.full(len(feel), NOT_JUDGED, dtype=object)
@@ -64,7 +64,7 @@ class ReleaseTest:
         return outcome.tolist()
 
     def _judged(
-        self, loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator, record: Record, threads: int
+        self, loader: Loader, feel: NDArray[np.float64], laws: SampledLaw, record: Record, threads: int
     ) -> list[str]:
         rows = full_rows(loader, NOMINAL, feel, Law.of(laws, loader))
         step = min(record.step_s, LONGEST_STEP_S)

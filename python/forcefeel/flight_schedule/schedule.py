@@ -17,8 +17,8 @@ from forcefeel import _core
 from forcefeel.errors import InputError
 from forcefeel.flight_schedule.axes import ScheduleAxis, check_axes, mesh, place_text, point_of
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.methods import method as method_of
-from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
+from forcefeel.laws.sampled.law_designs import law_design
+from forcefeel.laws.sampled.sampled_law import NUMBERS, SampledLaw
 from forcefeel.loader.feel_settings import check_feel_range
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.simulation import FeelChange
@@ -33,12 +33,12 @@ class ScheduledSetting:
     Attributes:
         feel: I, B, G in SI units.
         loader: The loader with this feel.
-        compensator: The law.
+        law: The law.
     """
 
     feel: tuple[float, float, float]
     loader: Loader
-    compensator: SampledCompensator
+    law: SampledLaw
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +47,7 @@ class FlightSchedule:
 
     Attributes:
         loader: What the laws were designed for.
-        method: By which method.
+        law: By which method.
         axes: One to three axes.
         feel: I, B, G in SI units at the knots, (values of each axis ..., 3).
         laws: The law of each knot, the last axis running fastest.
@@ -65,10 +65,10 @@ class FlightSchedule:
     """
 
     loader: Loader
-    method: str
+    law: str
     axes: tuple[ScheduleAxis, ...]
     feel: NDArray[np.float64] = field(repr=False)
-    laws: SampledCompensator = field(repr=False)
+    laws: SampledLaw = field(repr=False)
 
     def __post_init__(self) -> None:
         axes = check_axes(self.axes)
@@ -78,7 +78,7 @@ class FlightSchedule:
             raise InputError(f"feel: expected I, B, G at every knot, the shape {(*shape, _FEEL)}, got {feel.shape}")
         if self.laws.settings != np.prod(shape):
             raise InputError(f"laws: expected one for each of {np.prod(shape)} knots, got {self.laws.settings}")
-        Law(self.method, self.laws, self.laws.period_s, self.laws.delay_s).check(self.loader)
+        Law(self.law, self.laws, self.laws.period_s, self.laws.delay_s).check(self.loader)
         feel.setflags(write=False)
         object.__setattr__(self, "axes", axes)
         object.__setattr__(self, "feel", feel)
@@ -104,13 +104,13 @@ class FlightSchedule:
         values = flat.reshape(*self.feel.shape[:-1], -1)
         return RegularGridInterpolator([axis.values for axis in self.axes], values, method="linear", bounds_error=True)
 
-    def between(self, where: NDArray[np.float64]) -> tuple[NDArray[np.float64], SampledCompensator]:
+    def between(self, where: NDArray[np.float64]) -> tuple[NDArray[np.float64], SampledLaw]:
         """Feels (points, 3) and laws at many points (points, axes) within the knots."""
         found = self._numbers(where)
         shapes = [getattr(self.laws, name).shape[1:] for name in NUMBERS]
         feel, *parts = np.split(found, np.cumsum([_FEEL, *map(prod, shapes[:-1])]), axis=1)
         numbers = (part.reshape(-1, *shape) for part, shape in zip(parts, shapes, strict=True))
-        return feel, SampledCompensator(self.laws.period_s, self.laws.delay_s, *numbers)
+        return feel, SampledLaw(self.laws.period_s, self.laws.delay_s, *numbers)
 
     def at(self, **where: float) -> ScheduledSetting:
         """Feel and law at a place: ``schedule.at(dynamic_pressure=120, flaps=10)``.
@@ -126,7 +126,7 @@ class FlightSchedule:
         changed = dict(zip(FEEL_SETTING, (inertia, damping, stiffness), strict=True))
         return ScheduledSetting((inertia, damping, stiffness), self.loader.replace(changed, si=True), law)
 
-    def change(self, at_s: float, over_s: float = 0.5, **where: float) -> FeelChange:
+    def change(self, at_s: float, fade_s: float = 0.5, **where: float) -> FeelChange:
         """The change of a run, from whatever holds, to a place of the schedule: of I, B, G and of the law.
 
         The change goes straight from the feel and law of before to those of ``where``. On a long way, let several follow each
@@ -134,18 +134,18 @@ class FlightSchedule:
 
         Args:
             at_s: When it begins.
-            over_s: How long it takes.
+            fade_s: How long it takes.
             where: As ``at``.
 
         Raises:
             InputError: As ``at``.
         """
         there = self.at(**where)
-        return FeelChange(at_s, dict(zip(FEEL_SETTING, there.feel, strict=True)), over_s, there.compensator)
+        return FeelChange(at_s, dict(zip(FEEL_SETTING, there.feel, strict=True)), fade_s, there.law)
 
 
 def design_schedule(
-    loader: Loader, axes: Sequence[ScheduleAxis], feel: ArrayLike, method: str = "robust"
+    loader: Loader, axes: Sequence[ScheduleAxis], feel: ArrayLike, law: str = "robust"
 ) -> FlightSchedule:
     """Designs the law of every knot.
 
@@ -154,7 +154,7 @@ def design_schedule(
         axes: One to three axes with the values of the knots.
         feel: I, B, G in SI units (N m s^2/rad, N m s/rad, N m/rad) at every knot, (values of each axis ..., 3); for example by
             ``second_order_feel``.
-        method: A name of ``designs.METHODS``.
+        law: A name of ``designs.LAW_DESIGNS``.
 
     Returns:
         The schedule. Nothing is checked yet: ``check_schedule`` does.
@@ -167,11 +167,11 @@ def design_schedule(
         >>> import forcefeel as ff
         >>> pressure = ff.flight_schedule.ScheduleAxis("pressure", "lb/ft^2", (50, 100))
         >>> feel = ff.flight_schedule.second_order_feel([500.0, 1000.0], [1.0, 1.5], 0.6)
-        >>> ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel).method
+        >>> ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel).law
         'robust'
     """
     found = check_axes(axes)
-    way = method_of(method)
+    way = law_design(law)
     try:
         values = np.array(feel, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -182,7 +182,7 @@ def design_schedule(
     rows = values.reshape(-1, _FEEL)
     # Ranges are intervals, so what is between knots is in them too.
     check_feel_range(rows, lambda knot: f"at {place_text(found, mesh([axis.values for axis in found])[knot])}")
-    return FlightSchedule(loader, method, found, values, way.design(loader, rows))
+    return FlightSchedule(loader, law, found, values, way.design(loader, rows))
 
 
 def second_order_feel(

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel.flight_schedule.schedule import FlightSchedule
-from forcefeel.laws.sampled.sampled_compensator import NUMBERS, SampledCompensator
+from forcefeel.laws.sampled.sampled_law import NUMBERS, SampledLaw
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,13 +44,13 @@ class Transitions:
         ends = np.unique(np.vstack(pairs), axis=0)
         return cls(ends, np.arange(1, refine) / refine)
 
-    def loops(self, schedule: FlightSchedule) -> tuple[NDArray[np.float64], SampledCompensator]:
+    def loops(self, schedule: FlightSchedule) -> tuple[NDArray[np.float64], SampledLaw]:
         """Feels and laws of all changes at all shares; the share runs fastest."""
         start, end = (np.repeat(self.ends[:, k], len(self.shares)) for k in (0, 1))
         share = np.tile(self.shares, len(self.ends))
         one, two = schedule.laws.some(start), schedule.laws.some(end)
         numbers = (_blend(getattr(one, name), getattr(two, name), share) for name in NUMBERS)
-        laws = SampledCompensator(one.period_s, one.delay_s, *numbers)
+        laws = SampledLaw(one.period_s, one.delay_s, *numbers)
         return blended_feel(schedule.rows[start], schedule.rows[end], share), laws
 
 

@@ -19,14 +19,14 @@ def frontier_json(found: Frontier, units: UnitSystem) -> dict[str, Json]:
         "forcefeel": version("forcefeel"),
         "units": str(units),
         "loader": plan.loader.name,
-        "compensator": found.compensator,
+        "law": found.law,
         "rule": rule_json(plan),
         "release_angle": quantity(plan.release_rad, ANGLE, units),
         "settings": plan.settings.count,
         "grid": grid_json(plan.settings, units),
         "tolerances": deviations_json(plan.deviations),
         "conclusions": json_value(frontier_conclusions(found, units), units),
-        "shares": json_value(found.envelope.shares(found.compensator), units),
+        "shares": json_value(found.envelope.shares(found.law), units),
         "limits": {found.text(limit): quantity(share, PERCENT, units) for limit, share in found.limit_shares.items()},
         "limit_of_each_setting": found.limits.tolist(),
         "bound": _bound(found, units),
@@ -56,7 +56,7 @@ def _path(path: Path, units: UnitSystem) -> dict[str, Json]:
     return {
         "inertia_known_to": [quantity(one, PERCENT, units) for one in path.tolerances],
         "passes_in_every_case": [quantity(one, PERCENT, units) for one in path.shares],
-        "if_known_exactly": quantity(path.limit, PERCENT, units),
+        "share_at_zero_tolerance": quantity(path.limit, PERCENT, units),
         "needed_for_goal": quantity(path.needed, PERCENT, units),
     }
 
@@ -78,7 +78,7 @@ def _friction_bound(found: Frontier, units: UnitSystem) -> Json:
     return {
         "friction": quantity(bound.friction_n, FORCE, units),
         "tolerance": quantity(bound.tolerance, PERCENT, units),
-        "force_off_by": quantity(bound.off_n, FORCE, units),
+        "force_error": quantity(bound.off_n, FORCE, units),
         "friction_known_to": [quantity(error, PERCENT, units) for error in bound.errors],
         "possible": [quantity(share, PERCENT, units) for share in bound.shares],
     }
@@ -101,5 +101,5 @@ def _gives(drive: ValveLimits | MotorLimits, units: UnitSystem) -> dict[str, Jso
         return {"flow": quantity(drive.flow_m3_per_s, FLOW, units)}
     return {
         "peak_force": quantity(drive.peak_force_n, FORCE, units),
-        "largest_share_standing_still": quantity(drive.largest_hold, PERCENT, units),
+        "peak_holding_share": quantity(drive.largest_hold, PERCENT, units),
     }

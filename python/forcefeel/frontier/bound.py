@@ -44,7 +44,7 @@ from numpy.typing import NDArray
 
 from forcefeel.envelope.plan import Plan
 from forcefeel.errors import InputError
-from forcefeel.frontier.referee import Referee, referees
+from forcefeel.frontier.second_order_bound import Referee, referees
 from forcefeel.loader.sensors import unseen_inertia
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import show
@@ -110,7 +110,7 @@ def inertia_bound(
     """The bound for a plan's settings, rule, angle and arms.
 
     Args:
-        plan: The envelope; its compensators are not used.
+        plan: The envelope; its laws are not used.
         errors: Relative errors e of the column's inertia, above 0 and below 1.
         lean: How far the middle of the range of inertias lies from the nominal one, as a share of e: 0 for a range from (1 - e) J
             to (1 + e) J.

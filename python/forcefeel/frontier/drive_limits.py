@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.envelope.forbidden import NOISE, forbidden
 from forcefeel.envelope.plan import Plan
-from forcefeel.frontier.referee import Referee, referees
+from forcefeel.frontier.second_order_bound import Referee, referees
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import PERCENT, SECONDS
 

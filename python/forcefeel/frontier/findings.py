@@ -30,7 +30,7 @@ def frontier_conclusions(found: Frontier, units: UnitSystem) -> Conclusions:
     good = tight.nominal_is_enough and tight.worst >= WHOLE_WORST
     verdict = (
         f"Of {found.plan.settings.count:,} programmed feels {share_text(tight.nominal)} are rendered nominally and "
-        f"{share_text(tight.worst)} in every case with {name_text(found.compensator)}. With {_inertia(found)} known to "
+        f"{share_text(tight.worst)} in every case with {name_text(found.law)}. With {_inertia(found)} known to "
         f"{tolerance_text(found.inertia_tolerance)}, {share_text(float(found.possible.mean()))} is the bound on any linear law, "
         "computed over responses of second order."
     )

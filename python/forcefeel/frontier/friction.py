@@ -20,7 +20,7 @@ from forcefeel.envelope.plan import Plan
 from forcefeel.laws.law import Law
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.parameters import TABLE, unit
-from forcefeel.qualification.programme.sweep_force import SweepForce
+from forcefeel.qualification.plan.sweep_force import SweepForce
 from forcefeel.simulation import RunStatus, Scenario, simulate
 from forcefeel.simulation.programmed_feel import ideal_response
 
@@ -58,7 +58,7 @@ def smallest_friction(plan: Plan) -> SmallestFriction:
         plan: The envelope; of its loader the own I, B, G, without the optional rows of the feel.
     """
     loader = plan.loader
-    name = next(iter(plan.compensators))
+    name = next(iter(plan.laws))
     per_rad = loader["feel.stiffness"] / loader["column.grip_arm"]  # force at the grip per radian
     force = per_rad * plan.release_rad
     scenario = Scenario(SweepForce(-force, force).over(SWEEP_S), SWEEP_S, _STEP_S, _SAMPLE_S)
@@ -78,7 +78,7 @@ def smallest_friction(plan: Plan) -> SmallestFriction:
 
 def _own_law(plan: Plan, name: str) -> Law:
     """The law that is designed for the loader's own setting."""
-    return Law.of(plan.compensators[name], plan.loader, own_feel(plan.loader), name).single(plan.loader)
+    return Law.of(plan.laws[name], plan.loader, own_feel(plan.loader), name).single(plan.loader)
 
 
 def _window(values: NDArray[np.float64], about_s: float) -> NDArray[np.float64]:

@@ -36,7 +36,7 @@ from forcefeel.envelope.cases import PilotArm
 from forcefeel.envelope.deviations import FRICTION
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.friction import FORCE
-from forcefeel.frontier.referee import Referee, referees
+from forcefeel.frontier.second_order_bound import Referee, referees
 from forcefeel.threads import threads_or_cores
 
 KNOWN_TO = (0.01, 0.02, 0.05, 0.1, 0.2)
@@ -87,7 +87,7 @@ def friction_bound(
     """The bound for a plan's settings, rule, angle and arms; ``None`` for a column without dry friction, or of which none is off.
 
     Args:
-        plan: The envelope; its compensators are not used.
+        plan: The envelope; its laws are not used.
         errors: Relative errors e, beside the plan's own.
         threads: How many; all cores if not given.
     """

@@ -8,10 +8,10 @@ from typing import Annotated
 from forcefeel.envelope.plan import Plan
 from forcefeel.envelope.result import Shares
 from forcefeel.envelope.run import compute
-from forcefeel.frontier.rungs import Progress, Rungs, onward
 from forcefeel.frontier.tightening import INERTIA, KNOWN_BETTER
+from forcefeel.frontier.tolerance_levels import Progress, Rungs, onward
 from forcefeel.laws.sampled.grip import GRIP
-from forcefeel.laws.sampled.methods import METHODS
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import OFF, TABLE, in_range
 from forcefeel.loader.sensors import SENSORS
@@ -158,7 +158,7 @@ def hardware(
         progress: Called with the releases that are done and all there are.
     """
     plan, found, done = rungs.full.plan, [], 0
-    before = rungs.full.shares(rungs.compensator)
+    before = rungs.full.shares(rungs.law)
     total = hardware_releases(plan)
     for change in CHANGES:
         if not change.applies(plan.loader):
@@ -166,7 +166,7 @@ def hardware(
         # G_max and so the settings stay; a law by its method's name is designed for the changed loader.
         changed = Plan(
             change.on(plan.given),
-            {law: METHODS[law]} if (law := change.law) else plan.compensators,
+            {law: LAW_DESIGNS[law]} if (law := change.law) else plan.laws,
             plan.settings,
             plan.rule,
             plan.deviations,
@@ -175,7 +175,7 @@ def hardware(
         )
         after = compute(changed, threads=threads, progress=onward(progress, done, total))
         done += changed.settings.count * len(changed.cases)
-        found.append(_gain(change.name, change.remark, after.shares(change.law or rungs.compensator), before))
+        found.append(_gain(change.name, change.remark, after.shares(change.law or rungs.law), before))
     if rungs.tolerances[INERTIA] > KNOWN_TO:
         found += [_known(rungs, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
     return tuple(sorted(found, key=lambda one: (-one.worst_gain, -one.nominal_gain)))
@@ -185,11 +185,11 @@ def _gain(name: str, remark: str, after: Shares, before: Shares) -> Gain:
     return Gain(
         name,
         remark,
-        after.passes,
-        after.passes_worst,
+        after.nominal_share,
+        after.worst_case_share,
         after.stable_worst,
-        after.passes - before.passes,
-        after.passes_worst - before.passes_worst,
+        after.nominal_share - before.nominal_share,
+        after.worst_case_share - before.worst_case_share,
         after.stable_worst - before.stable_worst,
     )
 
@@ -199,6 +199,6 @@ def _known(rungs: Rungs, before: Shares, keys: Sequence[str]) -> Gain:
     full = rungs.tolerances[INERTIA]
     rung = min(range(len(rungs.factors)), key=lambda k: abs(rungs.factors[k] * full - KNOWN_TO))
     worst, stable = (float(rungs.worst(keys, rung, stable=one).mean()) for one in (False, True))
-    after = Shares(rungs.compensator, before.stable, before.passes, stable, worst)
+    after = Shares(rungs.law, before.stable, before.nominal_share, stable, worst)
     what = "column inertia" if len(keys) == 1 else "column inertia, linkage ratio and base arm"
     return _gain(f"{what} known to {100 * rungs.factors[rung] * full:.3g} %", "the same machine", after, before)

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
-from forcefeel.frontier.referee import Referee
+from forcefeel.frontier.second_order_bound import Referee
 from forcefeel.linear.electric import ElectricPlant
 from forcefeel.loader.loader import Loader
 from forcefeel.sizing.motor import Motor
@@ -56,7 +56,7 @@ def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
     """What the motor of a plan's loader forbids at its settings.
 
     Args:
-        plan: The envelope: its settings, rule and angle; its compensators are not used.
+        plan: The envelope: its settings, rule and angle; its laws are not used.
         threads: How many; all cores if not given.
     """
     motor, feel = Motor(plan.loader), plan.settings.feel(plan.loader)
@@ -67,7 +67,7 @@ def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
         forbidden,
         _unload_s(plan.loader, feel, plan.release_rad),
         plan.settings.rows[:, 1],
-        motor.gives.peak_force_n,
+        motor.capability.peak_force_n,
         _share(motor, held, np.zeros(len(held))),
     )
 

@@ -15,8 +15,8 @@ from forcefeel.frontier.friction import SmallestFriction
 from forcefeel.frontier.friction_bound import FrictionBound
 from forcefeel.frontier.hardware import Gain
 from forcefeel.frontier.motor_limits import MotorLimits
-from forcefeel.frontier.rungs import Rungs
 from forcefeel.frontier.tightening import INERTIA, Tightening
+from forcefeel.frontier.tolerance_levels import Rungs
 from forcefeel.frontier.valve_limits import ValveLimits
 from forcefeel.printable import table_html
 from forcefeel.units import PERCENT
@@ -49,7 +49,7 @@ class Frontier:
         >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
         >>> found = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
-        >>> found.envelope.compensators
+        >>> found.envelope.laws
         ('published',)
     """
 
@@ -63,11 +63,11 @@ class Frontier:
 
     def __repr__(self) -> str:
         each = "; ".join(f"{share:.1%} {self.text(limit)}" for limit, share in self.limit_shares.items() if share)
-        return f"<Frontier of {self.plan.given.name!r} with {self.compensator}, {self.plan.settings.count:,} settings: {each}>"
+        return f"<Frontier of {self.plan.given.name!r} with {self.law}, {self.plan.settings.count:,} settings: {each}>"
 
     def _repr_html_(self) -> str:
         rows = ((self.text(limit), f"{share:.1%}") for limit, share in self.limit_shares.items())
-        return table_html(f"{self.plan.given.name} with {self.compensator}", ("settings", "share"), rows)
+        return table_html(f"{self.plan.given.name} with {self.law}", ("settings", "share"), rows)
 
     @property
     def envelope(self) -> Envelope:
@@ -80,9 +80,9 @@ class Frontier:
         return self.rungs.full.plan
 
     @property
-    def compensator(self) -> str:
+    def law(self) -> str:
         """Name of the law."""
-        return self.rungs.compensator
+        return self.rungs.law
 
     @property
     def inertia_tolerance(self) -> Annotated[float, PERCENT]:
@@ -97,7 +97,7 @@ class Frontier:
     @cached_property
     def limits(self) -> NDArray[np.int8]:
         """What limits each setting (damping, frequency, stiffness): places in ``Limit``."""
-        passes = self.envelope.passes(self.compensator)
+        passes = self.envelope.passes(self.law)
         order = list(Limit)
         found = np.select(
             [passes.all(axis=0), self.drive.forbidden, ~self.possible, ~passes[0]],
@@ -123,15 +123,15 @@ class Frontier:
     @property
     def beyond_bound(self) -> Annotated[float, PERCENT]:
         """Share of the settings that the law renders in every case though no response of second order would."""
-        return float((self.envelope.passes(self.compensator).all(axis=0) & ~self.possible).mean())
+        return float((self.envelope.passes(self.law).all(axis=0) & ~self.possible).mean())
 
     @property
     def smallest(self) -> Smallest:
         """The smallest inertia and stiffness that are rendered in every case."""
-        return self.envelope.smallest(self.compensator, worst=True)
+        return self.envelope.smallest(self.law, worst=True)
 
     @property
     def largest_stiffness(self) -> Annotated[float, PERCENT]:
         """The largest stiffness of the grid that is rendered in every case, as a share of G_max; not a number if none is."""
-        passes = self.envelope.passes(self.compensator).all(axis=0)
+        passes = self.envelope.passes(self.law).all(axis=0)
         return float(self.plan.settings.rows[passes, 2].max()) if passes.any() else float("nan")

@@ -12,8 +12,8 @@ from forcefeel.frontier.friction_bound import friction_bound
 from forcefeel.frontier.hardware import hardware, hardware_releases
 from forcefeel.frontier.motor_limits import motor_limits
 from forcefeel.frontier.result import Frontier
-from forcefeel.frontier.rungs import FACTORS, Rungs, climb, rung_releases
 from forcefeel.frontier.tightening import INERTIA, tightening
+from forcefeel.frontier.tolerance_levels import FACTORS, Rungs, climb, rung_releases
 from forcefeel.frontier.valve_limits import valve_limits
 from forcefeel.laws.law_file import LAW_FILE
 from forcefeel.laws.sampled.grip import GRIP
@@ -35,7 +35,7 @@ cell. A coarse grid from edge to edge gives the edges more than their share, whe
 
 def find_frontier(
     loader: Loader,
-    compensator: str | None = None,
+    law: str | None = None,
     grid: Mapping[str, str | Sequence[float]] | None = None,
     *,
     threads: int | None = None,
@@ -46,7 +46,7 @@ def find_frontier(
 
     Args:
         loader: The loader, as ``envelope`` takes it.
-        compensator: Name of a law of ``law.NAMED_LAWS``; if not given ``robust``, ``grip`` with a sensor at the grip,
+        law: Name of a law of ``law.NAMED_LAWS``; if not given ``robust``, ``grip`` with a sensor at the grip,
             ``published`` without a digital controller.
         grid: Axes as ``envelope`` takes them; ``DEFAULT_GRID`` where not given.
         threads: How many; all cores if not given. The numbers do not depend on it.
@@ -63,28 +63,26 @@ def find_frontier(
         >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
         >>> found = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
-        >>> found.compensator, found.inertia_tolerance
+        >>> found.law, found.inertia_tolerance
         ('published', 0.2)
     """
-    return compute_frontier(frontier_plan(loader, compensator, grid, **options), threads=threads, progress=progress)
+    return compute_frontier(frontier_plan(loader, law, grid, **options), threads=threads, progress=progress)
 
 
 def frontier_plan(
     loader: Loader,
-    compensator: str | None = None,
+    law: str | None = None,
     grid: Mapping[str, str | Sequence[float]] | None = None,
     **options: Unpack[PlanOptions],
 ) -> Plan:
     """The envelope that a frontier is about; arguments as ``find_frontier``."""
     check_loader(loader)
-    expect("compensator", compensator or "", str, "the name of a law, such as robust")
+    expect("law", law or "", str, "the name of a law, such as robust")
     expect("grid", grid or {}, Mapping, 'values by axis such as {"stiffness": "1..100 %:40:log"}')
     sampled = GRIP if has_grip_sensor(loader) else "robust"
-    name = compensator or (sampled if loader["controller.period"] else "published")
+    name = law or (sampled if loader["controller.period"] else "published")
     if name.endswith(LAW_FILE):
-        raise InputError(
-            f"compensator: is designed anew for each changed machine, and {name} is one law; give a design's name"
-        )
+        raise InputError(f"law: is designed anew for each changed machine, and {name} is one law; give a design's name")
     plan = make_plan(loader, (name,), {**DEFAULT_GRID, **(grid or {})}, **options)
     if INERTIA not in plan.deviations:
         raise InputError(f"{INERTIA}: expected a tolerance, which the bound is about; add it, for example 20 %")
@@ -96,7 +94,7 @@ def frontier_plan(
 def compute_frontier(
     plan: Plan, *, threads: int | None = None, progress: Progress = lambda what, done, total: None
 ) -> Frontier:
-    """Computes the frontier of a plan of one compensator; arguments as ``find_frontier``."""
+    """Computes the frontier of a plan of one law; arguments as ``find_frontier``."""
     climbing = rung_releases(plan)
     total = climbing + hardware_releases(plan)
     rungs = climb(plan, FACTORS, threads=threads, progress=lambda now, _: progress("tolerances", now, total))

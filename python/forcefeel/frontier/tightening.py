@@ -8,7 +8,7 @@ import numpy as np
 
 from forcefeel.envelope.cases import Kind
 from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST
-from forcefeel.frontier.rungs import Rungs
+from forcefeel.frontier.tolerance_levels import Rungs
 from forcefeel.units import PERCENT
 
 INERTIA, GEOMETRY = "column.inertia", ("linkage.ratio", "column.base_arm")

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from forcefeel import _core
 from forcefeel.envelope.plan import Plan
 from forcefeel.frontier.drive_limits import DriveLimits, demands, motion
-from forcefeel.frontier.referee import Referee
+from forcefeel.frontier.second_order_bound import Referee
 from forcefeel.loader.loader import Loader
 from forcefeel.sizing.valve import Valve
 from forcefeel.units import FLOW
@@ -49,7 +49,7 @@ def valve_limits(plan: Plan, *, threads: int | None = None) -> ValveLimits:
     """What the valve of a plan's loader forbids at its settings.
 
     Args:
-        plan: The envelope: its settings, rule and angle; its compensators are not used.
+        plan: The envelope: its settings, rule and angle; its laws are not used.
         threads: How many; all cores if not given.
     """
     demand, forbidden = demands(plan, _peak, threads)

@@ -18,19 +18,19 @@ from numpy.typing import NDArray
 from forcefeel._core import Compensator
 from forcefeel.errors import InputError
 from forcefeel.laws.analog.gain_schedule import schedule_gains
-from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, compensate
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, design_gains
 from forcefeel.laws.cancellation import Cancellation
 from forcefeel.laws.law_file import LAW_FILE, Numbers, check_law_file, read_law, write_law
 from forcefeel.laws.made_for import design_rows, differing
-from forcefeel.laws.sampled.methods import METHODS, Method
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS, LawDesign
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.linear.models import state_feedback
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import ELECTRIC, HYDRAULIC
 from forcefeel.units import show
 
-NAMED_LAWS = (*NAMED_DESIGNS, *METHODS)
+NAMED_LAWS = (*NAMED_DESIGNS, *LAW_DESIGNS)
 """The names of laws: the report's, then those that are made for a digital controller."""
 
 ORIGINAL = "original"
@@ -53,7 +53,7 @@ class Law:
 
     Attributes:
         name: What it is called.
-        numbers: Gains c_1 .. c_7 in SI units, (settings, 7); a ``SampledCompensator`` of one setting or many; a ``Compensator``,
+        numbers: Gains c_1 .. c_7 in SI units, (settings, 7); a ``SampledLaw`` of one setting or many; a ``Compensator``,
             gains with their own scale of the load cell; ``None``, the original loop of each loader's own parameters, eq. (13).
         period_s: Sample period of the controller that it was made for; ``None`` for an analog one.
         delay_s: From the sample to its command.
@@ -92,7 +92,7 @@ class Law:
         """The law that ``given`` means for a loader.
 
         Args:
-            given: A law; a name of ``NAMED_LAWS``, or ``DesignSettings`` or a ``Method``, which design one; the file of a law;
+            given: A law; a name of ``NAMED_LAWS``, or ``DesignSettings`` or a ``LawDesign``, which design one; the file of a law;
                 numbers; ``None`` for the original loop, eq. (13).
             loader: The loader; its controller's period and delay are the law's, unless it has its own.
             feel: Settings I, B, G in SI units, (settings, 3), each of which gets a law; the loader's own if not given.
@@ -116,7 +116,7 @@ class Law:
         if isinstance(given, str | Path):
             name = name or str(given)
             given = named((str(given),), loader)[str(given)]
-        designed = isinstance(given, DesignSettings | Method)
+        designed = isinstance(given, DesignSettings | LawDesign)
         numbers = _designed(given, loader, feel, name or ORIGINAL)
         made_for = (own_feel(loader) if feel is None else feel) if designed else None
         law = cls._made(numbers, loader, made_for, name or _called(given))
@@ -129,7 +129,7 @@ class Law:
     def _made(cls, numbers: Numbers, loader: Loader, feel: NDArray[np.float64] | None, name: str) -> "Law":
         """A law with the time of its own numbers, or the loader's."""
         period, delay = loader["controller.period"] or None, loader["controller.delay"]
-        if isinstance(numbers, SampledCompensator):
+        if isinstance(numbers, SampledLaw):
             period, delay = numbers.period_s, numbers.delay_s
         return cls(
             name, numbers, period, delay if period else 0.0, feel, loader.name, design_rows(loader), loader.drive
@@ -151,7 +151,7 @@ class Law:
         if self.period_s is None:
             if period:
                 raise InputError(
-                    f"compensator: {self.name} is an analog law, the loader has a controller.period of {1e3 * period:.6g} ms; "
+                    f"law: {self.name} is an analog law, the loader has a controller.period of {1e3 * period:.6g} ms; "
                     "design it for this loader"
                 )
             return
@@ -161,7 +161,7 @@ class Law:
         ):
             if not isclose(own, made_for, rel_tol=_SAME):
                 raise InputError(
-                    f"compensator: made for a {key} of {1e3 * made_for:.6g} ms, the loader has {1e3 * own:.6g} ms; "
+                    f"law: made for a {key} of {1e3 * made_for:.6g} ms, the loader has {1e3 * own:.6g} ms; "
                     "design it for this loader"
                 )
 
@@ -186,16 +186,16 @@ class Law:
             InputError: As ``check``.
         """
         self.check(loader)
-        if isinstance(self.numbers, SampledCompensator):
+        if isinstance(self.numbers, SampledLaw):
             return {"observers": self.numbers.rows()}
         if isinstance(self.numbers, np.ndarray):
             return {"gains": np.ascontiguousarray(self.numbers, dtype=np.float64)}
         return {"law": self.numbers}
 
     @property
-    def sampled(self) -> SampledCompensator | None:
+    def sampled(self) -> SampledLaw | None:
         """The numbers of a sampled law; ``None`` of any other."""
-        return self.numbers if isinstance(self.numbers, SampledCompensator) else None
+        return self.numbers if isinstance(self.numbers, SampledLaw) else None
 
     @property
     def gains(self) -> NDArray[np.float64] | None:
@@ -238,7 +238,7 @@ class Law:
             made_for = f", made for {self.loader}," if self.loader else ""
             settings = "1 setting" if len(self.feel) == 1 else f"{len(self.feel)} settings"
             raise InputError(
-                f"compensator: {self.name}{made_for} has laws for {settings} of the feel, "
+                f"law: {self.name}{made_for} has laws for {settings} of the feel, "
                 f"none for I, B, G = {missing} (SI units); save it for the settings that are asked for, or name a design"
             )
         return self.some(np.argmax(near, axis=1))
@@ -260,7 +260,7 @@ class Law:
         write_law(Path(path), **vars(self))
 
 
-LawLike = Law | str | Path | DesignSettings | Method | Compensator | SampledCompensator | NDArray[np.float64] | None
+LawLike = Law | str | Path | DesignSettings | LawDesign | Compensator | SampledLaw | NDArray[np.float64] | None
 """What ``Law.of`` makes a law of."""
 
 
@@ -268,13 +268,13 @@ _GAINS_OF_SETTINGS = 2
 """Dimensions: settings or runs, gains."""
 
 
-def check_given(given: object, name: str = "compensator") -> None:
+def check_given(given: object, name: str = "law") -> None:
     """Refuses what ``Law.of`` makes no law of; ``name`` is what the message calls it.
 
     Raises:
         InputError: If it is of another kind.
     """
-    kinds = Law | str | Path | DesignSettings | Method | Compensator | SampledCompensator | np.ndarray | None
+    kinds = Law | str | Path | DesignSettings | LawDesign | Compensator | SampledLaw | np.ndarray | None
     if not isinstance(given, kinds):
         raise InputError(f"{name}: expected a law, its name, its file, its design or its numbers, got {show(given)}")
     if isinstance(given, np.ndarray) and (given.ndim != _GAINS_OF_SETTINGS or given.shape[1] != len(GAIN_SYMBOLS)):
@@ -287,21 +287,21 @@ def of_another_drive(name: str, loader: Loader) -> InputError:
     """What is wrong with a law for a valve on an electric loader, or for a motor on a hydraulic one."""
     made_for, has = ("valve", "motor") if loader.drive == ELECTRIC else ("motor", "valve")
     return InputError(
-        f"compensator: {name} is a law for a {made_for}, and {loader.name} has a {has}; expected one of "
+        f"law: {name} is a law for a {made_for}, and {loader.name} has a {has}; expected one of "
         f"{', '.join(names_for(loader))}"
     )
 
 
 def drives_of(name: str) -> tuple[str, ...]:
     """The drives that a law of this name is made for."""
-    return METHODS[name].drives if name in METHODS else (HYDRAULIC,)
+    return LAW_DESIGNS[name].drives if name in LAW_DESIGNS else (HYDRAULIC,)
 
 
 def names_for(loader: Loader) -> tuple[str, ...]:
     """The names of all laws that a loader can run: the sampled ones need a digital controller, the report's a valve."""
     if loader.drive == ELECTRIC:
-        return tuple(name for name, one in METHODS.items() if one.serves(loader))
-    sampled = [name for name, one in METHODS.items() if one.serves(loader)] if loader["controller.period"] else []
+        return tuple(name for name, one in LAW_DESIGNS.items() if one.serves(loader))
+    sampled = [name for name, one in LAW_DESIGNS.items() if one.serves(loader)] if loader["controller.period"] else []
     return (*NAMED_DESIGNS, *sampled)
 
 
@@ -314,10 +314,10 @@ def named(names: Sequence[str], loader: Loader) -> dict[str, LawLike]:
     for name in names:
         if name not in NAMED_LAWS and not str(name).endswith(LAW_FILE):
             raise InputError(
-                f"compensator: expected {', '.join(NAMED_LAWS)} or the file of a law ({LAW_FILE}), got {show(name)}"
+                f"law: expected {', '.join(NAMED_LAWS)} or the file of a law ({LAW_FILE}), got {show(name)}"
             )
     if not names or len(set(names)) < len(names):
-        raise InputError(f"compensator: expected different ones of {', '.join(NAMED_LAWS)}, got {show(list(names))}")
+        raise InputError(f"law: expected different ones of {', '.join(NAMED_LAWS)}, got {show(list(names))}")
     for name in names:
         if name in NAMED_LAWS and loader.drive not in drives_of(name):
             raise of_another_drive(name, loader)
@@ -325,18 +325,18 @@ def named(names: Sequence[str], loader: Loader) -> dict[str, LawLike]:
 
 
 def _design(name: str, loader: Loader) -> LawLike:
-    if name in METHODS:
-        return METHODS[name]
+    if name in LAW_DESIGNS:
+        return LAW_DESIGNS[name]
     return NAMED_DESIGNS[name](loader) if name in NAMED_DESIGNS else Path(name)
 
 
 def _called(given: object) -> str:
-    return given.name if isinstance(given, Method) else ORIGINAL if given is None else "given"
+    return given.name if isinstance(given, LawDesign) else ORIGINAL if given is None else "given"
 
 
 def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, name: str) -> Numbers:
     """The numbers of a design, or those that are given."""
-    if isinstance(given, Method):
+    if isinstance(given, LawDesign):
         return given.design(loader, own_feel(loader) if feel is None else feel)
     if isinstance(given, DesignSettings):
         return _gains(given, loader, name) if feel is None else _scheduled(given, loader, feel)
@@ -345,10 +345,10 @@ def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, 
 
 def _gains(design: DesignSettings, loader: Loader, name: str) -> Compensator:
     """Gains for the loader's own setting, by the recursion itself."""
-    found = compensate(loader, design)
+    found = design_gains(loader, design)
     if not found.reached:
-        raise InputError(f"compensator: the recursion does not give the {name} gains for this loader: {found.note}")
-    return found.compensator(loader)
+        raise InputError(f"law: the recursion does not give the {name} gains for this loader: {found.note}")
+    return found.law(loader)
 
 
 def _scheduled(design: DesignSettings, loader: Loader, feel: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -5,7 +5,7 @@
 | original | none: the loader's own position loop, eq. (13) |
 | state feedback | gains c_1 .. c_7 for each setting |
 | compensator | gains c_1 .. c_7 and the load cell's scale, for any setting |
-| sampled | transition, input, command and torque for each setting, as ``SampledCompensator`` has them |
+| sampled | transition, input, command and torque for each setting, as ``SampledLaw`` has them |
 
 A sampled law may have a ``cancellation``, as ``Cancellation`` has it. The units that stand beside the numbers are those that the
 numbers are taken in; a file with others, or with a key that is not one of these, is refused.
@@ -27,11 +27,11 @@ from forcefeel.files import Kind, check_output_file, input_kind, read_input, wri
 from forcefeel.json_values import json_text
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS
 from forcefeel.laws.cancellation import Cancellation
-from forcefeel.laws.sampled.sampled_compensator import FRICTION, NUMBERS, SAMPLED_AT_GRIP, SampledCompensator
+from forcefeel.laws.sampled.sampled_law import FRICTION, NUMBERS, SAMPLED_AT_GRIP, SampledLaw
 from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
 from forcefeel.units import as_float, show
 
-Numbers = Compensator | SampledCompensator | NDArray[np.float64] | None
+Numbers = Compensator | SampledLaw | NDArray[np.float64] | None
 """What the engine runs; see ``Law.numbers``."""
 
 LAW_FILE = ".json"
@@ -66,7 +66,7 @@ _CANCELLATION_UNITS = {
 _AT_GRIP = "force at the grip in N"
 
 
-def _sampled_units(law: SampledCompensator, drive: str) -> dict[str, object]:
+def _sampled_units(law: SampledLaw, drive: str) -> dict[str, object]:
     """What the numbers of a sampled law are on."""
     unit, command, position = _DRIVEN[drive]
     on = [_XI, _FORCE, position, _ANGLE, *([_AT_GRIP] if law.sampled == SAMPLED_AT_GRIP else [])]
@@ -123,7 +123,7 @@ def _cancellation_json(cancellation: Cancellation | None) -> dict[str, Any]:
 
 
 def _numbers_units(numbers: Numbers, drive: str) -> dict[str, object]:
-    if isinstance(numbers, SampledCompensator):
+    if isinstance(numbers, SampledLaw):
         return _sampled_units(numbers, drive)
     return {symbol: unit.si for symbol, unit in zip(GAIN_SYMBOLS, GAIN_UNITS, strict=True)}
 
@@ -133,16 +133,16 @@ def _numbers_json(numbers: Numbers, drive: str) -> dict[str, Any]:
     match numbers:
         case None:
             return {"kind": "original"}
-        case SampledCompensator():
+        case SampledLaw():
             left_out = set() if numbers.knows_friction else {FRICTION}
             rows = {name: getattr(numbers, name).tolist() for name in NUMBERS if name not in left_out}
             return {"kind": "sampled", "units": units, **rows}
         case Compensator():
-            return {"kind": "compensator", "units": units, **compensator_json(numbers)}
+            return {"kind": "compensator", "units": units, **gain_law_json(numbers)}
     return {"kind": "state feedback", "units": units, "gains": numbers.tolist()}
 
 
-def compensator_json(law: Compensator) -> dict[str, Any]:
+def gain_law_json(law: Compensator) -> dict[str, Any]:
     """The numbers of a compensator, SI units."""
     return dict(zip(("gains", "load_cell_arm", "displacement_unit"), law.__getnewargs__(), strict=True))
 
@@ -215,11 +215,7 @@ def _cancellation(keys: "_Keys | None") -> Cancellation | None:
 def _feel(settings: "_Keys", numbers: Numbers) -> NDArray[np.float64]:
     feel = settings.array("inertia, damping, stiffness", 2)
     count = (
-        numbers.settings
-        if isinstance(numbers, SampledCompensator)
-        else len(numbers)
-        if isinstance(numbers, np.ndarray)
-        else 1
+        numbers.settings if isinstance(numbers, SampledLaw) else len(numbers) if isinstance(numbers, np.ndarray) else 1
     )
     if feel.shape != (count, 3):
         raise InputError(f"settings: expected I, B, G for each of {count} laws, got the shape {feel.shape}")
@@ -244,10 +240,10 @@ def _compensator(keys: "_Keys", *_: float | None) -> Compensator:
     return Compensator(gains.tolist(), keys.get("load_cell_arm", float), unit)
 
 
-def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> SampledCompensator:
+def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> SampledLaw:
     dimensions = dict(zip(NUMBERS, (3, 3, 2, 2, 2, 2), strict=True))
     arrays = {name: keys.array(name, count) for name, count in dimensions.items() if name != FRICTION or name in keys}
-    return SampledCompensator(period or 0.0, delay or 0.0, **arrays)
+    return SampledLaw(period or 0.0, delay or 0.0, **arrays)
 
 
 _READ: Mapping[str, Callable[["_Keys", float | None, float | None], Numbers]] = {

@@ -44,7 +44,7 @@ class StabilityBoundary:
 
 
 def smallest_stable_stiffness(
-    loader: Loader, linkage: Linkage = Linkage.COMPLIANT, compensator: Compensator | None = None
+    loader: Loader, linkage: Linkage = Linkage.COMPLIANT, law: Compensator | None = None
 ) -> StabilityBoundary:
     """The smallest G at which the loader is stable, frequency and damping ratio of the feel kept.
 
@@ -54,7 +54,7 @@ def smallest_stable_stiffness(
     Args:
         loader: The loader.
         linkage: Rigid or compliant link.
-        compensator: A fixed law; the original one, eq. (13), if not given. State feedback may stay fixed along the
+        law: A fixed law; the original one, eq. (13), if not given. State feedback may stay fixed along the
             way, because its gains depend on I, B, G only through G/I and B/I.
 
     Raises:
@@ -68,7 +68,7 @@ def smallest_stable_stiffness(
     """
     check_hydraulic(loader, "the smallest stable stiffness", "linear.largest_stable_stiffness has what bounds its feel")
     build = _core.rigid if linkage is Linkage.RIGID else _core.compliant
-    law = compensator or Compensator.original(loader.values)
+    law = law or Compensator.original(loader.values)
 
     def closed_loop(log_share: float) -> NDArray[np.float64]:
         scale = np.exp(log_share) * loader["feel.maximum_stiffness"] / loader["feel.stiffness"]

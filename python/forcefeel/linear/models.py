@@ -154,21 +154,19 @@ def check_model(name: str, model: StateSpaceLike, *, single: bool = False) -> No
         )
 
 
-def loader_model(loader: Loader, compensator: Compensator | None, linkage: Linkage) -> LinearModel:
+def loader_model(loader: Loader, law: Compensator | None, linkage: Linkage) -> LinearModel:
     """Eq. (15) or (17), as ``linkage`` says, under the original law, eq. (13), if none is given; a motor's feel by current alone.
 
     Raises:
         InputError: If there is an analog law for a motor.
     """
     check_loader(loader)
-    if compensator is not None:
-        expect(
-            "compensator", compensator, Compensator, "an analog law, as compensate(loader).compensator(loader) gives it"
-        )
+    if law is not None:
+        expect("law", law, Compensator, "an analog law, as design_gains(loader).law(loader) gives it")
         check_hydraulic(loader, "an analog law", _NO_ANALOG_LAW)
     if loader.drive == ELECTRIC:
         return _motor_model(loader, linkage)
-    law = compensator or Compensator.original(loader.values)
+    law = law or Compensator.original(loader.values)
     unit = law.displacement_unit.lower()
     feel = [f"feel_position_{unit}", f"feel_velocity_{unit}_per_s"]
     if linkage is Linkage.RIGID:
@@ -229,7 +227,7 @@ def servo_model(loader: Loader, linkage: Linkage, *, closed: bool) -> LinearMode
     return _model(name, matrices, [model.state_labels[k] for k in kept], INPUTS[1:], SERVO_OUTPUTS)
 
 
-def open_loop_model(loader: Loader, linkage: Linkage, compensator: Compensator | None = None) -> LinearModel:
+def open_loop_model(loader: Loader, linkage: Linkage, law: Compensator | None = None) -> LinearModel:
     """The overall loop, opened at the torque that the feel computer sees; of a motor, at the command of its current.
 
     The torque enters the model in one place, so the closed loop's state matrix is ``A - b c``, where ``A`` is the open
@@ -238,7 +236,7 @@ def open_loop_model(loader: Loader, linkage: Linkage, compensator: Compensator |
     check_loader(loader)
     if loader.drive == ELECTRIC:
         return _motor_loop(loader, linkage)
-    law = compensator or Compensator.original(loader.values)
+    law = law or Compensator.original(loader.values)
     closed = loader_model(loader, law, linkage)
     opened = loader_model(loader, Compensator(law.gains, 0.0, law.displacement_unit), linkage)
     entry = [k for k, name in enumerate(closed.state_labels) if name.startswith("feel_velocity")]
@@ -288,7 +286,7 @@ def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> Compensator:
     Example:
         >>> import forcefeel as ff
         >>> loader = ff.elevator()
-        >>> law = ff.linear.state_feedback(loader, ff.compensate(loader).gains)
+        >>> law = ff.linear.state_feedback(loader, ff.design_gains(loader).gains)
         >>> law.displacement_unit
         'rad'
     """

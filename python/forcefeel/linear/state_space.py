@@ -20,12 +20,12 @@ from forcefeel.linear.models import (
 from forcefeel.loader.loader import Loader
 
 
-def rigid_model(loader: Loader, compensator: Compensator | None = None) -> control.StateSpace:
+def rigid_model(loader: Loader, law: Compensator | None = None) -> control.StateSpace:
     """Loader with a rigid link, eq. (15): states x_p, x_p', p, q_i, q_i', delta, delta'.
 
     Args:
         loader: The loader.
-        compensator: The law that drives the amplifier; the original position loop, eq. (13), if not given. A motor has none here.
+        law: The law that drives the amplifier; the original position loop, eq. (13), if not given. A motor has none here.
 
     Returns:
         Continuous-time model with inputs ``INPUTS`` and outputs ``OUTPUTS``, SI units; of a motor as ``compliant_model`` says.
@@ -38,10 +38,10 @@ def rigid_model(loader: Loader, compensator: Compensator | None = None) -> contr
         >>> ff.linear.rigid_model(ff.elevator()).nstates
         7
     """
-    return _state_space(loader_model(loader, compensator, Linkage.RIGID))
+    return _state_space(loader_model(loader, law, Linkage.RIGID))
 
 
-def compliant_model(loader: Loader, compensator: Compensator | None = None) -> control.StateSpace:
+def compliant_model(loader: Loader, law: Compensator | None = None) -> control.StateSpace:
     """Loader with a compliant link, eq. (17): states x_p, p, q_i, q_i', delta, delta', x_b, x_b'.
 
     Arguments and result are those of ``rigid_model``. Of a motor the feel by current alone: spring and damper of the programmed
@@ -54,7 +54,7 @@ def compliant_model(loader: Loader, compensator: Compensator | None = None) -> c
         >>> model.nstates, model.input_labels
         (8, ['pilot_force_n', 'test_signal_v'])
     """
-    return _state_space(loader_model(loader, compensator, Linkage.COMPLIANT))
+    return _state_space(loader_model(loader, law, Linkage.COMPLIANT))
 
 
 def plant(loader: Loader, linkage: Linkage = Linkage.COMPLIANT) -> control.StateSpace:
@@ -96,7 +96,7 @@ def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpa
     return _state_space(servo_model(loader, linkage, closed=closed))
 
 
-def overall_open_loop(loader: Loader, linkage: Linkage, compensator: Compensator | None = None) -> control.StateSpace:
+def overall_open_loop(loader: Loader, linkage: Linkage, law: Compensator | None = None) -> control.StateSpace:
     """The overall loop, opened at the torque that the feel computer sees (fig. 10).
 
     L from that torque through feel computer, servo and load cell back to it, with the sign for which the closed loop's
@@ -105,14 +105,14 @@ def overall_open_loop(loader: Loader, linkage: Linkage, compensator: Compensator
     Args:
         loader: The loader.
         linkage: Rigid or compliant link.
-        compensator: The law that drives the amplifier; the original one if not given.
+        law: The law that drives the amplifier; the original one if not given.
 
     Example:
         >>> import forcefeel as ff
         >>> ff.linear.overall_open_loop(ff.elevator(), ff.linear.Linkage.RIGID).nstates
         7
     """
-    return _state_space(open_loop_model(loader, linkage, compensator))
+    return _state_space(open_loop_model(loader, linkage, law))
 
 
 def design_plant(loader: Loader, pilot_arm_m: float | None = None, *, pilot_state: bool = True) -> control.StateSpace:

@@ -2,10 +2,10 @@
 
 ``start(loader, law=None, *, over=Simulated(), real_time=True, supervised=True, host=None, record=None, most_bytes=2**30) ->
 Running``, a context manager: leaving it ends the loop, its drive off, and closes the record. ``host`` is a UDP port for an aircraft
-simulator, with the packets of ``docs/reference/host.md``. ``over`` is ``Simulated(scenario=None)``, the
+simulator, with the packets of ``docs/reference/host.md``. ``endpoint`` is ``Simulated(scenario=None)``, the
 nonlinear machine in the loop's own thread, or ``Udp(address)``, a machine that speaks the packets of ``docs/reference/live.md``.
 
-``Running``, of which any thread may call anything; nothing waits for the loop but ``wait``:
+``LiveSession``, of which any thread may call anything; nothing waits for the loop but ``wait``:
 
 ``on()``, ``passive()``, ``off()``
     Ask the supervisor for the feel; for power without feel; for no power, the state at the start.
@@ -20,7 +20,7 @@ nonlinear machine in the loop's own thread, or ``Udp(address)``, a machine that 
     The loop goes there at a bounded rate.
 ``hand_force_n``, ``hand_angle_rad`` (get, set)
     Of a simulated machine: a force at the grip; an angle that the hand holds, ``None`` to let go.
-``break_(fault, sensor=None, by=0)``, ``repair()``
+``inject_fault(fault, sensor=None, by=0)``, ``clear_faults()``
     Faults of a simulated machine, of ``FAULTS`` and ``SENSORS``.
 ``state``
     ``State(cycle, time_s, name, trips, missed, silent, lost_rows, recorded, unrecorded_rows, record_ended, ended)``;
@@ -36,7 +36,7 @@ nonlinear machine in the loop's own thread, or ``Udp(address)``, a machine that 
     ``Timing(late, work, period_s)``: two ``Histogram(edges_us, counts)``, how late the thread woke, how long it worked.
 ``wait(cycles, timeout_s)``
     Until so many more cycles have gone by.
-``granted``
+``realtime_status``
     What the system gave of priority, locked memory and a processor that stays awake, a sentence each.
 
 ``read_live_record(path)`` gives a record's table, ``replay(path)`` runs it again and compares every bit. ``Machine(loader)`` is the

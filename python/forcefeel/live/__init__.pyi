@@ -1,16 +1,16 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
 from forcefeel.live.console.server import Console as Console
+from forcefeel.live.endpoint import Simulated as Simulated
+from forcefeel.live.endpoint import Udp as Udp
+from forcefeel.live.live_session import FAULTS as FAULTS
+from forcefeel.live.live_session import SENSORS as SENSORS
+from forcefeel.live.live_session import LiveSession as LiveSession
 from forcefeel.live.machine import Machine as Machine
-from forcefeel.live.over import Simulated as Simulated
-from forcefeel.live.over import Udp as Udp
 from forcefeel.live.record import LiveRecord as LiveRecord
 from forcefeel.live.record import Replayed as Replayed
 from forcefeel.live.record import read_live_record as read_live_record
 from forcefeel.live.record import replay as replay
-from forcefeel.live.running import FAULTS as FAULTS
-from forcefeel.live.running import SENSORS as SENSORS
-from forcefeel.live.running import Running as Running
 from forcefeel.live.starting import start as start
 from forcefeel.live.state import COLUMNS as COLUMNS
 from forcefeel.live.state import STATES as STATES

@@ -7,9 +7,9 @@ from forcefeel import _core
 from forcefeel.errors import InputError, expect_number
 from forcefeel.files import check_output_file
 from forcefeel.laws.law import LawLike
-from forcefeel.live.asked import Asked
-from forcefeel.live.over import Over, Simulated, Udp
-from forcefeel.live.running import Running
+from forcefeel.live.endpoint import Endpoint, Simulated, Udp
+from forcefeel.live.live_session import LiveSession
+from forcefeel.live.loop_settings import LoopSettings
 from forcefeel.live.setup import feel_numbers, live_law, made_of, script_of
 from forcefeel.loader.loader import Loader
 from forcefeel.simulation.engine import engine_changes
@@ -30,20 +30,20 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     loader: Loader,
     law: LawLike = None,
     *,
-    over: Over = Simulated(),  # noqa: B008  frozen
+    endpoint: Endpoint = Simulated(),  # noqa: B008  frozen
     real_time: bool = True,
     supervised: bool = True,
     host: str | int | None = None,
     record: str | Path | None = None,
     most_bytes: int = MOST_RECORD_BYTES,
     expected_s: float = 0.0,
-) -> Running:
+) -> LiveSession:
     """Starts the loop of a loader in a thread of its own.
 
     Args:
         loader: The loader, with a digital controller of 250 Hz to 5 kHz.
         law: As ``Law.of`` takes it; the law of the loader's drive if not given.
-        over: What is at the other end: ``Simulated()``, or ``Udp("host:port")``.
+        endpoint: What is at the other end: ``Simulated()``, or ``Udp("host:port")``.
         real_time: By the clock; otherwise as fast as it goes.
         supervised: Whether the supervisor looks on. Without it the law drives from the first sample on: for comparisons with a
             simulation, never for a machine.
@@ -72,7 +72,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     """
     driven_by = live_law(law, loader)
     listens = None if host is None else _listens(host, supervised=supervised)
-    scenario = over.scenario if isinstance(over, Simulated) else None
+    scenario = endpoint.scenario if isinstance(endpoint, Simulated) else None
     setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario)
     period, _ = steps.timing or (1, 0)
     script, cycles, wishes = None, None, []
@@ -91,18 +91,18 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
         loop = _core.LiveLoop(
             setup,
             script=script,
-            address=over.address if isinstance(over, Udp) else None,
+            address=endpoint.address if isinstance(endpoint, Udp) else None,
             host=listens,
             real_time=real_time,
             cycles=cycles,
             wishes=wishes,
             record=None
             if record is None
-            else (*_file(record, most_bytes), _cycles(expected_s, loader), about_run(loader, driven_by.name, over)),
+            else (*_file(record, most_bytes), _cycles(expected_s, loader), about_run(loader, driven_by.name, endpoint)),
         )
     except OSError as error:
         raise InputError(f"cannot start: {error}") from error
-    return Running(loop, Asked(loader, law, isinstance(over, Simulated)), driven_by)
+    return LiveSession(loop, LoopSettings(loader, law, isinstance(endpoint, Simulated)), driven_by)
 
 
 def _listens(host: str | int, *, supervised: bool) -> str:
@@ -140,7 +140,7 @@ def _cycles(lasts_s: float, loader: Loader) -> int:
     return ceil(max(lasts_s, 0.0) / loader["controller.period"]) if isfinite(lasts_s) else 0
 
 
-def about_run(loader: Loader, law: str, over: Over) -> dict[str, str]:
+def about_run(loader: Loader, law: str, endpoint: Endpoint) -> dict[str, str]:
     """What a record says of itself."""
     from importlib.metadata import version  # noqa: PLC0415  for records alone
 
@@ -149,7 +149,7 @@ def about_run(loader: Loader, law: str, over: Over) -> dict[str, str]:
         "loader": loader.name,
         "loader_hash": loader.fingerprint,
         "drive": loader.drive,
-        "machine": over.address if isinstance(over, Udp) else SIMULATED,
+        "machine": endpoint.address if isinstance(endpoint, Udp) else SIMULATED,
         "law": law,
         "period_s": repr(loader["controller.period"]),
     }

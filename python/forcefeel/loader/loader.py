@@ -143,7 +143,7 @@ class Loader:
 
     def plot_bode(
         self,
-        compensator: Compensator | None = None,
+        law: Compensator | None = None,
         *,
         frequency_hz: Sequence[float] | NDArray[np.float64] | None = None,
         units: UnitSystem = UnitSystem.SI,
@@ -155,7 +155,7 @@ class Loader:
         with no current.
 
         Args:
-            compensator: The analog law; the original position loop, eq. (13), if not given. A motor has none.
+            law: The analog law; the original position loop, eq. (13), if not given. A motor has none.
             frequency_hz: Frequencies in Hz, above 0; a tenth of the feel's to 100 Hz if not given.
             units: Units of the labels.
             ax: Two Matplotlib axes to draw on, for gain and phase; of a figure of their own if not given.
@@ -174,8 +174,8 @@ class Loader:
         """
         from forcefeel.plots.draw import bode  # noqa: PLC0415  Matplotlib, for whoever plots
 
-        if compensator is not None and not isinstance(compensator, Compensator):
-            raise InputError(f"compensator: expected an analog law, a Compensator, got {show(compensator)}")
+        if law is not None and not isinstance(law, Compensator):
+            raise InputError(f"law: expected an analog law, a GainLaw, got {show(law)}")
         feel_hz = HERTZ.from_si(_core.feel_frequency(self.values)[0], UnitSystem.SI)
         given = np.geomspace(feel_hz / 10, 100.0, 1000) if frequency_hz is None else frequency_hz
         try:
@@ -185,7 +185,7 @@ class Loader:
         if at.ndim != 1 or not len(at) or not np.all((at > 0) & np.isfinite(at)):
             raise InputError(f"frequency_hz: expected frequencies above 0 Hz, got {show(given)}")
         models: dict[str, _Matrices] = {
-            **self._without_sampling(compensator),
+            **self._without_sampling(law),
             "programmed feel": _core.ideal_feel(self.values),
         }
         scale = ANGLE.from_si(1.0, units) / FORCE.from_si(1.0, units)

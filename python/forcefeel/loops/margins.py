@@ -93,7 +93,7 @@ def loop_margins(loop: CommandLoop) -> LoopMargins:
     )
 
 
-def least_margins(found: Sequence[LoopMargins]) -> LoopMargins:
+def minimum_margins(found: Sequence[LoopMargins]) -> LoopMargins:
     """The least of each margin over several loops, and the highest crossover."""
     return LoopMargins(
         gain_up=min(one.gain_up for one in found),

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from plotly.io.json import to_json_plotly
 
 from forcefeel.page.description import described
-from forcefeel.page.palette import Look
+from forcefeel.page.palette import LineStyle
 from forcefeel.page.script import SCRIPT
 
 _INK, _GRID, _AXIS = "#222222", "#E4E7EB", "#8A939E"
@@ -73,7 +73,7 @@ def frame(picture: go.Figure, height: int, *, top: int = 32, hover: str = "x uni
     return picture
 
 
-def line(look: Look) -> dict[str, Any]:
+def line(look: LineStyle) -> dict[str, Any]:
     """Plotly's line for a look."""
     return {"color": look.color, "dash": look.dash, "width": look.width, "simplify": False}
 

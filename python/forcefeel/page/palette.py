@@ -10,7 +10,7 @@ CONFIGURATIONS = {"rigid": RIGID, "compliant": COMPLIANT, "compensated": COMPENS
 
 
 @dataclass(frozen=True)
-class Look:
+class LineStyle:
     """How a curve is drawn.
 
     Attributes:
@@ -25,26 +25,26 @@ class Look:
 
 
 _LOOKS = {
-    "rigid": Look(RIGID, "dash"),
-    "rigid link": Look(RIGID, "dash"),
-    "compliant": Look(COMPLIANT),
-    "compliant link, column": Look(COMPLIANT),
-    "compliant link, piston": Look(_OCHRE, "dashdot"),
-    "compliant link, motor": Look(_OCHRE, "dashdot"),
-    "compliant link": Look(COMPLIANT),
-    "column held": Look(_PURPLE, "dashdot"),
-    "no current": Look(_OCHRE, "dashdot"),
-    "compensated": Look(COMPENSATED, "solid", 2.8),
-    "ideal feel": Look(IDEAL, "dot"),
+    "rigid": LineStyle(RIGID, "dash"),
+    "rigid link": LineStyle(RIGID, "dash"),
+    "compliant": LineStyle(COMPLIANT),
+    "compliant link, column": LineStyle(COMPLIANT),
+    "compliant link, piston": LineStyle(_OCHRE, "dashdot"),
+    "compliant link, motor": LineStyle(_OCHRE, "dashdot"),
+    "compliant link": LineStyle(COMPLIANT),
+    "column held": LineStyle(_PURPLE, "dashdot"),
+    "no current": LineStyle(_OCHRE, "dashdot"),
+    "compensated": LineStyle(COMPENSATED, "solid", 2.8),
+    "ideal feel": LineStyle(IDEAL, "dot"),
 }
 _SETTINGS = {
-    "figure-11a": {"programmed setting": Look(RIGID), "low setting": Look(_SKY, "dash")},
-    "figure-11b": {"programmed setting": Look(COMPLIANT), "low setting": Look(_PURPLE, "dash")},
+    "figure-11a": {"programmed setting": LineStyle(RIGID), "low setting": LineStyle(_SKY, "dash")},
+    "figure-11b": {"programmed setting": LineStyle(COMPLIANT), "low setting": LineStyle(_PURPLE, "dash")},
 }
 _VALVE = ("#9ECAE1", "#6BAED6", "#4292C6", "#2171B5", "#084594")
 
 
-def look(figure: str, label: str, position: int) -> Look:
+def look(figure: str, label: str, position: int) -> LineStyle:
     """The look of a curve.
 
     Args:
@@ -53,10 +53,12 @@ def look(figure: str, label: str, position: int) -> Look:
         position: Its place among the figure's curves.
     """
     if figure == "figure-02":
-        return Look(COMPLIANT, "dash") if label.startswith("tangent") else Look(_VALVE[position % len(_VALVE)])
+        return (
+            LineStyle(COMPLIANT, "dash") if label.startswith("tangent") else LineStyle(_VALVE[position % len(_VALVE)])
+        )
     if label.startswith("under "):  # a law
         label = "compensated"
-    return _SETTINGS.get(figure, {}).get(label) or _LOOKS.get(label) or Look(IDEAL)
+    return _SETTINGS.get(figure, {}).get(label) or _LOOKS.get(label) or LineStyle(IDEAL)
 
 
 DARK = {

@@ -3,11 +3,11 @@
 from forcefeel.qualification.batch_verdicts import judge_releases as judge_releases
 from forcefeel.qualification.page.folder import write_cockpit as write_cockpit
 from forcefeel.qualification.page.folder import write_qualification as write_qualification
-from forcefeel.qualification.programme.cockpit import CockpitQualification as CockpitQualification
-from forcefeel.qualification.programme.cockpit import qualify_cockpit as qualify_cockpit
-from forcefeel.qualification.programme.result import Qualification as Qualification
-from forcefeel.qualification.programme.run import QualificationSetup as QualificationSetup
-from forcefeel.qualification.programme.run import qualify_loader as qualify_loader
+from forcefeel.qualification.plan.cockpit import CockpitQualification as CockpitQualification
+from forcefeel.qualification.plan.cockpit import qualify_cockpit as qualify_cockpit
+from forcefeel.qualification.plan.result import Qualification as Qualification
+from forcefeel.qualification.plan.run import QualificationSetup as QualificationSetup
+from forcefeel.qualification.plan.run import qualify_loader as qualify_loader
 from forcefeel.qualification.record_file import read_record as read_record
 from forcefeel.qualification.records import Record as Record
 from forcefeel.qualification.release import measure_release as measure_release

@@ -7,7 +7,7 @@ from forcefeel.design.assessment import Peaks, assess
 from forcefeel.design.sentences import SMALL_ERROR
 from forcefeel.design.studies import CHANGES, droppable, worst
 from forcefeel.design.workflow import Design
-from forcefeel.laws.analog.recursion import GAIN_UNITS, DesignSettings, compensate
+from forcefeel.laws.analog.recursion import GAIN_UNITS, DesignSettings, design_gains
 from forcefeel.linear.models import DESIGN_FEEL, DESIGN_PLANT, Linkage, design_model, state_feedback
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import INDEX
@@ -141,7 +141,7 @@ def _structural_damping(design: Design) -> Row:
 
 def _only_delta(design: Design) -> list[Row]:
     here, there = (
-        compensate(loader, DesignSettings()).gains for loader in (design.loader, _other_setting(design.loader))
+        design_gains(loader, DesignSettings()).gains for loader in (design.loader, _other_setting(design.loader))
     )
     change = np.abs(there / here - 1)
     others, own = float(np.max(change[DESIGN_PLANT])), float(np.min(change[DESIGN_FEEL]))
@@ -183,7 +183,7 @@ def _low_stiffness(design: Design) -> Row:
 
 
 def _valve_dynamics(design: Design) -> Row:
-    law = design.compensation.compensator(design.loader)
+    law = design.compensation.law(design.loader)
     fast = design.loader.replace({"valve.natural_frequency": "37700 rad/s"})
     with_valve, without = (assess(one, law).frequency_rad_per_s for one in (design.loader, fast))
     change = with_valve / without - 1

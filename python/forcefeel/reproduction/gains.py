@@ -3,7 +3,7 @@
 import numpy as np
 
 from forcefeel.design.workflow import Design
-from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation, DesignSettings, compensate, gains_in
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, DesignSettings, GainDesign, design_gains, gains_in
 from forcefeel.reproduction.appendix import printed
 from forcefeel.reproduction.table import Reason, Row, Section, cut, number
 from forcefeel.units import ROTARY_STIFFNESS, UnitSystem, factor, to_text
@@ -74,7 +74,7 @@ def _reason(design: Design, symbol: str, system: UnitSystem) -> Reason | None:
 
 def _c_3(design: Design, current_gain: str) -> float:
     loader = design.loader.replace({"valve.current_gain": current_gain}, si=True)
-    return float(_us(compensate(loader))[2])
+    return float(_us(design_gains(loader))[2])
 
 
 def _seventh(design: Design) -> dict[str, float]:
@@ -83,10 +83,10 @@ def _seventh(design: Design) -> dict[str, float]:
     inches = ROTARY_STIFFNESS.from_si(loader["feel.maximum_stiffness"], UnitSystem.US)
     arms = {"printed": inches * factor("in", "m"), "column": loader["column.grip_arm"]}
     return {
-        name: float(_us(compensate(loader, DesignSettings(horizon_s=0.05, pilot_arm_m=arm)))[6])
+        name: float(_us(design_gains(loader, DesignSettings(horizon_s=0.05, pilot_arm_m=arm)))[6])
         for name, arm in arms.items()
     }
 
 
-def _us(found: Compensation) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _us(found: GainDesign) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     return gains_in(UnitSystem.US, found.gains)

@@ -14,8 +14,8 @@ from forcefeel.simulation.inputs.signals import Pulse as Pulse
 from forcefeel.simulation.inputs.signals import Release as Release
 from forcefeel.simulation.inputs.signals import Step as Step
 from forcefeel.simulation.inputs.signals import StopToStop as StopToStop
-from forcefeel.simulation.limits_met import Limits as Limits
-from forcefeel.simulation.limits_met import limits as limits
+from forcefeel.simulation.limits_met import LimitTimes as LimitTimes
+from forcefeel.simulation.limits_met import limit_times as limit_times
 from forcefeel.simulation.linear import simulate_linear_batch as simulate_linear_batch
 from forcefeel.simulation.outcome import Measures as Measures
 from forcefeel.simulation.outcome import Run as Run

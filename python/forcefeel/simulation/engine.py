@@ -32,14 +32,14 @@ from forcefeel.threads import threads_or_cores
 _SINGLE = 1
 
 
-def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) -> Run:
+def simulate(loader: Loader, scenario: Scenario, law: LawLike = None) -> Run:
     """Runs a loader through a scenario.
 
     Args:
         loader: The loader, with whatever effects its rows give it.
         scenario: What is done to it. The run begins at rest: hands off, under the first value of a recorded force, or held at the
             angle of a release.
-        compensator: The law, as ``Law.of`` takes it: a law, its name or its file; the original position loop, eq. (13), if not
+        law: The law, as ``Law.of`` takes it: a law, its name or its file; the original position loop, eq. (13), if not
             given.
 
     Returns:
@@ -58,7 +58,7 @@ def simulate(loader: Loader, scenario: Scenario, compensator: LawLike = None) ->
         'settled'
     """
     expect("scenario", scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")
-    law = Law.of(compensator, loader)
+    law = Law.of(law, loader)
     units = outputs(law.displacement_unit, loader.drive)
     exact = _exact(loader, law, scenario)
     noise = 0.0 if exact else _angle_noise_rad(loader, law)
@@ -110,7 +110,7 @@ def simulate_batch(
     loader: Loader,
     scenario: Scenario,
     values: NDArray[np.float64],
-    compensator: LawLike = None,
+    law: LawLike = None,
     *,
     keep: Sequence[str] = (),
     first_run: int = 0,
@@ -122,7 +122,7 @@ def simulate_batch(
         loader: The nominal loader: its curves, controller and force hold for all.
         scenario: What is done to each.
         values: SI values, one row per run in the order of ``parameters.TABLE``; ``pilot.force`` scales the scenario's force.
-        compensator: The law, as ``Law.of`` takes it: one for all, or one for each run (gains c_1 .. c_7 (runs, 7), or a sampled
+        law: The law, as ``Law.of`` takes it: one for all, or one for each run (gains c_1 .. c_7 (runs, 7), or a sampled
             law). Not given, each run has the original position loop of its own parameters.
         keep: Names of outputs whose histories are kept, such as ``column_angle_rad``.
         first_run: Index of the first run, for the noise: a batch cut in pieces gives the same numbers.
@@ -147,7 +147,7 @@ def simulate_batch(
     expect("scenario", scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")
     values = np.ascontiguousarray(values, dtype=np.float64)
     _check(loader, values)
-    law = Law.of(compensator, loader)
+    law = Law.of(law, loader)
     units = outputs(law.displacement_unit, loader.drive)
     for name in keep:
         if name not in units:
@@ -207,7 +207,7 @@ def engine_changes(
 ) -> list[tuple[int, int, NDArray[np.float64], NDArray[np.float64] | None]]:
     """The changes of the feel: first step, step at which it is done, values and law afterwards."""
     return [
-        (*change, None if law is None else _next_law(loader, law, way.compensator))
+        (*change, None if law is None else _next_law(loader, law, way.law))
         for change, way in zip(steps.changes, scenario.feel_changes, strict=True)
     ]
 
@@ -218,9 +218,7 @@ def _next_law(loader: Loader, law: Law, following: LawLike) -> NDArray[np.float6
         return None
     after = Law.of(following, loader).sampled
     if law.sampled is None or after is None:
-        raise InputError(
-            "feel change: a sampled law can only follow a sampled law; give one as the compensator of the run"
-        )
+        raise InputError("feel change: a sampled law can only follow a sampled law; give one as the law of the run")
     if (after.settings, after.states) != (1, law.sampled.states):
         raise InputError(
             f"feel change: expected one law of {law.sampled.states} states, as the one before, got {after.settings} laws of "

@@ -26,11 +26,11 @@ from forcefeel.simulation.inputs import (
     StopToStop,
 )
 from forcefeel.simulation.limits_met import (
-    Limits,
+    LimitTimes,
     below_noise,
     goes_to_a_place,
     keeps_moving,
-    limits,
+    limit_times,
     why_no_overshoot,
 )
 from forcefeel.simulation.outcome import feel_position
@@ -63,7 +63,7 @@ def run_conclusions(run: Run, units: UnitSystem) -> Conclusions:
         >>> ff.simulation.run_conclusions(run, ff.UnitSystem.SI).verdict
         'Settled at 1.24 s, overshoot 45.3 %, 1.68 Hz.'
     """
-    found = limits(run)
+    found = limit_times(run)
     sentences = (
         _at_rest(run, units),
         _period(run),
@@ -225,7 +225,7 @@ def _heat(run: Run) -> str:
     return f"The winding goes from {warm[0]:.0f} to {warm.max():.0f} degC; at {limit:.0f} degC the motor gives nothing."
 
 
-def _saturation(run: Run, found: Limits, units: UnitSystem) -> str:
+def _saturation(run: Run, found: LimitTimes, units: UnitSystem) -> str:
     sentences = []
     of_motor = run.loader.drive == ELECTRIC
     limit = run.loader[_CURRENT_LIMIT[run.loader.drive][0]]
@@ -252,7 +252,7 @@ def _current_limit(run: Run, units: UnitSystem) -> str:
     return _quantity(run.loader[row], measured_in, units, 3)
 
 
-def _stops(run: Run, found: Limits) -> str:
+def _stops(run: Run, found: LimitTimes) -> str:
     loader = run.loader
     sides = (
         (loader["column.stop_low"], found.stop_low_s, "the lower end stop"),
@@ -269,7 +269,7 @@ def _stops(run: Run, found: Limits) -> str:
     return "It reached no stop" + (": the force is too small." if isinstance(run.scenario.force, StopToStop) else ".")
 
 
-def _friction(run: Run, found: Limits) -> str:
+def _friction(run: Run, found: LimitTimes) -> str:
     if not (run.loader["column.coulomb_friction"] or run.loader["column.static_friction"]):
         return ""
     if not found.stuck_s:

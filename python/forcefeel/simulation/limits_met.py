@@ -33,7 +33,7 @@ AT = 1e-6
 
 
 @dataclass(frozen=True)
-class Limits:
+class LimitTimes:
     """What held the machine back during a run; zero where the loader has no such limit.
 
     Attributes:
@@ -52,7 +52,7 @@ class Limits:
     Example:
         >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
-        >>> f"{ff.simulation.limits(run).current:.0%} of the rated current"
+        >>> f"{ff.simulation.limit_times(run).current:.0%} of the rated current"
         '0% of the rated current'
     """
 
@@ -69,13 +69,13 @@ class Limits:
 
 
 @of_result
-def limits(run: Run) -> Limits:
+def limit_times(run: Run) -> LimitTimes:
     """What held the machine back, from the samples of the run; up to where it diverged.
 
     Example:
         >>> import forcefeel as ff
         >>> run = ff.simulate(ff.elevator(), ff.Scenario(ff.Step(100.0)))
-        >>> ff.simulation.limits(run).over_current
+        >>> ff.simulation.limit_times(run).over_current
         0.0
     """
     loader, history, sample_s = run.loader, run.history, run.scenario.sample_s
@@ -100,7 +100,7 @@ def limits(run: Run) -> Limits:
     first, *_ = rows = DEMANDED[loader.drive]
     current = np.abs(history[first.output].values[known])
     over_current, over_flow, over_pressure = map(over, rows) if loader.drive == HYDRAULIC else (0.0, 0.0, 0.0)
-    return Limits(
+    return LimitTimes(
         current=share(current >= loader[first.limit] * (1 - AT)),
         over_current=over_current,
         over_flow=over_flow,
@@ -149,7 +149,7 @@ def below_noise(run: Run) -> bool:
 
 def _why_no_number(run: Run) -> str:
     """Why a run that leads from one place to another does not tell by how much the column went beyond."""
-    found, met = run.measures, limits(run)
+    found, met = run.measures, limit_times(run)
     first, end = float(run.history["column_angle_rad"].values[0]), found.equilibrium_angle_rad
     low, high = found.minimum_angle_rad, found.maximum_angle_rad
     way, excursion, beyond = abs(end - first), max(high - first, first - low), high - end if end > first else end - low

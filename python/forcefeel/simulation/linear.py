@@ -87,7 +87,7 @@ def simulate_linear_batch(
     loader: Loader,
     scenario: Scenario,
     values: NDArray[np.float64],
-    compensator: Compensator | NDArray[np.float64] | None = None,
+    law: Compensator | NDArray[np.float64] | None = None,
     *,
     keep: Sequence[str] = (_ANGLE,),
     threads: int | None = None,
@@ -102,7 +102,7 @@ def simulate_linear_batch(
         loader: A loader without optional rows, as all runs are.
         scenario: What is done to each; nothing but a force, a release included.
         values: SI values, one row per run in the order of ``parameters.TABLE``; ``pilot.force`` scales the scenario's force.
-        compensator: One law for all, or state-feedback gains c_1 .. c_7 (runs, 7). Not given, each run has the original
+        law: One law for all, or state-feedback gains c_1 .. c_7 (runs, 7). Not given, each run has the original
             position loop, eq. (13), of its own parameters.
         keep: Names of the outputs whose histories are kept.
         threads: How many; all cores if not given. The numbers do not depend on it.
@@ -130,8 +130,8 @@ def simulate_linear_batch(
         loader, "the linear batch of eq. (17)", "simulate_batch runs motors, and step_response their linear model"
     )
     values = np.ascontiguousarray(values, dtype=np.float64)
-    gains = np.ascontiguousarray(compensator, dtype=np.float64) if isinstance(compensator, np.ndarray) else None
-    law = compensator if isinstance(compensator, Compensator) else None
+    gains = np.ascontiguousarray(law, dtype=np.float64) if isinstance(law, np.ndarray) else None
+    law = law if isinstance(law, Compensator) else None
     units = outputs("rad" if gains is not None else law.displacement_unit if law else "V")
     columns = _check(loader, scenario, values, gains)
     for name in keep:
@@ -196,7 +196,7 @@ def _check(
     if values.ndim != 2 or values.shape[1] != len(TABLE) or not len(values):
         raise InputError(f"values: expected a row of {len(TABLE)} values for each run, got shape {values.shape}")
     if gains is not None and gains.shape != (len(values), 7):
-        raise InputError(f"compensator: expected gains of shape ({len(values)}, 7), got {gains.shape}")
+        raise InputError(f"law: expected gains of shape ({len(values)}, 7), got {gains.shape}")
     varied = np.flatnonzero(np.any(values != loader.values, axis=0))
     for key in OFF:
         if INDEX[key] in varied:

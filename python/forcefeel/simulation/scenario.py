@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from forcefeel.errors import InputError, expect, expect_number, type_text
 from forcefeel.laws.law import Law
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.timing import WHOLE, controller_steps
 from forcefeel.simulation.inputs import Force, HandsOff, Recorded, Release, Sampled, Schedule
@@ -39,8 +39,8 @@ class FeelChange:
     Attributes:
         at_s: When it begins.
         changes: New values of ``feel.`` rows, as ``Loader.replace`` takes them.
-        over_s: How long it takes.
-        compensator: The sampled law that goes with the new feel; its numbers go over along with the feel. The law of before stays
+        fade_s: How long it takes.
+        law: The sampled law that goes with the new feel; its numbers go over along with the feel. The law of before stays
             if there is none.
 
     Example:
@@ -52,8 +52,8 @@ class FeelChange:
 
     at_s: float
     changes: Mapping[str, str | float | bool | None]
-    over_s: float = 0.5
-    compensator: Law | SampledCompensator | None = None
+    fade_s: float = 0.5
+    law: Law | SampledLaw | None = None
 
 
 @dataclass(frozen=True)
@@ -109,12 +109,12 @@ class Scenario:
             raise InputError(f"seed: expected a whole number from 0 to {LARGEST_SEED:,}, got {self.seed}")
         end = 0.0
         for change in self.feel_changes:
-            if not (change.over_s > 0 and change.at_s >= end):
+            if not (change.fade_s > 0 and change.at_s >= end):
                 raise InputError(
-                    f"feel_changes: expected changes that take time and do not overlap, got {change.over_s:g} s from "
+                    f"feel_changes: expected changes that take time and do not overlap, got {change.fade_s:g} s from "
                     f"{change.at_s:g} s on, where {end:g} s is the earliest"
                 )
-            end = change.at_s + change.over_s
+            end = change.at_s + change.fade_s
             if end > LATEST_S:
                 raise InputError(f"feel_changes: expected changes that are done by {LATEST_S:g} s, got {end:g} s")
 
@@ -209,10 +209,10 @@ class Steps:
                     "feel.trim_rate: switched off while trim is given, the neutral would jump to its command; "
                     "give a rate, such as 50 deg/s"
                 )
-            begin, end = (grid.index("feel change", time) for time in (change.at_s, change.at_s + change.over_s))
+            begin, end = (grid.index("feel change", time) for time in (change.at_s, change.at_s + change.fade_s))
             if end <= begin:
                 raise InputError(
-                    f"feel change: expected to take a step of {step_s:g} s at least, got {change.over_s:g} s"
+                    f"feel change: expected to take a step of {step_s:g} s at least, got {change.fade_s:g} s"
                 )
             share = np.clip((np.arange(grid.steps + 1) - begin) / (end - begin), 0.0, 1.0)
             fade = share**2 * (3 - 2 * share)

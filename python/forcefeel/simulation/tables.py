@@ -13,7 +13,7 @@ from forcefeel.conclusions import of_result
 from forcefeel.json_values import Json, json_value
 from forcefeel.simulation import Run
 from forcefeel.simulation.findings import input_text, run_conclusions
-from forcefeel.simulation.limits_met import known_measures, limits, why_no_overshoot
+from forcefeel.simulation.limits_met import known_measures, limit_times, why_no_overshoot
 from forcefeel.units import (
     ANGLE,
     ANGULAR_VELOCITY,
@@ -133,9 +133,9 @@ def run_json(run: Run, units: UnitSystem, law: str) -> dict[str, Json]:
         "status": str(run.status),
         "conclusions": json_value(run_conclusions(run, units), units),
         "measures": json_value(known_measures(run), units),
-        "limits": json_value(limits(run), units),
+        "limits": json_value(limit_times(run), units),
         "method": run.method,
-        "compensator": law,
+        "law": law,
         "scenario": scenario,
         "loader": json_value(run.loader, units),
     }

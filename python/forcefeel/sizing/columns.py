@@ -9,8 +9,8 @@ from typing import Generic, TypeVar
 from forcefeel.conclusions import share_text
 from forcefeel.sizing.demand import Duration
 from forcefeel.sizing.findings import text, time_text
-from forcefeel.sizing.motor import MotorGives, MotorNeeds
-from forcefeel.sizing.result import Asked, Sizing
+from forcefeel.sizing.motor import MotorCapability, MotorNeeds
+from forcefeel.sizing.result import DemandResult, Sizing
 from forcefeel.units import (
     FLOW,
     FORCE,
@@ -29,7 +29,7 @@ NONE = "–"
 """Stands where there is no number."""
 
 
-Row = TypeVar("Row", Asked, Sizing)
+Row = TypeVar("Row", DemandResult, Sizing)
 """What a row is of: a demand, or an axis of a cockpit."""
 
 
@@ -48,14 +48,14 @@ class Column(Generic[Row]):
     detail: bool = False
 
 
-def columns(found: Sizing, units: UnitSystem) -> tuple[Column[Asked], ...]:
+def columns(found: Sizing, units: UnitSystem) -> tuple[Column[DemandResult], ...]:
     """The columns that go with the drive."""
     needs = partial(_needs, units=units)
     at_grip = (
         Column("force", lambda one: text(one.force_n, FORCE, units)),
         Column("speed", lambda one: text(one.speed_m_per_s, SPEED, units) if one.duration is Duration.MOVING else NONE),
     )
-    if not isinstance(found.gives, MotorGives):
+    if not isinstance(found.capability, MotorCapability):
         return (
             *at_grip,
             Column("pressure", needs("pressure_pa", PRESSURE)),
@@ -79,7 +79,7 @@ def axis_columns(units: UnitSystem) -> tuple[Column[Sizing], ...]:
     return (
         Column("loader", lambda one: one.loader.name),
         Column("drive", lambda one: one.loader.drive, detail=True),
-        Column("gives, short", lambda one: text(one.gives.peak_force_n, FORCE, units)),
+        Column("gives, short", lambda one: text(one.capability.peak_force_n, FORCE, units)),
         Column("gives, for ever", lambda one: _force(_for_ever(one), units)),
         Column("feel, of the peak", lambda one: _share(_most(one, programmed=True, duration=None))),
         Column("rule, short", lambda one: _share(_most(one, programmed=False, duration=Duration.SHORT))),
@@ -89,8 +89,8 @@ def axis_columns(units: UnitSystem) -> tuple[Column[Sizing], ...]:
 
 
 def _for_ever(found: Sizing) -> float:
-    gives = found.gives
-    return gives.continuous_force_n if isinstance(gives, MotorGives) else gives.peak_force_n
+    capability = found.capability
+    return capability.continuous_force_n if isinstance(capability, MotorCapability) else capability.peak_force_n
 
 
 def _force(force: float, units: UnitSystem) -> str:
@@ -99,13 +99,13 @@ def _force(force: float, units: UnitSystem) -> str:
 
 def _most(found: Sizing, *, programmed: bool, duration: Duration | None) -> float:
     """The largest share that is asked for; of the continuous force where it is asked for long."""
-    rows = [one for one in found.asked if one.programmed is programmed and duration in (None, one.duration)]
+    rows = [one for one in found.demands if one.programmed is programmed and duration in (None, one.duration)]
     shares = [one.of_continuous if duration is Duration.LONG else one.of_peak for one in rows]
     return max((share for share in shares if not isnan(share)), default=nan)
 
 
-def _needs(name: str, measured_in: Unit, units: UnitSystem) -> Callable[[Asked], str]:
-    def found(one: Asked) -> str:
+def _needs(name: str, measured_in: Unit, units: UnitSystem) -> Callable[[DemandResult], str]:
+    def found(one: DemandResult) -> str:
         value = getattr(one.needs, name)
         return NONE if isnan(value) else "no end" if isinf(value) else text(value, measured_in, units)
 
@@ -116,7 +116,7 @@ def _share(share: float) -> str:
     return share_text(share) if isfinite(share) else NONE if isnan(share) else "beyond"
 
 
-def _held(one: Asked) -> str:
+def _held(one: DemandResult) -> str:
     needs = one.needs
     if not isinstance(needs, MotorNeeds) or one.of_peak > 1 or isnan(needs.derates_after_s):
         return "not" if one.of_peak > 1 else NONE

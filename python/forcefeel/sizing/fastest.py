@@ -113,5 +113,7 @@ def _of_motor(loader: Loader) -> Fastest:
     by_current = loader["current_loop.current_limit"] * loader["winding.resistance"]
     of_force = Limit.TORQUE if by_current <= loader["current_loop.voltage_limit"] else Limit.VOLTAGE
     compliance = 1 / (plant.stiffness * plant.lever**2)
-    mass, gives = column_mass_kg(loader) + motor.added_mass_kg, motor.gives
-    return Fastest(gives.peak_force_n, gives.fastest_m_per_s, of_force, Limit.VOLTAGE, mass, compliance, loader)
+    mass, capability = column_mass_kg(loader) + motor.added_mass_kg, motor.capability
+    return Fastest(
+        capability.peak_force_n, capability.fastest_m_per_s, of_force, Limit.VOLTAGE, mass, compliance, loader
+    )

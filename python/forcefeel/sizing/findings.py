@@ -6,8 +6,8 @@ from math import ceil, floor, isfinite, isnan, log10
 from forcefeel.conclusions import Conclusions, of_result, share_text
 from forcefeel.sizing.control_forces import RULE
 from forcefeel.sizing.demand import Duration
-from forcefeel.sizing.motor import MotorGives, MotorNeeds, MotorRemedy
-from forcefeel.sizing.result import Asked, Sizing
+from forcefeel.sizing.motor import MotorCapability, MotorNeeds, MotorRemedy
+from forcefeel.sizing.result import DemandResult, Sizing
 from forcefeel.units import AREA, FORCE, LENGTH, MASS, PRESSURE, SPEED, TEMPERATURE, TORQUE, Unit, UnitSystem, to_text
 
 
@@ -67,12 +67,12 @@ def sizing_conclusions(found: Sizing, units: UnitSystem) -> Conclusions:
 
 def noun(found: Sizing) -> str:
     """The drive, as a sentence calls it."""
-    return "motor" if isinstance(found.gives, MotorGives) else "valve"
+    return "motor" if isinstance(found.capability, MotorCapability) else "valve"
 
 
 def _verdict(found: Sizing, units: UnitSystem) -> str:
-    programmed = [one for one in found.asked if one.programmed]
-    lacking = [one for one in programmed if not one.given]
+    programmed = [one for one in found.demands if one.programmed]
+    lacking = [one for one in programmed if not one.available]
     if lacking:
         worst = max(lacking, key=lambda one: one.of_peak)
         share = f"{share_text(worst.of_peak)} of" if isfinite(worst.of_peak) else "more than"
@@ -85,11 +85,11 @@ def _verdict(found: Sizing, units: UnitSystem) -> str:
     worst = max(known, key=lambda one: one.of_peak)
     return (
         f"The {noun(found)} gives what the programmed feel asks for: most is {_what(worst, units)}, {share_text(worst.of_peak)} of "
-        f"what it gives{' for a short time' if isinstance(found.gives, MotorGives) else ''}."
+        f"what it gives{' for a short time' if isinstance(found.capability, MotorCapability) else ''}."
     )
 
 
-def _what(one: Asked, units: UnitSystem) -> str:
+def _what(one: DemandResult, units: UnitSystem) -> str:
     force = text(one.force_n, FORCE, units)
     if one.duration is not Duration.MOVING:
         return f"the {one.name}, {force}" if not one.name.startswith("25.") else f"{one.name}, {force}"
@@ -101,23 +101,23 @@ def _remedies(found: Sizing, units: UnitSystem) -> Iterator[str]:
     for programmed, long in ((True, False), (False, False), (False, True)):
         lacking = [
             one
-            for one in found.asked
+            for one in found.demands
             if one.remedy and (one.programmed, one.duration is Duration.LONG) == (programmed, long)
         ]
         if lacking:
             yield _remedy(found, max(lacking, key=lambda one: one.force_n), units)
-    for one in found.asked:
-        if one.duration is Duration.MOVING and not one.given:
+    for one in found.demands:
+        if one.duration is Duration.MOVING and not one.available:
             yield _too_fast(found, one, units)
 
 
-def _remedy(found: Sizing, one: Asked, units: UnitSystem) -> str:
-    remedy, gives = one.remedy, found.gives
+def _remedy(found: Sizing, one: DemandResult, units: UnitSystem) -> str:
+    remedy, capability = one.remedy, found.capability
     what, loader = _what(one, units), found.loader
     what = what[:1].upper() + what[1:]
-    if isinstance(remedy, MotorRemedy) and isinstance(gives, MotorGives):
+    if isinstance(remedy, MotorRemedy) and isinstance(capability, MotorCapability):
         long = one.duration is Duration.LONG
-        torque = gives.continuous_torque_n_m if long else gives.peak_torque_n_m
+        torque = capability.continuous_torque_n_m if long else capability.peak_torque_n_m
         sentence = (
             f"{what}, takes {enough(remedy.torque_n_m, TORQUE, units)} at the motor, which gives {text(torque, TORQUE, units)} "
             f"{'for ever' if long else 'for a short time'}. What would do: a motor of that torque"
@@ -132,11 +132,11 @@ def _remedy(found: Sizing, one: Asked, units: UnitSystem) -> str:
             f"{sentence}, or a transmission.travel of {travel} per radian in place of {now}, with which "
             f"the rotor adds {text(remedy.added_mass_kg, MASS, units)} at the grip and the motor turns {turns}."
         )
-    if remedy is None or isinstance(remedy, MotorRemedy) or isinstance(gives, MotorGives):
+    if remedy is None or isinstance(remedy, MotorRemedy) or isinstance(capability, MotorCapability):
         return ""
     return (
         f"{what}, takes a load pressure of {enough(remedy.pressure_pa, PRESSURE, units)}; the valve gives "
-        f"{text(gives.peak_pressure_pa, PRESSURE, units)}. What would do: that pressure of the supply and "
+        f"{text(capability.peak_pressure_pa, PRESSURE, units)}. What would do: that pressure of the supply and "
         f"the relief, or an actuator.area of {enough(remedy.area_m2, AREA, units)} in place of "
         f"{text(loader['actuator.area'], AREA, units)}, which takes as much more flow."
     )
@@ -146,7 +146,7 @@ _TWICE = 2.0
 """From so many times as fast on it is told so, below in per cent."""
 
 
-def _too_fast(found: Sizing, one: Asked, units: UnitSystem) -> str:
+def _too_fast(found: Sizing, one: DemandResult, units: UnitSystem) -> str:
     needs, what = one.needs, _what(one, units)
     what = what[:1].upper() + what[1:]
     if isinstance(needs, MotorNeeds):
@@ -156,34 +156,35 @@ def _too_fast(found: Sizing, one: Asked, units: UnitSystem) -> str:
             f"{to_text(limit, 3)} {unit}" for limit, unit in zip(limits, "VA", strict=True) if isfinite(limit)
         )
         return f"{what}, takes {volts} V and {amperes} A; there is {there}."
-    fastest = text(found.gives.fastest_m_per_s, SPEED, units)
+    fastest = text(found.capability.fastest_m_per_s, SPEED, units)
     return f"{what}, is beyond the valve's flow at that load; without a load it moves the grip at {fastest}."
 
 
 def _gives(found: Sizing, units: UnitSystem) -> Iterator[str]:
-    gives = found.gives
-    if not isinstance(gives, MotorGives):
+    capability = found.capability
+    if not isinstance(capability, MotorCapability):
         yield (
-            f"At the grip the valve gives {text(gives.peak_force_n, FORCE, units)} standing still, for as long as one likes, and "
-            f"{text(gives.fastest_m_per_s, SPEED, units)} without a load. The give of oil and link is left out."
+            f"At the grip the valve gives {text(capability.peak_force_n, FORCE, units)} standing still, for as long as one likes, "
+            f"and {text(capability.fastest_m_per_s, SPEED, units)} without a load. The give of oil and link is left out."
         )
         return
-    if not isfinite(gives.peak_force_n):
+    if not isfinite(capability.peak_force_n):
         return
     for_ever = (
-        f"{text(gives.continuous_force_n, FORCE, units)} ({text(gives.continuous_torque_n_m, TORQUE, units)}) for ever"
-        if not isnan(gives.continuous_force_n)
+        f"{text(capability.continuous_force_n, FORCE, units)} ({text(capability.continuous_torque_n_m, TORQUE, units)}) for ever"
+        if not isnan(capability.continuous_force_n)
         else "for ever an unknown force"
     )
-    speed = f"; without a load it moves it at {text(gives.fastest_m_per_s, SPEED, units)}"
+    speed = f"; without a load it moves it at {text(capability.fastest_m_per_s, SPEED, units)}"
     yield (
-        f"At the grip the motor gives {text(gives.peak_force_n, FORCE, units)} ({text(gives.peak_torque_n_m, TORQUE, units)}) for "
-        f"a short time, and {for_ever}{speed if isfinite(gives.fastest_m_per_s) else ''}. Cogging is left out."
+        f"At the grip the motor gives {text(capability.peak_force_n, FORCE, units)} "
+        f"({text(capability.peak_torque_n_m, TORQUE, units)}) for a short time, "
+        f"and {for_ever}{speed if isfinite(capability.fastest_m_per_s) else ''}. Cogging is left out."
     )
 
 
 def _relief(found: Sizing) -> Iterator[str]:
-    for one in found.asked:
+    for one in found.demands:
         if one.law and one.of_peak > one.of_motion:
             yield (
                 f"The {one.name} takes {share_text(one.of_peak)} in the engine under {one.law}, with the force that is held before "
@@ -192,10 +193,10 @@ def _relief(found: Sizing) -> Iterator[str]:
 
 
 def _rule(found: Sizing) -> str:
-    rows = [one for one in found.asked if not one.programmed]
+    rows = [one for one in found.demands if not one.programmed]
     if not rows:
         return f"{RULE} has no limits for a {found.plan.axis}: they are for wheels and pedals."
-    beyond = [one.name.removeprefix("25.143(d) ") for one in rows if not one.given]
+    beyond = [one.name.removeprefix("25.143(d) ") for one in rows if not one.available]
     unknown = [
         one.name.removeprefix("25.143(d) ")
         for one in rows
@@ -208,8 +209,8 @@ def _rule(found: Sizing) -> str:
 
 
 def _heat(found: Sizing, units: UnitSystem) -> Iterator[str]:
-    limit = found.loader["thermal.derating_from"] if isinstance(found.gives, MotorGives) else 0.0
-    for one in found.asked:
+    limit = found.loader["thermal.derating_from"] if isinstance(found.capability, MotorCapability) else 0.0
+    for one in found.demands:
         needs = one.needs
         if not isinstance(needs, MotorNeeds) or not one.programmed or one.duration is Duration.MOVING:
             continue
@@ -226,7 +227,7 @@ def _heat(found: Sizing, units: UnitSystem) -> Iterator[str]:
 
 
 def _mass(found: Sizing, units: UnitSystem) -> str:
-    if not isinstance(found.gives, MotorGives):
+    if not isinstance(found.capability, MotorCapability):
         return ""
     share = share_text(found.added_mass_kg / found.column_mass_kg)
     return (

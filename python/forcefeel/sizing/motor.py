@@ -38,7 +38,7 @@ class MotorNeeds:
 
 
 @dataclass(frozen=True)
-class MotorGives:
+class MotorCapability:
     """What a motor gives at the grip.
 
     Attributes:
@@ -127,13 +127,13 @@ class Motor:
         )
 
     @cached_property
-    def gives(self) -> MotorGives:
+    def capability(self) -> MotorCapability:
         """What it gives at the grip."""
         limits = [self.loader[f"current_loop.{name}_limit"] for name in ("current", "voltage")]
         stalled = min(limits[0], float(self._current(limits[1], np.zeros(1))[0]))
         lasting = min(self.continuous_current_a, stalled) if isfinite(self.continuous_current_a) else nan
         peak_force, continuous_force = self.statics.given(np.array([stalled, lasting]), np.zeros(2)).tolist()
-        return MotorGives(
+        return MotorCapability(
             peak_force_n=peak_force,
             continuous_force_n=continuous_force,
             fastest_m_per_s=self.statics.fastest(limits[1]) if isfinite(limits[1]) else inf,
@@ -149,7 +149,7 @@ class Motor:
 
     def curve(self, fastest: float, largest_current: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Speeds up to ``fastest`` and the force in N that the motor gives at each, within a current and the voltage."""
-        speed = np.linspace(0.0, min(fastest, self.gives.fastest_m_per_s), POINTS)
+        speed = np.linspace(0.0, min(fastest, self.capability.fastest_m_per_s), POINTS)
         by_voltage = self._current(self.loader["current_loop.voltage_limit"], speed)
         return speed, self.statics.given(np.minimum(largest_current, by_voltage), speed)
 

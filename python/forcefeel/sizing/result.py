@@ -9,18 +9,18 @@ from numpy.typing import NDArray
 
 from forcefeel.loader.loader import Loader
 from forcefeel.sizing.demand import Duration
-from forcefeel.sizing.motor import MotorGives, MotorNeeds, MotorRemedy
+from forcefeel.sizing.motor import MotorCapability, MotorNeeds, MotorRemedy
 from forcefeel.sizing.plan import SizingPlan
-from forcefeel.sizing.valve import ValveGives, ValveNeeds, ValveRemedy
+from forcefeel.sizing.valve import ValveCapability, ValveNeeds, ValveRemedy
 from forcefeel.units import FORCE, MASS, PERCENT, SPEED
 
 Needs = MotorNeeds | ValveNeeds
-Gives = MotorGives | ValveGives
+Capability = MotorCapability | ValveCapability
 Remedy = MotorRemedy | ValveRemedy
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class DemandResult:
     """One thing that is asked of the drive, and what it takes.
 
     Attributes:
@@ -57,7 +57,7 @@ class Asked:
     law: str = ""
 
     @property
-    def given(self) -> bool:
+    def available(self) -> bool:
         """Whether the drive gives it; also where no limit is known."""
         share = self.of_continuous if self.duration is Duration.LONG else self.of_peak
         return isnan(share) or share <= 1
@@ -83,8 +83,8 @@ class Sizing:
 
     Attributes:
         plan: What was asked.
-        gives: What the drive gives at the grip.
-        asked: What is asked of it, and what that takes.
+        capability: What the drive gives at the grip.
+        demands: What is asked of it, and what that takes.
         curves: Force over speed that it gives; none without a limit.
         missing: Rows that the loader file does not give, and without which something is not known.
         added_mass_kg: The rotor at the grip, J (F / T)^2; none of a piston, which has no mass in the model.
@@ -93,13 +93,13 @@ class Sizing:
     Example:
         >>> import forcefeel as ff
         >>> found = ff.sizing.size_drive(ff.loader.electric("rudder-pedals"))
-        >>> [one.name for one in found.asked if not one.programmed]
+        >>> [one.name for one in found.demands if not one.programmed]
         ['25.143(d) short term', '25.143(d) long term']
     """
 
     plan: SizingPlan
-    gives: Gives
-    asked: tuple[Asked, ...]
+    capability: Capability
+    demands: tuple[DemandResult, ...]
     curves: tuple[Curve, ...] = field(repr=False)
     missing: tuple[str, ...]
     added_mass_kg: Annotated[float, MASS]
@@ -113,4 +113,4 @@ class Sizing:
     @property
     def good(self) -> bool:
         """Whether the drive gives what the programmed feel asks for."""
-        return all(one.given for one in self.asked if one.programmed)
+        return all(one.available for one in self.demands if one.programmed)

@@ -12,7 +12,7 @@ from forcefeel.sizing.demand import Demand, Duration, column_mass_kg, demands, r
 from forcefeel.sizing.motor import Motor, MotorNeeds
 from forcefeel.sizing.plan import SizingPlan
 from forcefeel.sizing.relief import Relief, relief
-from forcefeel.sizing.result import Asked, Curve, Needs, Remedy, Sizing
+from forcefeel.sizing.result import Curve, DemandResult, Needs, Remedy, Sizing
 from forcefeel.sizing.valve import Valve, ValveNeeds
 
 SHORT, LONG = "for a short time", "for ever"
@@ -37,7 +37,7 @@ def size_drive(loader: Loader, axis: str | None = None, release_rad: float | Non
     Example:
         >>> import forcefeel as ff
         >>> found = ff.sizing.size_drive(ff.loader.electric("elevator-electric"))
-        >>> f"{found.gives.peak_force_n:.0f} N, {found.added_mass_kg:.2f} kg"
+        >>> f"{found.capability.peak_force_n:.0f} N, {found.added_mass_kg:.2f} kg"
         '389 N, 0.63 kg'
     """
     return sized(SizingPlan.of(loader, axis, release_rad))
@@ -51,8 +51,8 @@ def sized(plan: SizingPlan) -> Sizing:
     asked = tuple(_asked(drive, one, relieved) for one in demands(plan))
     return Sizing(
         plan=plan,
-        gives=drive.gives,
-        asked=asked,
+        capability=drive.capability,
+        demands=asked,
         curves=_curves(drive, asked),
         missing=_missing(drive),
         added_mass_kg=drive.added_mass_kg,
@@ -60,7 +60,7 @@ def sized(plan: SizingPlan) -> Sizing:
     )
 
 
-def _asked(drive: Motor | Valve, demand: Demand, relieved: Relief | None) -> Asked:
+def _asked(drive: Motor | Valve, demand: Demand, relieved: Relief | None) -> DemandResult:
     """What a demand takes at its worst moment; a release also what the engine's run of it takes."""
     force = demand.force_n + drive.added_mass_kg * demand.acceleration_m_per_s2
     speed = demand.speed_m_per_s
@@ -68,7 +68,7 @@ def _asked(drive: Motor | Valve, demand: Demand, relieved: Relief | None) -> Ask
     share = float(np.max(drive.share(force, speed)))
     lasting = _of_continuous(drive, float(force[0])) if held else nan
     path = _Path.of(force, speed, held=held)
-    asked = Asked(
+    asked = DemandResult(
         name=demand.name,
         duration=demand.duration,
         programmed=demand.programmed,
@@ -101,7 +101,7 @@ class _Path:
         return cls(np.abs(speed) * pushes, np.abs(force) * pushes)
 
 
-def _relieved(asked: Asked, relieved: Relief) -> Asked:
+def _relieved(asked: DemandResult, relieved: Relief) -> DemandResult:
     """A release with what the relief of the link takes: of each the most."""
     path = _Path.of(relieved.force_n, relieved.speed_m_per_s)
     return replace(
@@ -132,7 +132,7 @@ def _of_continuous(drive: Motor | Valve, force: float) -> float:
     if isinstance(drive, Valve):
         return float(drive.share(np.array([force]), np.zeros(1))[0])
     current = drive.needs(np.array([force]), np.zeros(1), held=False).current_a
-    lasting = drive.gives.continuous_current_a
+    lasting = drive.capability.continuous_current_a
     return current / lasting if lasting > 0 else nan if np.isnan(lasting) else np.inf
 
 
@@ -144,21 +144,21 @@ def _remedy(drive: Motor | Valve, demand: Demand, force: float, share: float, la
         return None
     if isinstance(drive, Valve):
         return drive.remedy(abs(force))
-    return drive.remedy(abs(force), drive.gives.continuous_force_n if long else drive.gives.peak_force_n)
+    return drive.remedy(abs(force), drive.capability.continuous_force_n if long else drive.capability.peak_force_n)
 
 
-def _curves(drive: Motor | Valve, asked: tuple[Asked, ...]) -> tuple[Curve, ...]:
+def _curves(drive: Motor | Valve, asked: tuple[DemandResult, ...]) -> tuple[Curve, ...]:
     if isinstance(drive, Valve):
         return (Curve("the valve gives", *drive.curve()),)
-    gives, limit = drive.gives, drive.loader["current_loop.current_limit"]
-    if not isfinite(gives.peak_force_n):
+    capability, limit = drive.capability, drive.loader["current_loop.current_limit"]
+    if not isfinite(capability.peak_force_n):
         return ()
-    fastest = gives.fastest_m_per_s
+    fastest = capability.fastest_m_per_s
     if not isfinite(fastest):
         fastest = _MOST_SPEED * max(one.speed_m_per_s for one in asked)
     found = [Curve(f"the motor gives {SHORT}", *drive.curve(fastest, limit))]
-    if gives.continuous_current_a > 0:
-        found.append(Curve(f"the motor gives {LONG}", *drive.curve(fastest, gives.continuous_current_a)))
+    if capability.continuous_current_a > 0:
+        found.append(Curve(f"the motor gives {LONG}", *drive.curve(fastest, capability.continuous_current_a)))
     return tuple(found)
 
 

@@ -57,7 +57,7 @@ class Beyond:
         motor = Motor(loader)
         held = motor.share(force, np.zeros(len(force)))
         torque = motor.needs(np.array([most]), np.zeros(1), held=False).torque_n_m
-        return cls(np.asarray(held > 1), most, motor.gives.peak_force_n, torque)
+        return cls(np.asarray(held > 1), most, motor.capability.peak_force_n, torque)
 
     def sentence(self, units: UnitSystem) -> str:
         """What the motor gives, and what would do."""

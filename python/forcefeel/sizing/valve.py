@@ -32,7 +32,7 @@ class ValveNeeds:
 
 
 @dataclass(frozen=True)
-class ValveGives:
+class ValveCapability:
     """What a valve gives at the grip.
 
     Attributes:
@@ -100,8 +100,8 @@ class Valve:
 
     def share_of(self, pressure: NDArray[np.float64], flow: NDArray[np.float64]) -> NDArray[np.float64]:
         """Share of the largest pressure, or of the largest flow at no load, whichever is more."""
-        gives = self.gives
-        return np.asarray(np.maximum(np.abs(pressure) / gives.peak_pressure_pa, flow / gives.flow_m3_per_s))
+        capability = self.capability
+        return np.asarray(np.maximum(np.abs(pressure) / capability.peak_pressure_pa, flow / capability.flow_m3_per_s))
 
     def needs(self, force: NDArray[np.float64], speed: NDArray[np.float64], *, held: bool) -> ValveNeeds:
         """The most that forces at speeds take, moment by moment."""
@@ -109,22 +109,22 @@ class Valve:
         return ValveNeeds(float(np.abs(pressure).max()), float(flow.max()))
 
     @cached_property
-    def gives(self) -> ValveGives:
+    def capability(self) -> ValveCapability:
         """What it gives at the grip."""
         flow = self.flow_m3_per_s
         limits = [self.loader[key] for key in ("valve.supply_pressure", "actuator.relief_pressure")]
         pressure = min(*limits, self.statics.stall_pressure(flow))
-        return ValveGives(self.force_per_pressure * pressure, flow / self.force_per_pressure, pressure, flow)
+        return ValveCapability(self.force_per_pressure * pressure, flow / self.force_per_pressure, pressure, flow)
 
     def curve(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Speeds and the force in N that the valve gives at each, at its largest current."""
-        gives = self.gives
-        pressure = np.linspace(gives.peak_pressure_pa, 0.0, POINTS)
-        flow = self.statics.flow(np.full(POINTS, gives.flow_m3_per_s), pressure)
+        capability = self.capability
+        pressure = np.linspace(capability.peak_pressure_pa, 0.0, POINTS)
+        flow = self.statics.flow(np.full(POINTS, capability.flow_m3_per_s), pressure)
         return flow / self.force_per_pressure, self.force_per_pressure * pressure
 
     def remedy(self, force: float) -> ValveRemedy:
         """What would hold ``force`` in N."""
-        gives = self.gives
+        capability = self.capability
         needed = force / self.force_per_pressure
-        return ValveRemedy(needed, self.loader["actuator.area"] * needed / gives.peak_pressure_pa)
+        return ValveRemedy(needed, self.loader["actuator.area"] * needed / capability.peak_pressure_pa)

@@ -31,7 +31,7 @@ def sweep_json(result: SweepResult, summary: Summary, units: UnitSystem) -> dict
         "statuses": [_without_unknown(json_value(share, units)) for share in summary.shares],
         "measures": {name: _spread(spread, units) for name, spread in summary.spreads.items() if spread.runs},
         "rank_correlations": _correlations(summary),
-        "chance_of_a_correlation": summary.chance,
+        "significance_level": summary.chance,
         "varied": {
             key: {
                 "distribution": str(it.distribution),

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from forcefeel._core import Compensator
-from forcefeel.laws.law_file import compensator_json
+from forcefeel.laws.law_file import gain_law_json
 from forcefeel.loader.parameters import table
 from forcefeel.simulation.outcome import measures_of
 from forcefeel.sweep.chunk import nominal
@@ -43,7 +43,7 @@ def identity(sweep: Sweep) -> dict[str, Any]:
             **loader.curves,
         },
         "scenario": sweep.scenario,
-        "law": (sweep.compensator if sweep.redesigned else sweep.nominal_law.numbers) or "original",
+        "law": (sweep.law if sweep.redesigned else sweep.nominal_law.numbers) or "original",
         "runs": {"total": sweep.total, "machines": sweep.machines, "chunk": len(sweep.chunks[0])},
         "seed": sweep.seed,
         "varied": sweep.varied,
@@ -80,7 +80,7 @@ def _exact(value: Any) -> Any:
     """``value`` as JSON can hold it, nothing lost."""
     match value:
         case Compensator():
-            return compensator_json(value)
+            return gain_law_json(value)
         case float():
             return value if math.isfinite(value) else str(value)
         case Mapping():

@@ -53,7 +53,7 @@ class Sweep:
     Attributes:
         loader: The nominal loader; its tolerances say how the machines differ.
         scenario: What is done to each.
-        compensator: One law for all; not given, each has the original position loop of its own parameters. With
+        law: One law for all; not given, each has the original position loop of its own parameters. With
             ``DesignSettings`` the gains are designed anew for each setting I, B, G that the sweep gives the feel, by these
             settings and for the nominal machine: whatever else varies meets the law of its feel.
         runs: Machines; with ``grids`` machines at each point, and not given the nominal one alone. Without ``grids`` 10,000
@@ -77,7 +77,7 @@ class Sweep:
 
     loader: Loader
     scenario: Scenario
-    compensator: LawLike = None
+    law: LawLike = None
     runs: int | None = None
     seed: int = 0
     vary: Mapping[str, Any] = field(default_factory=dict)
@@ -89,7 +89,7 @@ class Sweep:
     def __post_init__(self) -> None:
         check_loader(self.loader)
         expect("scenario", self.scenario, Scenario, "a Scenario, such as Scenario(Step(100.0))")
-        check_given(self.compensator)
+        check_given(self.law)
         expect("vary", self.vary, Mapping, 'tolerances by part.name such as {"linkage.stiffness": "20 %"}')
         expect("grids", self.grids, Mapping, 'values by part.name such as {"feel.stiffness": "300..900 N m/rad:20"}')
         if self.runs is not None:
@@ -130,21 +130,21 @@ class Sweep:
 
     def _check_design(self) -> None:
         """Refuses to design the law anew where it would come out the same, or not fit the machine's geometry."""
-        if not isinstance(self.compensator, DesignSettings):
+        if not isinstance(self.law, DesignSettings):
             return
         changed = {*self.axes, *self.varied}
         if changed.isdisjoint(FEEL_SETTING):
             rows = ", ".join(FEEL_SETTING)
             raise InputError(
-                f"compensator: to be designed for each setting of the feel, but none of {rows} varies; give one law, or leave "
+                f"law: to be designed for each setting of the feel, but none of {rows} varies; give one law, or leave "
                 "--redesign out"
             )
         if found := [key for key in _GEOMETRY if key in changed]:
             raise InputError(
-                f"compensator: designed for each setting it takes {found[0]} from each machine, where the nominal one is meant; "
+                f"law: designed for each setting it takes {found[0]} from each machine, where the nominal one is meant; "
                 f"keep that as it is, such as --vary {found[0]}=none"
             )
-        self.law(self.loader.values[np.newaxis])  # a design that cannot be is refused now
+        self.law_of(self.loader.values[np.newaxis])  # a design that cannot be is refused now
 
     def _check_scenario(self) -> None:
         if self.scenario.feel_changes and any(key.startswith("feel.") for key in (*self.axes, *self.varied)):
@@ -155,34 +155,34 @@ class Sweep:
 
     def __reduce__(self) -> tuple[type["Sweep"], tuple[Any, ...]]:
         # A law's file need not be where the pieces are computed.
-        law = self._one_law if isinstance(self.compensator, str | Path) else self.compensator
+        law = self._one_law if isinstance(self.law, str | Path) else self.law
         given = (self.loader, self.scenario, law, self.runs, self.seed)
         return Sweep, (*given, dict(self.vary), dict(self.axes))
 
-    def law(self, values: NDArray[np.float64]) -> Law:
+    def law_of(self, values: NDArray[np.float64]) -> Law:
         """The law of machines with these values (SI, a row each)."""
-        if not isinstance(self.compensator, DesignSettings):
+        if not isinstance(self.law, DesignSettings):
             return self._one_law
         feel = values[:, [INDEX[key] for key in FEEL_SETTING]]
         settings, which = np.unique(feel, axis=0, return_inverse=True)
         gains = np.zeros((len(values), len(GAIN_SYMBOLS)))
-        gains[:, :-1] = schedule_gains(self.loader, settings, self.compensator).gains[which]
+        gains[:, :-1] = schedule_gains(self.loader, settings, self.law).gains[which]
         return Law.of(gains, self.loader)
 
     @cached_property
     def _one_law(self) -> Law:
         """Of all machines: designed or read once, not for each piece."""
-        return Law.of(self.compensator, self.loader)
+        return Law.of(self.law, self.loader)
 
     @property
     def redesigned(self) -> bool:
         """Whether each setting of the feel has a law of its own."""
-        return isinstance(self.compensator, DesignSettings)
+        return isinstance(self.law, DesignSettings)
 
     @cached_property
     def nominal_law(self) -> Law:
         """The law of the nominal loader."""
-        return self.law(self.loader.values[np.newaxis]).single(self.loader)
+        return self.law_of(self.loader.values[np.newaxis]).single(self.loader)
 
     @property
     def machines(self) -> int:

@@ -27,7 +27,7 @@ _AT_A_TIME = 16_384
 def stability_batch(
     loader: Loader,
     varied: Mapping[str, ArrayLike],
-    compensator: Compensator | NDArray[np.float64] | None = None,
+    law: Compensator | NDArray[np.float64] | None = None,
     *,
     threads: int | None = None,
 ) -> xr.Dataset:
@@ -40,7 +40,7 @@ def stability_batch(
     Args:
         loader: What the loops have in common. Its optional rows have no part in the linear model.
         varied: SI values of the rows ``part.name`` that differ, one for each loop.
-        compensator: One law for all, or state-feedback gains c_1 .. c_7 (loops, 7). Not given, each loop has the original
+        law: One law for all, or state-feedback gains c_1 .. c_7 (loops, 7). Not given, each loop has the original
             position loop, eq. (13), of its own parameters.
         threads: How many; all cores if not given. The verdicts do not depend on it.
 
@@ -65,9 +65,9 @@ def stability_batch(
         loader, "stability of the loops of eq. (17)", "loops.sampled_loops has those of a motor under its law"
     )
     columns = {key: np.asarray(values, dtype=np.float64) for key, values in varied.items()}
-    _check(columns, compensator)
+    _check(columns, law)
     table = np.column_stack(list(columns.values()))
-    verdict = _loops(loader.values, list(columns), table, compensator).stability(threads_or_cores(threads))
+    verdict = _loops(loader.values, list(columns), table, law).stability(threads_or_cores(threads))
     coordinates = {key: ("loop", values, {"units": TABLE[key].unit_si}) for key, values in columns.items()}
     data = {
         "stable": ("loop", (verdict == STABLE) | (verdict == STABLE_BY_POLES)),
@@ -99,7 +99,7 @@ def damping_map(sweep: Sweep) -> xr.DataArray | None:
 def _poles(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> NDArray[np.complex128]:
     """Poles of the loops; under a sampled law ``ln z / T`` of those of the sampled loop."""
     values = sweep.loader.rows(keys, table)
-    law = sweep.law(values)
+    law = sweep.law_of(values)
     if law.sampled:
         loops = sampled_loops(sweep.loader, law, values)
         with np.errstate(divide="ignore"):  # a pole at zero is gone within the period
@@ -112,15 +112,15 @@ def _loops(
     common: NDArray[np.float64],
     keys: list[str],
     varied: NDArray[np.float64],
-    compensator: Compensator | NDArray[np.float64] | None,
+    law: Compensator | NDArray[np.float64] | None,
 ) -> _core.Loops:
     columns = [INDEX[key] for key in keys]
-    if isinstance(compensator, np.ndarray):
-        return _core.Loops(common, columns, varied, gains=np.ascontiguousarray(compensator, dtype=np.float64))
-    return _core.Loops(common, columns, varied, law=compensator)
+    if isinstance(law, np.ndarray):
+        return _core.Loops(common, columns, varied, gains=np.ascontiguousarray(law, dtype=np.float64))
+    return _core.Loops(common, columns, varied, law=law)
 
 
-def _check(columns: Mapping[str, NDArray[np.float64]], compensator: Compensator | NDArray[np.float64] | None) -> None:
+def _check(columns: Mapping[str, NDArray[np.float64]], law: Compensator | NDArray[np.float64] | None) -> None:
     if not columns:
         raise InputError("varied: expected values of at least one parameter, such as feel.stiffness, got none")
     counts = {values.shape for values in columns.values()}
@@ -134,5 +134,5 @@ def _check(columns: Mapping[str, NDArray[np.float64]], compensator: Compensator 
         if not np.all(np.isfinite(values)):
             raise InputError(f"varied: expected finite numbers, got others for {key}")
     loops = next(iter(counts))[0]
-    if isinstance(compensator, np.ndarray) and compensator.shape != (loops, 7):
-        raise InputError(f"compensator: expected gains of shape ({loops}, 7), got {compensator.shape}")
+    if isinstance(law, np.ndarray) and law.shape != (loops, 7):
+        raise InputError(f"law: expected gains of shape ({loops}, 7), got {law.shape}")

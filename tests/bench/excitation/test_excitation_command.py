@@ -108,7 +108,7 @@ def test_options_reach_the_design(run, tmp_path):
             "--fit",
             "J",
             *SHORT,
-            "--kind",
+            "--signal",
             "chirp",
             "--from",
             "2",

@@ -57,7 +57,7 @@ def played(found):
 @pytest.mark.parametrize("kind", ["multisine", "chirp"])
 @pytest.mark.parametrize("name", LOADERS)
 def test_every_limit_holds_on_the_nonlinear_loader(name, kind, experiment):
-    found = excite(LOADERS[name], FITS[name], experiment, replace(PLAN, kind=kind))
+    found = excite(LOADERS[name], FITS[name], experiment, replace(PLAN, signal=kind))
     history = played(found).history
     peaks = {
         "current": np.abs(history["valve_current_a"].values).max(),
@@ -95,7 +95,7 @@ def test_defaults_are_the_loader_s_and_a_limit_that_is_given_binds():
 
 @pytest.mark.parametrize("kind", ["multisine", "chirp"])
 def test_it_begins_and_ends_at_zero_softly(kind):
-    found = excite(ff.elevator(), "k,c,J,C_i", plan=replace(PLAN, kind=kind))
+    found = excite(ff.elevator(), "k,c,J,C_i", plan=replace(PLAN, signal=kind))
     assert found.signal[0] == found.signal[-1] == 0
     at_rest = np.flatnonzero(np.abs(found.signal) > 0.01 * found.peak)
     ramp = 0.25 * found.period_s if kind == "multisine" else 0.05 * PLAN.time_s
@@ -198,7 +198,7 @@ def test_the_same_is_found_again(multisine):
         ({"from_hz": 39.0}, r"band: expected 8 lines at least, which are 0.5 Hz apart, got 3 from 39 to 40 Hz"),
         ({"time_s": 0.01}, "time: expected time for 6 periods of some samples, got 5 samples in all"),
         ({"time_s": 1e5}, "time: expected at most 5,000,000 samples, got 100000 s at 500 Hz"),
-        ({"kind": "noise"}, "kind: expected multisine or chirp, got 'noise'"),
+        ({"signal": "noise"}, "signal: expected multisine or chirp, got 'noise'"),
         ({"noise_share": -0.01}, "expected noise_share to be a number above 0, got -0.01"),
         ({"measured": ()}, "measure: expected each channel once, one at least, got none"),
         ({"measured": ("column",)}, "measure: expected channels out of column_angle, .*, got 'column'"),

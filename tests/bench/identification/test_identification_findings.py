@@ -103,7 +103,7 @@ def test_shares_have_two_digits(share, text):
 
 def test_the_verdict_names_the_best_and_the_worst_known():
     conclusions, _ = said(determined())
-    assert conclusions.good
+    assert conclusions.ok
     # Standard errors of the file's value are given as 0.4 % and 9 %; of the estimates they are 0.004 / 0.88 and 0.09 / 1.001.
     assert conclusions.verdict == (
         "All 5 parameters are determined: their standard errors are from 0.45 % (linkage.stiffness) to 9.0 % "
@@ -113,7 +113,7 @@ def test_the_verdict_names_the_best_and_the_worst_known():
 
 def test_the_verdict_says_who_ended_at_a_bound():
     conclusions, _ = said(bounded())
-    assert not conclusions.good
+    assert not conclusions.ok
     assert conclusions.verdict.startswith(
         "All 5 parameters are determined, but column.inertia ended at its bound: their "
     )
@@ -232,18 +232,18 @@ def test_an_error_of_the_model_is_no_noise():
 def test_a_model_that_does_not_explain_the_data_is_not_to_be_relied_on():
     far = response_fitted(stated=None, left=0.4)
     conclusions, _ = said(dataclasses.replace(determined(), fitted=(*record_fitted(), far), loader=None))
-    assert not conclusions.good
+    assert not conclusions.ok
     assert "But do not rely on them: the model misses closed, column angle over test signal by" in conclusions.verdict
     lost, _ = said(dataclasses.replace(undetermined(), fitted=(far,)))
     assert "No loader file is written. Besides, the model misses closed" in lost.verdict
     force = record_fitted()[1]
     # Its noise is a quarter of how far the force swings, but noise; 10 N that come and go are not.
     assert force.residual_rms > UNEXPLAINED * force.measured.std()
-    assert said(dataclasses.replace(determined(), fitted=(force,)))[0].good
+    assert said(dataclasses.replace(determined(), fitted=(force,)))[0].ok
     swinging = dataclasses.replace(force, modelled=force.modelled + 10 * np.sin(20 * force.at))
     assert unexplained(swinging) == pytest.approx(10 / np.sqrt(2) / force.measured.std(), rel=BESIDE_NOISE)
     conclusions, text = said(dataclasses.replace(determined(), fitted=(swinging,), loader=None), SI)
-    assert not conclusions.good
+    assert not conclusions.ok
     # 10 N of a sine are 7.1 N over whole turns; the noise is 3 N.
     assert "release, load cell force: of what is left 7.0 N run on from sample to sample and 3.0 N jump" in text
     assert "run on" not in said(dataclasses.replace(determined(), fitted=(force,)))[1]
@@ -289,7 +289,7 @@ def test_what_is_left_of_a_record_has_the_unit_of_its_channel():
 
 def test_what_is_not_determined_comes_first():
     conclusions, text = said(undetermined())
-    assert not conclusions.good
+    assert not conclusions.ok
     assert conclusions.verdict == (
         "2 of 3 parameters are not determined by these data: valve.current_gain and amplifier.admittance. "
         "No loader file is written."
@@ -357,10 +357,10 @@ def test_results_without_an_answer_say_so():
     assert stored["after"] is None
     assert not stored["determined"]
     assert [one["estimate"] for one in stored["parameters"][:2]] == ["not determined", "not determined"]
-    assert stored["parameters"][0]["half_interval_of_data_alone"] == "infinite"
+    assert stored["parameters"][0]["half_interval_without_prior"] == "infinite"
     assert stored["starts"][0]["end"]["valve.current_gain"] == "not determined"
     assert stored["correlation"][0][1] == "undefined"
-    assert stored["not_told_apart"][0]["weights"] == [1.0, -1.0]
+    assert stored["inseparable"][0]["weights"] == [1.0, -1.0]
     assert stored["advice"][0]["half_intervals"]["amplifier.admittance"] == 0.009
 
 

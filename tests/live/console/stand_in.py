@@ -148,13 +148,13 @@ class StandIn:
         self.trips = ()
         self._called("acknowledge", "passive")
 
-    def break_(self, fault, sensor=None, by=0):
+    def inject_fault(self, fault, sensor=None, by=0):
         self.trips = (
             ff.live.Trip("sensors silent", "The drive and its sensors sent nothing. Look at the cable to the drive."),
         )
         self.fault = fault
         self._called(("break", fault, sensor, by), "tripped")
 
-    def repair(self):
+    def clear_faults(self):
         self.fault = ""
         self._called("repair")

@@ -3,7 +3,7 @@
 import pytest
 
 import forcefeel as ff
-from forcefeel.live.console import desk
+from forcefeel.live.console import session
 
 WIDTHS = (1280, 390)
 LONGEST_MS = 40_000
@@ -37,7 +37,7 @@ def running():
 def console(running):
     """A server that a busy machine does not hold up: what it then leaves out is tried in ``test_console_apart``."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(desk, "HELD_UP_S", LONGEST_MS / 1e3)
+        patch.setattr(session, "HELD_UP_S", LONGEST_MS / 1e3)
         with ff.live.Console(running, port=0) as found:
             yield found
 

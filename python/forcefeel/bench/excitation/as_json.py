@@ -15,7 +15,7 @@ def excitation_json(found: Excitation, units: UnitSystem) -> dict[str, Any]:
         "loader": found.loader.name,
         "experiment": str(found.experiment),
         "signal": found.words,
-        "kind": found.plan.kind,
+        "kind": found.plan.signal,
         "time_s": found.plan.time_s,
         "rate_hz": found.plan.rate_hz,
         "period_s": found.period_s,

@@ -90,7 +90,7 @@ def excite(
     found = timing(plan)
     lines = lines_of(loader, keys, asked, plan, spectral_lines(plan, found, loader), law, limits)
     best = optimal_power(lines.problem(0.0)).power
-    wave = _best_chirp(lines, found) if plan.kind == "chirp" else _multisine(lines, found)
+    wave = _best_chirp(lines, found) if plan.signal == "chirp" else _multisine(lines, found)
     bench = Bench(loader, asked, law, plan.rate_hz)
     scale, peaks = fit_to_limits(bench, wave.signal, limits)
     power = scale**2 * wave.power
@@ -103,7 +103,7 @@ def excite(
         words=wave.words,
         time_s=found.times_s,
         signal=scale * wave.signal,
-        period_s=found.period_s if plan.kind == "multisine" else None,
+        period_s=found.period_s if plan.signal == "multisine" else None,
         frequency_hz=lines.frequency_hz,
         power=power,
         noise=dict(zip(plan.channels, lines.sigma.tolist(), strict=True)),

@@ -49,7 +49,7 @@ class ExcitationPlan:
     """What is wanted of an excitation.
 
     Attributes:
-        kind: A multisine, or a chirp.
+        signal: A multisine, or a chirp.
         time_s: Length, above 0.
         rate_hz: Samples per second, above 0.
         from_hz: Lowest frequency; one cycle a period if not given, of an open motor 4 Hz.
@@ -67,11 +67,11 @@ class ExcitationPlan:
 
     Example:
         >>> import forcefeel as ff
-        >>> ff.bench.ExcitationPlan(time_s=20.0, limits={"travel": 0.1, "current": 5e-3}).kind
+        >>> ff.bench.ExcitationPlan(time_s=20.0, limits={"travel": 0.1, "current": 5e-3}).signal
         'multisine'
     """
 
-    kind: Kind = "multisine"
+    signal: Kind = "multisine"
     time_s: float = 60.0
     rate_hz: float = 1000.0
     from_hz: float | None = None
@@ -82,8 +82,8 @@ class ExcitationPlan:
     limits: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if self.kind not in get_args(Kind):
-            raise InputError(f"kind: expected {' or '.join(get_args(Kind))}, got {show(self.kind)}")
+        if self.signal not in get_args(Kind):
+            raise InputError(f"signal: expected {' or '.join(get_args(Kind))}, got {show(self.signal)}")
         numbers = {name: getattr(self, name) for name in ("time_s", "rate_hz", "noise_share", "from_hz", "to_hz")}
         optional = ("from_hz", "to_hz")
         numbers |= {f"noise of {name}": value for name, value in self.noise.items()}

@@ -53,7 +53,7 @@ def identification_json(
         "settings": json_value(settings, units),
         "parameters": [_estimate(one, units) for one in found.estimates],
         "correlation": [[_finite(value) for value in row] for row in found.correlation.tolist()],
-        "not_told_apart": [
+        "inseparable": [
             {"parameters": list(one.keys), "weights": list(map(_finite, one.weights)), "sentence": one.sentence}
             for one in found.inseparable
         ],
@@ -103,7 +103,7 @@ def _estimate(one: Estimate, units: UnitSystem) -> dict[str, Json]:
         "file": quantity(unknown.nominal, measured_in, units),
         "bounds": [quantity(bound, measured_in, units) for bound in (unknown.low, unknown.high)],
         "prior": None,
-        "half_interval_of_data_alone": _finite(one.share),
+        "half_interval_without_prior": _finite(one.share),
     }
     if unknown.prior is not None:
         mean, deviation = (quantity(value, measured_in, units) for value in unknown.prior)

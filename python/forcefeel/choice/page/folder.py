@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from forcefeel.choice import Choice, Scored
+from forcefeel.choice import Choice, LawScores
 from forcefeel.choice.as_json import choice_json
 from forcefeel.choice.page.page import choice_page
 from forcefeel.json_values import json_text
@@ -17,7 +17,7 @@ FOLDER = OutputFolder("the methods", (PAGE, RESULTS))
 
 
 def write_choice(
-    scored: Scored, choice: Choice | None, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
+    scored: LawScores, choice: Choice | None, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
 ) -> Path:
     """Writes ``results.json`` and ``compensate.html``, the page last.
 
@@ -40,7 +40,7 @@ def write_choice(
     Example:
         >>> import forcefeel as ff
         >>> from pathlib import Path
-        >>> scored = ff.choice.score_methods(ff.digital_elevator(), ("published", "robust"), over_envelope=False)
+        >>> scored = ff.choice.score_laws(ff.digital_elevator(), ("published", "robust"), over_envelope=False)
         >>> ff.choice.write_choice(scored, None, Path("choice"), ff.UnitSystem.SI).parent.name
         'choice'
     """

@@ -1,6 +1,6 @@
 """The page of methods that were tried: the template filled with pictures, tables and words."""
 
-from forcefeel.choice import Choice, Score, Scored
+from forcefeel.choice import Choice, LawScores, Score
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.page import plots as choice_plots
@@ -13,7 +13,7 @@ from forcefeel.page.typography import parameter_text, quantity_text
 from forcefeel.units import ANGLE, UnitSystem
 
 
-def choice_page(scored: Scored, choice: Choice | None, units: UnitSystem, *, command: str = "") -> str:
+def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, command: str = "") -> str:
     """The whole page, numbers in ``units``; ``choice`` is ``None`` for one method that was asked for by name."""
     plan = scored.plan
     shown = _shown(scored, choice)
@@ -29,7 +29,7 @@ def choice_page(scored: Scored, choice: Choice | None, units: UnitSystem, *, com
         over=over,
         shown=shown,
         shares=choice_tables.shares(scored, choice) if over else None,
-        methods=choice_tables.methods(scored),
+        laws=choice_tables.laws(scored),
         trade_off=drawing(choice_plots.trade_off(scored, choice), "trade-off") if over else "",
         bars=drawing(choice_plots.bars(scored, units), "margins-and-noise") if _some_stable(scored) else "",
         margins=choice_tables.margins(scored),
@@ -49,12 +49,12 @@ def choice_page(scored: Scored, choice: Choice | None, units: UnitSystem, *, com
     )
 
 
-def _shown(scored: Scored, choice: Choice | None) -> tuple[Score, ...]:
+def _shown(scored: LawScores, choice: Choice | None) -> tuple[Score, ...]:
     """The law whose release is drawn: the chosen one; all where none is chosen."""
     if choice is None or choice.chosen is None:
         return scored.scores
     return tuple(score for score in scored.scores if score.name == choice.chosen)
 
 
-def _some_stable(scored: Scored) -> bool:
+def _some_stable(scored: LawScores) -> bool:
     return any(score.own.stable for score in scored.scores)

@@ -7,19 +7,19 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from forcefeel.choice import Choice, Score, Scored
+from forcefeel.choice import Choice, LawScores, Score
 from forcefeel.choice.rule import LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_RAD
 from forcefeel.envelope.findings import WHOLE_NOMINAL, WHOLE_WORST
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.page.canvas import ZERO, frame, line
-from forcefeel.page.palette import COMPENSATED, IDEAL, RIGID, Look
+from forcefeel.page.palette import COMPENSATED, IDEAL, RIGID, LineStyle
 from forcefeel.units import FORCE, UnitSystem
 
 _MARK = "#6B7580"
 _SHOWN_PERIODS = 6
 
 
-def trade_off(scored: Scored, choice: Choice | None) -> go.Figure:
+def trade_off(scored: LawScores, choice: Choice | None) -> go.Figure:
     """Share within tolerance in every case over the nominal one, a point for each method."""
     picture = go.Figure()
     points = [(score, *_percent(score)) for score in scored.scores if score.over]
@@ -60,7 +60,7 @@ def trade_off(scored: Scored, choice: Choice | None) -> go.Figure:
 
 def _percent(score: Score) -> tuple[float, float]:
     shares = score.over.shares if score.over else None
-    return (100 * shares.passes, 100 * shares.passes_worst) if shares else (np.nan, np.nan)
+    return (100 * shares.nominal_share, 100 * shares.worst_case_share) if shares else (np.nan, np.nan)
 
 
 _Point = tuple[Score, float, float]
@@ -100,7 +100,7 @@ class _Row:
     asked: float | None = None
 
 
-def bars(scored: Scored, units: UnitSystem) -> go.Figure:
+def bars(scored: LawScores, units: UnitSystem) -> go.Figure:
     """Margins, noise and current of each method at the loader's own setting, a row each."""
     rows = _rows(scored, units)
     names = [score.name for score in scored.scores]
@@ -121,7 +121,7 @@ def bars(scored: Scored, units: UnitSystem) -> go.Figure:
     return picture
 
 
-def _rows(scored: Scored, units: UnitSystem) -> list[_Row]:
+def _rows(scored: LawScores, units: UnitSystem) -> list[_Row]:
     stable = [score.own if score.own.stable else None for score in scored.scores]
     period_ms = 1e3 * scored.plan.loader["controller.period"]
     rows = [
@@ -150,14 +150,14 @@ def _rows(scored: Scored, units: UnitSystem) -> list[_Row]:
     return rows
 
 
-def release(scored: Scored, shown: tuple[Score, ...]) -> go.Figure:
+def release(scored: LawScores, shown: tuple[Score, ...]) -> go.Figure:
     """The release at the loader's own setting of each law that is stable, beside I, B and G alone."""
     picture = go.Figure()
     inertia, _, stiffness = (scored.plan.loader[key] for key in FEEL_SETTING)
     end = _SHOWN_PERIODS * 2 * np.pi * (inertia / stiffness) ** 0.5
     looks = (
-        Look(COMPENSATED, "solid", 2.8),
-        *(Look(color, "dashdot") for color in ("#0072B2", "#D55E00", "#A8568A", "#B57A00")),
+        LineStyle(COMPENSATED, "solid", 2.8),
+        *(LineStyle(color, "dashdot") for color in ("#0072B2", "#D55E00", "#A8568A", "#B57A00")),
     )
     for place, score in enumerate(one for one in shown if one.own.stable):
         found = score.own.release
@@ -177,7 +177,7 @@ def release(scored: Scored, shown: tuple[Score, ...]) -> go.Figure:
         y=np.degrees(ideal.ideal_rad[seen]),
         mode="lines",
         name="I, B, G alone",
-        line=line(Look(IDEAL, "dot")),
+        line=line(LineStyle(IDEAL, "dot")),
         hovertemplate="%{y:.3f}°",
     )
     frame(picture, 360, top=40)

@@ -2,7 +2,7 @@
 
 from math import degrees, inf, isfinite
 
-from forcefeel.choice import Choice, Score, Scored
+from forcefeel.choice import Choice, LawScores, Score
 from forcefeel.choice.demand import AnyDemand, demand_shares
 from forcefeel.conclusions import capital, share_text
 from forcefeel.envelope.settings import AXES
@@ -16,15 +16,15 @@ _MOST_HZ = 1000.0
 """Poles above are those of sampling and delay."""
 
 
-def shares(scored: Scored, choice: Choice | None) -> Table:
+def shares(scored: LawScores, choice: Choice | None) -> Table:
     """The shares of the settings that each method renders, and what costs most."""
     rows = []
     for score in scored.scores:
         if score.over is None:
             continue
         taken = choice is not None and score.name == choice.chosen
-        one, lost = score.over.shares, score.over.lost_most
-        numbers = (one.passes_worst, one.passes, one.stable_worst, one.stable)
+        one, lost = score.over.shares, score.over.worst_case
+        numbers = (one.worst_case_share, one.nominal_share, one.stable_worst, one.stable)
         most = f"{lost.case}, {share_text(lost.lost)}" if lost else NONE
         name = words(f"{capital(score.name)}{', chosen' if taken else ''}")
         rows.append((name, *(number(share_text(share)) for share in numbers), words(prose_html(most))))
@@ -32,13 +32,13 @@ def shares(scored: Scored, choice: Choice | None) -> Table:
     return Table((*head, Cell("Most of what passes is lost with")), tuple(rows))
 
 
-def methods(scored: Scored) -> Table:
+def laws(scored: LawScores) -> Table:
     """What each method is."""
     rows = tuple((words(capital(score.name)), words(prose_html(score.summary))) for score in scored.scores)
     return Table((Cell("Method"), Cell("What it is")), rows)
 
 
-def margins(scored: Scored) -> Table:
+def margins(scored: LawScores) -> Table:
     """Margins at the loader's own setting, and the least of each over the corners of the grid."""
     rows = []
     for score in scored.scores:
@@ -76,7 +76,7 @@ def _margins(one: LoopMargins, where: str = "own setting") -> tuple[Cell, ...]:
     )
 
 
-def demands(scored: Scored, system: UnitSystem) -> Table:
+def demands(scored: LawScores, system: UnitSystem) -> Table:
     """What releases take of the drive, and what noise does."""
     rows = []
     for score in scored.scores:
@@ -102,7 +102,7 @@ def _demand(one: AnyDemand) -> tuple[Cell, ...]:
     )
 
 
-def _noise(scored: Scored, score: Score, system: UnitSystem) -> tuple[Cell, ...]:
+def _noise(scored: LawScores, score: Score, system: UnitSystem) -> tuple[Cell, ...]:
     noise = score.own.noise
     if noise is None or not scored.sampled:
         return ()
@@ -131,7 +131,7 @@ def _mode(mode: Mode) -> tuple[Cell, ...]:
     )
 
 
-def grid(scored: Scored, system: UnitSystem) -> Table:
+def grid(scored: LawScores, system: UnitSystem) -> Table:
     """The settings."""
     rows = []
     for name, axis in AXES.items():

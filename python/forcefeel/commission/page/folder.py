@@ -58,7 +58,7 @@ def _asked(out: Path) -> str | None:
 def write_commission(found: Commission, out: str | Path, *, command: str = "") -> Path:
     """Writes ``loader.toml``, the law, ``results.json`` and ``commission.html``, the page last.
 
-    The law is ``law.json`` if it may be handed over, else ``law-not-good.json``; one of an earlier run goes.
+    The law is ``law.json`` if it may be handed over, else ``law-rejected.json``; one of an earlier run goes.
 
     Args:
         found: What came of it.

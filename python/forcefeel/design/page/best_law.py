@@ -3,17 +3,17 @@
 from markupsafe import Markup
 
 from forcefeel.conclusions import capital
-from forcefeel.design.laws_tried import LawsTried, LawTried
+from forcefeel.design.law_comparison import LawComparison, LawResult
 from forcefeel.page.table import Cell, Table, words
 
 
-def beside(tried: LawsTried) -> Table:
+def beside(tried: LawComparison) -> Table:
     """What each law is, what its tests came to, and what it renders."""
     head = ("Law", "What it is", f"By {tried.rule} it", f"Over {tried.settings} settings it")
     return Table(tuple(map(Cell, head)), tuple(_row(tried, law) for law in tried.laws))
 
 
-def _row(tried: LawsTried, law: LawTried) -> tuple[Cell, ...]:
+def _row(tried: LawComparison, law: LawResult) -> tuple[Cell, ...]:
     place = " ".join(
         text for text, holds in (("the best", law == tried.best), ("the report's", law == tried.report)) if holds
     )

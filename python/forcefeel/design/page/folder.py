@@ -4,7 +4,7 @@ from pathlib import Path
 
 from forcefeel.design.figure import Figure
 from forcefeel.design.figure_data import figures
-from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.law_comparison import LawComparison
 from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.page.motor_page import motor_page
 from forcefeel.design.page.numbers import results_json
@@ -22,7 +22,7 @@ FOLDER = OutputFolder("the report", (PAGE, RESULTS), (RESPONSES,))
 
 
 def write_report(
-    design: Design | MotorDesign, out: Path, units: UnitSystem, tried: LawsTried | None = None, *, command: str = ""
+    design: Design | MotorDesign, out: Path, units: UnitSystem, tried: LawComparison | None = None, *, command: str = ""
 ) -> Path:
     """Writes ``report.html``, ``results.json`` and a table of values for each figure in ``responses/``.
 
@@ -52,7 +52,9 @@ def write_report(
     return out / PAGE
 
 
-def _contents(design: Design | MotorDesign, units: UnitSystem, tried: LawsTried | None, command: str) -> dict[str, str]:
+def _contents(
+    design: Design | MotorDesign, units: UnitSystem, tried: LawComparison | None, command: str
+) -> dict[str, str]:
     """Each file's text by its name within the folder, the page last."""
     drawn = figures(design)
     tables = {f"{RESPONSES}/{figure.key}.csv": table(figure, units) for figure in drawn}
@@ -69,7 +71,7 @@ def _page(
     files: tuple[str, ...],
     units: UnitSystem,
     *,
-    tried: LawsTried | None,
+    tried: LawComparison | None,
     command: str,
 ) -> str:
     if isinstance(design, MotorDesign):

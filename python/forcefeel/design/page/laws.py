@@ -9,7 +9,7 @@ from forcefeel.design.page.glance import edge, smallest
 from forcefeel.design.page.heat import heat
 from forcefeel.design.studies import CHANGES, Deviation, DroppedPaths, best_of_each_count
 from forcefeel.design.workflow import Design
-from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, Compensation, gains_in
+from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, GAIN_UNITS, GainDesign, gains_in
 from forcefeel.linear.boundary import StabilityBoundary
 from forcefeel.loader.parameters import TABLE
 from forcefeel.page.table import Cell, Table, heads, number, words
@@ -62,7 +62,7 @@ def laws(design: Design, system: UnitSystem) -> Table:
     return Table(head, tuple((Cell(name), *_law(law, system)) for name, law in named))
 
 
-def _law(law: Compensation, system: UnitSystem) -> tuple[Cell, ...]:
+def _law(law: GainDesign, system: UnitSystem) -> tuple[Cell, ...]:
     asked = law.settings
     weights = ("[Q] given", "[Q] given") if asked.q is not None else (asked.position_weight, asked.r1)
     horizon = str(law.status) if asked.horizon_s is None else quantity_text(asked.horizon_s, SECONDS, system)

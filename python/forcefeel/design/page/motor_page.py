@@ -5,7 +5,7 @@ from math import isfinite
 from forcefeel.design.analysis import LOW_SHARE
 from forcefeel.design.figure import Figure
 from forcefeel.design.findings import conclusions
-from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.law_comparison import LawComparison
 from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.motor_findings import NO_REPORT
 from forcefeel.design.page import best_law, motor_tables
@@ -24,7 +24,7 @@ def motor_page(
     files: tuple[str, ...],
     units: UnitSystem,
     *,
-    tried: LawsTried | None,
+    tried: LawComparison | None,
     command: str,
 ) -> str:
     """The whole page; arguments as ``page``."""

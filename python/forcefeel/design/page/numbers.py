@@ -7,7 +7,7 @@ import xarray as xr
 
 from forcefeel.design.figure import Figure
 from forcefeel.design.findings import conclusions
-from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.law_comparison import LawComparison
 from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.page.captions import MEANINGS
 from forcefeel.design.workflow import Design
@@ -20,7 +20,7 @@ def results_json(
     drawn: tuple[Figure, ...],
     tables: Mapping[str, xr.Dataset],
     units: UnitSystem,
-    tried: LawsTried | None,
+    tried: LawComparison | None,
 ) -> str:
     """The results as JSON text.
 

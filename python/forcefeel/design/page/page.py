@@ -5,7 +5,7 @@ from typing import Any
 from forcefeel.design.analysis import LOW_SHARE
 from forcefeel.design.figure import Figure
 from forcefeel.design.findings import conclusions
-from forcefeel.design.laws_tried import LawsTried
+from forcefeel.design.law_comparison import LawComparison
 from forcefeel.design.page import best_law, glance, laws, loops
 from forcefeel.design.page.plot import planes, plot
 from forcefeel.design.studies import worst
@@ -24,7 +24,7 @@ def page(
     files: tuple[str, ...],
     units: UnitSystem,
     *,
-    tried: LawsTried | None,
+    tried: LawComparison | None,
     command: str,
 ) -> str:
     """The whole page.

@@ -12,7 +12,7 @@ from forcefeel.design.motor_design import MotorDesign
 from forcefeel.design.motor_figures import FORCE, LOOP, POSITION, STEP
 from forcefeel.design.page.stability import AnyDesign, departs, is_unstable
 from forcefeel.page.canvas import frame, line, mark_level
-from forcefeel.page.palette import Look, look
+from forcefeel.page.palette import LineStyle, look
 from forcefeel.page.signals import signal
 from forcefeel.page.typography import parameter_text, unit_text
 from forcefeel.units import UnitSystem
@@ -165,7 +165,7 @@ def _share_panel(picture: go.Figure, figure: Figure, design: AnyDesign, name: st
         if is_unstable(design, figure.key, label):
             time, share = _cut(time, share, CUT * 100)
         largest = max(largest, float(np.max(np.abs(share))))
-        style: Look = look(figure.key, label, position)
+        style: LineStyle = look(figure.key, label, position)
         picture.add_scatter(
             x=time,
             y=share,

@@ -1,4 +1,4 @@
-"""The maps of an envelope: a panel for each compensator and damping ratio, drawn as SVG, a colour for each way to fail.
+"""The maps of an envelope: a panel for each law and damping ratio, drawn as SVG, a colour for each way to fail.
 
 Stiffness runs to the right, natural frequency up; even steps in proportion stay even. Neighbours of one colour are one rectangle.
 """
@@ -37,11 +37,11 @@ class Panel:
 
 @dataclass(frozen=True)
 class Row:
-    """The maps of one damping ratio, a panel for each compensator.
+    """The maps of one damping ratio, a panel for each law.
 
     Attributes:
         title: The damping ratio.
-        panels: In the order of the compensators.
+        panels: In the order of the laws.
     """
 
     title: str
@@ -57,7 +57,7 @@ def rows(found: Envelope, *, worst: bool) -> tuple[Row, ...]:
     """
     damping = found.plan.settings.damping
     shown = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_ROWS, len(damping))).round().astype(int))
-    maps = {name: found.kinds(name, worst=worst) for name in found.compensators}
+    maps = {name: found.kinds(name, worst=worst) for name in found.laws}
     own = _own(found)
     return tuple(
         Row(
@@ -75,14 +75,14 @@ def legend(found: Envelope) -> tuple[tuple[str, str], ...]:
     order = list(COLORS)
     seen = {
         int(kind)
-        for name in found.compensators
+        for name in found.laws
         for worst in (False, True)
         for kind in np.unique(found.kinds(name, worst=worst))
     }
     return tuple((str(name), COLORS[name]) for place, name in enumerate(order) if place in seen)
 
 
-def _panel(found: Envelope, cells: NDArray[np.int8], own: tuple[float, float] | None, compensator: str) -> Panel:
+def _panel(found: Envelope, cells: NDArray[np.int8], own: tuple[float, float] | None, law: str) -> Panel:
     """One map from its cells (frequency, stiffness)."""
     x = _edges(np.array(found.plan.settings.stiffness), WIDTH)
     y = HEIGHT - _edges(np.array(found.plan.settings.frequency), HEIGHT)
@@ -103,7 +103,7 @@ def _panel(found: Envelope, cells: NDArray[np.int8], own: tuple[float, float] | 
     )
     drawing = Markup(
         '<svg viewBox="0 0 {} {}" preserveAspectRatio="none" role="img" aria-label="{}"><title>{}</title>{}</svg>'
-    ).format(WIDTH, HEIGHT, f"{compensator}: {says}", says, Markup("".join(parts)))
+    ).format(WIDTH, HEIGHT, f"{law}: {says}", says, Markup("".join(parts)))
     if own is not None:
         x_share, y_share = 100 * own[0] / WIDTH, 100 * own[1] / HEIGHT
         drawing += Markup('<i class="own" style="left: {:.1f}%; top: {:.1f}%"></i>').format(x_share, y_share)

@@ -47,7 +47,7 @@ class Files:
 def envelope_page(found: Envelope, units: UnitSystem, files: Files, *, command: str = "") -> str:
     """The whole page, numbers in ``units``; ``files`` are what it stands among."""
     plan = found.plan
-    shares = [(name, found.shares(name)) for name in found.compensators]
+    shares = [(name, found.shares(name)) for name in found.laws]
     return render(
         "envelope/page/envelope.html.j2",
         command=command,
@@ -55,7 +55,7 @@ def envelope_page(found: Envelope, units: UnitSystem, files: Files, *, command: 
         files=files,
         plan=plan,
         conclusions=envelope_conclusions(found, units),
-        compensators=shares,
+        laws=shares,
         shares=envelope_tables.shares(found),
         allowed=envelope_tables.allowed(found) if found.forbidden.settings.any() else None,
         angles=envelope_tables.by_angle(found, units) if found.smaller else None,

@@ -8,20 +8,20 @@ from forcefeel.envelope.passivity import ARM_HZ
 from forcefeel.envelope.result import Envelope
 from forcefeel.loader.loader import FEEL_SETTING
 from forcefeel.page.canvas import frame, line
-from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.units import ANGLE, UnitSystem, to_text
 
 _OTHERS = ("#A8568A", "#B57A00", "#56B4E9", "#6B7580")
 _LOOKS = {
-    "original": Look(COMPLIANT),
-    "published": Look(COMPENSATED, "solid", 2.6),
-    "converged": Look(RIGID, "dash", 2.4),
+    "original": LineStyle(COMPLIANT),
+    "published": LineStyle(COMPENSATED, "solid", 2.6),
+    "converged": LineStyle(RIGID, "dash", 2.4),
 }
 
 
-def _law_looks(found: Envelope) -> dict[str, Look]:
-    others = iter(_OTHERS * len(found.compensators))
-    return {name: _LOOKS.get(name) or Look(next(others), "dashdot") for name in found.compensators}
+def _law_looks(found: Envelope) -> dict[str, LineStyle]:
+    others = iter(_OTHERS * len(found.laws))
+    return {name: _LOOKS.get(name) or LineStyle(next(others), "dashdot") for name in found.laws}
 
 
 def by_angle(found: Envelope, units: UnitSystem) -> go.Figure:
@@ -29,7 +29,7 @@ def by_angle(found: Envelope, units: UnitSystem) -> go.Figure:
     picture, points = go.Figure(), found.by_angle
     angles = [ANGLE.from_si(one.release_rad, units) for one in points]
     shown = {name: ([100 * one.passes[name] for one in points], each) for name, each in _law_looks(found).items()}
-    shown["allowed by drive and sensors"] = [100 * one.allowed for one in points], Look(IDEAL, "dot")
+    shown["allowed by drive and sensors"] = [100 * one.allowed for one in points], LineStyle(IDEAL, "dot")
     for name, (shares, each) in shown.items():
         picture.add_scatter(
             x=angles, y=shares, mode="lines+markers", name=name, line=line(each), hovertemplate="%{y:.1f} %"
@@ -64,7 +64,7 @@ def impedance(found: Envelope) -> go.Figure:
         y=_ideal_phase(found, grip.frequency_hz),
         mode="lines",
         name="I, B, G alone",
-        line=line(Look(IDEAL, "dot")),
+        line=line(LineStyle(IDEAL, "dot")),
         hovertemplate="%{y:.1f}°",
     )
     frame(picture, 380, top=40)

@@ -30,9 +30,9 @@ _BAD = (240, 140, 60)
 def shares(found: Envelope) -> Table:
     """One number each."""
     rows = []
-    for name in found.compensators:
+    for name in found.laws:
         one = found.shares(name)
-        numbers = (one.stable, one.passes, one.stable_worst, one.passes_worst)
+        numbers = (one.stable, one.nominal_share, one.stable_worst, one.worst_case_share)
         rows.append((words(capital(name)), *(number(share_text(share)) for share in numbers)))
     head = ("Law", "Stable", "Passes", "Stable in every case", "Passes in every case")
     return Table(heads(*head), tuple(rows))
@@ -41,9 +41,11 @@ def shares(found: Envelope) -> Table:
 def allowed(found: Envelope) -> Table:
     """The shares of the settings that no limit forbids to every law."""
     rows = []
-    for name in found.compensators:
+    for name in found.laws:
         one = found.allowed_shares(name)
-        numbers = (share_text(share) if isfinite(share) else NONE for share in (one.passes, one.passes_worst))
+        numbers = (
+            share_text(share) if isfinite(share) else NONE for share in (one.nominal_share, one.worst_case_share)
+        )
         rows.append((words(capital(name)), number(f"{one.settings:,}"), *map(number, numbers)))
     return Table(heads("Law", "Settings allowed", "Of these passes", "Of these in every case"), tuple(rows))
 
@@ -58,7 +60,7 @@ def by_angle(found: Envelope, system: UnitSystem) -> Table:
         )
         for one in found.by_angle
     ]
-    head = ("Released from", "Allowed", *(f"{capital(name)} passes" for name in found.compensators))
+    head = ("Released from", "Allowed", *(f"{capital(name)} passes" for name in found.laws))
     return Table(tuple(Cell(text, "number") for text in head), tuple(rows))
 
 
@@ -67,7 +69,7 @@ def axes(found: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
     rows = tuple(
         (
             Cell(Markup('<a href="{}">{}</a>').format(pages[row.axis], row.axis), "words"),
-            words(row.compensator),
+            words(row.law),
             number(quantity_text(row.release_rad, ANGLE, UnitSystem.SI, 3)),
             *(number(text) for text in row.shares),
             words(prose_html(row.worst_text)),
@@ -90,7 +92,7 @@ def axes(found: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
 def drawn(found: Envelope) -> Table:
     """One number each, on machines with all tolerances at once."""
     rows = []
-    for name in found.compensators:
+    for name in found.laws:
         one = found.drawn_shares(name)
         sure = interval_text(one.good_low, one.good_high)
         good = f"{share_text(one.good)} ({sure})"
@@ -110,9 +112,9 @@ def drawn(found: Envelope) -> Table:
 def counted(found: Envelope) -> Table:
     """The shares by two weights of the grid's points."""
     rows = []
-    for name in found.compensators:
+    for name in found.laws:
         one, even = found.shares(name), found.even_shares(name)
-        numbers = (one.passes, even.passes, one.passes_worst, even.passes_worst)
+        numbers = (one.nominal_share, even.nominal_share, one.worst_case_share, even.worst_case_share)
         rows.append((words(capital(name)), *(number(share_text(share)) for share in numbers)))
     head = ("Law", "Passes: by points", "in proportion", "In every case: by points", "in proportion")
     return Table(heads(*head), tuple(rows))
@@ -120,7 +122,7 @@ def counted(found: Envelope) -> Table:
 
 def failures(found: Envelope) -> Table:
     """What fails first with the nominal plant, as shares of all settings."""
-    shown = {name: found.failure_shares(name) for name in found.compensators}
+    shown = {name: found.failure_shares(name) for name in found.laws}
     kinds = [kind for kind in Failure if any(row[kind] for row in shown.values())]
     rows = [
         (words(capital(kind)), *(number(share_text(row[kind]) if row[kind] else NONE) for row in shown.values()))
@@ -131,7 +133,7 @@ def failures(found: Envelope) -> Table:
 
 def cases(found: Envelope) -> Table:
     """What each case leaves: settings within tolerance, and of those that are nominally, the share that is lost."""
-    shown = [found.case_shares(name) for name in found.compensators]
+    shown = [found.case_shares(name) for name in found.laws]
     rows = []
     for place, case in enumerate(found.plan.cases):
         cells = []
@@ -148,7 +150,7 @@ def cases(found: Envelope) -> Table:
             named = words(capital(case.name) + ("" if case.verified else " (not verified)"))
         rows.append((named, *cells))
     head = [Cell("Case")]
-    for name in found.compensators:
+    for name in found.laws:
         head += [Cell(f"{capital(name)}: {what}", "number") for what in ("stable", "passes", "lost")]
     return Table(tuple(head), tuple(rows))
 
@@ -157,7 +159,7 @@ def smallest(found: Envelope, system: UnitSystem) -> Table:
     """Smallest inertia and stiffness."""
     stiffness = unit(TABLE["feel.stiffness"])
     rows = []
-    for name in found.compensators:
+    for name in found.laws:
         for worst in (False, True):
             one = found.smallest(name, worst=worst)
             known = isfinite(one.inertia_n_m_s2_per_rad)
@@ -185,7 +187,7 @@ def smallest(found: Envelope, system: UnitSystem) -> Table:
 def passive(found: Envelope) -> Table:
     """Where the grip is not passive."""
     rows = []
-    for name in found.compensators:
+    for name in found.laws:
         grip = found.passivity[name]
         bands = ", ".join(f"{number_text(low, 3)} to {number_text(high, 3)}" for low, high in grip.bands_hz)
         state = (bands or f"none up to {number_text(HIGHEST_HZ)}") if grip.stable else "unstable"

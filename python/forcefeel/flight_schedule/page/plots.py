@@ -11,17 +11,17 @@ from forcefeel.flight_schedule.result import ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
 from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.page.canvas import ZERO, frame, line
-from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.page.typography import number_text, unit_text
 from forcefeel.units import Unit, UnitSystem
 
 _PANEL_PX = 300
 _SIGNALS = (
-    ("load cell force", ("/N", "/N", "/lb"), Look(COMPLIANT)),
-    ("drive position", ("/m", "/cm", "/in"), Look("#B57A00", "dashdot")),
-    ("column angle", ("/rad", "/rad", "/rad"), Look(RIGID, "dash")),
-    ("feel's angle", ("/rad", "/rad", "/rad"), Look(COMPENSATED)),
-    ("feel's rate", (" s/rad", " s/rad", " s/rad"), Look("#A8568A", "dot")),
+    ("load cell force", ("/N", "/N", "/lb"), LineStyle(COMPLIANT)),
+    ("drive position", ("/m", "/cm", "/in"), LineStyle("#B57A00", "dashdot")),
+    ("column angle", ("/rad", "/rad", "/rad"), LineStyle(RIGID, "dash")),
+    ("feel's angle", ("/rad", "/rad", "/rad"), LineStyle(COMPENSATED)),
+    ("feel's rate", (" s/rad", " s/rad", " s/rad"), LineStyle("#A8568A", "dot")),
 )
 """What the command is made of, in the law's order, beside the observer's state, and what its gain is in per volt or ampere."""
 
@@ -33,9 +33,9 @@ def poles(found: ScheduleCheck) -> go.Figure:
     decay = found.poles.decay
     feel, _ = schedule.between(found.where)
     curves = (
-        ("nominal plant", decay[0], Look(COMPENSATED, "solid", 2.6)),
-        ("worst case", _least(decay), Look(COMPLIANT)),
-        ("I, B, G alone", _ideal_decay(feel), Look(IDEAL, "dot")),
+        ("nominal plant", decay[0], LineStyle(COMPENSATED, "solid", 2.6)),
+        ("worst case", _least(decay), LineStyle(COMPLIANT)),
+        ("I, B, G alone", _ideal_decay(feel), LineStyle(IDEAL, "dot")),
     )
     for row, axis in enumerate(schedule.axes):
         x = axis.refined(found.refine)
@@ -85,7 +85,7 @@ def _curve(
     row: int,
     name: str,
     points: tuple[NDArray[np.float64], NDArray[np.float64]],
-    look: Look,
+    look: LineStyle,
     hover: str,
 ) -> None:
     x, y = points
@@ -104,7 +104,7 @@ def _curve(
         )
 
 
-def _marks(picture: go.Figure, row: int, x: NDArray[np.float64], y: NDArray[np.float64], look: Look) -> None:
+def _marks(picture: go.Figure, row: int, x: NDArray[np.float64], y: NDArray[np.float64], look: LineStyle) -> None:
     """Dots at the knots."""
     picture.add_scatter(
         x=x,

@@ -23,7 +23,7 @@ def frontier_page(found: Frontier, units: UnitSystem, *, command: str = "") -> s
         loader=plan.given,
         plan=plan,
         motor=plan.loader.drive == ELECTRIC,
-        law=name_text(found.compensator),
+        law=name_text(found.law),
         goal=GOAL,
         goal_worst=f"{100 * WHOLE_WORST:.0f} %",
         inertia=tolerance_text(found.inertia_tolerance).replace(" ", "\N{NO-BREAK SPACE}"),

@@ -8,7 +8,7 @@ from forcefeel.envelope.findings import WHOLE_WORST
 from forcefeel.frontier.findings import tolerance_text
 from forcefeel.frontier.result import Frontier
 from forcefeel.page.canvas import frame, line
-from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, Look
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, LineStyle
 
 _TICKS = (0.001, 0.01, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30)
 _SAID = (0.001, 0.01, 0.1, 0.5, 1, 2, 5, 10, 20)
@@ -19,18 +19,18 @@ def shares(found: Frontier) -> go.Figure:
     """Bound and achieved shares over the tolerance of the column's inertia; the tightening that reaches the goal is marked."""
     picture, tight = go.Figure(), found.tightening
     curves = (
-        ("bound on any linear law", found.bound.errors, found.bound.shares, Look(IDEAL, "dot")),
+        ("bound on any linear law", found.bound.errors, found.bound.shares, LineStyle(IDEAL, "dot")),
         (
             "inertia and geometry tightened",
             tight.inertia_and_geometry.tolerances,
             tight.inertia_and_geometry.shares,
-            Look(COMPENSATED, "solid", 2.8),
+            LineStyle(COMPENSATED, "solid", 2.8),
         ),
         (
             "all tightened in proportion",
             tight.all_in_proportion.tolerances,
             tight.all_in_proportion.shares,
-            Look(COMPLIANT, "dash"),
+            LineStyle(COMPLIANT, "dash"),
         ),
     )
     for name, tolerances, found_shares, look in curves:

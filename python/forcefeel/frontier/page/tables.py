@@ -79,13 +79,13 @@ def costs(found: Frontier) -> Table:
 
 def hardware(found: Frontier) -> Table:
     """What each change of the hardware buys, the largest gain in the worst case first."""
-    before = found.envelope.shares(found.compensator)
+    before = found.envelope.shares(found.law)
     rows = [
         (
             words("as it is"),
-            number(share_text(before.passes_worst)),
+            number(share_text(before.worst_case_share)),
             number(NONE),
-            number(share_text(before.passes)),
+            number(share_text(before.nominal_share)),
             number(NONE),
             number(share_text(before.stable_worst)),
             number(NONE),

@@ -126,7 +126,7 @@ class Status(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Compensation:
+class GainDesign:
     """Gains and how well they are proved.
 
     Attributes:
@@ -139,7 +139,7 @@ class Compensation:
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.compensate(ff.elevator(), ff.laws.DesignSettings())
+        >>> found = ff.design_gains(ff.elevator(), ff.laws.DesignSettings())
         >>> found.status.value
         'converged'
     """
@@ -180,7 +180,7 @@ class Compensation:
             case Status.SINGULAR:
                 return f"stopped {after}: R + H' E H could not be inverted in double precision; change r2 or the step"
 
-    def compensator(self, loader: Loader) -> Compensator:
+    def law(self, loader: Loader) -> Compensator:
         """The law on the six measured states.
 
         The pilot force is not measured, so its gain is left out. Gains over an endless horizon count on it: without it the
@@ -215,7 +215,7 @@ NAMED_DESIGNS: Mapping[str, Callable[[Loader], DesignSettings | None]] = Mapping
 """How the gains of each law are designed, by the law's name; ``None`` is the original position loop, eq. (13)."""
 
 
-def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compensation:
+def design_gains(loader: Loader, settings: DesignSettings | None = None) -> GainDesign:
     """Runs recursion (22) for ``loader``.
 
     Args:
@@ -229,7 +229,7 @@ def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compen
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.compensate(ff.elevator())
+        >>> found = ff.design_gains(ff.elevator())
         >>> len(found.gains), found.note
         (7, 'horizon of 0.05 s, 500 steps of 0.0001 s')
     """
@@ -243,7 +243,7 @@ def compensate(loader: Loader, settings: DesignSettings | None = None) -> Compen
     found = _core.recursion(problem.phi, problem.h, problem.q, problem.r, most_steps, tolerance)
     gains = found.gains[0] / problem.scale
     gains.setflags(write=False)
-    return Compensation(
+    return GainDesign(
         settings=settings,
         gains=gains,
         steps=found.steps,

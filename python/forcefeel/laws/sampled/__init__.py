@@ -4,21 +4,21 @@ The plant does not see the feel, so that a setting I, B, G shares its two Riccat
 has one small linear equation of its own.
 """
 
-from forcefeel.laws.sampled.methods import METHODS, Method, method
+from forcefeel.laws.sampled.law_designs import LAW_DESIGNS, LawDesign, law_design
 from forcefeel.laws.sampled.observer_law import design
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.rules import robust_tuning
 from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, Power, Tuning
 
 __all__ = [
-    "METHODS",
+    "LAW_DESIGNS",
     "OBSERVER",
     "RECOVERED",
-    "Method",
+    "LawDesign",
     "Power",
     "SampledPlant",
     "Tuning",
     "design",
-    "method",
+    "law_design",
     "robust_tuning",
 ]

@@ -34,7 +34,7 @@ from forcefeel.laws.sampled.observer import observe, observed, readings
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
-from forcefeel.laws.sampled.sampled_compensator import SAMPLED, SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SAMPLED, SampledLaw
 from forcefeel.laws.sampled.tuning import Tuning
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.sensors import has_grip_sensor
@@ -46,7 +46,7 @@ _DELTA, _RATE, _HAND, _DISTURBANCE = range(4)
 """Places in w of ``feed_forward``."""
 
 
-def design(loader: Loader, feel: ArrayLike, tuning: Tuning, by_frequency: float = 0.0) -> SampledCompensator:
+def design(loader: Loader, feel: ArrayLike, tuning: Tuning, by_frequency: float = 0.0) -> SampledLaw:
     """The laws for many settings of one loader.
 
     Args:
@@ -60,7 +60,7 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning, by_frequency: float 
             double precision.
     """
     if not has_grip_sensor(loader):
-        raise InputError(f"compensator: {no_sensor(loader)}")
+        raise InputError(f"law: {no_sensor(loader)}")
     rows, plant = feel_rows(feel), SampledPlant.of(loader)
     try:
         gains = _Gains.of(plant, rows, loader["column.inertia"], tuning, by_frequency)
@@ -82,7 +82,7 @@ def design(loader: Loader, feel: ArrayLike, tuning: Tuning, by_frequency: float 
     by_command[: places.count, 0], by_command[places.held] = plant.by_command, 1.0
     after = observed(plant) @ estimate + by_hand * hand[:, None, :]
     of_command = np.tile(by_command / scale.command_v, (settings, 1, 1))
-    law = SampledCompensator(
+    law = SampledLaw(
         period_s=plant.period_s,
         delay_s=plant.delay_s,
         transition=after[:, :, : places.observed],

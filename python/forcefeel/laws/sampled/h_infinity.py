@@ -28,7 +28,7 @@ from forcefeel.laws.sampled.observer_law import Gains, assemble, feel_rows, foll
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.regulator import regulate
 from forcefeel.laws.sampled.riccati import residual, stationary
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.laws.sampled.tuning import OBSERVER, Power, Tuning
 from forcefeel.loader.loader import Loader
 
@@ -188,7 +188,7 @@ def filter_torque(plant: SampledPlant, tuning: Tuning, inertia_ratio: float) -> 
     return TorqueFilter(gains, p, level, least, made_for.residual(level, p))
 
 
-def design(loader: Loader, feel: ArrayLike, tuning: Tuning = H_INFINITY) -> SampledCompensator:
+def design(loader: Loader, feel: ArrayLike, tuning: Tuning = H_INFINITY) -> SampledLaw:
     """The laws for many settings of one loader; arguments, returns and errors as ``laws.design``."""
     rows = feel_rows(feel)
     plant = SampledPlant.of(loader)

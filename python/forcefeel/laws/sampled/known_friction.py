@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.laws.sampled.plant import SampledPlant
-from forcefeel.laws.sampled.sampled_compensator import OF_FRICTION, SAMPLED
+from forcefeel.laws.sampled.sampled_law import OF_FRICTION, SAMPLED
 
 MARGIN = 0.5
 """M, a share of the friction: room at the edges of the play for the noise of what is estimated. Shares rendered change by less than

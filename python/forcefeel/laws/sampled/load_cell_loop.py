@@ -24,7 +24,7 @@ from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import Scale, period_and_delay
 from forcefeel.laws.sampled.riccati import stationary
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.linear.models import DESIGN_PLANT, design_model
 from forcefeel.linear.sampled_feel import delayed
 from forcefeel.loader.loader import Loader, check_hydraulic
@@ -44,7 +44,7 @@ _COMMAND_WEIGHT = 0.1 / 100.0
 """R_2 over the weight of ``(delta - theta)^2`` in rad²/V², the report's numbers (appendix, below eq. (21))."""
 
 
-def design(loader: Loader, feel: ArrayLike) -> SampledCompensator:
+def design(loader: Loader, feel: ArrayLike) -> SampledLaw:
     """The laws for many settings of one loader, with the report's weights.
 
     Args:
@@ -115,7 +115,7 @@ def _gains(
     return row
 
 
-def _law(loop: _Loop, gains: NDArray[np.float64], period: float, delay: float) -> SampledCompensator:
+def _law(loop: _Loop, gains: NDArray[np.float64], period: float, delay: float) -> SampledLaw:
     """The law as data, its state the angle of the sample before and the command under way."""
     settings, volt = len(gains), loop.scale.command_v
     of_plant = -gains[:, :4] / loop.scale.states[_OF_DESIGN] * volt
@@ -130,4 +130,4 @@ def _law(loop: _Loop, gains: NDArray[np.float64], period: float, delay: float) -
     torque[:, [2, 5, 6]] = loop.torque
     remembers = np.zeros((settings, 2, 4))
     remembers[:, 0, 2] = remembers[:, 1, 3] = 1.0
-    return SampledCompensator(period, delay, np.zeros((settings, 2, 2)), remembers, command, torque)
+    return SampledLaw(period, delay, np.zeros((settings, 2, 2)), remembers, command, torque)

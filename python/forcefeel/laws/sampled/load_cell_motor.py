@@ -33,14 +33,14 @@ from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import SampledPlant
 from forcefeel.laws.sampled.riccati import stationary
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import Loader, check_electric
 
 LAG = 0.5
 """Phase in rad that the whole lag takes at the frequency of the position loop."""
 
 
-def design(loader: Loader, feel: ArrayLike) -> SampledCompensator:
+def design(loader: Loader, feel: ArrayLike) -> SampledLaw:
     """The laws for many settings of one loader.
 
     Args:
@@ -109,7 +109,7 @@ def _law(
     cancel: NDArray[np.float64],
     gains: NDArray[np.float64],
     torque: NDArray[np.float64],
-) -> SampledCompensator:
+) -> SampledLaw:
     """The law as data.
 
     Its states are the angle of the sample before, the current, the command under way, and p.
@@ -129,7 +129,7 @@ def _law(
     after[0, 6] = after[2, 7] = 1.0
     after[1, [1, 2, 7]] = plant.phi[current, current], plant.by_held[current], plant.by_command[current]
     after[3, :7] = (explained + period * (loader["linkage.ratio"] * arm * force + pilot))[:7]
-    return SampledCompensator(
+    return SampledLaw(
         period_s=period,
         delay_s=plant.delay_s,
         transition=np.tile(after[:, :4], (settings, 1, 1)),

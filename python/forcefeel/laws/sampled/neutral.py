@@ -18,14 +18,14 @@ from dataclasses import replace
 import numpy as np
 
 from forcefeel.errors import InputError
-from forcefeel.laws.sampled.sampled_compensator import SAMPLED, SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SAMPLED, SampledLaw
 from forcefeel.loader.loader import Loader
 
 _ROUNDING = 1e-9
 """A sum that is so small beside its terms is zero."""
 
 
-def trimmed(law: SampledCompensator, loader: Loader) -> SampledCompensator:
+def trimmed(law: SampledLaw, loader: Loader) -> SampledLaw:
     """The law with its command and torque per radian of the feel's neutral.
 
     Raises:

@@ -19,13 +19,13 @@ from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer import observe, observed, readings
 from forcefeel.laws.sampled.plant import Places, SampledPlant, link_stiffness
 from forcefeel.laws.sampled.regulator import regulate
-from forcefeel.laws.sampled.sampled_compensator import SAMPLED, SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SAMPLED, SampledLaw
 from forcefeel.laws.sampled.tuning import Tuning
 from forcefeel.loader.feel_settings import setting_rows
 from forcefeel.loader.loader import Loader
 
 
-def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledCompensator:
+def design(loader: Loader, feel: ArrayLike, tuning: Tuning) -> SampledLaw:
     """The laws for many settings of one loader.
 
     Args:
@@ -87,7 +87,7 @@ def followed(
 
 def assemble(
     plant: SampledPlant, gains: Gains, of_estimate: NDArray[np.float64], of_feel: NDArray[np.float64]
-) -> SampledCompensator:
+) -> SampledLaw:
     """The law as data: signals and what it says in SI units, its state in the plant's."""
     settings, scale, places = len(gains.regulator), plant.scale, plant.places
     transition = observed(plant)
@@ -99,7 +99,7 @@ def assemble(
     command = np.concatenate([np.einsum("sj,sjk->sk", of_estimate, estimate), of_feel], axis=1)
     torque = np.zeros((settings, places.observed + SAMPLED + 2))
     torque[:, : places.observed + SAMPLED] = estimate[:, places.torque]
-    return SampledCompensator(
+    return SampledLaw(
         friction=known_friction(plant, estimate),
         period_s=plant.period_s,
         delay_s=plant.delay_s,

@@ -37,7 +37,7 @@ from forcefeel.errors import InputError
 from forcefeel.laws.sampled.neutral import trimmed
 from forcefeel.laws.sampled.observer_law import feel_rows
 from forcefeel.laws.sampled.plant import Scale, link_stiffness, period_and_delay
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.loader.loader import FEEL_SETTING, Loader, check_electric
 from forcefeel.loader.sensors import SENSORS, current_lag_s, sample_variance
 from forcefeel.loader.timing import controller_steps
@@ -117,7 +117,7 @@ class Coupling:
         return cls(frequency, memory, rotor, moved, arm, per_torque)
 
 
-def design(loader: Loader, feel: ArrayLike) -> SampledCompensator:
+def design(loader: Loader, feel: ArrayLike) -> SampledLaw:
     """The laws for many settings of one loader.
 
     Args:
@@ -159,7 +159,7 @@ def _velocity_noise(memory: float) -> float:
     return float(np.sqrt(2 * beta**2 / (alpha * (4 - 2 * alpha - beta))))
 
 
-def _stable(loader: Loader, feel: NDArray[np.float64], laws: SampledCompensator) -> NDArray[np.bool_]:
+def _stable(loader: Loader, feel: NDArray[np.float64], laws: SampledLaw) -> NDArray[np.bool_]:
     """Whether each law's loop is stable, hands off, in the exact loop: with the spring G, and where the feel is steepest."""
     step_s, timing = controller_steps(loader, _STEP_S)
     stable = np.ones(len(feel), dtype=bool)
@@ -182,9 +182,7 @@ def _steepest(loader: Loader, inertia: NDArray[np.float64]) -> NDArray[np.float6
     return np.full(len(inertia), max(slope * loader["column.grip_arm"], stop))
 
 
-def _laws(
-    loader: Loader, coupling: Coupling, feel: NDArray[np.float64], taken_off: NDArray[np.float64]
-) -> SampledCompensator:
+def _laws(loader: Loader, coupling: Coupling, feel: NDArray[np.float64], taken_off: NDArray[np.float64]) -> SampledLaw:
     """The laws as data for these J'.
 
     Their states are angle and velocity of the motor as expected for the sample, then displacement and rate of the second computer.
@@ -210,7 +208,7 @@ def _laws(
     filtered = np.broadcast_to([angle + period * velocity, velocity], (len(feel), 2, 9))
     states = moves[:, :, :2] @ np.array([second, second_rate]) + moves[:, :, 2:] * alone[:, None]
     after = np.concatenate([filtered, states], axis=1)
-    return SampledCompensator(
+    return SampledLaw(
         period_s=period,
         delay_s=delay,
         transition=after[:, :, :4],

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from forcefeel.errors import InputError
-from forcefeel.live.running import Fault, Sensor
+from forcefeel.live.live_session import Fault, Sensor
 from forcefeel.loader.parameters import TABLE
 
 LARGEST_BYTES = 4096

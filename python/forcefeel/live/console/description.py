@@ -5,7 +5,7 @@ from math import inf, isfinite
 
 from forcefeel.json_values import Json
 from forcefeel.live.console.telemetry import RATE_HZ, Channel
-from forcefeel.live.running import Fault, Running, Sensor
+from forcefeel.live.live_session import Fault, LiveSession, Sensor
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import TABLE, limits_si, unit
 from forcefeel.page.typography import split_symbol, unit_text
@@ -100,7 +100,7 @@ def _around(loader: Loader, key: str) -> tuple[float, float]:
 
 
 def description(
-    running: Running, shown: tuple[Channel, ...], throw_rad: tuple[float, float], system: UnitSystem
+    running: LiveSession, shown: tuple[Channel, ...], throw_rad: tuple[float, float], system: UnitSystem
 ) -> dict[str, Json]:
     """All of it, but for who is told."""
     loader = running.loader
@@ -126,14 +126,14 @@ def description(
     }
 
 
-def feel_json(running: Running) -> dict[str, Json]:
+def feel_json(running: LiveSession) -> dict[str, Json]:
     """The rows that have a slider, in SI units; what is off and infinite has no number."""
     loader = running.loader
     values = {key: loader[key] for key in _SLIDERS}
     return {key: value if isfinite(value) else None for key, value in values.items()}
 
 
-def host_json(running: Running) -> Json:
+def host_json(running: LiveSession) -> Json:
     """The aircraft simulator as the page shows it; nothing where none is listened to."""
     host = running.host
     if host is None:

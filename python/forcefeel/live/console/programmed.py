@@ -12,10 +12,10 @@ from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.axes import rule_axis, usual_axis
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import Record, load_rules, measure_sweep
-from forcefeel.qualification.programme.feel_alone import FeelAlone
-from forcefeel.qualification.programme.motions import Motions, first_force
-from forcefeel.qualification.programme.programme import STATIC, duration_s, trials
-from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.qualification.plan.feel_alone import FeelAlone
+from forcefeel.qualification.plan.motions import Motions, first_force
+from forcefeel.qualification.plan.plan import STATIC, duration_s, trials
+from forcefeel.qualification.plan.run import QualificationSetup
 from forcefeel.qualification.sweep import SweepFeatures
 from forcefeel.qualification.throw import Throw
 from forcefeel.qualification.tolerance import Tolerance

@@ -19,13 +19,13 @@ from websockets.http11 import Request, Response
 from forcefeel.errors import InputError
 from forcefeel.live.console.admission import Refused, Role
 from forcefeel.live.console.commands import LARGEST_BYTES, command_of
-from forcefeel.live.console.desk import Desk
-from forcefeel.live.console.door import DEFAULT_PORT, Door
 from forcefeel.live.console.files import answer, page_files
+from forcefeel.live.console.listener import DEFAULT_PORT, Listener
+from forcefeel.live.console.session import ConsoleSession
 from forcefeel.live.console.telemetry import RATE_HZ
 from forcefeel.live.console.watchers import MOST, Watcher, Watchers
-from forcefeel.live.running import Running
-from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.live.live_session import LiveSession
+from forcefeel.qualification.plan.run import QualificationSetup
 
 SOCKET = "/live"
 
@@ -50,9 +50,9 @@ class Server:
         setup: How the rule's tests are judged, and in which units all is shown.
     """
 
-    def __init__(self, running: Running, door: Door, setup: QualificationSetup) -> None:
+    def __init__(self, running: LiveSession, door: Listener, setup: QualificationSetup) -> None:
         self.door, self.admission = door, door.admission
-        self._desk = Desk(running, setup, Watchers())
+        self._desk = ConsoleSession(running, setup, Watchers())
         self._thread = threading.Thread(target=self._run, name="forcefeel console", daemon=True)
         self._ready, self._end = threading.Event(), asyncio.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -191,14 +191,14 @@ class Console(Server):
 
     def __init__(
         self,
-        running: Running,
+        running: LiveSession,
         *,
         port: int = DEFAULT_PORT,
         bind: str = "127.0.0.1",
         token: bool = True,
         setup: QualificationSetup | None = None,
     ) -> None:
-        super().__init__(running, Door.at(port, bind, token=token), setup or QualificationSetup())
+        super().__init__(running, Listener.at(port, bind, token=token), setup or QualificationSetup())
 
     @property
     def address(self) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from forcefeel.live.running import Running
+from forcefeel.live.live_session import LiveSession
 from forcefeel.loader.loader import Loader
 from forcefeel.units import ANGLE, FORCE, MOTOR_CURRENT, VOLTAGE, Unit, UnitSystem
 
@@ -46,7 +46,7 @@ class Channel:
     over_s: float = 0.0
 
 
-def channels(running: Running, loader: Loader) -> tuple[Channel, ...]:
+def channels(running: LiveSession, loader: Loader) -> tuple[Channel, ...]:
     """The columns that the page shows, of those that the loop has."""
     electric, arm = loader.drive == "electric", 1 / loader["column.grip_arm"]
     asked = MOTOR_CURRENT if electric else VOLTAGE
@@ -71,7 +71,7 @@ class Telemetry:
         system: In which units.
     """
 
-    def __init__(self, running: Running, shown: Sequence[Channel], system: UnitSystem) -> None:
+    def __init__(self, running: LiveSession, shown: Sequence[Channel], system: UnitSystem) -> None:
         place: Mapping[str, int] = {name: k for k, name in enumerate(running.columns)}
         self._running = running
         self._taken = [place[one.column] for one in shown]

@@ -6,9 +6,9 @@ from forcefeel.json_values import Json, json_text
 from forcefeel.page.chromium import page_pdf
 from forcefeel.page.folder import OutputFolder
 from forcefeel.qualification.page.page import cockpit_page, qualification_page
-from forcefeel.qualification.programme.as_json import cockpit_json, qualification_json
-from forcefeel.qualification.programme.cockpit import CockpitQualification
-from forcefeel.qualification.programme.result import Qualification
+from forcefeel.qualification.plan.as_json import cockpit_json, qualification_json
+from forcefeel.qualification.plan.cockpit import CockpitQualification
+from forcefeel.qualification.plan.result import Qualification
 from forcefeel.units import UnitSystem
 
 PAGE, NUMBERS, PDF = "qualification.html", "results.json", "qualification.pdf"

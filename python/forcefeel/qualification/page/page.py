@@ -10,9 +10,9 @@ from forcefeel.page.render import drawing, render
 from forcefeel.page.table import Table
 from forcefeel.qualification.page import plots as qualification_plots
 from forcefeel.qualification.page import tables as qualification_tables
-from forcefeel.qualification.programme.cockpit import CockpitQualification, cockpit_conclusions
-from forcefeel.qualification.programme.result import Qualification, Result, Section
-from forcefeel.qualification.programme.sentences import conclusions, result_text, tally, unverified_tests
+from forcefeel.qualification.plan.cockpit import CockpitQualification, cockpit_conclusions
+from forcefeel.qualification.plan.result import Qualification, Result, Section
+from forcefeel.qualification.plan.sentences import conclusions, outcome_counts, result_text, unverified_tests
 
 _RELEASE = (
     "Position from each record's own steady state. Circles: the instants and overshoots that are judged; bars: tolerances "
@@ -53,7 +53,7 @@ class ShownSection:
 
     key: str
     section: Section
-    tally: str
+    outcome_counts: str
     tests: tuple[ShownTest, ...]
 
 
@@ -124,7 +124,7 @@ def cockpit_page(found: CockpitQualification, beside: tuple[str, ...], *, comman
 def _section(section: Section, found: Qualification, axis: str = "") -> ShownSection:
     key = "-".join(filter(None, ("law", axis, section.name)))
     tests = tuple(_test(result, section, found, axis) for result in section.results)
-    return ShownSection(key, section, tally(section), tests)
+    return ShownSection(key, section, outcome_counts(section), tests)
 
 
 def _test(result: Result, section: Section, found: Qualification, axis: str) -> ShownTest:

@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from forcefeel.page.canvas import frame, line
-from forcefeel.page.palette import COMPENSATED, COMPLIANT, RIGID, Look
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, RIGID, LineStyle
 from forcefeel.qualification.page.release_plot import BAND, REFERENCE, release
-from forcefeel.qualification.programme.result import Qualification, Result, Side
-from forcefeel.qualification.programme.sentences import UNITS
+from forcefeel.qualification.plan.result import Qualification, Result, Side
+from forcefeel.qualification.plan.sentences import UNITS
 from forcefeel.qualification.sweep import SweepFeatures
 from forcefeel.qualification.tolerance import Tolerance
 from forcefeel.units import FORCE, factor
@@ -40,7 +40,7 @@ def sweep(result: Result, found: Qualification, section: str) -> go.Figure:
         _band(picture, at * scale, (curve - limit) * force, (curve + limit) * force, first=k == 0)
     for curves, name, look in (
         (theirs, "reference", REFERENCE),
-        (mine, "measured", Look(color(section), "solid", 2.2)),
+        (mine, "measured", LineStyle(color(section), "solid", 2.2)),
     ):
         for way in ("up", "down"):
             at, curve = curves[way]
@@ -70,7 +70,7 @@ def small_inputs(result: Result, section: str) -> go.Figure:
     limit = next((one.tolerance for one in result.verdicts if np.isfinite(one.tolerance)), 0.0) * degrees
     for side, name, look in (
         (result.reference, "reference", REFERENCE),
-        (result.measured, "measured", Look(color(section), "solid", 2.4)),
+        (result.measured, "measured", LineStyle(color(section), "solid", 2.4)),
     ):
         rate = side.record.body_rate_rad_per_s
         if rate is None:

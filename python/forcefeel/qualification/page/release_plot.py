@@ -9,13 +9,13 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from forcefeel.page.canvas import drawn, frame, line
-from forcefeel.page.palette import IDEAL, Look
-from forcefeel.qualification.programme.result import Qualification, Result, Side
-from forcefeel.qualification.programme.sentences import UNITS
+from forcefeel.page.palette import IDEAL, LineStyle
+from forcefeel.qualification.plan.result import Qualification, Result, Side
+from forcefeel.qualification.plan.sentences import UNITS
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.rules import ReleaseRules
 
-REFERENCE = Look(IDEAL, "dot", 2.0)
+REFERENCE = LineStyle(IDEAL, "dot", 2.0)
 BAND = "rgba(34,34,34,0.10)"
 _TOLERANCE = "#6B7580"
 _MOST_POINTS = 1200
@@ -42,7 +42,7 @@ def release(result: Result, found: Qualification, color: str) -> go.Figure:
     picture.add_hrect(-band, band, **grey, exclude_empty_subplots=False)  # the curves come after it
     for side, name, look in (
         (result.reference, "reference", REFERENCE),
-        (result.measured, "measured", Look(color, "solid", 2.4)),
+        (result.measured, "measured", LineStyle(color, "solid", 2.4)),
     ):
         time = side.record.time_s - _features(side).release_s.value
         seen = np.flatnonzero((time >= -0.05 * end) & (time <= end))

@@ -10,11 +10,11 @@ from forcefeel.conclusions import capital
 from forcefeel.page.table import Cell, Table, number, words
 from forcefeel.page.typography import NONE, number_text, prose_html, unit_text
 from forcefeel.qualification import Outcome, Verdict
-from forcefeel.qualification.programme.cockpit import CockpitQualification
-from forcefeel.qualification.programme.motions import SHORT
-from forcefeel.qualification.programme.programme import Trial
-from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
-from forcefeel.qualification.programme.sentences import (
+from forcefeel.qualification.plan.cockpit import CockpitQualification
+from forcefeel.qualification.plan.motions import SHORT
+from forcefeel.qualification.plan.plan import RuleTestCase
+from forcefeel.qualification.plan.result import Qualification, QualificationStatus, Result, Section
+from forcefeel.qualification.plan.sentences import (
     UNITS,
     figure_text,
     quantity,
@@ -26,19 +26,19 @@ from forcefeel.units import UnitSystem
 
 _MINUS = "\N{MINUS SIGN}"
 _GOOD, _BAD, _OPEN, _NONE = "#E3F3EC", "#FBE3E0", "#FDF0D3", "#ECEEF1"
-_BACKGROUNDS: dict[Outcome | Standing, str] = {
+_BACKGROUNDS: dict[Outcome | QualificationStatus, str] = {
     Outcome.PASSED: _GOOD,
     Outcome.FAILED: _BAD,
     Outcome.TOO_CLOSE: _OPEN,
     Outcome.NOT_EVALUATED: _NONE,
-    Standing.QUALIFIES: _GOOD,
-    Standing.DOES_NOT_QUALIFY: _BAD,
-    Standing.INCOMPLETE: _OPEN,
+    QualificationStatus.QUALIFIES: _GOOD,
+    QualificationStatus.DOES_NOT_QUALIFY: _BAD,
+    QualificationStatus.INCOMPLETE: _OPEN,
 }
 UNVERIFIED = Markup(" <small>unverified</small>")
 
 
-def anchor(section: Section, trial: Trial, axis: str = "") -> str:
+def anchor(section: Section, trial: RuleTestCase, axis: str = "") -> str:
     """Where the page has a test; ``axis`` of a cockpit's."""
     return "-".join(filter(None, (axis, section.name, trial.key)))
 
@@ -48,13 +48,13 @@ def summary(found: Qualification) -> Table:
     head = (Cell("Test"), *(Cell(section.title) for section in found.sections), Cell("Number"))
     by_section = [(section, {one.trial.key: one for one in section.results}) for section in found.sections]
     rows = []
-    for trial in found.programme.trials:
+    for trial in found.test_plan.trials:
         came = (_linked(section, results.get(trial.key)) for section, results in by_section)
         rows.append((words(trial.title), *came, _number(trial)))
-    for trial in found.programme.outside:
+    for trial in found.test_plan.outside:
         reason = f"outside the programme: {why_outside(trial, found)}"
         rows.append((words(trial.title), *(Cell(reason, "words", _NONE) for _ in found.sections), _number(trial)))
-    total = (words("All"), *(coloured(section.standing) for section in found.sections), Cell(""))
+    total = (words("All"), *(coloured(section.status) for section in found.sections), Cell(""))
     return Table(head, (*rows, total), "outcomes")
 
 
@@ -80,7 +80,7 @@ def axes(found: CockpitQualification) -> Table:
     rows = tuple(
         (
             Cell(Markup('<a href="#{}">{}</a>').format(axis, axis), "words"),
-            coloured(section.standing),
+            coloured(section.status),
             *(words(text) for text in (one.loader.name, one.loader.drive, section.title)),
             *(number(str(section.count(outcome))) for outcome in Outcome),
         )
@@ -88,7 +88,7 @@ def axes(found: CockpitQualification) -> Table:
         for section in one.sections
     )
     head = (
-        *map(Cell, ("Axis", "Standing", "Loader", "Drive", "Law")),
+        *map(Cell, ("Axis", "Status", "Loader", "Drive", "Law")),
         *(Cell(capital(outcome), "number") for outcome in Outcome),
     )
     return Table(head, rows, "outcomes")
@@ -101,11 +101,11 @@ def _linked(section: Section, result: Result | None, axis: str = "") -> Cell:
     return Cell(link, "", _BACKGROUNDS[result.outcome])
 
 
-def _number(trial: Trial) -> Cell:
+def _number(trial: RuleTestCase) -> Cell:
     return Cell(trial.test.number + (Markup("") if trial.verified else UNVERIFIED))
 
 
-def coloured(came: Outcome | Standing) -> Cell:
+def coloured(came: Outcome | QualificationStatus) -> Cell:
     """What a test or a whole came to, in its colour."""
     return Cell(str(came), "", _BACKGROUNDS[came])
 
@@ -149,7 +149,7 @@ def conditions(found: Qualification) -> Table:
     least, most = (100 * share for share in rules.release.deflection)
     low, high = (quantity(end, "rad", system) for end in (found.throw.low_rad, found.throw.high_rad))
     unverified = ", ".join(unverified_tests(found))
-    made = found.programme.made
+    made = found.test_plan.made
     asked = dict.fromkeys(one for trial in made for one in trial.test.conditions)
     feel = "that was recorded" if recorded(found, "record") else "that the loader programs, hands off"
     sweeps = ", ".join(f"{one.name} {one.duration_s[0]:g} to {one.duration_s[1]:g} s" for one in rules.sweeps)
@@ -167,8 +167,8 @@ def conditions(found: Qualification) -> Table:
         ("Conditions the rule asks for", "; ".join(asked)),
         ("Conditions here", f"the one feel {feel}: repeat for each feel of the flight conditions asked for"),
     ]
-    if found.left_out:
-        rows.append(("Left out of the loader", ", ".join(found.left_out)))
+    if found.omitted:
+        rows.append(("Left out of the loader", ", ".join(found.omitted)))
     rows.append(("Sources", "; ".join(dict.fromkeys(trial.test.source for trial in made))))
     return Table((Cell("What"), Cell("Here")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from forcefeel.page.canvas import drawn, frame, line
-from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.page.typography import parameter_text
 from forcefeel.simulation import Run, RunStatus
 from forcefeel.simulation.demanded import demanded
@@ -25,12 +25,12 @@ MOST_LOOP_POINTS = 20_000
 """Most points of a loop; of a longer one every other sample is drawn, or fewer."""
 
 _COLUMN, _FEEL, _PILOT, _CELL = (
-    Look(COMPLIANT, "solid", 2.4),
-    Look(COMPENSATED, "dash"),
-    Look(IDEAL),
-    Look(RIGID, "dash"),
+    LineStyle(COMPLIANT, "solid", 2.4),
+    LineStyle(COMPENSATED, "dash"),
+    LineStyle(IDEAL),
+    LineStyle(RIGID, "dash"),
 )
-_IDEAL, _LOOP = Look(IDEAL, "dot"), Look(COMPLIANT, "solid", 1.8)
+_IDEAL, _LOOP = LineStyle(IDEAL, "dot"), LineStyle(COMPLIANT, "solid", 1.8)
 _LIMIT, _VEIL = "#B3261E", "rgba(255,255,255,0.75)"
 _NEAR = 0.6
 """A limit is drawn once the curve comes within this share of it."""
@@ -187,7 +187,7 @@ def _values(run: Run, name: str) -> NDArray[np.float64]:
 
 
 def _curve(
-    picture: go.Figure, run: Run, row: int, name: str, values: NDArray[np.float64], look: Look, hover: str
+    picture: go.Figure, run: Run, row: int, name: str, values: NDArray[np.float64], look: LineStyle, hover: str
 ) -> None:
     time = run.history["time_s"].values[: len(values)]
     kept = drawn(values, MOST_POINTS)

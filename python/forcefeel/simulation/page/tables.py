@@ -73,7 +73,7 @@ def scenario(run: Run, system: UnitSystem, law: str, whose: str = "") -> Table:
     rows += [(name, _over_time(given, unit, system)) for name, given, unit in schedules if given is not None]
     for change in found.feel_changes:
         values = ", ".join(f"{key} = {_changed(value)}" for key, value in change.changes.items())
-        rows.append(("Feel changed", f"from {change.at_s:g} s on, over {change.over_s:g} s: {values}"))
+        rows.append(("Feel changed", f"from {change.at_s:g} s on, over {change.fade_s:g} s: {values}"))
     if any(loader[f"{sensor}.noise"] for sensor in ("load_cell", "potentiometer", "column_sensor")):
         rows.append(("Seed of the noise", str(found.seed)))
     return Table((Cell("What"), Cell("How")), tuple((Cell(name), words(prose_html(text))) for name, text in rows))

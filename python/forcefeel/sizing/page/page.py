@@ -6,7 +6,7 @@ from forcefeel.page.typography import quantity_text
 from forcefeel.sizing.cockpit import CockpitSizing, cockpit_conclusions
 from forcefeel.sizing.control_forces import RULE
 from forcefeel.sizing.findings import noun, sizing_conclusions
-from forcefeel.sizing.motor import MotorGives
+from forcefeel.sizing.motor import MotorCapability
 from forcefeel.sizing.page import plots as sizing_plots
 from forcefeel.sizing.page import tables as sizing_tables
 from forcefeel.sizing.result import Sizing
@@ -22,7 +22,7 @@ def sizing_page(found: Sizing, units: UnitSystem, *, command: str = "") -> str:
         axis=found.plan.axis,
         noun=noun(found),
         rule=RULE,
-        electric=isinstance(found.gives, MotorGives),
+        electric=isinstance(found.capability, MotorCapability),
         conclusions=sizing_conclusions(found, units),
         picture=drawing(sizing_plots.force_over_speed(found, units), "force-speed"),
         asked=sizing_tables.asked(found, units),

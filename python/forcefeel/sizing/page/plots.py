@@ -3,13 +3,13 @@
 import plotly.graph_objects as go
 
 from forcefeel.page.canvas import frame, line
-from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.page.typography import heading_text
 from forcefeel.sizing.demand import Duration
-from forcefeel.sizing.result import Asked, Sizing
+from forcefeel.sizing.result import DemandResult, Sizing
 from forcefeel.units import FORCE, SPEED, UnitSystem
 
-_CURVES = (Look(COMPENSATED, "solid", 2.8), Look(RIGID, "dash", 2.2))
+_CURVES = (LineStyle(COMPENSATED, "solid", 2.8), LineStyle(RIGID, "dash", 2.2))
 _FEEL = ("diamond", "square")
 _RULE = ("circle", "circle-open", "triangle-up")
 
@@ -21,7 +21,7 @@ def force_over_speed(found: Sizing, units: UnitSystem) -> go.Figure:
         x, y = SPEED.from_si(1.0, units) * curve.speed_m_per_s, FORCE.from_si(1.0, units) * curve.force_n
         picture.add_scatter(x=x, y=y, mode="lines", name=curve.name, line=line(look), hovertemplate="%{y:.3~g}")
     feel, rule = iter(_FEEL), iter(_RULE)
-    for one in found.asked:
+    for one in found.demands:
         if one.duration is Duration.MOVING:
             _path(picture, one, units)
         else:
@@ -33,18 +33,18 @@ def force_over_speed(found: Sizing, units: UnitSystem) -> go.Figure:
     return picture
 
 
-def _path(picture: go.Figure, one: Asked, units: UnitSystem) -> None:
+def _path(picture: go.Figure, one: DemandResult, units: UnitSystem) -> None:
     picture.add_scatter(
         x=SPEED.from_si(1.0, units) * one.path_speed_m_per_s,
         y=FORCE.from_si(1.0, units) * one.path_force_n,
         mode="lines",
         name=one.name,
-        line=line(Look(COMPLIANT)),
+        line=line(LineStyle(COMPLIANT)),
         hovertemplate="%{x:.3~g}, %{y:.3~g}",
     )
 
 
-def _mark(picture: go.Figure, one: Asked, units: UnitSystem, symbol: str, color: str) -> None:
+def _mark(picture: go.Figure, one: DemandResult, units: UnitSystem, symbol: str, color: str) -> None:
     picture.add_scatter(
         x=[0.0],
         y=[FORCE.from_si(one.force_n, units)],

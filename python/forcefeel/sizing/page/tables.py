@@ -12,8 +12,8 @@ def asked(found: Sizing, units: UnitSystem) -> Table:
     """A row for each demand; what the drive does not give stands out."""
     shown = columns(found, units)
     rows = tuple(
-        (words(one.name), *(number(prose_html(column.text(one)), bad=not one.given) for column in shown))
-        for one in found.asked
+        (words(one.name), *(number(prose_html(column.text(one)), bad=not one.available) for column in shown))
+        for one in found.demands
     )
     return Table(heads("Asked", *(f"{column.title[:1].upper()}{column.title[1:]}" for column in shown)), rows)
 
@@ -25,7 +25,7 @@ def sources(found: Sizing) -> Table:
             words(one.name),
             words(prose_html(one.source if one.verified else f"{one.source}; not held against the document")),
         )
-        for one in found.asked
+        for one in found.demands
     )
     return Table((Cell("Asked"), Cell("By")), rows)
 

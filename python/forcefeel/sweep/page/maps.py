@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.canvas import frame, line
-from forcefeel.page.palette import IDEAL, Look
+from forcefeel.page.palette import IDEAL, LineStyle
 from forcefeel.page.typography import number_text, unit_text
 from forcefeel.simulation import RunStatus
 from forcefeel.sweep import SweepResult
@@ -110,7 +110,7 @@ def measure_line(result: SweepResult, measure: str, system: UnitSystem, hue: str
         y=result.map(measure).values * scale,
         mode="lines+markers" if len(x) <= 60 else "lines",
         marker={"size": 5},
-        line=line(Look(hue, "solid", 2.4)),
+        line=line(LineStyle(hue, "solid", 2.4)),
         name=name,
         hovertemplate=hover,
     )

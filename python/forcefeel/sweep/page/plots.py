@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from forcefeel.conclusions import capital
 from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.page.canvas import frame, line
-from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.page.typography import heading_text, unit_text
 from forcefeel.sweep import SweepResult
 from forcefeel.sweep.summary import Spread, Summary, measure_name, measure_unit
@@ -30,8 +30,8 @@ _SLICES = 24
 MIDDLE = 0.30
 """Opacity of the band of the middle nine of ten."""
 
-_MARK = Look(IDEAL, "dash", 1.6)
-_IDEAL = Look(IDEAL, "dot", 2.0)
+_MARK = LineStyle(IDEAL, "dash", 1.6)
+_IDEAL = LineStyle(IDEAL, "dot", 2.0)
 
 
 def color(law: str) -> str:
@@ -59,7 +59,10 @@ def band(result: SweepResult, nominal: NDArray[np.float64], ideal: NDArray[np.fl
     picture = go.Figure()
     for low, high, name, opacity in (("lowest", "highest", "all", 0.16), ("5 %", "95 %", "5 to 95 %", MIDDLE)):
         filled(picture, time, {low: edges[low], high: edges[high]}, Fill(name, tint(hue, opacity), "%{y:.2f}°"))
-    curves = [("median", edges["median"], Look(hue, "solid", 2.4)), ("nominal", np.degrees(nominal[::every]), _MARK)]
+    curves = [
+        ("median", edges["median"], LineStyle(hue, "solid", 2.4)),
+        ("nominal", np.degrees(nominal[::every]), _MARK),
+    ]
     if ideal is not None:
         curves.append(("ideal feel", np.degrees(ideal[::every]), _IDEAL))
     for name, angle, style in curves:
@@ -134,7 +137,7 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
         )
     top = float(heights.max()) * 1.06
     for name, at, style in (
-        ("median", spread.quantile(0.5), Look(IDEAL, "solid", 1.8)),
+        ("median", spread.quantile(0.5), LineStyle(IDEAL, "solid", 1.8)),
         ("nominal", spread.nominal, _MARK),
     ):
         if np.isfinite(at):
@@ -207,7 +210,7 @@ def slices(result: SweepResult, measure: str, key: str, system: UnitSystem, hue:
     hover = f"%{{y:.4~g}} {unit_text(measured_in.shown(system))}"
     filled(picture, x, {"5 %": y[:, 0], "95 %": y[:, 2]}, Fill("5 to 95 %", tint(hue, MIDDLE), hover))
     picture.add_scatter(
-        x=x, y=y[:, 1], mode="lines", line=line(Look(hue, "solid", 2.4)), name="median", hovertemplate=hover
+        x=x, y=y[:, 1], mode="lines", line=line(LineStyle(hue, "solid", 2.4)), name="median", hovertemplate=hover
     )
     frame(picture, 320, top=34)
     picture.update_xaxes(title_text=parameter_title(key, system))

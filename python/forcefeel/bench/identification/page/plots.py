@@ -13,7 +13,7 @@ from forcefeel.bench.identification.result import Estimate, Fitted, Identificati
 from forcefeel.bench.responses import Response
 from forcefeel.loader.parameters import TABLE
 from forcefeel.page.canvas import ZERO, drawn, frame, line
-from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, Look
+from forcefeel.page.palette import COMPENSATED, COMPLIANT, IDEAL, RIGID, LineStyle
 from forcefeel.page.typography import split_symbol, unit_text
 from forcefeel.units import UnitSystem
 
@@ -24,7 +24,11 @@ MOST_SWINGS, SHOWN_SWINGS = 100, 40
 """Crossings of its mean up to which a channel is drawn whole, and how many are drawn of one that has more."""
 
 _NORMAL_95 = 1.96
-_MEASURED, _FITTED, _BEFORE = Look("#8DBBDD", "solid", 3.4), Look(COMPENSATED, "solid", 1.8), Look(IDEAL, "dash", 1.6)
+_MEASURED, _FITTED, _BEFORE = (
+    LineStyle("#8DBBDD", "solid", 3.4),
+    LineStyle(COMPENSATED, "solid", 1.8),
+    LineStyle(IDEAL, "dash", 1.6),
+)
 _MISSED, _BAND = "#A8568A", "rgba(138,147,158,0.22)"
 _DB = 20 / math.log(10)
 """Decibels of a relative error."""
@@ -102,7 +106,7 @@ def response(one: Fitted, data: Response, units: UnitSystem) -> go.Figure:
     _overlay(picture, 2, one.at, phases(one), _error(data, 180 / np.pi), "°")
     _left_of_response(picture, one, data)
     if data.coherence is not None:
-        _line(picture, 4, one.at, data.coherence, "coherence", Look("#8A939E", "solid", 1.8))
+        _line(picture, 4, one.at, data.coherence, "coherence", LineStyle("#8A939E", "solid", 1.8))
         picture.update_yaxes(title_text="Coherence", range=[0, 1.05], dtick=0.5, row=4, col=1)
     frame(picture, 760 if coherent else 660, top=60)
     picture.update_yaxes(automargin=True)
@@ -134,7 +138,7 @@ def record(one: Fitted, units: UnitSystem) -> go.Figure:
         kept = near[drawn(values[near], MOST_POINTS)]
         _line(picture, 1, one.at[kept], values[kept], name, look, hover)
     kept = drawn(left, MOST_POINTS)
-    _line(picture, 2, one.at[kept], left[kept], "measured less fitted", Look(_MISSED, "solid", 1.2), hover)
+    _line(picture, 2, one.at[kept], left[kept], "measured less fitted", LineStyle(_MISSED, "solid", 1.2), hover)
     frame(picture, 520, top=60)
     picture.update_yaxes(automargin=True)  # small errors have long numbers
     picture.update_yaxes(title_text=f"{one.channel.replace('_', ' ').capitalize()}, {unit}", row=1, col=1)
@@ -249,7 +253,7 @@ def _line(
     x: NDArray[np.float64],
     y: NDArray[np.float64],
     name: str,
-    look: Look,
+    look: LineStyle,
     hover: str = "%{y:.3~g}",
 ) -> None:
     picture.add_scatter(

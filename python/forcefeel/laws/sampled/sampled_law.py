@@ -43,7 +43,7 @@ _AT_ONE = 1e-11
 
 
 @dataclass(frozen=True, eq=False)
-class SampledCompensator:
+class SampledLaw:
     """A sampled law for one setting or for many.
 
     Attributes:
@@ -115,13 +115,13 @@ class SampledCompensator:
         """How many states each law has."""
         return int(self.transition.shape[1])
 
-    def some(self, which: int | slice | Sequence[int] | NDArray[np.integer | np.bool_]) -> "SampledCompensator":
+    def some(self, which: int | slice | Sequence[int] | NDArray[np.integer | np.bool_]) -> "SampledLaw":
         """The laws of some settings: one index, or a slice, indices or a mask."""
         chosen = np.atleast_1d(np.arange(self.settings)[which])
         numbers = (getattr(self, name)[chosen] for name in NUMBERS)
-        return SampledCompensator(self.period_s, self.delay_s, *numbers)
+        return SampledLaw(self.period_s, self.delay_s, *numbers)
 
-    def between(self, other: "SampledCompensator", share: float) -> "SampledCompensator":
+    def between(self, other: "SampledLaw", share: float) -> "SampledLaw":
         """The law whose every number is ``(1 - share) a + share b``: it says what lies between what the two say.
 
         Args:
@@ -142,7 +142,7 @@ class SampledCompensator:
         if not 0 <= share <= 1:
             raise InputError(f"share: expected a number from 0 to 1, got {show(share)}")
         numbers = ((1 - share) * getattr(self, name) + share * getattr(other, name) for name in NUMBERS)
-        return SampledCompensator(self.period_s, self.delay_s, *numbers)
+        return SampledLaw(self.period_s, self.delay_s, *numbers)
 
     def rows(self) -> NDArray[np.float64]:
         """A row of ``_core.OBSERVER_NUMBERS`` numbers for each setting, as the engine takes them.
@@ -174,7 +174,7 @@ NUMBERS = ("transition", "input", "command", "torque", FRICTION, "neutral")
 """The arrays that a law is made of, in the order in which it takes them."""
 
 
-def _arrays(law: SampledCompensator) -> dict[str, NDArray[np.float64]]:
+def _arrays(law: SampledLaw) -> dict[str, NDArray[np.float64]]:
     """The law's numbers as arrays that go together."""
     found = {name: _array(name, getattr(law, name)) for name in NUMBERS}
     shape = found["transition"].shape
@@ -215,7 +215,7 @@ def _array(name: str, given: ArrayLike) -> NDArray[np.float64]:
         raise InputError(f"{name}: expected an array of numbers ({error})") from error
 
 
-def _settled(law: SampledCompensator) -> NDArray[np.float64]:
+def _settled(law: SampledLaw) -> NDArray[np.float64]:
     """The state at rest per F_c, x_p, theta, F_g where it is sampled, delta, with ``e`` the law's own command.
 
     ``(I - A - b_e c_xi) xi = (B_y + b_e c_y) y + b_e c_delta delta``

@@ -14,7 +14,7 @@ _WAITING = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Door:
+class Listener:
     """A socket that listens, with the tokens that it is opened by.
 
     Attributes:

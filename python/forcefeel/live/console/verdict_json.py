@@ -6,8 +6,8 @@ from forcefeel.json_values import Json
 from forcefeel.live.console.programmed import shown
 from forcefeel.page.typography import unit_text
 from forcefeel.qualification import Outcome, Qualification, Verdict
-from forcefeel.qualification.programme.result import Result
-from forcefeel.qualification.programme.sentences import UNITS, figure_text, result_text
+from forcefeel.qualification.plan.result import Result
+from forcefeel.qualification.plan.sentences import UNITS, figure_text, result_text
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.sweep import SweepFeatures
 from forcefeel.units import ANGLE, FORCE, UnitSystem, to_text
@@ -17,7 +17,7 @@ _SHOWN = 1.25
 """A release is drawn until so much longer than the slower of the two takes to come to rest."""
 
 
-def judged_json(found: Qualification) -> Json:
+def verdict_json(found: Qualification) -> Json:
     """The one test of a qualification."""
     (result,) = found.sections[0].results
     system = found.system

@@ -16,14 +16,14 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Self
 
-from forcefeel.live.asked import Asked
 from forcefeel.live.console.admission import Admission
-from forcefeel.live.console.door import Door
+from forcefeel.live.console.ipc import LoopProxy, LoopServer, pair
+from forcefeel.live.console.listener import Listener
 from forcefeel.live.console.server import Server
-from forcefeel.live.console.wire import Answering, LoopOverWire, pair
-from forcefeel.live.running import Running
+from forcefeel.live.live_session import LiveSession
+from forcefeel.live.loop_settings import LoopSettings
 from forcefeel.live.setup import live_law
-from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.qualification.plan.run import QualificationSetup
 
 _SHORT_LIFE_S = 5.0
 """A server that ends so soon is not started again: the next would end too."""
@@ -35,12 +35,12 @@ _PATIENCE_S = 2.0
 class _Begins:
     """What a server is told at its beginning."""
 
-    asked: Asked
+    asked: LoopSettings
     admission: Admission
     setup: QualificationSetup
 
 
-class ConsoleApart:
+class ConsoleProcess:
     """The console of a running loop in a process of its own, a context manager that ends it.
 
     Args:
@@ -50,7 +50,9 @@ class ConsoleApart:
         tell: Is told, in a sentence, that a server has ended by itself.
     """
 
-    def __init__(self, running: Running, door: Door, setup: QualificationSetup, tell: Callable[[str], None]) -> None:
+    def __init__(
+        self, running: LiveSession, door: Listener, setup: QualificationSetup, tell: Callable[[str], None]
+    ) -> None:
         self._running, self._door, self._setup, self._tell = running, door, setup, tell
         self._process: subprocess.Popen[bytes] | None = None
         self._lock, self._ends = threading.Lock(), False
@@ -86,7 +88,7 @@ class ConsoleApart:
         while self._process is not None:
             began = time.monotonic()
             with self._wire:
-                Answering(self._running, self._wire).until_gone()
+                LoopServer(self._running, self._wire).until_gone()
             how = _how(self._process.wait())
             again = time.monotonic() - began >= _SHORT_LIFE_S
             with self._lock:
@@ -133,8 +135,8 @@ def serve() -> None:
     wire, listening = (socket.socket(fileno=int(descriptor)) for descriptor in sys.argv[1:3])
     begins: _Begins = pickle.load(sys.stdin.buffer)
     asked = begins.asked
-    running = Running(LoopOverWire(wire), asked, live_law(asked.law, asked.loader))
-    with Server(running, Door(listening, begins.admission), begins.setup) as server:
+    running = LiveSession(LoopProxy(wire), asked, live_law(asked.law, asked.loader))
+    with Server(running, Listener(listening, begins.admission), begins.setup) as server:
         while not ends.wait(_LOOKS_S):
             running.loop.status()  # ends this process where there is no loop
             if not server.serves:

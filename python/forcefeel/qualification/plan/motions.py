@@ -12,7 +12,7 @@ from forcefeel.errors import InputError
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import Record
-from forcefeel.qualification.programme.sweep_force import SweepForce
+from forcefeel.qualification.plan.sweep_force import SweepForce
 from forcefeel.qualification.throw import Throw
 from forcefeel.simulation import RunStatus, Scenario, simulate
 from forcefeel.simulation.inputs import Force, Recorded, Release, Schedule

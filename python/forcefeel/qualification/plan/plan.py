@@ -34,7 +34,7 @@ _SWEEPS: Kind = "dynamic sweep"
 
 
 @dataclass(frozen=True)
-class Trial:
+class RuleTestCase:
     """One test to be made.
 
     Attributes:
@@ -63,7 +63,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Programme:
+class RulePlan:
     """The tests that a control has to pass.
 
     Attributes:
@@ -73,21 +73,21 @@ class Programme:
         named: Keys of the tests that alone are made; all are if there are none.
     """
 
-    trials: tuple[Trial, ...]
-    outside: tuple[Trial, ...] = ()
+    trials: tuple[RuleTestCase, ...]
+    outside: tuple[RuleTestCase, ...] = ()
     named: tuple[str, ...] = ()
 
     @property
-    def made(self) -> tuple[Trial, ...]:
+    def made(self) -> tuple[RuleTestCase, ...]:
         """The tests that are made."""
         return tuple(trial for trial in self.trials if not self.named or trial.key in self.named)
 
-    def missing(self, evaluated: Collection[str]) -> tuple[tuple[Trial, ...], ...]:
+    def missing(self, evaluated: Collection[str]) -> tuple[tuple[RuleTestCase, ...], ...]:
         """What the rule asks for beyond the tests that were evaluated: of each group one test will do.
 
         Of the two methods of the dynamic tests one is enough; if neither is whole, the releases are missing.
         """
-        demands: dict[str, list[Trial]] = {}
+        demands: dict[str, list[RuleTestCase]] = {}
         for trial in self.trials:
             demands.setdefault(trial.demand, []).append(trial)
         found = [tuple(some) for some in demands.values() if not any(trial.key in evaluated for trial in some)]
@@ -97,7 +97,7 @@ class Programme:
         return tuple(some for some in found if some[0].test.kind != spared)
 
 
-def programme_of(rules: Rules, axis: Axis, *, recorded: bool, named: Sequence[str] = ()) -> Programme:
+def rule_plan(rules: Rules, axis: Axis, *, recorded: bool, named: Sequence[str] = ()) -> RulePlan:
     """The programme of a control.
 
     Args:
@@ -125,45 +125,47 @@ def programme_of(rules: Rules, axis: Axis, *, recorded: bool, named: Sequence[st
                 "simulator"
             )
         raise InputError(f"test: unknown test {show(name)}; {others}")
-    return Programme(inside, (*outside, *by_hand), tuple(key for key in keys if key in named))
+    return RulePlan(inside, (*outside, *by_hand), tuple(key for key in keys if key in named))
 
 
-def trials(rules: Rules, axis: Axis) -> tuple[Trial, ...]:
+def trials(rules: Rules, axis: Axis) -> tuple[RuleTestCase, ...]:
     """The tests of an axis that are made, in the order of the rule: static, freeplay, releases, alternate method, small inputs.
 
     Raises:
         InputError: If the rule has none for that axis.
     """
-    found: list[Trial] = []
+    found: list[RuleTestCase] = []
     if static := _test(rules, "static", axis):
-        found.append(Trial(STATIC, "Static sweep from stop to stop", static, sweep="slow"))
+        found.append(RuleTestCase(STATIC, "Static sweep from stop to stop", static, sweep="slow"))
         if static.tolerance("surface"):
-            found.append(Trial(SURFACE, "Surface position over the control's position", static, sweep="slow"))
+            found.append(RuleTestCase(SURFACE, "Surface position over the control's position", static, sweep="slow"))
     if freeplay := _test(rules, "freeplay", axis):
-        found.append(Trial(FREEPLAY, "Freeplay", freeplay, sweep="slow"))
+        found.append(RuleTestCase(FREEPLAY, "Freeplay", freeplay, sweep="slow"))
     if release := _test(rules, _RELEASES, axis):
         for share in rules.release.deflection:
             for sign, side in SIGNS.items():
                 title = f"Release from {100 * share:g} % of the throw, {side}"
-                found.append(Trial(f"release-{100 * share:g}-{side}", title, release, share=sign * share))
+                found.append(RuleTestCase(f"release-{100 * share:g}-{side}", title, release, share=sign * share))
     if dynamic := _test(rules, _SWEEPS, axis):
-        found.append(Trial("medium", "Alternate method: medium sweep against the slow one", dynamic, sweep="medium"))
-        found.append(Trial("fast", "Alternate method: fast sweep against the slow one", dynamic, sweep="fast"))
+        found.append(
+            RuleTestCase("medium", "Alternate method: medium sweep against the slow one", dynamic, sweep="medium")
+        )
+        found.append(RuleTestCase("fast", "Alternate method: fast sweep against the slow one", dynamic, sweep="fast"))
     if small := _test(rules, "small inputs", axis):
-        found.append(Trial(SMALL, "Small control inputs", small))
+        found.append(RuleTestCase(SMALL, "Small control inputs", small))
     if not found:
         known = ", ".join(sorted({test.axis for test in rules.tests}))
         raise InputError(f"axis: {rules.id} has tests for {known}, none for {axis}")
     return tuple(found)
 
 
-def _trials_by_hand(rules: Rules, axis: Axis) -> tuple[Trial, ...]:
+def _trials_by_hand(rules: Rules, axis: Axis) -> tuple[RuleTestCase, ...]:
     """The tests of an axis that nothing is measured of."""
     found = ((kind, _test(rules, kind, axis)) for kind in _BY_HAND)
-    return tuple(Trial(kind.replace(" ", "-"), test.name, test) for kind, test in found if test is not None)
+    return tuple(RuleTestCase(kind.replace(" ", "-"), test.name, test) for kind, test in found if test is not None)
 
 
-def is_by_hand(trial: Trial) -> bool:
+def is_by_hand(trial: RuleTestCase) -> bool:
     """Whether nothing is measured of a test here."""
     return trial.test.kind in _BY_HAND
 

@@ -4,9 +4,9 @@ from forcefeel.commission.plan import CommissionPlan
 from forcefeel.commission.result import RuleTests
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import Loader
-from forcefeel.qualification.programme.result import Qualification
-from forcefeel.qualification.programme.run import QualificationSetup, qualify_loader
-from forcefeel.qualification.programme.sentences import caveats, reasons, rule_text, standing_text
+from forcefeel.qualification.plan.result import Qualification
+from forcefeel.qualification.plan.run import QualificationSetup, qualify_loader
+from forcefeel.qualification.plan.sentences import caveats, reasons, rule_text, standing_text
 
 
 def run_tests(loader: Loader, name: str, law: Law, plan: CommissionPlan) -> tuple[RuleTests, Qualification]:

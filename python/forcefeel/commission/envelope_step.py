@@ -36,17 +36,17 @@ def check_law(
     found = compute(asked, threads=plan.threads, progress=progress)
     even = found.even_shares(name)
     drawn = (found.data["drawn_outcome"].values[0].reshape(plan.draws, -1) == 0) @ asked.settings.weights
-    short = min(even.passes, float(drawn.mean())) < plan.share
+    short = min(even.nominal_share, float(drawn.mean())) < plan.share
     return (
         Checked(
             settings=asked.settings.count,
-            passes=even.passes,
-            every_case=even.passes_worst,
+            passes=even.nominal_share,
+            every_case=even.worst_case_share,
             machines=plan.draws,
             drawn=float(drawn.mean()),
             drawn_least=float(drawn.min()),
             findings=envelope_conclusions(found, plan.units).findings,
-            what_ifs=what_ifs(loader, name, plan, even.passes) if short else (),
+            what_ifs=what_ifs(loader, name, plan, even.nominal_share) if short else (),
         ),
         found,
     )

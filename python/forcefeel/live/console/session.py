@@ -18,17 +18,17 @@ from websockets.asyncio.server import ServerConnection
 from forcefeel.errors import InputError
 from forcefeel.json_values import Json
 from forcefeel.live.console.admission import Role
-from forcefeel.live.console.by_hand import BrokenOff, ByHand
 from forcefeel.live.console.commands import FOR_ALL, Around, Break, Command, FeelChange, Hand, Plain, RuleTest
 from forcefeel.live.console.description import description, feel_json, host_json
-from forcefeel.live.console.judged import judged_json
+from forcefeel.live.console.ipc import LAPSES_S
 from forcefeel.live.console.programmed import Programmed
+from forcefeel.live.console.simulated_pilot import Aborted, SimulatedPilot
 from forcefeel.live.console.telemetry import Telemetry, channels
 from forcefeel.live.console.timing import timing_json
+from forcefeel.live.console.verdict_json import verdict_json
 from forcefeel.live.console.watchers import Watcher, Watchers
-from forcefeel.live.console.wire import LAPSES_S
-from forcefeel.live.running import Running
-from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.live.live_session import LiveSession
+from forcefeel.qualification.plan.run import QualificationSetup
 from forcefeel.qualification.throw import Throw
 
 HAND_LAPSES_S = LAPSES_S
@@ -41,7 +41,7 @@ _STATUS_EACH, _TIMING_EACH = 6, 30
 """Ticks between two looks at them."""
 
 
-class Desk:
+class ConsoleSession:
     """One loop's.
 
     Args:
@@ -50,7 +50,7 @@ class Desk:
         watchers: Who looks on.
     """
 
-    def __init__(self, running: Running, setup: QualificationSetup, watchers: Watchers) -> None:
+    def __init__(self, running: LiveSession, setup: QualificationSetup, watchers: Watchers) -> None:
         self.watchers = watchers
         self._running, self._setup, self._ticks = running, setup, 0
         loader, shown = running.loader, channels(running, running.loader)
@@ -126,7 +126,7 @@ class Desk:
             case Hand():
                 self._hand(command)
             case Break():
-                self._running.break_(command.fault, command.sensor, command.by)
+                self._running.inject_fault(command.fault, command.sensor, command.by)
             case RuleTest():
                 self._begin(command)
         if not isinstance(command, Hand):
@@ -148,7 +148,9 @@ class Desk:
                 self._running.off()
             case "abort":
                 self._break_off()
-            case "on" | "acknowledge" | "repair":
+            case "repair":
+                self._running.clear_faults()
+            case "on" | "acknowledge":
                 getattr(self._running, what)()
 
     def _hand(self, hand: Hand) -> None:
@@ -215,11 +217,11 @@ class Desk:
 
         try:
             programmed = await asyncio.to_thread(Programmed.of, self._running.loader, self._setup)
-            by_hand = ByHand(self._running, self._setup, programmed, tell, ended)
+            by_hand = SimulatedPilot(self._running, self._setup, programmed, tell, ended)
             make = by_hand.sweep if asked.test == "sweep" else lambda: by_hand.release(asked.side)
             found = await asyncio.to_thread(make)
-            result["judged"] = await asyncio.to_thread(judged_json, found)
-        except (BrokenOff, InputError) as error:
+            result["judged"] = await asyncio.to_thread(verdict_json, found)
+        except (Aborted, InputError) as error:
             result["reason"] = str(error)
         finally:
             self._test, self._progress = None, {}
@@ -282,7 +284,7 @@ class Desk:
         )
 
 
-def _has_hand(running: Running) -> bool:
+def _has_hand(running: LiveSession) -> bool:
     """Whether the machine is simulated here."""
     try:
         running.hand_force_n = 0.0

@@ -12,7 +12,7 @@ from forcefeel.laws.sampled import grip, h_infinity, load_cell_loop, load_cell_m
 from forcefeel.laws.sampled import observer_law as laws
 from forcefeel.laws.sampled.grip import GRIP
 from forcefeel.laws.sampled.rules import GRIP_BY_FREQUENCY, agile_tuning, grip_tuning, robust_tuning
-from forcefeel.laws.sampled.sampled_compensator import SampledCompensator
+from forcefeel.laws.sampled.sampled_law import SampledLaw
 from forcefeel.laws.sampled.tuning import OBSERVER, RECOVERED, Tuning
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
@@ -21,7 +21,7 @@ from forcefeel.units import show
 
 
 @dataclass(frozen=True)
-class Method:
+class LawDesign:
     """A way to design sampled laws.
 
     Attributes:
@@ -33,13 +33,13 @@ class Method:
 
     Example:
         >>> import forcefeel as ff
-        >>> ff.laws.method("robust").name
+        >>> ff.laws.law_design("robust").name
         'robust'
     """
 
     name: str
     summary: str
-    design: Callable[[Loader, ArrayLike], SampledCompensator] = field(repr=False)
+    design: Callable[[Loader, ArrayLike], SampledLaw] = field(repr=False)
     drives: tuple[str, ...] = DRIVES
     needs_grip_sensor: bool = False
 
@@ -48,7 +48,7 @@ class Method:
         return loader.drive in self.drives and (has_grip_sensor(loader) or not self.needs_grip_sensor)
 
 
-def tuned(name: str, summary: str, tuning: Tuning | Callable[[Loader], Tuning]) -> Method:
+def tuned(name: str, summary: str, tuning: Tuning | Callable[[Loader], Tuning]) -> LawDesign:
     """Regulator, feed-forward and observer with these weights and noises, or with those that follow from the loader.
 
     Example:
@@ -57,29 +57,29 @@ def tuned(name: str, summary: str, tuning: Tuning | Callable[[Loader], Tuning]) 
         >>> ff.laws.tuned("mine", "the robust law by another name", robust_tuning).name
         'mine'
     """
-    return Method(name, summary, partial(_tuned, tuning=tuning))
+    return LawDesign(name, summary, partial(_tuned, tuning=tuning))
 
 
-def _tuned(loader: Loader, feel: ArrayLike, tuning: Tuning | Callable[[Loader], Tuning]) -> SampledCompensator:
+def _tuned(loader: Loader, feel: ArrayLike, tuning: Tuning | Callable[[Loader], Tuning]) -> SampledLaw:
     return laws.design(loader, feel, tuning if isinstance(tuning, Tuning) else tuning(loader))
 
 
-def _load_cell(loader: Loader, feel: ArrayLike) -> SampledCompensator:
+def _load_cell(loader: Loader, feel: ArrayLike) -> SampledLaw:
     design = load_cell_motor.design if loader.drive == ELECTRIC else load_cell_loop.design
     return design(loader, feel)
 
 
-def _at_grip(loader: Loader, feel: ArrayLike) -> SampledCompensator:
+def _at_grip(loader: Loader, feel: ArrayLike) -> SampledLaw:
     return grip.design(loader, feel, grip_tuning(loader), GRIP_BY_FREQUENCY[loader.drive])
 
 
-def _robust(loader: Loader, feel: ArrayLike) -> SampledCompensator:
+def _robust(loader: Loader, feel: ArrayLike) -> SampledLaw:
     design = grip.design if has_grip_sensor(loader) else laws.design
     return design(loader, feel, robust_tuning(loader))
 
 
-_METHODS = (
-    Method(
+_LAW_DESIGNS = (
+    LawDesign(
         load_cell_loop.LOAD_CELL,
         "state feedback with the load cell's loop in the plant, the column's inertia taken off the feel's",
         _load_cell,
@@ -94,12 +94,12 @@ _METHODS = (
         "the observer design with strong noise at the plant's input, for the regulator's margins: loop transfer recovery",
         RECOVERED,
     ),
-    Method(
+    LawDesign(
         "h-infinity",
         "no potentiometer, the pilot's torque by an H-infinity filter: least error under the worst disturbance",
         h_infinity.design,
     ),
-    Method(
+    LawDesign(
         "robust",
         "the observer design without the potentiometer, weights and noises by the loader's lag, inertia and declared noises",
         _robust,
@@ -112,13 +112,13 @@ _METHODS = (
         ),
         drives=(HYDRAULIC,),
     ),
-    Method(
+    LawDesign(
         GRIP,
         "the feel hears a force sensor at the grip, the servo follows the feel: what the parts are off hardly counts",
         _at_grip,
         needs_grip_sensor=True,
     ),
-    Method(
+    LawDesign(
         torque_mode.TORQUE_MODE,
         "no force sensor: the feel's torque by the motor's current, at the angle of the motor's encoder",
         torque_mode.design,
@@ -126,11 +126,11 @@ _METHODS = (
     ),
 )
 
-METHODS: Mapping[str, Method] = MappingProxyType({each.name: each for each in _METHODS})
+LAW_DESIGNS: Mapping[str, LawDesign] = MappingProxyType({each.name: each for each in _LAW_DESIGNS})
 """The methods by name."""
 
 
-def method(name: str) -> Method:
+def law_design(name: str) -> LawDesign:
     """The method of this name.
 
     Raises:
@@ -138,10 +138,10 @@ def method(name: str) -> Method:
 
     Example:
         >>> import forcefeel as ff
-        >>> ff.laws.method("observer").summary[:8]
+        >>> ff.laws.law_design("observer").summary[:8]
         'optimal '
     """
     try:
-        return METHODS[name]
+        return LAW_DESIGNS[name]
     except KeyError:
-        raise InputError(f"method: expected {', '.join(METHODS)}, got {show(name)}") from None
+        raise InputError(f"law: expected {', '.join(LAW_DESIGNS)}, got {show(name)}") from None

@@ -9,17 +9,17 @@ from types import MappingProxyType
 
 from forcefeel.choice.own_setting import own_setting
 from forcefeel.choice.rule import choose, obstacles
-from forcefeel.choice.score import Score, Scored, score_over, summary_of
+from forcefeel.choice.score import LawScores, Score, score_over, summary_of
 from forcefeel.conclusions import capital
-from forcefeel.design.laws_tried import LawsTried, LawTried, Qualified, Rendered
+from forcefeel.design.law_comparison import EnvelopeSummary, LawComparison, LawResult, QualificationSummary
 from forcefeel.envelope.plan import Plan, make_plan
 from forcefeel.envelope.run import compute_few
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
 from forcefeel.laws.law import names_for
 from forcefeel.loader.loader import Loader, check_loader
-from forcefeel.qualification.programme.run import QualificationSetup, qualify_loader
-from forcefeel.qualification.programme.sentences import reasons, rule_text, tally
+from forcefeel.qualification.plan.run import QualificationSetup, qualify_loader
+from forcefeel.qualification.plan.sentences import outcome_counts, reasons, rule_text
 from forcefeel.threads import threads_or_cores
 from forcefeel.units import UnitSystem
 
@@ -48,7 +48,7 @@ def best_law(
     called: Sequence[str] = (),
     threads: int | None = None,
     progress: Callable[[str], None] = lambda _: None,
-) -> LawsTried:
+) -> LawComparison:
     """Tries every law that a loader can run, takes the best by the rule of ``choose``, and tests it and, of a valve, the report's.
 
     Args:
@@ -60,7 +60,7 @@ def best_law(
         progress: Called with each of ``steps(loader)`` as it begins.
 
     Returns:
-        Both laws, of a motor the best alone. The choice is made on few settings, 18 if not given; ``score_methods`` looks closer.
+        Both laws, of a motor the best alone. The choice is made on few settings, 18 if not given; ``score_laws`` looks closer.
 
     Raises:
         InputError: If the loader is analog or the grid is bad.
@@ -81,7 +81,7 @@ def best_law(
     threads = threads_or_cores(threads)
     called = tuple(called) or (loader.name,)
     Settings.of(grid)  # what is wrong with it is no fault of the loader
-    report = LawTried(REPORT, summary_of(REPORT), None, None) if REPORT in names_for(loader) else None
+    report = LawResult(REPORT, summary_of(REPORT), None, None) if REPORT in names_for(loader) else None
     try:
         rule, tested = "", None
         if report is not None:
@@ -93,7 +93,7 @@ def best_law(
         progress(STEPS[2])
         scored, shares = _over_envelope(plan, scores, threads)
     except InputError as error:
-        return LawsTried(report, None, (), "", 0, str(error), called)
+        return LawComparison(report, None, (), "", 0, str(error), called)
     if report is not None:
         report = replace(report, qualified=tested, rendered=shares.get(REPORT))
     choice = choose(scored)
@@ -101,15 +101,15 @@ def best_law(
     if choice.chosen and not best:
         progress(STEPS[3])
         rule, tested = _qualified(loader, choice.chosen, units)
-        best = LawTried(choice.chosen, summary_of(choice.chosen), tested, shares[choice.chosen])
+        best = LawResult(choice.chosen, summary_of(choice.chosen), tested, shares[choice.chosen])
     remarks = (*(remark.sentence for remark in choice.remarks), *refused)
-    return LawsTried(report, best, remarks, rule, plan.settings.count, "", called)
+    return LawComparison(report, best, remarks, rule, plan.settings.count, "", called)
 
 
 def at_own_setting(plan: Plan, threads: int) -> tuple[list[Score], list[str]]:
     """A score for each law, without the envelope; and a sentence for each that cannot be designed."""
     scores, refused = [], []
-    for name, law in plan.compensators.items():
+    for name, law in plan.laws.items():
         try:
             scores.append(Score(name, summary_of(name), own_setting(plan, law, threads), None))
         except InputError as error:
@@ -117,22 +117,26 @@ def at_own_setting(plan: Plan, threads: int) -> tuple[list[Score], list[str]]:
     return scores, refused
 
 
-def _over_envelope(plan: Plan, scores: list[Score], threads: int) -> tuple[Scored, dict[str, Rendered]]:
+def _over_envelope(plan: Plan, scores: list[Score], threads: int) -> tuple[LawScores, dict[str, EnvelopeSummary]]:
     """The scores, over the settings where the law is not ruled out yet; and what those and the report's law render."""
     period = plan.loader["controller.period"]
     asked = [score for score in scores if score.name == REPORT or not obstacles(score, period)]
 
-    plan = replace(plan, compensators={score.name: plan.compensators[score.name] for score in asked})
+    plan = replace(plan, laws={score.name: plan.laws[score.name] for score in asked})
     found = compute_few(plan, threads=threads)
     over = {score.name: score_over(plan, score, found) for score in asked}
     shares = {name: found.shares(name) for name in over}
-    rendered = {name: Rendered(one.stable, one.passes, one.passes_worst) for name, one in shares.items()}
-    return Scored(plan, tuple(over.get(score.name, score) for score in scores)), rendered
+    rendered = {
+        name: EnvelopeSummary(one.stable, one.nominal_share, one.worst_case_share) for name, one in shares.items()
+    }
+    return LawScores(plan, tuple(over.get(score.name, score) for score in scores)), rendered
 
 
-def _qualified(loader: Loader, name: str, units: UnitSystem) -> tuple[str, Qualified]:
+def _qualified(loader: Loader, name: str, units: UnitSystem) -> tuple[str, QualificationSummary]:
     """The rule, and what its tests came to under a law."""
     found = qualify_loader(loader, QualificationSetup(laws=(name,), system=units))
     (section,) = found.sections
-    standing = Qualified(section.fulfilled, str(section.standing), tally(section), tuple(reasons(section, found)))
-    return rule_text(found), standing
+    status = QualificationSummary(
+        section.fulfilled, str(section.status), outcome_counts(section), tuple(reasons(section, found))
+    )
+    return rule_text(found), status

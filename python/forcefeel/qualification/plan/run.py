@@ -10,13 +10,13 @@ from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.axes import rule_axis, usual_axis
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
-from forcefeel.qualification.programme.feel_alone import FeelAlone
-from forcefeel.qualification.programme.law_names import LAW_TEXTS, named_laws
-from forcefeel.qualification.programme.motions import Motions, SimulatedLoader
-from forcefeel.qualification.programme.programme import Trial, programme_of, trials
-from forcefeel.qualification.programme.records_given import Given, Recognition, given_files
-from forcefeel.qualification.programme.result import Qualification, Section
-from forcefeel.qualification.programme.test_bench import Task, TestBench
+from forcefeel.qualification.plan.feel_alone import FeelAlone
+from forcefeel.qualification.plan.law_names import LAW_TEXTS, named_laws
+from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
+from forcefeel.qualification.plan.plan import RuleTestCase, rule_plan, trials
+from forcefeel.qualification.plan.records_given import Given, Recognition, given_files
+from forcefeel.qualification.plan.result import Qualification, Section
+from forcefeel.qualification.plan.test_bench import Task, TestBench
 from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualification.throw import Throw
@@ -100,9 +100,9 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
     rules = load_rules(setup.rule)
     axis = setup.axis or rule_axis(usual_axis(loader.name))
     planned = trials(rules, axis)
-    programme = programme_of(rules, axis, recorded=bool(setup.records), named=setup.tests)
-    left_out = tuple(row for row in ARM_ROWS if loader[row] != 0)
-    loader = loader.replace(dict.fromkeys(left_out))
+    test_plan = rule_plan(rules, axis, recorded=bool(setup.records), named=setup.tests)
+    omitted = tuple(row for row in ARM_ROWS if loader[row] != 0)
+    loader = loader.replace(dict.fromkeys(omitted))
     throw = Throw.of(loader, setup.throw_rad)
     references, records = _given(setup, Recognition(planned, rules, throw))
     feel = FeelAlone(loader)
@@ -117,7 +117,7 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
         }
     remarks = {name: law.made_for_another(loader) for name, law in laws.items()}
     sections = tuple(
-        Section(name, bench.name, tuple(map(bench.result, programme.made)), programme, remarks.get(name, ""))
+        Section(name, bench.name, tuple(map(bench.result, test_plan.made)), test_plan, remarks.get(name, ""))
         for name, bench in benches.items()
     )
     files = {
@@ -127,13 +127,13 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
     }
     return Qualification(
         loader,
-        left_out,
+        omitted,
         rules,
         axis,
         throw,
         setup.system,
         "recorded aircraft" if references else feel.method,
-        programme,
+        test_plan,
         sections,
         files,
         setup.simulator,
@@ -177,7 +177,7 @@ def _given(setup: QualificationSetup, recognition: Recognition) -> tuple[dict[st
     return references, records
 
 
-def _in_memory(kind: str, those: Mapping[str, Record], planned: Sequence[Trial]) -> dict[str, Given]:
+def _in_memory(kind: str, those: Mapping[str, Record], planned: Sequence[RuleTestCase]) -> dict[str, Given]:
     keys = [trial.key for trial in planned]
     if strangers := [key for key in those if key not in keys]:
         raise InputError(f"{kind}s: unknown test {show(strangers[0])}; expected some of {', '.join(keys)}")

@@ -9,7 +9,7 @@ import numpy as np
 from forcefeel.errors import InputError
 from forcefeel.files import Kind, input_files, input_kind
 from forcefeel.qualification import Record, Rules, measure_release, read_record
-from forcefeel.qualification.programme.programme import SIGNS, SMALL, STATIC, Trial
+from forcefeel.qualification.plan.plan import SIGNS, SMALL, STATIC, RuleTestCase
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.release_part import release_part
 from forcefeel.qualification.throw import Throw
@@ -39,7 +39,7 @@ class Given:
         return self.record.data_hash
 
 
-def given_files(option: str, words: Sequence[str], planned: Sequence[Trial]) -> list[tuple[str, Path]]:
+def given_files(option: str, words: Sequence[str], planned: Sequence[RuleTestCase]) -> list[tuple[str, Path]]:
     """The files that an option names, each with its test, empty where that is not said.
 
     Args:
@@ -65,7 +65,7 @@ class Recognition:
         throw: Where the control ends, for a release that is told by its share of it.
     """
 
-    planned: Sequence[Trial]
+    planned: Sequence[RuleTestCase]
     rules: Rules
     throw: Throw
 
@@ -111,7 +111,9 @@ class Recognition:
         features = measure_release(record, rules=self.rules.release, settle_check=False)
         displaced = features.displacement.value
         sign = 1 if displaced > 0 else -1
-        releases: Mapping[float, Trial] = {trial.share: trial for trial in self.planned if trial.test.kind == "release"}
+        releases: Mapping[float, RuleTestCase] = {
+            trial.share: trial for trial in self.planned if trial.test.kind == "release"
+        }
         share = (
             displaced / abs(self.throw.end(sign))
             if record.position_unit == "rad"

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
-from forcefeel.live.running import Running
+from forcefeel.live.live_session import LiveSession
 from forcefeel.live.state import COLUMNS
 
 LAPSES_S = 0.5
@@ -41,7 +41,7 @@ def pair() -> tuple[socket.socket, socket.socket]:
     return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 
 
-class LoopOverWire:
+class LoopProxy:
     """A loop of another process, with the methods of ``_core.LiveLoop``; any thread may call them.
 
     Where the other end is closed there is no loop any more and nothing to serve: the process ends at once.
@@ -115,7 +115,7 @@ class LoopOverWire:
         return answer
 
 
-class Answering:
+class LoopServer:
     """The loop's end of the wire.
 
     Args:
@@ -123,7 +123,7 @@ class Answering:
         wire: This end.
     """
 
-    def __init__(self, running: Running, wire: socket.socket) -> None:
+    def __init__(self, running: LiveSession, wire: socket.socket) -> None:
         self._running, self._wire = running, wire
         self._held: set[str] = set()
         wire.settimeout(LAPSES_S)

@@ -5,8 +5,8 @@ from math import isfinite
 from forcefeel.conclusions import Conclusions, capital, of_result
 from forcefeel.qualification import Outcome, Verdict
 from forcefeel.qualification.figures import Figure
-from forcefeel.qualification.programme.programme import OF_THE_AIRCRAFT, Trial, is_by_hand
-from forcefeel.qualification.programme.result import Qualification, Result, Section, Standing
+from forcefeel.qualification.plan.plan import OF_THE_AIRCRAFT, RuleTestCase, is_by_hand
+from forcefeel.qualification.plan.result import Qualification, QualificationStatus, Result, Section
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.sizing.too_small import too_small_text
 from forcefeel.units import ANGLE, ANGULAR_VELOCITY, FORCE, LENGTH, RATIO, SECONDS, Unit, UnitSystem, to_text
@@ -46,7 +46,7 @@ def conclusions(found: Qualification) -> Conclusions:
 
 def rule_text(found: Qualification) -> str:
     """The rule, its edition, and whether somebody has held it against the document."""
-    rows = [trial.test.is_verified(one) for trial in found.programme.made for one in trial.test.tolerances]
+    rows = [trial.test.is_verified(one) for trial in found.test_plan.made for one in trial.test.tolerances]
     unverified = "" if all(rows) else ", in part unverified" if any(rows) else ", unverified"
     return f"{found.rules.title} ({found.rules.edition}{unverified})"
 
@@ -57,7 +57,7 @@ def _verdict(found: Qualification) -> str:
         (section,) = found.sections
         return _sentence(f"{rule} {_standing(section)}")
     good = [section.title for section in found.sections if section.fulfilled]
-    short = any(section.standing is not Standing.QUALIFIES for section in found.sections if section.fulfilled)
+    short = any(section.status is not QualificationStatus.QUALIFIES for section in found.sections if section.fulfilled)
     does = "passed what was asked for" if short else f"qualif{'y' if len(good) > 1 else 'ies'}"
     number = f"{len(good)} of {len(found.sections)} laws" if good else f"none of {len(found.sections)} laws"
     return _sentence(f"{rule} {number} {does}{': ' if good else ''}{', '.join(good)}{_asked(found)}")
@@ -65,7 +65,7 @@ def _verdict(found: Qualification) -> str:
 
 def _asked(found: Qualification | Section) -> str:
     """What alone was asked for."""
-    return f" (asked for: {', '.join(found.programme.named)})" if found.programme.named else ""
+    return f" (asked for: {', '.join(found.test_plan.named)})" if found.test_plan.named else ""
 
 
 def standing_text(section: Section) -> str:
@@ -75,14 +75,14 @@ def standing_text(section: Section) -> str:
 
 def _standing(section: Section) -> str:
     """What the tests of a section come to, with what is missing and what alone was made."""
-    came = tally(section) + _asked(section)
-    match section.standing:
-        case Standing.QUALIFIES:
+    came = outcome_counts(section) + _asked(section)
+    match section.status:
+        case QualificationStatus.QUALIFIES:
             rest = "; the rule asks for no more" if section.count(Outcome.NOT_EVALUATED) else ""
             return f"the {section.title} qualifies: {came}{rest}"
-        case Standing.DOES_NOT_QUALIFY:
+        case QualificationStatus.DOES_NOT_QUALIFY:
             return f"the {section.title} does not qualify: {came}"
-        case Standing.INCOMPLETE:
+        case QualificationStatus.INCOMPLETE:
             return f"the qualification of the {section.title} is incomplete: {came}. Missing: {missing_text(section)}"
 
 
@@ -94,7 +94,7 @@ def missing_text(section: Section) -> str:
         reasons = dict.fromkeys(_why_missing(results.get(trial.key)) for trial in group)
         why.setdefault("; ".join(reasons), []).append(" or ".join(trial.key for trial in group))
     text = "; ".join(f"{', '.join(keys)} ({reason})" for reason, keys in why.items())
-    alternate = [trial.key for trial in section.programme.trials if trial.test.kind == "dynamic sweep"]
+    alternate = [trial.key for trial in section.test_plan.trials if trial.test.kind == "dynamic sweep"]
     releases = [group[0].key for group in section.missing if group[0].test.kind == "release"]
     if alternate and any(_why_missing(results.get(key)) != Outcome.TOO_CLOSE for key in releases):
         text += f"; {' and '.join(alternate)} would do instead of the releases"
@@ -109,7 +109,7 @@ def _why_missing(result: Result | None) -> str:
     return result.reason or next(one.reason for one in result.verdicts if one.outcome is Outcome.NOT_EVALUATED)
 
 
-def tally(section: Section) -> str:
+def outcome_counts(section: Section) -> str:
     """How many tests came to what: ``1 of 7 tests passed, 6 failed``."""
     others = (Outcome.FAILED, Outcome.TOO_CLOSE, Outcome.NOT_EVALUATED)
     parts = [f"{section.count(Outcome.PASSED)} of {len(section.results)} tests passed"]
@@ -202,8 +202,8 @@ def caveats(found: Qualification) -> tuple[str, ...]:
     """What else a reader must know."""
     small = "" if recorded(found, "record") else too_small_text(found.loader, found.system)
     lines = [small] if small else []
-    by_hand = [trial for trial in found.programme.outside if is_by_hand(trial)]
-    if outside := [trial for trial in found.programme.outside if trial not in by_hand]:
+    by_hand = [trial for trial in found.test_plan.outside if is_by_hand(trial)]
+    if outside := [trial for trial in found.test_plan.outside if trial not in by_hand]:
         tests = ", ".join(f"{trial.key} ({trial.test.number}; {why_outside(trial, found)})" for trial in outside)
         lines.append(
             f"Outside the programme of a simulated loader: {tests}. They are judged on records of the simulator."
@@ -218,19 +218,19 @@ def caveats(found: Qualification) -> tuple[str, ...]:
         lines.append(
             f"Unverified: nobody has held {', '.join(unverified)} of {found.rules.title} against the document yet."
         )
-    if found.left_out:
-        lines.append(f"Hands off: {', '.join(found.left_out)} of the loader were left out.")
+    if found.omitted:
+        lines.append(f"Hands off: {', '.join(found.omitted)} of the loader were left out.")
     return tuple(lines)
 
 
-def why_outside(trial: Trial, found: Qualification) -> str:
+def why_outside(trial: RuleTestCase, found: Qualification) -> str:
     """Why a test of the rule is outside the programme."""
     return "judged by hand" if recorded(found, "record") else OF_THE_AIRCRAFT[trial.key]
 
 
 def unverified_tests(found: Qualification) -> list[str]:
     """Numbers of the tests with rows that are not verified, and the durations of the sweeps."""
-    made = found.programme.made
+    made = found.test_plan.made
     numbers = list(dict.fromkeys(f"test {trial.test.number}" for trial in made if not trial.verified))
     swept = any(trial.sweep for trial in made)
     durations = ["the durations of the sweeps"] if swept and not all(one.verified for one in found.rules.sweeps) else []

@@ -8,9 +8,9 @@ from forcefeel.errors import InputError
 from forcefeel.loader.axes import rule_axis
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.project import Project
-from forcefeel.qualification.programme.result import Qualification, Standing, worst_standing
-from forcefeel.qualification.programme.run import QualificationSetup, qualify_loader
-from forcefeel.qualification.programme.sentences import reasons, rule_text, standing_text
+from forcefeel.qualification.plan.result import Qualification, QualificationStatus, worst_status
+from forcefeel.qualification.plan.run import QualificationSetup, qualify_loader
+from forcefeel.qualification.plan.sentences import reasons, rule_text, standing_text
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class CockpitQualification:
         >>> size = Path("cockpit.toml").write_text('[axes]\nyaw = "rudder-pedals"\n', encoding="utf-8")
         >>> one_test = ff.qualification.QualificationSetup(tests=("release-25-positive",))
         >>> found = ff.qualification.qualify_cockpit(ff.loader.read_project("cockpit.toml"), lambda loader: one_test)
-        >>> str(found.standing)
+        >>> str(found.status)
         'incomplete'
     """
 
@@ -35,14 +35,14 @@ class CockpitQualification:
     axes: Mapping[str, Qualification]
 
     @property
-    def standing(self) -> Standing:
+    def status(self) -> QualificationStatus:
         """The worst of the axes'."""
-        return worst_standing(one.standing for one in self.axes.values())
+        return worst_status(one.status for one in self.axes.values())
 
     @property
     def qualifies(self) -> bool:
         """Whether every axis does."""
-        return self.standing is Standing.QUALIFIES
+        return self.status is QualificationStatus.QUALIFIES
 
     @property
     def fulfilled(self) -> bool:
@@ -94,13 +94,16 @@ def cockpit_conclusions(found: CockpitQualification) -> Conclusions:
 
 
 def _standing(found: CockpitQualification) -> str:
-    if found.standing is Standing.QUALIFIES:
-        return f"qualifies: {_listed(found, Standing.QUALIFIES)}"
-    short = {Standing.DOES_NOT_QUALIFY: "does not qualify", Standing.INCOMPLETE: "is not complete"}
+    if found.status is QualificationStatus.QUALIFIES:
+        return f"qualifies: {_listed(found, QualificationStatus.QUALIFIES)}"
+    short = {
+        QualificationStatus.DOES_NOT_QUALIFY: "does not qualify",
+        QualificationStatus.INCOMPLETE: "is not complete",
+    }
     if found.fulfilled:
         return f"passed what was asked for: {', '.join(found.axes)}"
-    return "; ".join(f"{text}: {axes}" for standing, text in short.items() if (axes := _listed(found, standing)))
+    return "; ".join(f"{text}: {axes}" for status, text in short.items() if (axes := _listed(found, status)))
 
 
-def _listed(found: CockpitQualification, standing: Standing) -> str:
-    return ", ".join(axis for axis, one in found.axes.items() if one.standing is standing)
+def _listed(found: CockpitQualification, status: QualificationStatus) -> str:
+    return ", ".join(axis for axis, one in found.axes.items() if one.status is status)

@@ -9,8 +9,8 @@ import pytest
 import forcefeel as ff
 from forcefeel.bench.records import BenchRecord
 from forcefeel.commission.identified import identify_loader
+from forcefeel.commission.observability import BREAKAWAY, DRY, candidates, seen_by, with_friction
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.seen import BREAKAWAY, DRY, candidates, seen_by, with_friction
 from forcefeel.commission.simulated_bench import BenchTime, simulated_records
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "bench"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from forcefeel.errors import InputError, expect_number
 from forcefeel.laws.law import Law
-from forcefeel.live.asked import Asked, Loop
+from forcefeel.live.loop_settings import Loop, LoopSettings
 from forcefeel.live.setup import checked_feel, feel_numbers, feel_rows
 from forcefeel.live.state import COLUMNS, STATES, HostState, State, Timing, Trip, timing_of, trips_of
 from forcefeel.loader.loader import Loader
@@ -33,7 +33,7 @@ FADE_S = 0.5
 _NAP_S = 1e-3
 
 
-class Running:
+class LiveSession:
     """A loop under way; ``start`` makes one. Any thread may call anything of it.
 
     Attributes:
@@ -53,7 +53,7 @@ class Running:
 
     columns = COLUMNS
 
-    def __init__(self, loop: Loop, asked: Asked, law: Law) -> None:
+    def __init__(self, loop: Loop, asked: LoopSettings, law: Law) -> None:
         self.loop = loop
         self.asked = asked
         self._designs, self._lock = Lock(), RLock()  # a stop waits for no design
@@ -192,7 +192,7 @@ class Running:
                 raise InputError(f"hand_angle_rad: expected at most {_MOST_ANGLE_RAD:g} rad either way, got {angle:g}")
         self._disturb("hold_at", number=angle)
 
-    def break_(self, fault: Fault, sensor: Sensor | None = None, by: float = 0.0) -> None:
+    def inject_fault(self, fault: Fault, sensor: Sensor | None = None, by: float = 0.0) -> None:
         """Breaks something of a simulated machine.
 
         Args:
@@ -217,7 +217,7 @@ class Running:
         scale = self.loader["column.base_arm"] if sensor == "column" else 1.0
         self._disturb(fault, SENSORS.index(sensor or SENSORS[0]), float(by) * scale)
 
-    def repair(self) -> None:
+    def clear_faults(self) -> None:
         """All of a simulated machine is well again."""
         self._disturb("repair")
 
@@ -298,7 +298,7 @@ class Running:
         return timing_of(*self.loop.timing(), self.period_s)
 
     @property
-    def granted(self) -> tuple[str, ...]:
+    def realtime_status(self) -> tuple[str, ...]:
         """What the system gave the loop's thread, a sentence each; nothing in virtual time."""
         if (refused := self.loop.refused()) is None:
             return ()

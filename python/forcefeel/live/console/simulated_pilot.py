@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from forcefeel.errors import InputError
 from forcefeel.live.console.programmed import Programmed
-from forcefeel.live.running import Running
+from forcefeel.live.live_session import LiveSession
 from forcefeel.qualification import Qualification, Record, load_rules, qualify_loader
-from forcefeel.qualification.programme.motions import release_duration_s
-from forcefeel.qualification.programme.programme import STATIC
-from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.qualification.plan.motions import release_duration_s
+from forcefeel.qualification.plan.plan import STATIC
+from forcefeel.qualification.plan.run import QualificationSetup
 from forcefeel.units import FORCE, to_text
 
 Side = Literal["positive", "negative"]
@@ -33,12 +33,12 @@ _LATE = 20.0
 """A loop that takes so many times as long as its cycles should has stopped."""
 
 
-class BrokenOff(Exception):  # noqa: N818  no fault of the program
+class Aborted(Exception):  # noqa: N818  no fault of the program
     """Why a test was not brought to its end."""
 
 
 @dataclass(eq=False)
-class ByHand:
+class SimulatedPilot:
     """Tests by the simulated hand.
 
     Attributes:
@@ -49,7 +49,7 @@ class ByHand:
         ended: Set to break a test off.
     """
 
-    running: Running
+    running: LiveSession
     setup: QualificationSetup
     programmed: Programmed
     tell: Callable[[str, float], None]
@@ -61,7 +61,7 @@ class ByHand:
         """A release from the largest share of the throw that the rule has.
 
         Raises:
-            BrokenOff: If it was broken off, with the reason.
+            Aborted: If it was broken off, with the reason.
             InputError: If what was recorded cannot be measured.
         """
         rules = load_rules(self.setup.rule)
@@ -85,7 +85,7 @@ class ByHand:
         """A slow sweep to both sides.
 
         Raises:
-            BrokenOff: If it was broken off, with the reason.
+            Aborted: If it was broken off, with the reason.
             InputError: If the supervisor does not allow its force, or what was recorded cannot be measured.
         """
         force, record = self.programmed.record.force_n, self.programmed.record
@@ -142,11 +142,11 @@ class ByHand:
     def _check(self) -> None:
         state = self.running.state
         if self.ended.is_set():
-            raise BrokenOff("broken off")
+            raise Aborted("broken off")
         if state.ended:
-            raise BrokenOff("the loop has ended")
+            raise Aborted("the loop has ended")
         if state.name != "active":
-            raise BrokenOff(f"the law does not drive: the loop is {state.name}; switch it on and begin again")
+            raise Aborted(f"the law does not drive: the loop is {state.name}; switch it on and begin again")
 
     def _collect(self, *, anew: bool = False) -> None:
         if anew:

@@ -9,11 +9,11 @@ from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader
 from forcefeel.qualification import Outcome, Record, Rules, Verdict, measure_release
 from forcefeel.qualification.figures import Figure
-from forcefeel.qualification.programme.feel_alone import FeelAlone
-from forcefeel.qualification.programme.motions import LoopError, Motions, Moved, first_force, release_duration_s
-from forcefeel.qualification.programme.programme import STATIC, SURFACE, SweepName, Trial, duration_s
-from forcefeel.qualification.programme.records_given import Given, check_cover
-from forcefeel.qualification.programme.result import Result, Side
+from forcefeel.qualification.plan.feel_alone import FeelAlone
+from forcefeel.qualification.plan.motions import LoopError, Motions, Moved, first_force, release_duration_s
+from forcefeel.qualification.plan.plan import STATIC, SURFACE, RuleTestCase, SweepName, duration_s
+from forcefeel.qualification.plan.records_given import Given, check_cover
+from forcefeel.qualification.plan.result import Result, Side
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.release_verdicts import Overdamped, judge_release
 from forcefeel.qualification.sweep import SweepFeatures, measure_sweep
@@ -100,13 +100,13 @@ class TestBench:
         self.task, self.name, self.moved, self.records = task, name, moved, records
         self._slow_sweeps: dict[str, tuple[Side, Side]] = {}
 
-    def result(self, trial: Trial) -> Result:
+    def result(self, trial: RuleTestCase) -> Result:
         """What a test comes to.
 
         Raises:
             InputError: If a given record is bad.
         """
-        made: dict[str, Callable[[Trial], Result]] = {
+        made: dict[str, Callable[[RuleTestCase], Result]] = {
             "static": self._static,
             "freeplay": self._freeplay,
             "release": self._release,
@@ -122,7 +122,7 @@ class TestBench:
 
     # Releases.
 
-    def _release(self, trial: Trial) -> Result:
+    def _release(self, trial: RuleTestCase) -> Result:
         task, mine, theirs = self.task, self._given(trial.key), self._reference(trial.key)
         angle = trial.share * abs(task.throw.end(1 if trial.share > 0 else -1))
         measured = reference = None
@@ -175,7 +175,7 @@ class TestBench:
 
     # Sweeps.
 
-    def _static(self, trial: Trial) -> Result:
+    def _static(self, trial: RuleTestCase) -> Result:
         measured, reference = self._slow(STATIC)
         verdicts = judge_sweep(_swept(measured), _swept(reference), trial.test, system=self.task.system)
         kept = tuple(one for one in verdicts if (one.rule.quantity == "surface") is (trial.key == SURFACE))
@@ -183,7 +183,7 @@ class TestBench:
             raise MissingError("needs the surface in both static sweeps, in a column 'surface (deg)'")
         return _judged(trial, kept, measured, reference)
 
-    def _freeplay(self, trial: Trial) -> Result:
+    def _freeplay(self, trial: RuleTestCase) -> Result:
         """The rule has it as a length at the grip: of an angle ``R_p theta``."""
         measured, reference = self._slow(trial.key)
         arm = self.task.loader["column.grip_arm"]
@@ -220,7 +220,7 @@ class TestBench:
         record = task.once((throw, lasts), lambda: task.motions.swept(task.feel, throw, first, lasts, PROGRAMMED))
         return Side(record, _reference_of(lambda: measure_sweep(record)))
 
-    def _dynamic(self, trial: Trial) -> Result:
+    def _dynamic(self, trial: RuleTestCase) -> Result:
         name: SweepName = trial.sweep or "slow"
         mine, theirs = self._given(trial.key), self._reference(trial.key)
         for what, those in (("record", self.records), ("reference", self.task.references)):
@@ -268,7 +268,7 @@ class TestBench:
 
     # Small inputs, and what all share.
 
-    def _small(self, trial: Trial) -> Result:
+    def _small(self, trial: RuleTestCase) -> Result:
         mine, theirs = self._given(trial.key), self._reference(trial.key)
         if mine is None or theirs is None:
             raise MissingError("needs a record and a reference with a column 'body rate (deg/s)'")
@@ -299,7 +299,7 @@ class TestBench:
 
 
 def _judged(
-    trial: Trial, verdicts: tuple[Verdict, ...], measured: Side, reference: Side, remarks: tuple[str, ...] = ()
+    trial: RuleTestCase, verdicts: tuple[Verdict, ...], measured: Side, reference: Side, remarks: tuple[str, ...] = ()
 ) -> Result:
     return Result(trial, overall(verdicts), verdicts, measured, reference, remarks=remarks)
 

@@ -19,7 +19,7 @@ class Simulated:
     Example:
         >>> import forcefeel as ff
         >>> pushed = ff.live.Simulated(ff.Scenario(ff.Step(20.0)))
-        >>> with ff.live.start(ff.digital_elevator(), over=pushed, real_time=False) as running:
+        >>> with ff.live.start(ff.digital_elevator(), endpoint=pushed, real_time=False) as running:
         ...     running.wait(100)
     """
 
@@ -50,5 +50,5 @@ class Udp:
             raise InputError(f"address: expected host:port, such as 127.0.0.1:5005, got {show(self.address)}")
 
 
-Over = Simulated | Udp
+Endpoint = Simulated | Udp
 """The kinds of machine."""

@@ -12,7 +12,7 @@ from forcefeel.loader.loader import Loader
 
 
 @dataclass(frozen=True)
-class Asked:
+class LoopSettings:
     """What is asked of a loop, but for the states of the supervisor and the hand.
 
     Attributes:

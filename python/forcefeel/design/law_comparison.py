@@ -9,39 +9,39 @@ from forcefeel.units import PERCENT
 
 
 @dataclass(frozen=True)
-class Qualified:
+class QualificationSummary:
     """What the tests of a rule came to on the loader under a law.
 
     Attributes:
         qualifies: Whether the programme is whole and all of it passed.
-        standing: ``qualifies``, ``does not qualify``, ``incomplete``.
-        tally: How many tests came to what.
+        status: ``qualifies``, ``does not qualify``, ``incomplete``.
+        outcome_counts: How many tests came to what.
         reasons: Why it does not qualify, a sentence for each kind of test.
     """
 
     qualifies: bool
-    standing: str
-    tally: str
+    status: str
+    outcome_counts: str
     reasons: tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class Rendered:
+class EnvelopeSummary:
     """Which programmed feels the loader renders under a law, as shares of the settings that were tried.
 
     Attributes:
         stable: Stable with the nominal plant, hands off.
-        passes: Within tolerance there.
-        passes_worst: Within tolerance in every case: each part off by its tolerance, each pilot's arm.
+        nominal_share: Within tolerance there.
+        worst_case_share: Within tolerance in every case: each part off by its tolerance, each pilot's arm.
     """
 
     stable: Annotated[float, PERCENT]
-    passes: Annotated[float, PERCENT]
-    passes_worst: Annotated[float, PERCENT]
+    nominal_share: Annotated[float, PERCENT]
+    worst_case_share: Annotated[float, PERCENT]
 
 
 @dataclass(frozen=True)
-class LawTried:
+class LawResult:
     """One law.
 
     Attributes:
@@ -52,14 +52,14 @@ class LawTried:
 
     Example:
         >>> import forcefeel as ff
-        >>> ff.design.LawTried("published", "the report's", None, None).qualified_text
+        >>> ff.design.LawResult("published", "the report's", None, None).qualified_text
         'is not tested'
     """
 
     name: str
     summary: str
-    qualified: Qualified | None
-    rendered: Rendered | None
+    qualified: QualificationSummary | None
+    rendered: EnvelopeSummary | None
 
     @property
     def qualifies(self) -> bool:
@@ -71,20 +71,20 @@ class LawTried:
         """``qualifies: 7 of 7 tests passed``."""
         if self.qualified is None:
             return "is not tested"
-        return f"{'is ' if self.qualified.standing == 'incomplete' else ''}{self.qualified.standing}: {self.qualified.tally}"
+        return f"{'is ' if self.qualified.status == 'incomplete' else ''}{self.qualified.status}: {self.qualified.outcome_counts}"
 
     @property
     def rendered_text(self) -> str:
         """``renders 95.8 % within tolerance, 37.5 % in every case, and is stable at 100 %``."""
         if self.rendered is None:
             return "is not tried"
-        shares = (self.rendered.passes, self.rendered.passes_worst, self.rendered.stable)
+        shares = (self.rendered.nominal_share, self.rendered.worst_case_share, self.rendered.stable)
         nominal, worst, stable = map(share_text, shares)
         return f"renders {nominal} within tolerance, {worst} in every case, and is stable at {stable}"
 
 
 @dataclass(frozen=True)
-class LawsTried:
+class LawComparison:
     """The report's law and the best one.
 
     Attributes:
@@ -98,14 +98,14 @@ class LawsTried:
 
     Example:
         >>> import forcefeel as ff
-        >>> report = ff.design.LawTried("published", "the report's", None, None)
-        >>> tried = ff.design.LawsTried(report, None, (), "", 0, "", ("my.toml",))
+        >>> report = ff.design.LawResult("published", "the report's", None, None)
+        >>> tried = ff.design.LawComparison(report, None, (), "", 0, "", ("my.toml",))
         >>> tried.compare_command
         'forcefeel compensate my.toml --method auto --out methods'
     """
 
-    report: LawTried | None
-    best: LawTried | None
+    report: LawResult | None
+    best: LawResult | None
     remarks: tuple[str, ...]
     rule: str
     settings: int
@@ -117,7 +117,7 @@ class LawsTried:
         """The command that tries every law on more settings."""
         return self._command("compensate", "--method", "auto", "--out", "methods")
 
-    def commands(self, law: LawTried) -> tuple[str, ...]:
+    def commands(self, law: LawResult) -> tuple[str, ...]:
         """The commands that qualify a law and compute its envelope, each with a page of its own."""
         folders = ("tests", "map") if law == self.best else (f"tests-{law.name}", f"map-{law.name}")
         verbs = zip(("qualify", "envelope"), folders, strict=True)
@@ -127,7 +127,7 @@ class LawsTried:
         return shlex.join(("forcefeel", verb, *self.called, *options))
 
     @property
-    def laws(self) -> tuple[LawTried, ...]:
+    def laws(self) -> tuple[LawResult, ...]:
         """The laws beside each other: the best first."""
         found = (self.best, *(() if self.report == self.best else (self.report,)))
         return tuple(law for law in found if law is not None)

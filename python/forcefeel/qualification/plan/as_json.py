@@ -8,9 +8,9 @@ from forcefeel.json_values import Json, json_value
 from forcefeel.json_values import quantity as json_quantity
 from forcefeel.qualification import Verdict
 from forcefeel.qualification.figures import Figure
-from forcefeel.qualification.programme.cockpit import CockpitQualification, cockpit_conclusions
-from forcefeel.qualification.programme.result import Qualification, Result, Section, Side
-from forcefeel.qualification.programme.sentences import UNITS, conclusions, result_text, tally, unverified_tests
+from forcefeel.qualification.plan.cockpit import CockpitQualification, cockpit_conclusions
+from forcefeel.qualification.plan.result import Qualification, Result, Section, Side
+from forcefeel.qualification.plan.sentences import UNITS, conclusions, outcome_counts, result_text, unverified_tests
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.sweep import SweepFeatures
 from forcefeel.units import SECONDS, UnitSystem
@@ -49,17 +49,17 @@ def qualification_json(found: Qualification) -> dict[str, Json]:
         "forcefeel": version("forcefeel"),
         "date": found.day.isoformat(),
         "units": str(system),
-        "standing": str(found.standing),
+        "status": str(found.status),
         "conclusions": json_value(conclusions(found), system),
         "rule": rule,
         "throw": json_value(found.throw, system),
         "reference": found.reference,
-        "left_out": list(found.left_out),
+        "omitted": list(found.omitted),
         "simulator": found.simulator,
         "operator": found.operator,
-        "programme": [trial.key for trial in found.programme.trials],
-        "outside_the_programme": [trial.key for trial in found.programme.outside],
-        "named": list(found.programme.named),
+        "test_plan": [trial.key for trial in found.test_plan.trials],
+        "tests_not_simulated": [trial.key for trial in found.test_plan.outside],
+        "named": list(found.test_plan.named),
         "files": files,
         "sections": [_section(section, found) for section in found.sections],
         "loader": json_value(found.loader, system),
@@ -72,7 +72,7 @@ def cockpit_json(found: CockpitQualification, system: UnitSystem) -> dict[str, J
         "forcefeel": version("forcefeel"),
         "units": str(system),
         "project": found.name,
-        "standing": str(found.standing),
+        "status": str(found.status),
         "conclusions": json_value(cockpit_conclusions(found), system),
         "axes": {axis: qualification_json(one) for axis, one in found.axes.items()},
     }
@@ -82,9 +82,9 @@ def _section(section: Section, found: Qualification) -> dict[str, Json]:
     return {
         "name": section.name,
         "title": section.title,
-        "standing": str(section.standing),
+        "status": str(section.status),
         "missing": [{"any_of": [trial.key for trial in group]} for group in section.missing],
-        "tally": tally(section),
+        "outcome_counts": outcome_counts(section),
         "tests": [_result(result, found) for result in section.results],
     }
 
@@ -99,7 +99,7 @@ def _result(result: Result, found: Qualification) -> dict[str, Json]:
         "conditions": list(test.conditions),
         "verified": trial.verified,
         "outcome": str(result.outcome),
-        "words": result_text(result, found),
+        "summary": result_text(result, found),
         "reason": result.reason,
         "remarks": list(result.remarks),
         "verdicts": [_verdict(one, found.system) for one in result.verdicts],

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import forcefeel as ff
-from forcefeel.choice.few_settings import STEPS, best_law
+from forcefeel.choice.quick_choice import STEPS, best_law
 from forcefeel.envelope.cases import REFERENCE_ARMS
 from forcefeel.envelope.plan import make_plan
 from forcefeel.envelope.run import compute, compute_few
@@ -23,7 +23,7 @@ def test_cases_side_by_side_are_those_one_by_one():
     assert one.outcomes == other.outcomes
     assert one.data.identical(other.data)
     assert one.shares("load-cell").stable < 1
-    assert 0 < one.shares("robust").passes_worst < 1
+    assert 0 < one.shares("robust").worst_case_share < 1
 
 
 def test_an_analog_loader_is_told_what_it_needs():

@@ -42,9 +42,9 @@ class Rungs:
     stable: tuple[NDArray[np.bool_], ...] = field(repr=False)
 
     @property
-    def compensator(self) -> str:
+    def law(self) -> str:
         """Name of the law."""
-        return self.full.compensators[0]
+        return self.full.laws[0]
 
     @property
     def tolerances(self) -> Mapping[str, float]:
@@ -96,16 +96,16 @@ def climb(
     """Runs one law on every rung.
 
     Args:
-        plan: The envelope, with one compensator.
+        plan: The envelope, with one law.
         factors: The rungs, falling from 1.
         threads: How many; all cores if not given.
         progress: Called with the releases that are done and all there are.
 
     Raises:
-        InputError: If there is not one compensator, or the rungs do not fall from 1 and stay above 0.
+        InputError: If there is not one law, or the rungs do not fall from 1 and stay above 0.
     """
-    if len(plan.compensators) != 1:
-        raise InputError(f"compensators: expected one, got {', '.join(plan.compensators)}; make a frontier for each")
+    if len(plan.laws) != 1:
+        raise InputError(f"laws: expected one, got {', '.join(plan.laws)}; make a frontier for each")
     if factors[:1] != (1.0,) or any(np.diff(factors) >= 0) or factors[-1] <= 0:
         raise InputError(f"factors: expected rungs that fall from 1 and stay above 0, got {list(factors)}")
     total, done = rung_releases(plan, factors), 0
@@ -113,13 +113,13 @@ def climb(
     for factor in factors:
         changes = {key: it.scaled(factor) for key, it in plan.deviations.items()}
         arms = plan.arms if factor == 1.0 else ()
-        rung = Plan(plan.given, plan.compensators, plan.settings, plan.rule, changes, arms, plan.angle_rad)
+        rung = Plan(plan.given, plan.laws, plan.settings, plan.rule, changes, arms, plan.angle_rad)
         found.append(compute(rung, threads=threads, progress=onward(progress, done, total)))
         done += rung.settings.count * len(rung.cases)
     return Rungs(
         found[0],
         factors,
         cases=tuple(one.plan.cases for one in found),
-        passes=tuple(one.passes(one.compensators[0]) for one in found),
-        stable=tuple(one.stable(one.compensators[0]) for one in found),
+        passes=tuple(one.passes(one.laws[0]) for one in found),
+        stable=tuple(one.stable(one.laws[0]) for one in found),
     )

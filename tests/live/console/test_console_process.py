@@ -10,10 +10,10 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 import forcefeel as ff
-from forcefeel.live.console import apart
-from forcefeel.live.console.desk import HAND_LAPSES_S
-from forcefeel.live.console.door import Door
-from forcefeel.qualification.programme.run import QualificationSetup
+from forcefeel.live.console import process
+from forcefeel.live.console.listener import Listener
+from forcefeel.live.console.session import HAND_LAPSES_S
+from forcefeel.qualification.plan.run import QualificationSetup
 from tests.live.console.conftest import Talk
 from tests.live.run_command import run_command
 
@@ -29,9 +29,9 @@ class Console:
     """The door of a console, and what was told of its servers."""
 
     def __init__(self, running):
-        self.door, self.told = Door.at(0, "127.0.0.1", token=True), []
+        self.door, self.told = Listener.at(0, "127.0.0.1", token=True), []
         self.admission, self.address = self.door.admission, self.door.address
-        self.apart = apart.ConsoleApart(running, self.door, QualificationSetup(), self.told.append)
+        self.process = process.ConsoleProcess(running, self.door, QualificationSetup(), self.told.append)
 
 
 def until(holds):
@@ -56,9 +56,9 @@ def running():
 @pytest.fixture(scope="module")
 def console(running):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(apart, "_SHORT_LIFE_S", STOPPED_S)
+        patch.setattr(process, "_SHORT_LIFE_S", STOPPED_S)
         found = Console(running)
-        with found.apart:
+        with found.process:
             yield found
 
 
@@ -70,7 +70,7 @@ def test_a_server_that_is_stopped_costs_the_loop_nothing_and_does_nothing_late(r
         until(lambda: running.loader["feel.stiffness"] == STIFFNESS)
         talk.send(do="hand", force_n=HAND_N)
         until(lambda: running.hand_force_n == HAND_N)
-        server = console.apart.process_id
+        server = console.process.process_id
         os.kill(server, signal.SIGSTOP)
         until(lambda: is_stopped(server))
         begin, state = time.monotonic(), running.state
@@ -94,12 +94,12 @@ def test_a_server_that_is_stopped_costs_the_loop_nothing_and_does_nothing_late(r
         assert again.frame()
     assert (status["state"], status["trim_rad"]) == ("active", 0.0)
     assert status["feel"]["feel.stiffness"] == STIFFNESS
-    assert console.apart.process_id == server
+    assert console.process.process_id == server
     assert console.told == []
 
 
 def test_a_server_that_is_killed_is_replaced_at_the_same_address(running, console):
-    killed = console.apart.process_id
+    killed = console.process.process_id
     with Talk(console, open_timeout=PATIENCE_S) as talk:
         talk.send(do="hand", angle_rad=0.05)
         until(lambda: running.hand_angle_rad == 0.05)
@@ -109,14 +109,14 @@ def test_a_server_that_is_killed_is_replaced_at_the_same_address(running, consol
         status = again.status(state="active")
         assert again.frame()
     assert status["feel"]["feel.stiffness"] == STIFFNESS
-    assert console.apart.process_id != killed
+    assert console.process.process_id != killed
     assert len(console.told) == 1
     assert "by signal SIGKILL" in console.told[0]
     assert "same address" in console.told[0]
 
 
 def test_one_that_ends_at_once_is_not_started_for_ever(running, console):
-    while (server := console.apart.process_id) is not None:
+    while (server := console.process.process_id) is not None:
         told = len(console.told)
         os.kill(server, signal.SIGKILL)
         until(lambda seen=told: len(console.told) > seen)

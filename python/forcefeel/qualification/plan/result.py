@@ -8,8 +8,8 @@ from enum import StrEnum
 from forcefeel.loader.loader import Loader
 from forcefeel.printable import table_html
 from forcefeel.qualification import Outcome, Record, Rules, Verdict
-from forcefeel.qualification.programme.programme import Programme, Trial
-from forcefeel.qualification.programme.records_given import Given
+from forcefeel.qualification.plan.plan import RulePlan, RuleTestCase
+from forcefeel.qualification.plan.records_given import Given
 from forcefeel.qualification.release import ReleaseFeatures
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualification.sweep import SweepFeatures
@@ -19,7 +19,7 @@ from forcefeel.units import UnitSystem
 Features = ReleaseFeatures | SweepFeatures
 
 
-class Standing(StrEnum):
+class QualificationStatus(StrEnum):
     """What all tests together come to, the worst first."""
 
     DOES_NOT_QUALIFY = "does not qualify"
@@ -30,9 +30,9 @@ class Standing(StrEnum):
     """The programme is whole, and all that was evaluated passed."""
 
 
-def worst_standing(of: Iterable[Standing]) -> Standing:
+def worst_status(of: Iterable[QualificationStatus]) -> QualificationStatus:
     """What several come to together."""
-    return min(of, key=[*Standing].index)
+    return min(of, key=[*QualificationStatus].index)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Result:
         remarks: What else a reader must know.
     """
 
-    trial: Trial
+    trial: RuleTestCase
     outcome: Outcome
     verdicts: tuple[Verdict, ...] = ()
     measured: Side | None = None
@@ -80,35 +80,35 @@ class Section:
         name: Of the law; ``record``.
         title: In words.
         results: Of the tests that were made, in the order of the rule.
-        programme: The tests that it has to pass.
+        test_plan: The tests that it has to pass.
         law_remark: That the law was made for another loader; empty where it was not: ``Law.made_for_another``.
     """
 
     name: str
     title: str
     results: tuple[Result, ...]
-    programme: Programme
+    test_plan: RulePlan
     law_remark: str = ""
 
     @property
-    def standing(self) -> Standing:
+    def status(self) -> QualificationStatus:
         """What its tests come to."""
         if self.count(Outcome.FAILED):
-            return Standing.DOES_NOT_QUALIFY
-        return Standing.INCOMPLETE if self.missing else Standing.QUALIFIES
+            return QualificationStatus.DOES_NOT_QUALIFY
+        return QualificationStatus.INCOMPLETE if self.missing else QualificationStatus.QUALIFIES
 
     @property
-    def missing(self) -> tuple[tuple[Trial, ...], ...]:
+    def missing(self) -> tuple[tuple[RuleTestCase, ...], ...]:
         """What a whole programme lacks: of each group one test will do."""
         evaluated = {one.trial.key for one in self.results if one.outcome is not Outcome.NOT_EVALUATED}
         undecided = ((one.trial,) for one in self.results if one.outcome is Outcome.TOO_CLOSE)
-        return *undecided, *self.programme.missing(evaluated)
+        return *undecided, *self.test_plan.missing(evaluated)
 
     @property
     def fulfilled(self) -> bool:
         """Whether it qualifies, or passed every test where only some were asked for."""
         passed = self.count(Outcome.PASSED) == len(self.results)
-        return self.standing is Standing.QUALIFIES or (bool(self.programme.named) and passed)
+        return self.status is QualificationStatus.QUALIFIES or (bool(self.test_plan.named) and passed)
 
     def count(self, outcome: Outcome) -> int:
         """How many tests came to that."""
@@ -121,13 +121,13 @@ class Qualification:
 
     Attributes:
         loader: The loader, hands off.
-        left_out: Rows of the loader that were left out, as the arm at the grip.
+        omitted: Rows of the loader that were left out, as the arm at the grip.
         rules: By which it was judged.
         axis: Which control.
         throw: How far it goes.
         system: Units; of the rule's two roundings of a force, that one holds.
         reference: What was the reference, in words.
-        programme: The tests to pass.
+        test_plan: The tests to pass.
         sections: One for each law, or one for the record.
         files: Files that were read, by what they were given as.
         simulator, operator: Which was tested, and by whom; blank lines of the page where nobody says.
@@ -141,13 +141,13 @@ class Qualification:
     """
 
     loader: Loader
-    left_out: tuple[str, ...]
+    omitted: tuple[str, ...]
     rules: Rules
     axis: Axis
     throw: Throw
     system: UnitSystem
     reference: str
-    programme: Programme
+    test_plan: RulePlan
     sections: tuple[Section, ...]
     files: Mapping[str, Given] = field(default_factory=dict)
     simulator: str = ""
@@ -156,26 +156,24 @@ class Qualification:
 
     def __repr__(self) -> str:
         each = "; ".join(
-            f"{it.title} {it.standing}, {it.count(Outcome.PASSED)} of {len(it.results)} tests passed"
+            f"{it.title} {it.status}, {it.count(Outcome.PASSED)} of {len(it.results)} tests passed"
             for it in self.sections
         )
         return f"<Qualification of {self.loader.name!r}, {self.axis}, by {self.rules.id}: {each}>"
 
     def _repr_html_(self) -> str:
-        rows = ((it.title, it.standing, *map(it.count, Outcome)) for it in self.sections)
-        return table_html(
-            f"{self.loader.name}, {self.axis}, {self.rules.id}", ("", "standing", *map(str, Outcome)), rows
-        )
+        rows = ((it.title, it.status, *map(it.count, Outcome)) for it in self.sections)
+        return table_html(f"{self.loader.name}, {self.axis}, {self.rules.id}", ("", "status", *map(str, Outcome)), rows)
 
     @property
-    def standing(self) -> Standing:
+    def status(self) -> QualificationStatus:
         """The worst of the sections'."""
-        return worst_standing(section.standing for section in self.sections)
+        return worst_status(section.status for section in self.sections)
 
     @property
     def qualifies(self) -> bool:
         """Whether every section does."""
-        return self.standing is Standing.QUALIFIES
+        return self.status is QualificationStatus.QUALIFIES
 
     @property
     def fulfilled(self) -> bool:

@@ -9,10 +9,10 @@ import pytest
 import forcefeel as ff
 from forcefeel.errors import InputError
 from forcefeel.qualification import Outcome, load_rules
-from forcefeel.qualification.programme import QualificationSetup, Standing, qualify_loader
-from forcefeel.qualification.programme.programme import programme_of
-from forcefeel.qualification.programme.result import Result, Section
-from forcefeel.qualification.programme.sentences import conclusions
+from forcefeel.qualification.plan import QualificationSetup, QualificationStatus, qualify_loader
+from forcefeel.qualification.plan.plan import rule_plan
+from forcefeel.qualification.plan.result import Result, Section
+from forcefeel.qualification.plan.sentences import conclusions
 
 STATIC, SURFACE, SMALL, TRIM = {"static"}, {"surface"}, {"small-inputs"}, {"trim-indicator", "trim-rate"}
 UP, DOWN = ({f"release-{share}-{side}" for share in (25, 50)} for side in ("positive", "negative"))
@@ -28,7 +28,7 @@ def _enough(evaluated: set[str]) -> bool:
 
 def _section(outcomes, *, recorded=True, named=()):
     """A section whose tests came to this; those that are not mentioned were not evaluated."""
-    planned = programme_of(RULE, "pitch", recorded=recorded, named=named)
+    planned = rule_plan(RULE, "pitch", recorded=recorded, named=named)
     results = (
         Result(trial, outcomes.get(trial.key, Outcome.NOT_EVALUATED), reason="nobody made it") for trial in planned.made
     )
@@ -45,9 +45,9 @@ def test_every_set_of_records_is_complete_exactly_where_the_rule_is_met():
     assert len(sets) == 2**9
     for some in sets:
         section = _section(_passed(some))
-        assert (section.standing is Standing.QUALIFIES) is _enough(some), some
+        assert (section.status is QualificationStatus.QUALIFIES) is _enough(some), some
         if not _enough(some):
-            assert section.standing is Standing.INCOMPLETE
+            assert section.status is QualificationStatus.INCOMPLETE
             # Whatever is called missing completes it.
             added = {alternatives[0].key for alternatives in section.missing}
             assert _enough(some | added), some
@@ -57,38 +57,38 @@ def test_every_set_of_records_is_complete_exactly_where_the_rule_is_met():
 def test_one_failure_does_not_qualify_whatever_the_others_came_to(other):
     keys = STATIC | SURFACE | SMALL | UP | DOWN | SWEEPS
     outcomes = dict.fromkeys(keys, other) | {"fast": Outcome.FAILED}
-    assert _section(outcomes).standing is Standing.DOES_NOT_QUALIFY
+    assert _section(outcomes).status is QualificationStatus.DOES_NOT_QUALIFY
 
 
 def test_a_test_that_is_too_close_to_call_leaves_it_incomplete_and_is_named():
     keys = STATIC | SURFACE | SMALL | UP | DOWN
     section = _section(_passed(keys) | {"release-50-negative": Outcome.TOO_CLOSE})
-    assert section.standing is Standing.INCOMPLETE
+    assert section.status is QualificationStatus.INCOMPLETE
     assert [[trial.key for trial in one] for one in section.missing] == [["release-50-negative"]]
 
 
 def test_surface_and_body_are_outside_the_programme_of_a_simulated_loader_alone():
-    loader, simulator = (programme_of(RULE, "pitch", recorded=recorded) for recorded in (False, True))
+    loader, simulator = (rule_plan(RULE, "pitch", recorded=recorded) for recorded in (False, True))
     assert {trial.key for trial in loader.outside} == SURFACE | SMALL | TRIM
     assert {trial.key for trial in simulator.outside} == TRIM
     whole = {trial.key for trial in (*simulator.trials, *simulator.outside)}
     assert whole == {trial.key for trial in (*loader.trials, *loader.outside)}
     section = _section(_passed(STATIC | UP | DOWN | SWEEPS), recorded=False)
-    assert section.standing is Standing.QUALIFIES
-    assert _section(_passed(STATIC | UP | DOWN | SWEEPS)).standing is Standing.INCOMPLETE
+    assert section.status is QualificationStatus.QUALIFIES
+    assert _section(_passed(STATIC | UP | DOWN | SWEEPS)).status is QualificationStatus.INCOMPLETE
 
 
 def test_tests_that_are_named_are_made_alone_and_the_others_still_miss():
     section = _section(_passed(STATIC), named=("static",))
     assert [result.trial.key for result in section.results] == ["static"]
     assert section.fulfilled
-    assert section.standing is Standing.INCOMPLETE
+    assert section.status is QualificationStatus.INCOMPLETE
     assert "surface" in {trial.key for one in section.missing for trial in one}
     for outcome in (Outcome.FAILED, Outcome.TOO_CLOSE, Outcome.NOT_EVALUATED):
         assert not _section({"static": outcome}, named=("static",)).fulfilled
     # Who names all of them has named the programme.
     keys = sorted(STATIC | UP | DOWN | SWEEPS)
-    assert _section(_passed(keys), recorded=False, named=keys).standing is Standing.QUALIFIES
+    assert _section(_passed(keys), recorded=False, named=keys).status is QualificationStatus.QUALIFIES
     # Without names, passing a part is not enough.
     assert not _section(_passed(STATIC)).fulfilled
 
@@ -106,7 +106,7 @@ def test_tests_that_are_named_are_made_alone_and_the_others_still_miss():
 )
 def test_a_name_that_cannot_be_made(named, said):
     with pytest.raises(InputError, match=said):
-        programme_of(RULE, "pitch", recorded=False, named=named)
+        rule_plan(RULE, "pitch", recorded=False, named=named)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +118,7 @@ def test_a_name_that_cannot_be_made(named, said):
 )
 def test_no_test_of_an_axis_is_left_out_of_the_programme(edition, axis):
     rules = load_rules(edition)
-    planned = programme_of(rules, axis, recorded=False)
+    planned = rule_plan(rules, axis, recorded=False)
     numbers = {trial.test.number for trial in (*planned.trials, *planned.outside)}
     assert numbers == {test.number for test in rules.tests if test.axis == axis}
 
@@ -146,11 +146,11 @@ def test_sentences_use_the_words_as_they_are_meant():
         "incomplete": _passed(STATIC),
     }.items():
         section = _section(outcomes)
-        found = replace(_found(), sections=(section,), programme=section.programme)
+        found = replace(_found(), sections=(section,), test_plan=section.test_plan)
         said[name] = conclusions(found)
-        assert str(found.standing) == name
+        assert str(found.status) == name
         assert said[name].verdict.count(name) == 1
-        assert said[name].good is (name == "qualifies")
+        assert said[name].ok is (name == "qualifies")
     missing = said["incomplete"].verdict
     for keys in ("surface", "release-25-positive or release-50-positive", "small-inputs"):
         assert keys in missing
