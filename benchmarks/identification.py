@@ -112,7 +112,7 @@ def experiment(loader, time_s, signal):
     """What the batch engine is asked for: the scenario and the position loop."""
     drive = Schedule(tuple(time_s.tolist()), tuple(signal.tolist()))
     scenario = Scenario(test_signal_v=drive, duration_s=TIME_S, step_s=1 / RATE_HZ, sample_s=1 / RATE_HZ)
-    return scenario, ff.laws.Compensator.position_loop(loader.values)
+    return scenario, ff.laws.GainLaw.position_loop(loader.values)
 
 
 def differences(loader, time_s, signal, keys):

@@ -59,7 +59,7 @@ def matrices(varied, law, count):
     for k in range(count):
         for key, column in varied.items():
             values[INDEX[key]] = column[k]
-        found[k] = _core.compliant(values, law or _core.Compensator.original(values))[0]
+        found[k] = _core.compliant(values, law or _core.GainLaw.original(values))[0]
     return found
 
 

@@ -94,7 +94,7 @@ def law_of(machine):
         return None
     units = (1 / IN, 1 / PSI, 1.0, 1.0, 1 / IN, 1 / IN, 1 / LB)
     gains = [gain * unit for gain, unit in zip(machine.gains, units, strict=True)]
-    return ff.laws.Compensator(gains, machine.ratio * machine.base_arm * IN, "rad")
+    return ff.laws.GainLaw(gains, machine.ratio * machine.base_arm * IN, "rad")
 
 
 def schedule(steps):

@@ -9,7 +9,7 @@ import forcefeel as ff
 from forcefeel import _core
 
 VALUES = ff.digital_elevator().values
-LAW = _core.Compensator.original(VALUES)
+LAW = _core.GainLaw.original(VALUES)
 STILL = {"force": np.zeros((10, 2)), "fade": np.ones((10, 2))}
 """Ten steps in which nothing happens; the feel is the next one."""
 

@@ -15,7 +15,7 @@ from forcefeel.design import workflow
 ROOT = Path(__file__).parents[1]
 PACKAGE = Path(ff.__file__).parent
 MODULES = ["forcefeel", *(f"forcefeel.{stub.parent.name}" for stub in sorted(PACKAGE.glob("*/__init__.pyi")))]
-COMPILED = {"Compensator"}
+COMPILED = {"GainLaw"}
 """Documented by the extension's own source."""
 
 

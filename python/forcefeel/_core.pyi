@@ -21,9 +21,9 @@ __all__ = [
     "PERIOD_SHOWN",
     "ArgumentError",
     "BoardAxis",
-    "Compensator",
     "ExportedLaw",
     "FmuVariable",
+    "GainLaw",
     "LawSource",
     "LiveLoop",
     "LiveMachine",
@@ -96,7 +96,7 @@ FMU_CLOCK: int
 """A column that turns so far has no model."""
 _Matrices: TypeAlias = tuple[_Array, _Array, _Array, _Array]
 _Sloped: TypeAlias = tuple[_Array, _Array, _Array, _Array, _Array, _Array, _Array, _Array]
-_Law: TypeAlias = Compensator | Literal["open", "position", "original"]
+_Law: TypeAlias = GainLaw | Literal["open", "position", "original"]
 
 class ArgumentError(ValueError):
     """An argument has no meaning; the message names it."""
@@ -146,25 +146,25 @@ class Parameter:
     def drive(self) -> str | None: ...
 
 @final
-class Compensator:
+class GainLaw:
     """The law that drives the servo amplifier: seven gains on the design plant's states and the load cell's scale.
 
     Gains in V per SI unit of x_p, p, delta, delta', x_b, x_b', F_p; ``load_cell_arm`` in m (m V/rad where delta is a
     voltage); ``displacement_unit``, of delta, "V" or "rad".
     """
 
-    def __new__(cls, gains: Sequence[float], load_cell_arm: float, displacement_unit: str = "rad") -> Compensator: ...
+    def __new__(cls, gains: Sequence[float], load_cell_arm: float, displacement_unit: str = "rad") -> GainLaw: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __getnewargs__(self) -> tuple[list[float], float, str]: ...
     @staticmethod
-    def none(values: _Array) -> Compensator: ...
+    def none(values: _Array) -> GainLaw: ...
     @staticmethod
-    def position_loop(values: _Array) -> Compensator: ...
+    def position_loop(values: _Array) -> GainLaw: ...
     @staticmethod
-    def original(values: _Array) -> Compensator: ...
+    def original(values: _Array) -> GainLaw: ...
     @staticmethod
-    def state_feedback(values: _Array, gains: Sequence[float]) -> Compensator: ...
+    def state_feedback(values: _Array, gains: Sequence[float]) -> GainLaw: ...
     @property
     def gains(self) -> list[float]: ...
     @property
@@ -185,7 +185,7 @@ class Loops:
         columns: Sequence[int],
         varied: _Array,
         *,
-        law: Compensator | None = None,
+        law: GainLaw | None = None,
         gains: _Array | None = None,
     ) -> Self: ...
     def stability(self, threads: int) -> NDArray[np.uint8]: ...
@@ -406,7 +406,7 @@ def linear_slopes(values: _Array, keys: Sequence[int], *, linkage: Literal["rigi
 
     Inputs are the test signal in V and the pilot's force in N, outputs the `channels`, states those of `rigid` or `compliant`.
     A law by name is made of the values and moves with them: "open" leaves the amplifier without a command, "position" closes the
-    servo's position loop, "original" is eq. (13). Those of a Compensator stand.
+    servo's position loop, "original" is eq. (13). Those of a GainLaw stand.
 
     Returns `(A, B, C, D, dA, dB, dC, dD)`, the slopes with a leading axis over `keys`, places in the parameter table.
     """
@@ -434,8 +434,8 @@ def released(loops: Loops, angles: _Array, angle: float, step_s: float, threads:
     Returns a code for each loop, as `Loops.stability`; where it is not stable its angles are not numbers.
     """
 
-def rigid(values: _Array, compensator: Compensator) -> _Matrices: ...
-def compliant(values: _Array, compensator: Compensator) -> _Matrices: ...
+def rigid(values: _Array, compensator: GainLaw) -> _Matrices: ...
+def compliant(values: _Array, compensator: GainLaw) -> _Matrices: ...
 def design_plant(values: _Array, pilot_arm: float) -> _Matrices: ...
 def electric_plant(values: _Array) -> _Matrices: ...
 def ideal_feel(values: _Array) -> _Matrices: ...

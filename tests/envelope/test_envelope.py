@@ -102,7 +102,7 @@ def test_stability_is_that_of_numpys_poles(found):
                 law = laws.single(plan.loader, setting).fixed  # with the nominal plant's geometry
                 if case.parameter:
                     values[INDEX[case.parameter]] *= 1 + case.change
-                a = ff._core.compliant(values, law or ff.laws.Compensator.original(values))[0]
+                a = ff._core.compliant(values, law or ff.laws.GainLaw.original(values))[0]
                 if case.arm:
                     a = _with_arm(a, values, case.arm)
                 poles = np.linalg.eigvals(a)

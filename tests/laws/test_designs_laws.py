@@ -262,7 +262,7 @@ def test_methods():
         np.testing.assert_array_equal(laws.rows(), design(loader, FEELS, TUNINGS[name]).rows())
     with pytest.raises(
         InputError,
-        match="method: expected load-cell, observer, recovered, h-infinity, robust, agile, grip, torque-mode, got 'h2'",
+        match="law: expected load-cell, observer, recovered, h-infinity, robust, agile, grip, torque-mode, got 'h2'",
     ):
         law_design("h2")
 

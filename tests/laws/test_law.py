@@ -120,7 +120,7 @@ def test_laws_are_found_by_their_setting():
 
 
 def test_one_law_for_any_setting_stays_as_it_is():
-    law = Law.of(ff.laws.Compensator.original(ANALOG.values), ANALOG)
+    law = Law.of(ff.laws.GainLaw.original(ANALOG.values), ANALOG)
     assert law.at(settings(ANALOG, 500.0, 900.0)) is law
 
 

@@ -36,14 +36,14 @@ def assert_entries(actual, expected):
 
 
 def test_rigid_model_is_eq_15(loader, as_printed):
-    a, b, _, _ = _core.rigid(as_printed, ff.laws.Compensator.original(as_printed))
+    a, b, _, _ = _core.rigid(as_printed, ff.laws.GainLaw.original(as_printed))
     expected_a, expected_b = printed.rigid(printed.letters(loader))
     assert_entries(a, expected_a)
     assert_entries(b[:, 0], expected_b)
 
 
 def test_compliant_model_is_eq_17(loader, as_printed):
-    a, b, _, _ = _core.compliant(as_printed, ff.laws.Compensator.original(as_printed))
+    a, b, _, _ = _core.compliant(as_printed, ff.laws.GainLaw.original(as_printed))
     expected_a, expected_b = printed.compliant(printed.letters(loader))
     assert_entries(a, expected_a)
     assert_entries(b[:, 0], expected_b)
@@ -133,7 +133,7 @@ def test_overall_loop_closes_to_the_loader(loader):
 
 
 def test_servo_leaves_out_only_the_feel_computer(loader):
-    whole = ff.compliant_model(loader, ff.laws.Compensator.position_loop(loader.values))
+    whole = ff.compliant_model(loader, ff.laws.GainLaw.position_loop(loader.values))
     alone = ff.linear.servo(loader, ff.linear.Linkage.COMPLIANT, closed=True)
     s = 2j * np.pi * 7.0
     assert complex(alone[0, 0](s)) == pytest.approx(complex(whole[4, 1](s)), rel=SOLVED)

@@ -34,7 +34,7 @@ def law_of(name):
 
 
 def matrix(values, law):
-    return _core.compliant(values, law or _core.Compensator.original(values))[0]
+    return _core.compliant(values, law or _core.GainLaw.original(values))[0]
 
 
 def row(varied, k):

@@ -88,7 +88,11 @@ def test_the_hand_holds_an_angle_and_lets_go(running):
 
 @pytest.mark.parametrize(
     ("fault", "trip"),
-    [(("not_a_number", "column"), "not a number"), (("silent",), "sensors silent"), (("jump", "drive", 0.05), "jump")],
+    [
+        (("not_a_number", "column"), "not a number"),
+        (("no_samples",), "sensors silent"),
+        (("jump", "drive", 0.05), "jump"),
+    ],
 )
 def test_a_fault_stops_the_loader(running, fault, trip):
     running.inject_fault(*fault)

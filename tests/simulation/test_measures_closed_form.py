@@ -17,7 +17,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 import forcefeel as ff
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.linear.models import Linkage, loader_model
 from forcefeel.linear.step import equilibrium
 from forcefeel.loader.built_in import BUILT_IN
@@ -142,7 +142,7 @@ def test_release_is_within_one_percent_of_the_programmed_feel_or_has_no_number(n
 def test_linear_loader_is_within_one_percent_of_its_exponential_or_has_no_number(force, duration_s):
     """The original loop swings as ``exp(A t)`` says, not as its feel: read from a spline through that, twenty times as fine."""
     loader = ff.elevator()
-    model = loader_model(loader, Compensator.original(loader.values), Linkage.COMPLIANT)
+    model = loader_model(loader, GainLaw.original(loader.values), Linkage.COMPLIANT)
     per_force = equilibrium(model)
     per_angle = float(np.asarray(model.C)[0] @ per_force)
     rest = per_angle * force.force_n if isinstance(force, Step) else 0.0

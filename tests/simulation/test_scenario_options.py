@@ -41,18 +41,21 @@ def test_nothing_given_is_a_step_of_the_loaders_force():
         ({"input": InputKind.PULSE, "force": "-50 N", "width": "0.2"}, ff.simulation.Pulse(-50.0, 0.1, 0.2)),
         ({"input": InputKind.DOUBLET, "force": "20 lb", "start": "0"}, ff.simulation.Doublet(20 * LB, 0.0, 0.5)),
         ({"input": InputKind.STOP_TO_STOP, "force": "60 lb"}, StopToStop(60 * LB, 100.0)),
-        ({"input": InputKind.STOP_TO_STOP, "force": "60 lb", "lasts": "4", "duration": "5"}, StopToStop(60 * LB, 4.0)),
+        (
+            {"input": InputKind.STOP_TO_STOP, "force": "60 lb", "input_duration": "4", "duration": "5"},
+            StopToStop(60 * LB, 4.0),
+        ),
         (
             {"input": InputKind.CHIRP, "force": "10 N", "from_": "0.5 Hz", "to": "1 kHz", "step": "0.4 ms"}
             | {"spacing": Spacing.LOGARITHMIC, "sample": "0.8 ms"},
             ff.simulation.Chirp(10.0, 0.5, 1000.0, 20.0, "logarithmic"),
         ),
         (
-            {"input": InputKind.MULTISINE, "force": "10 N", "lines": "0.5 Hz, 1.5 Hz", "lasts": "2 s"},
+            {"input": InputKind.MULTISINE, "force": "10 N", "lines": "0.5 Hz, 1.5 Hz", "input_duration": "2 s"},
             ff.simulation.Multisine(10.0, (0.5, 1.5), 2.0),
         ),
         (
-            {"input": InputKind.MULTISINE, "force": "10 N", "from_": "0.9 Hz", "to": "2 Hz", "lasts": "2 s"},
+            {"input": InputKind.MULTISINE, "force": "10 N", "from_": "0.9 Hz", "to": "2 Hz", "input_duration": "2 s"},
             ff.simulation.Multisine(10.0, (1.0, 1.5, 2.0), 2.0),
         ),
         ({"input": InputKind.RELEASE, "angle": "10 deg"}, ff.Release(math.radians(10))),
@@ -182,7 +185,10 @@ def test_changes_of_the_feel():
         ({"input": InputKind.RELEASE}, "--angle: expected with --input release"),
         ({"input": InputKind.RELEASE, "angle": "181 deg"}, "--angle: expected -180 to 180 deg, got 181 deg"),
         ({"input": InputKind.PULSE, "width": "0"}, "Pulse: expected width_s to be a number above 0"),
-        ({"input": InputKind.STOP_TO_STOP, "lasts": "0 s"}, "StopToStop: expected duration_s to be a number above 0"),
+        (
+            {"input": InputKind.STOP_TO_STOP, "input_duration": "0 s"},
+            "StopToStop: expected duration_s to be a number above 0",
+        ),
         ({"input": InputKind.MULTISINE, "lines": "0.123 Hz"}, "to be a multiple of 1 / duration_s"),
         ({"input": InputKind.MULTISINE, "lines": "1 Hz", "to": "3 Hz"}, "--to: given with --lines"),
         ({"input": InputKind.MULTISINE, "from_": "5 Hz", "to": "4 Hz"}, "--from, --to: expected 1 to 10000 multiples"),
@@ -194,15 +200,15 @@ def test_changes_of_the_feel():
         ({"shaker": "1.1"}, "--shaker: expected shares from 0 to 1, got 1.1"),
         ({"sample": "1e308"}, "--sample: expected a multiple of the engine's step of 0.001 s, got 1e\\+308 s"),
         ({"seed": 2**64}, "seed: expected a whole number from 0 to"),
-        ({"input": InputKind.MULTISINE, "to": "2e307 Hz", "lasts": "100"}, "multiples of 0.01 Hz, .* got inf"),
+        ({"input": InputKind.MULTISINE, "to": "2e307 Hz", "input_duration": "100"}, "multiples of 0.01 Hz, .* got inf"),
         ({"change": ["1e300 s: feel.breakout=2 lb"]}, "expected changes that are done by 1e\\+06 s, got 1e\\+300 s"),
-        ({"change": ["1 s: feel.breakout=2 lb"], "over": "1e300 s"}, "expected changes that are done by"),
+        ({"change": ["1 s: feel.breakout=2 lb"], "fade_time": "1e300 s"}, "expected changes that are done by"),
         ({"fade_time": "1 s"}, "--fade-time: is how long a --change takes, and there is none"),
         ({"change": ["feel.stiffness=3 N m/rad"]}, "--change: expected a time, a colon and new values"),
         ({"change": ["1 s: feel.stiffness"]}, "--change: expected a parameter and its value"),
         ({"change": ["1 s: feel.stiffness=off"]}, "--change: feel.stiffness is what every loader has"),
         ({"change": ["1 s: feel.breakout=2 lb", "1.2 s: feel.breakout=off"]}, "do not overlap"),
-        ({"change": ["1 s: feel.breakout=2 lb"], "over": "0"}, "expected changes that take time"),
+        ({"change": ["1 s: feel.breakout=2 lb"], "fade_time": "0"}, "expected changes that take time"),
     ],
 )
 def test_bad_options_are_named(options, said):

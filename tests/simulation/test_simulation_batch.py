@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import forcefeel as ff
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.linear.models import Linkage, loader_model
 from forcefeel.linear.step import equilibrium
 from forcefeel.loader.loader import Loader
@@ -110,7 +110,7 @@ def test_run_of_not_a_numbers_is_no_settled_run(batch, values):
 def rest_of(values):
     """Column angle at rest under the force, from the linear model's matrices: friction has no part in it."""
     loader = Loader("one", "here", values)
-    model = loader_model(loader, Compensator.original(values), Linkage.COMPLIANT)
+    model = loader_model(loader, GainLaw.original(values), Linkage.COMPLIANT)
     force = SCENARIO.force.force_n * loader["pilot.force"] / PLAIN["pilot.force"]
     return force * float(np.asarray(model.C)[0] @ equilibrium(model))
 

@@ -7,7 +7,7 @@ from scipy.linalg import expm
 
 import forcefeel as ff
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.bench.channels import INPUTS
 from forcefeel.bench.experiments import Loop
 from forcefeel.bench.identification.linear import channel_responses
@@ -16,7 +16,7 @@ from forcefeel.simulation import Scenario, simulate
 from forcefeel.simulation.inputs import Recorded, Release, Schedule, Step
 from forcefeel.simulation.scenario import Steps
 
-LAWS = {"open": Compensator.none, "position": Compensator.position_loop, "original": Compensator.original}
+LAWS = {"open": GainLaw.none, "position": GainLaw.position_loop, "original": GainLaw.original}
 CHANNELS = dict(_core.channels())
 LB = 4.4482216152605
 DIGITAL = {"controller.period": "0.5 ms", "controller.delay": "0.5 ms"}
@@ -115,7 +115,7 @@ def test_linear_models_are_those_without_slopes(law):
 def test_fixed_law_does_not_move_with_the_parameters():
     values, gain = ff.elevator().values, INDEX["potentiometer.gain"]
     by_name = _core.linear_slopes(values, [gain], linkage="compliant", law="position")
-    fixed = _core.linear_slopes(values, [gain], linkage="compliant", law=Compensator.position_loop(values))
+    fixed = _core.linear_slopes(values, [gain], linkage="compliant", law=GainLaw.position_loop(values))
     np.testing.assert_array_equal(by_name[0], fixed[0])
     assert np.any(by_name[4])
     assert not np.any(fixed[4])
@@ -420,7 +420,7 @@ def test_what_does_not_fit_is_refused():
         given = {"values": values, "keys": [0], "linkage": "rigid", "law": "open"} | bad
         with pytest.raises(ValueError, match=message):
             _core.linear_slopes(**given)
-    with pytest.raises(TypeError, match="law: expected a Compensator or its name"):
+    with pytest.raises(TypeError, match="law: expected a GainLaw or its name"):
         _core.linear_slopes(values, [0], linkage="rigid", law=3)
     with pytest.raises(ValueError, match="keys: expected places"):
         _core.sampled_slopes(values, [1000], 1e-3, (1, 1))

@@ -277,15 +277,15 @@ fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResult<Di
     Ok(match name {
         "force" => Disturbance::Force(number.unwrap_or(0.0)),
         "hold_at" => Disturbance::HoldAt(number),
-        "silent" => Disturbance::Fault(Fault::Silent),
+        "no_samples" => Disturbance::Fault(Fault::Silent),
         "stuck" => Disturbance::Fault(Fault::Stuck(sensor)),
         "not_a_number" => Disturbance::Fault(Fault::NotANumber(sensor)),
         "jump" => Disturbance::Fault(Fault::Jump(sensor, number.unwrap_or(0.0))),
-        "deaf" => Disturbance::Fault(Fault::Deaf),
+        "ignores_command" => Disturbance::Fault(Fault::Deaf),
         "repair" => Disturbance::Repair,
         other => {
             return Err(refused(format!(
-                "name: expected force, hold_at, silent, stuck, not_a_number, jump, deaf or repair, got {other:?}"
+                "name: expected force, hold_at, no_samples, stuck, not_a_number, jump, ignores_command or repair, got {other:?}"
             )));
         }
     })

@@ -2,7 +2,7 @@
 
 from importlib.metadata import version
 
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
 from forcefeel.choice.noise import HOLDING
 from forcefeel.choice.rule import CLOSE, LEAST_GAIN, LEAST_PERIODS, LEAST_PHASE_RAD, Choice
@@ -60,7 +60,7 @@ def choice_json(scored: LawScores, choice: Choice | None, units: UnitSystem) -> 
 def law_json(numbers: Numbers) -> Json:
     """A law's numbers in SI units; ``None`` for the original loop."""
     match numbers:
-        case Compensator():
+        case GainLaw():
             return gain_law_json(numbers)
         case SampledLaw():
             matrices = {name: getattr(numbers, name)[0].tolist() for name in NUMBERS}

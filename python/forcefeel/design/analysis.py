@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.design.assessment import AnyPeaks, Assessment, assess, peaks
 from forcefeel.laws.analog.recursion import DesignSettings
 from forcefeel.linear.boundary import StabilityBoundary, largest_stable_stiffness, smallest_stable_stiffness
@@ -55,7 +55,7 @@ class Configuration:
 
     name: str
     linkage: Linkage
-    law: Compensator | None = field(repr=False)
+    law: GainLaw | None = field(repr=False)
     programmed: LoopResult
     low: LoopResult
     boundary: StabilityBoundary
@@ -99,7 +99,7 @@ def configuration(
     name: str,
     settings_of_feel: tuple[Loader, Loader],
     linkage: Linkage,
-    law: Compensator | None = None,
+    law: GainLaw | None = None,
     weights: DesignSettings | None = None,
 ) -> Configuration:
     """A loader at its programmed and its low setting."""
@@ -116,7 +116,7 @@ def configuration(
     )
 
 
-def _loop(loader: Loader, linkage: Linkage, law: Compensator | None, weights: DesignSettings | None) -> LoopResult:
+def _loop(loader: Loader, linkage: Linkage, law: GainLaw | None, weights: DesignSettings | None) -> LoopResult:
     found, model = assess(loader, law, weights, linkage=linkage), loader_model(loader, law, linkage)
     return LoopResult(
         named_modes(loader, model.A) if loader.drive == ELECTRIC else modes(model),

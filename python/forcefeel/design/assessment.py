@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.laws.analog.recursion import DesignSettings
 from forcefeel.linear.frequency import response
 from forcefeel.linear.models import DESIGN_STATES, OUTPUTS, LinearModel, Linkage, feel_model, loader_model
@@ -105,7 +105,7 @@ AnyPeaks = Peaks | MotorPeaks
 
 def assess(
     loader: Loader,
-    law: Compensator | None,
+    law: GainLaw | None,
     settings: DesignSettings | None = None,
     *,
     linkage: Linkage = Linkage.COMPLIANT,
@@ -179,7 +179,7 @@ def programmed_angle_rad(loader: Loader) -> float:
     return float(response(feel_model(loader), np.zeros(1, complex))[0].real) * loader["pilot.force"]
 
 
-def peaks(loader: Loader, law: Compensator | None, linkage: Linkage = Linkage.COMPLIANT) -> AnyPeaks:
+def peaks(loader: Loader, law: GainLaw | None, linkage: Linkage = Linkage.COMPLIANT) -> AnyPeaks:
     """Largest demand on the valve, or on the motor, in the two seconds after the step of pilot force.
 
     Example:
@@ -213,7 +213,7 @@ def _deviation(model: LinearModel, ideal: LinearModel) -> NDArray[np.float64]:
 
 
 def _cost_weight(
-    model: LinearModel, size: int, law: Compensator, settings: DesignSettings, programmed: Loader
+    model: LinearModel, size: int, law: GainLaw, settings: DesignSettings, programmed: Loader
 ) -> NDArray[np.float64]:
     """Matrix of eq. (20)'s integrand ``x' [Q] x + R_2 e^2`` on ``z``."""
     pick = np.zeros((len(DESIGN_STATES), size))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.laws.law import Law
 from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.loader.parameters import INDEX
@@ -88,9 +88,9 @@ class Grips:
 _Model = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
-def _analog(values: NDArray[np.float64], law: Compensator | None) -> _Model:
+def _analog(values: NDArray[np.float64], law: GainLaw | None) -> _Model:
     """``A`` of eq. (17), the column for the pilot's force and the row for the velocity at the grip."""
-    a, b, c, _ = _core.compliant(values, law or Compensator.original(values))
+    a, b, c, _ = _core.compliant(values, law or GainLaw.original(values))
     row = np.zeros(len(a))
     # v = R_p theta', theta' the same row on the velocity as theta on the position
     row[_BASE_RATE] = values[INDEX["column.grip_arm"]] * c[0, _BASE]

@@ -46,7 +46,7 @@ def find_envelope(
     Args:
         loader: The loader. Its programmed feel is replaced by the settings; optional rows of the feel and an arm are left out.
         laws: Names of ``law.NAMED_LAWS``, or laws by name: ``DesignSettings`` and ``LawDesign`` design a law for
-            each setting and the nominal plant, a file or a ``Law`` has one for each, a ``Compensator`` is one law for all, ``None``
+            each setting and the nominal plant, a file or a ``Law`` has one for each, a ``GainLaw`` is one law for all, ``None``
             the original loop.
         grid: Values by axis, ``stiffness`` (shares of G_max), ``frequency`` (rad/s), ``damping``, as numbers or as text such as
             ``"1..100 %:40:log"``, ``"0.5..4 Hz:25"``, ``"0.1..1.5:20"``.

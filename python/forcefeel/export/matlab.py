@@ -10,7 +10,7 @@ import numpy as np
 import scipy.io
 from numpy.typing import NDArray
 
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.export.expected import Expected
 from forcefeel.export.exported import Exported
 from forcefeel.export.plant import LinearPlant
@@ -99,10 +99,10 @@ def _gains(exported: Exported) -> dict[str, Any]:
     }
 
 
-def _compensator(exported: Exported, setting: int) -> Compensator:
+def _compensator(exported: Exported, setting: int) -> GainLaw:
     """The gains of a setting; the original loop, eq. (13), has its own."""
     law = exported.law.single(exported.loader, setting).fixed
-    return Compensator.original(exported.loader.values) if law is None else law
+    return GainLaw.original(exported.loader.values) if law is None else law
 
 
 def _cells(names: tuple[str, ...] | list[str]) -> NDArray[np.object_]:

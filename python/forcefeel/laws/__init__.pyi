@@ -1,6 +1,6 @@
 """Public names; ``__init__.py`` fetches them when first used."""
 
-from forcefeel._core import Compensator as Compensator
+from forcefeel._core import GainLaw as GainLaw
 from forcefeel.laws.analog.gain_schedule import GainSchedule as GainSchedule
 from forcefeel.laws.analog.gain_schedule import schedule_gains as schedule_gains
 from forcefeel.laws.analog.recursion import DesignSettings as DesignSettings

@@ -15,7 +15,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
 from forcefeel.laws.analog.gain_schedule import schedule_gains
 from forcefeel.laws.analog.recursion import GAIN_SYMBOLS, NAMED_DESIGNS, DesignSettings, design_gains
@@ -53,7 +53,7 @@ class Law:
 
     Attributes:
         name: What it is called.
-        numbers: Gains c_1 .. c_7 in SI units, (settings, 7); a ``SampledLaw`` of one setting or many; a ``Compensator``,
+        numbers: Gains c_1 .. c_7 in SI units, (settings, 7); a ``SampledLaw`` of one setting or many; a ``GainLaw``,
             gains with their own scale of the load cell; ``None``, the original loop of each loader's own parameters, eq. (13).
         period_s: Sample period of the controller that it was made for; ``None`` for an analog one.
         delay_s: From the sample to its command.
@@ -203,14 +203,14 @@ class Law:
         return self.numbers if isinstance(self.numbers, np.ndarray) else None
 
     @property
-    def fixed(self) -> Compensator | None:
+    def fixed(self) -> GainLaw | None:
         """The gains that hold for all; ``None`` where there are none, or it is the original loop."""
-        return self.numbers if isinstance(self.numbers, Compensator) else None
+        return self.numbers if isinstance(self.numbers, GainLaw) else None
 
     @property
     def displacement_unit(self) -> str:
         """Unit of the feel computer's displacement delta: ``rad``, or ``V`` in a loop as the report's."""
-        if isinstance(self.numbers, Compensator):
+        if isinstance(self.numbers, GainLaw):
             return self.numbers.displacement_unit
         return "V" if self.numbers is None else "rad"
 
@@ -260,7 +260,7 @@ class Law:
         write_law(Path(path), **vars(self))
 
 
-LawLike = Law | str | Path | DesignSettings | LawDesign | Compensator | SampledLaw | NDArray[np.float64] | None
+LawLike = Law | str | Path | DesignSettings | LawDesign | GainLaw | SampledLaw | NDArray[np.float64] | None
 """What ``Law.of`` makes a law of."""
 
 
@@ -274,7 +274,7 @@ def check_given(given: object, name: str = "law") -> None:
     Raises:
         InputError: If it is of another kind.
     """
-    kinds = Law | str | Path | DesignSettings | LawDesign | Compensator | SampledLaw | np.ndarray | None
+    kinds = Law | str | Path | DesignSettings | LawDesign | GainLaw | SampledLaw | np.ndarray | None
     if not isinstance(given, kinds):
         raise InputError(f"{name}: expected a law, its name, its file, its design or its numbers, got {show(given)}")
     if isinstance(given, np.ndarray) and (given.ndim != _GAINS_OF_SETTINGS or given.shape[1] != len(GAIN_SYMBOLS)):
@@ -343,7 +343,7 @@ def _designed(given: LawLike, loader: Loader, feel: NDArray[np.float64] | None, 
     return cast("Numbers", given)
 
 
-def _gains(design: DesignSettings, loader: Loader, name: str) -> Compensator:
+def _gains(design: DesignSettings, loader: Loader, name: str) -> GainLaw:
     """Gains for the loader's own setting, by the recursion itself."""
     found = design_gains(loader, design)
     if not found.reached:

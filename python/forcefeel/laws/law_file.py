@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
 from forcefeel.files import Kind, check_output_file, input_kind, read_input, write_whole
 from forcefeel.json_values import json_text
@@ -31,7 +31,7 @@ from forcefeel.laws.sampled.sampled_law import FRICTION, NUMBERS, SAMPLED_AT_GRI
 from forcefeel.loader.parameters import DRIVES, ELECTRIC, HYDRAULIC
 from forcefeel.units import as_float, show
 
-Numbers = Compensator | SampledLaw | NDArray[np.float64] | None
+Numbers = GainLaw | SampledLaw | NDArray[np.float64] | None
 """What the engine runs; see ``Law.numbers``."""
 
 LAW_FILE = ".json"
@@ -137,12 +137,12 @@ def _numbers_json(numbers: Numbers, drive: str) -> dict[str, Any]:
             left_out = set() if numbers.knows_friction else {FRICTION}
             rows = {name: getattr(numbers, name).tolist() for name in NUMBERS if name not in left_out}
             return {"kind": "sampled", "units": units, **rows}
-        case Compensator():
+        case GainLaw():
             return {"kind": "compensator", "units": units, **gain_law_json(numbers)}
     return {"kind": "state feedback", "units": units, "gains": numbers.tolist()}
 
 
-def gain_law_json(law: Compensator) -> dict[str, Any]:
+def gain_law_json(law: GainLaw) -> dict[str, Any]:
     """The numbers of a compensator, SI units."""
     return dict(zip(("gains", "load_cell_arm", "displacement_unit"), law.__getnewargs__(), strict=True))
 
@@ -230,14 +230,14 @@ def _state_feedback(keys: "_Keys", *_: float | None) -> NDArray[np.float64]:
     return gains
 
 
-def _compensator(keys: "_Keys", *_: float | None) -> Compensator:
+def _compensator(keys: "_Keys", *_: float | None) -> GainLaw:
     gains = keys.array("gains", 1)
     if len(gains) != len(GAIN_SYMBOLS):
         raise InputError(f"gains: expected {len(GAIN_SYMBOLS)}, got {len(gains)}")
     unit = keys.get("displacement_unit", str)
     if unit not in {"rad", "V"}:
         raise InputError(f"displacement_unit: expected rad or V, got {show(unit)}")
-    return Compensator(gains.tolist(), keys.get("load_cell_arm", float), unit)
+    return GainLaw(gains.tolist(), keys.get("load_cell_arm", float), unit)
 
 
 def _sampled(keys: "_Keys", period: float | None, delay: float | None) -> SampledLaw:

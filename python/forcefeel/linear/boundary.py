@@ -10,7 +10,7 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.linear.models import Linkage, loader_model
 from forcefeel.linear.modes import spectral_abscissa
 from forcefeel.linear.sampled_feel import sampled_feel
@@ -44,7 +44,7 @@ class StabilityBoundary:
 
 
 def smallest_stable_stiffness(
-    loader: Loader, linkage: Linkage = Linkage.COMPLIANT, law: Compensator | None = None
+    loader: Loader, linkage: Linkage = Linkage.COMPLIANT, law: GainLaw | None = None
 ) -> StabilityBoundary:
     """The smallest G at which the loader is stable, frequency and damping ratio of the feel kept.
 
@@ -68,7 +68,7 @@ def smallest_stable_stiffness(
     """
     check_hydraulic(loader, "the smallest stable stiffness", "linear.largest_stable_stiffness has what bounds its feel")
     build = _core.rigid if linkage is Linkage.RIGID else _core.compliant
-    law = law or Compensator.original(loader.values)
+    law = law or GainLaw.original(loader.values)
 
     def closed_loop(log_share: float) -> NDArray[np.float64]:
         scale = np.exp(log_share) * loader["feel.maximum_stiffness"] / loader["feel.stiffness"]

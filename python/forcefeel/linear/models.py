@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.errors import InputError, expect
 from forcefeel.linear import electric
 from forcefeel.linear.electric import ElectricPlant
@@ -154,7 +154,7 @@ def check_model(name: str, model: StateSpaceLike, *, single: bool = False) -> No
         )
 
 
-def loader_model(loader: Loader, law: Compensator | None, linkage: Linkage) -> LinearModel:
+def loader_model(loader: Loader, law: GainLaw | None, linkage: Linkage) -> LinearModel:
     """Eq. (15) or (17), as ``linkage`` says, under the original law, eq. (13), if none is given; a motor's feel by current alone.
 
     Raises:
@@ -162,11 +162,11 @@ def loader_model(loader: Loader, law: Compensator | None, linkage: Linkage) -> L
     """
     check_loader(loader)
     if law is not None:
-        expect("law", law, Compensator, "an analog law, as design_gains(loader).law(loader) gives it")
+        expect("law", law, GainLaw, "an analog law, as design_gains(loader).law(loader) gives it")
         check_hydraulic(loader, "an analog law", _NO_ANALOG_LAW)
     if loader.drive == ELECTRIC:
         return _motor_model(loader, linkage)
-    law = law or Compensator.original(loader.values)
+    law = law or GainLaw.original(loader.values)
     unit = law.displacement_unit.lower()
     feel = [f"feel_position_{unit}", f"feel_velocity_{unit}_per_s"]
     if linkage is Linkage.RIGID:
@@ -200,7 +200,7 @@ def plant_model(loader: Loader, linkage: Linkage) -> LinearModel:
         plant = ElectricPlant.of(loader, rigid=linkage is Linkage.RIGID)
         matrices = plant.a, plant.b, plant.c, plant.d
         return _model(name, matrices, plant.states, ("pilot_force_n", "current_command_a"), electric.OUTPUTS)
-    model = loader_model(loader, Compensator.none(loader.values), linkage)
+    model = loader_model(loader, GainLaw.none(loader.values), linkage)
     # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
     states, outputs = (
         [k for k, label in enumerate(labels) if not label.startswith("feel_")]
@@ -213,7 +213,7 @@ def plant_model(loader: Loader, linkage: Linkage) -> LinearModel:
 def servo_model(loader: Loader, linkage: Linkage, *, closed: bool) -> LinearModel:
     """The servo alone, from the amplifier's input e_T, its position loop closed or open."""
     check_hydraulic(loader, "the servo", _PLANT_INSTEAD)
-    law = Compensator.position_loop(loader.values) if closed else Compensator.none(loader.values)
+    law = GainLaw.position_loop(loader.values) if closed else GainLaw.none(loader.values)
     model = loader_model(loader, law, linkage)
     kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
     # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
@@ -227,7 +227,7 @@ def servo_model(loader: Loader, linkage: Linkage, *, closed: bool) -> LinearMode
     return _model(name, matrices, [model.state_labels[k] for k in kept], INPUTS[1:], SERVO_OUTPUTS)
 
 
-def open_loop_model(loader: Loader, linkage: Linkage, law: Compensator | None = None) -> LinearModel:
+def open_loop_model(loader: Loader, linkage: Linkage, law: GainLaw | None = None) -> LinearModel:
     """The overall loop, opened at the torque that the feel computer sees; of a motor, at the command of its current.
 
     The torque enters the model in one place, so the closed loop's state matrix is ``A - b c``, where ``A`` is the open
@@ -236,9 +236,9 @@ def open_loop_model(loader: Loader, linkage: Linkage, law: Compensator | None = 
     check_loader(loader)
     if loader.drive == ELECTRIC:
         return _motor_loop(loader, linkage)
-    law = law or Compensator.original(loader.values)
+    law = law or GainLaw.original(loader.values)
     closed = loader_model(loader, law, linkage)
-    opened = loader_model(loader, Compensator(law.gains, 0.0, law.displacement_unit), linkage)
+    opened = loader_model(loader, GainLaw(law.gains, 0.0, law.displacement_unit), linkage)
     entry = [k for k, name in enumerate(closed.state_labels) if name.startswith("feel_velocity")]
     b = np.zeros((len(closed.A), 1))
     b[entry] = 1.0
@@ -273,7 +273,7 @@ def feel_model(loader: Loader) -> LinearModel:
     return _model(f"{loader.name} ideal feel", _core.ideal_feel(loader.values), states, INPUTS[:1], OUTPUTS[:1])
 
 
-def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> Compensator:
+def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> GainLaw:
     """The compensator e = c x on the six measured states, with the feel computer driven by the column's torque.
 
     Args:
@@ -293,7 +293,7 @@ def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> Compensator:
     check_hydraulic(loader, "state feedback by gains", _NO_ANALOG_LAW)
     if len(gains) not in {6, 7} or not np.all(np.isfinite(gains)):
         raise InputError(f"gains: expected six or seven finite numbers, got {np.asarray(gains).tolist()}")
-    return Compensator.state_feedback(loader.values, (*(float(c) for c in gains), 0.0)[:7])
+    return GainLaw.state_feedback(loader.values, (*(float(c) for c in gains), 0.0)[:7])
 
 
 def _model(

@@ -6,7 +6,7 @@ What forcefeel itself computes with are the same matrices without it, ``models``
 
 import control
 
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.linear.models import (
     LinearModel,
     Linkage,
@@ -20,7 +20,7 @@ from forcefeel.linear.models import (
 from forcefeel.loader.loader import Loader
 
 
-def rigid_model(loader: Loader, law: Compensator | None = None) -> control.StateSpace:
+def rigid_model(loader: Loader, law: GainLaw | None = None) -> control.StateSpace:
     """Loader with a rigid link, eq. (15): states x_p, x_p', p, q_i, q_i', delta, delta'.
 
     Args:
@@ -41,7 +41,7 @@ def rigid_model(loader: Loader, law: Compensator | None = None) -> control.State
     return _state_space(loader_model(loader, law, Linkage.RIGID))
 
 
-def compliant_model(loader: Loader, law: Compensator | None = None) -> control.StateSpace:
+def compliant_model(loader: Loader, law: GainLaw | None = None) -> control.StateSpace:
     """Loader with a compliant link, eq. (17): states x_p, p, q_i, q_i', delta, delta', x_b, x_b'.
 
     Arguments and result are those of ``rigid_model``. Of a motor the feel by current alone: spring and damper of the programmed
@@ -96,7 +96,7 @@ def servo(loader: Loader, linkage: Linkage, *, closed: bool) -> control.StateSpa
     return _state_space(servo_model(loader, linkage, closed=closed))
 
 
-def overall_open_loop(loader: Loader, linkage: Linkage, law: Compensator | None = None) -> control.StateSpace:
+def overall_open_loop(loader: Loader, linkage: Linkage, law: GainLaw | None = None) -> control.StateSpace:
     """The overall loop, opened at the torque that the feel computer sees (fig. 10).
 
     L from that torque through feel computer, servo and load cell back to it, with the sign for which the closed loop's

@@ -23,8 +23,8 @@ Sensor = Literal["load_cell", "drive", "column", "grip"]
 SENSORS: tuple[Sensor, ...] = ("load_cell", "drive", "column", "grip")
 """The sensors, in the order of a sample."""
 
-Fault = Literal["silent", "stuck", "not_a_number", "jump", "deaf"]
-FAULTS: tuple[Fault, ...] = ("silent", "stuck", "not_a_number", "jump", "deaf")
+Fault = Literal["no_samples", "stuck", "not_a_number", "jump", "ignores_command"]
+FAULTS: tuple[Fault, ...] = ("no_samples", "stuck", "not_a_number", "jump", "ignores_command")
 """What may break of a simulated machine: no samples come, a sensor stays where it is, gives no number, jumps; commands are lost."""
 
 FADE_S = 0.5
@@ -208,7 +208,7 @@ class LiveSession:
                 f"fault: expected one of {', '.join(FAULTS)}, of a sensor out of {', '.join(SENSORS)}, got {show(fault)} of "
                 f"{show(sensor)}"
             )
-        if (sensor is None) != (fault in ("silent", "deaf")):
+        if (sensor is None) != (fault in ("no_samples", "ignores_command")):
             raise InputError(
                 f"sensor: {fault} is of {'no' if sensor else 'one'} sensor; give {'none' if sensor else 'which'}"
             )

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.errors import InputError, expect, expect_number
 from forcefeel.json_values import Json, quantity
 from forcefeel.loader import tolerance_text
@@ -143,7 +143,7 @@ class Loader:
 
     def plot_bode(
         self,
-        law: Compensator | None = None,
+        law: GainLaw | None = None,
         *,
         frequency_hz: Sequence[float] | NDArray[np.float64] | None = None,
         units: UnitSystem = UnitSystem.SI,
@@ -174,7 +174,7 @@ class Loader:
         """
         from forcefeel.plots.draw import bode  # noqa: PLC0415  Matplotlib, for whoever plots
 
-        if law is not None and not isinstance(law, Compensator):
+        if law is not None and not isinstance(law, GainLaw):
             raise InputError(f"law: expected an analog law, a GainLaw, got {show(law)}")
         feel_hz = HERTZ.from_si(_core.feel_frequency(self.values)[0], UnitSystem.SI)
         given = np.geomspace(feel_hz / 10, 100.0, 1000) if frequency_hz is None else frequency_hz
@@ -196,10 +196,10 @@ class Loader:
             ax,
         )
 
-    def _without_sampling(self, law: Compensator | None) -> dict[str, _Matrices]:
+    def _without_sampling(self, law: GainLaw | None) -> dict[str, _Matrices]:
         """Matrices from the pilot's force to the angle under an analog law, or of a motor without current, by what they show."""
         if self.drive == HYDRAULIC:
-            return {"loader": _core.compliant(self.values, law or Compensator.original(self.values))}
+            return {"loader": _core.compliant(self.values, law or GainLaw.original(self.values))}
         if law is not None:
             check_hydraulic(self, "an analog law", "without a law its motor has no current in this plot")
         return {"loader without current": _core.electric_plant(self.values)}

@@ -15,7 +15,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.laws.law import Law
 from forcefeel.linear.models import INPUTS, Linkage, loader_model
 from forcefeel.linear.modes import Mode, is_stable
@@ -59,10 +59,10 @@ class CommandLoop:
         return cls(matrix, loops.by_command[loop], matrix[loops.command], loops.period_s)
 
     @classmethod
-    def analog(cls, loader: Loader, law: Compensator | None) -> "CommandLoop":
+    def analog(cls, loader: Loader, law: GainLaw | None) -> "CommandLoop":
         """The loop of an analog loader; the original law, eq. (13), if none is given."""
-        law = Compensator.original(loader.values) if law is None else law
-        opened = Compensator([0.0] * len(law.gains), law.load_cell_arm, law.displacement_unit)
+        law = GainLaw.original(loader.values) if law is None else law
+        opened = GainLaw([0.0] * len(law.gains), law.load_cell_arm, law.displacement_unit)
         closed = loader_model(loader, law, Linkage.COMPLIANT)
         b = closed.B[:, INPUTS.index("test_signal_v")]
         # The command enters in one place, so that A - A_opened = b c.

@@ -44,7 +44,7 @@ def _sign(design: Design) -> list[Row]:
     for linkage, build in ((Linkage.RIGID, _core.rigid), (Linkage.COMPLIANT, _core.compliant)):
         values = design.low_loader.values.copy()
         values[INDEX["load_cell.gain"]] *= -1
-        poles = np.linalg.eigvals(build(values, _core.Compensator.original(values))[0])
+        poles = np.linalg.eigvals(build(values, _core.GainLaw.original(values))[0])
         fastest = poles[np.argmax(poles.real)]
         rows.append(
             claim(

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.laws.analog.recursion import DesignSettings
 from forcefeel.linear.models import DESIGN_STATES
 from forcefeel.loader.loader import Loader
@@ -27,8 +27,8 @@ def matrices(loader: Loader) -> Section:
     letters = printed.letters(loader)
     as_printed = loader.values.copy()
     as_printed[INDEX["load_cell.gain"]] *= -1
-    rigid = _core.rigid(as_printed, Compensator.original(as_printed))
-    compliant = _core.compliant(as_printed, Compensator.original(as_printed))
+    rigid = _core.rigid(as_printed, GainLaw.original(as_printed))
+    compliant = _core.compliant(as_printed, GainLaw.original(as_printed))
     plant = _core.design_plant(loader.values, letters.Gmax)
     return Section(
         "State equations",
@@ -72,7 +72,7 @@ def _difference(largest: float) -> str:
 
 
 def _sign(loader: Loader) -> Row:
-    model = _core.compliant(loader.values, Compensator.original(loader.values))[0]
+    model = _core.compliant(loader.values, GainLaw.original(loader.values))[0]
     entry = model[5, 1] / printed.compliant(printed.letters(loader))[0][5, 1]
     # With the sign turned round, as the reason says, the entry is the printed one.
     return number(

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.errors import InputError, expect
 from forcefeel.laws.law import Law, LawLike
 from forcefeel.loader.loader import Loader, check_loader
@@ -84,7 +84,7 @@ def _exact(loader: Loader, law: Law, scenario: Scenario) -> tuple[NDArray[np.flo
     if law.gains is not None or law.sampled or not linear.applies(loader, scenario):
         return None
     try:
-        return linear.run(loader, law.fixed or Compensator.original(loader.values), scenario)
+        return linear.run(loader, law.fixed or GainLaw.original(loader.values), scenario)
     except np.linalg.LinAlgError:
         return None
 

@@ -8,7 +8,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
 from forcefeel.linear.models import LinearModel, Linkage, loader_model
 from forcefeel.linear.step import equilibrium, transition
@@ -38,7 +38,7 @@ STABLE, STABLE_BY_POLES = 1, 3
 """Verdicts of the stability kernel that say stable: proved, and by computed poles."""
 
 
-def run(loader: Loader, law: Compensator, scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def run(loader: Loader, law: GainLaw, scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Outputs (outputs, samples) and measures of the run.
 
     ``x_{k+1} = Phi x_k + Gamma_0 u_k + Gamma_1 (u_{k+1} - u_k)`` with the exponential of the model's matrices, exact for a force
@@ -87,7 +87,7 @@ def simulate_linear_batch(
     loader: Loader,
     scenario: Scenario,
     values: NDArray[np.float64],
-    law: Compensator | NDArray[np.float64] | None = None,
+    law: GainLaw | NDArray[np.float64] | None = None,
     *,
     keep: Sequence[str] = (_ANGLE,),
     threads: int | None = None,
@@ -131,7 +131,7 @@ def simulate_linear_batch(
     )
     values = np.ascontiguousarray(values, dtype=np.float64)
     gains = np.ascontiguousarray(law, dtype=np.float64) if isinstance(law, np.ndarray) else None
-    law = law if isinstance(law, Compensator) else None
+    law = law if isinstance(law, GainLaw) else None
     units = outputs("rad" if gains is not None else law.displacement_unit if law else "V")
     columns = _check(loader, scenario, values, gains)
     for name in keep:

@@ -32,7 +32,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.linear.electric import BASE, BASE_RATE, CURRENT, OUTPUTS, POSITION, RATE, ElectricPlant
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.parameters import ELECTRIC, INDEX, OFF
@@ -166,7 +166,7 @@ def _valve(loader: Loader) -> _Drive:
     w = np.sqrt(loader["linkage.stiffness"] / per_square)
     _, least = _core.linkage_from_resonance(values, w, _LEAST_DAMPING)
     values[INDEX["linkage.damping"]] = max(loader["linkage.damping"], least)
-    a, b, c, _ = _core.compliant(values, Compensator.none(values))
+    a, b, c, _ = _core.compliant(values, GainLaw.none(values))
     own, time = np.array([0, 1, 6, 7]), np.linspace(0.0, 2 * np.pi / w, _MOMENTS)
     valve, angle, flow = Valve(loader), c[0, own], _valve_flow(loader, a[2:4, 2:4], time)
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.laws.law_file import gain_law_json
 from forcefeel.loader.parameters import table
 from forcefeel.simulation.outcome import measures_of
@@ -79,7 +79,7 @@ def _leaves(document: Any, place: str = "") -> Iterator[tuple[str, str]]:
 def _exact(value: Any) -> Any:
     """``value`` as JSON can hold it, nothing lost."""
     match value:
-        case Compensator():
+        case GainLaw():
             return gain_law_json(value)
         case float():
             return value if math.isfinite(value) else str(value)

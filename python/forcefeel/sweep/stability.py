@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
 from forcefeel.loader.loader import Loader, check_hydraulic
 from forcefeel.loader.parameters import HYDRAULIC, INDEX, TABLE, did_you_mean, required
@@ -27,7 +27,7 @@ _AT_A_TIME = 16_384
 def stability_batch(
     loader: Loader,
     varied: Mapping[str, ArrayLike],
-    law: Compensator | NDArray[np.float64] | None = None,
+    law: GainLaw | NDArray[np.float64] | None = None,
     *,
     threads: int | None = None,
 ) -> xr.Dataset:
@@ -112,7 +112,7 @@ def _loops(
     common: NDArray[np.float64],
     keys: list[str],
     varied: NDArray[np.float64],
-    law: Compensator | NDArray[np.float64] | None,
+    law: GainLaw | NDArray[np.float64] | None,
 ) -> _core.Loops:
     columns = [INDEX[key] for key in keys]
     if isinstance(law, np.ndarray):
@@ -120,7 +120,7 @@ def _loops(
     return _core.Loops(common, columns, varied, law=law)
 
 
-def _check(columns: Mapping[str, NDArray[np.float64]], law: Compensator | NDArray[np.float64] | None) -> None:
+def _check(columns: Mapping[str, NDArray[np.float64]], law: GainLaw | NDArray[np.float64] | None) -> None:
     if not columns:
         raise InputError("varied: expected values of at least one parameter, such as feel.stiffness, got none")
     counts = {values.shape for values in columns.values()}

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.bench.channels import CHANNELS
 from forcefeel.bench.excitation.limits import KINDS, Limit
 from forcefeel.bench.experiments import Drive, Experiment, Loop
@@ -89,9 +89,9 @@ class Bench:
     def _law(self) -> LawLike:
         match self.experiment.loop:
             case Loop.SERVO_OPEN | Loop.MOTOR_OPEN:
-                return Compensator.none(self.loader.values)
+                return GainLaw.none(self.loader.values)
             case Loop.SERVO_CLOSED:
-                return Compensator.position_loop(self.loader.values)
+                return GainLaw.position_loop(self.loader.values)
             case Loop.LOADER:
                 return self.law
 

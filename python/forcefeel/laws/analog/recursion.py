@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.errors import InputError, expect
 from forcefeel.json_values import Json, fields_json, quantity
 from forcefeel.linear.models import DESIGN_STATES, design_model, state_feedback
@@ -180,7 +180,7 @@ class GainDesign:
             case Status.SINGULAR:
                 return f"stopped {after}: R + H' E H could not be inverted in double precision; change r2 or the step"
 
-    def law(self, loader: Loader) -> Compensator:
+    def law(self, loader: Loader) -> GainLaw:
         """The law on the six measured states.
 
         The pilot force is not measured, so its gain is left out. Gains over an endless horizon count on it: without it the

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel import _core
-from forcefeel._core import Compensator
+from forcefeel._core import GainLaw
 from forcefeel.errors import InputError
 from forcefeel.linear.models import INPUTS, Linkage, loader_model
 from forcefeel.linear.sampled_feel import delayed
@@ -284,7 +284,7 @@ def _motor(loader: Loader) -> _Plant:
 def _servo(loader: Loader) -> _Plant:
     """Of a hydraulic drive."""
     # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
-    model = loader_model(loader, Compensator.none(loader.values), Linkage.COMPLIANT)
+    model = loader_model(loader, GainLaw.none(loader.values), Linkage.COMPLIANT)
     kept = [model.state_labels.index(name) for name in PLANT_STATES]
     force, signal = (model.B[kept, INPUTS.index(name)] for name in INPUTS)
     a = model.A[np.ix_(kept, kept)]

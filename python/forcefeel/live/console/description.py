@@ -30,11 +30,11 @@ _SLIDERS: dict[str, tuple[str, float, float]] = {
 """What has a slider: its name, and lowest and highest value in SI units; of the setting, those follow from the loader."""
 
 FAULTS: dict[Fault, str] = {
-    "silent": "no samples come",
+    "no_samples": "no samples come",
     "stuck": "a sensor stays where it is",
     "not_a_number": "a sensor gives no number",
     "jump": "a sensor jumps",
-    "deaf": "commands are lost",
+    "ignores_command": "commands are lost",
 }
 """Of a simulated machine."""
 
