@@ -42,7 +42,7 @@ pub struct Blocks {
 
 /// What a program's nodes are made of, where that is not what the trace says.
 #[derive(Debug, Clone, Default)]
-pub struct Made {
+pub struct MadeOf {
     /// The nodes that each is made of.
     pub of: Vec<Vec<u32>>,
     /// Nodes that are made together, each with the first of them.
@@ -65,7 +65,7 @@ pub fn choice(graph: &Graph, node: u32) -> Option<(u32, [Option<u32>; 2])> {
 
 impl Blocks {
     /// Places what `wanted` needs.
-    pub fn of(graph: &Graph, made: &Made, wanted: &[u32]) -> Self {
+    pub fn of(graph: &Graph, made: &MadeOf, wanted: &[u32]) -> Self {
         let mut blocks = Self { arms: vec![None], ..Self::default() };
         for &node in wanted {
             blocks.used(node, ALWAYS);
@@ -89,7 +89,7 @@ impl Blocks {
         blocks
     }
 
-    fn place(&mut self, graph: &Graph, made: &Made, (node, block): (u32, usize)) {
+    fn place(&mut self, graph: &Graph, made: &MadeOf, (node, block): (u32, usize)) {
         match graph.nodes[node as usize] {
             Node::Input(_) | Node::Flag(_) => {
                 self.of.insert(node, ALWAYS);
@@ -108,7 +108,7 @@ impl Blocks {
     }
 
     /// Places what chooses: in a group, or as what it comes to within an arm of its own mask.
-    fn choose(&mut self, graph: &Graph, made: &Made, (node, block): (u32, usize)) {
+    fn choose(&mut self, graph: &Graph, made: &MadeOf, (node, block): (u32, usize)) {
         let Some((mask, chosen)) = choice(graph, node) else { return };
         match self.arm_of(mask, block).map(|arm| chosen[arm]) {
             Some(Some(chosen)) => {
@@ -130,7 +130,7 @@ impl Blocks {
     }
 
     /// The group of a select: one that is there, or a new one.
-    fn group(&mut self, made: &Made, (node, mask, block): (u32, u32, usize)) -> usize {
+    fn group(&mut self, made: &MadeOf, (node, mask, block): (u32, u32, usize)) -> usize {
         let alike = |group: &Group| group.mask == mask && group.block == block;
         let there = (0..self.groups.len()).rev().filter(|&k| alike(&self.groups[k]));
         let group = there.into_iter().find(|&k| !self.waits_for(made, k, node)).unwrap_or_else(|| {
@@ -145,7 +145,7 @@ impl Blocks {
     }
 
     /// Whether a group can be run only after a node, each of the groups on the way being run as a whole.
-    fn waits_for(&self, made: &Made, group: usize, node: u32) -> bool {
+    fn waits_for(&self, made: &MadeOf, group: usize, node: u32) -> bool {
         let mut open = self.groups[group].members.clone();
         let mut seen: HashSet<u32> = open.iter().copied().collect();
         while let Some(one) = open.pop() {

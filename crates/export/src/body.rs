@@ -1,11 +1,11 @@
 //! The lines of a function of C: an operation each, in the order in which they were asked for.
 
-use crate::blocks::{ALWAYS, Blocks, Made, choice};
+use crate::blocks::{ALWAYS, Blocks, MadeOf, choice};
 use crate::controller::{INPUTS, name_of};
 use crate::dots::{Product, products};
 use crate::emit::{Bits, Writer};
 use crate::made::{held, made_of, of_few_steps, reached, within};
-use crate::trace::{Bank, Graph, Node, One, Two};
+use crate::trace::{Bank, BinaryOp, Graph, Node, UnaryOp};
 use std::collections::{HashMap, HashSet};
 
 /// Operations in the arms of a select from which on they are worth a branch.
@@ -16,7 +16,7 @@ const WORTH_A_BRANCH: usize = 2;
 pub struct Body<'a> {
     writer: &'a mut Writer,
     graph: &'a Graph,
-    made: Made,
+    made: MadeOf,
     blocks: Blocks,
     /// The nodes of each block in their order.
     nodes: HashMap<usize, Vec<u32>>,
@@ -57,7 +57,7 @@ impl<'a> Body<'a> {
             }
         }
         let done = given.clone();
-        let made = Made { of: made, together, given };
+        let made = MadeOf { of: made, together, given };
         let blocks = Blocks::of(graph, &made, wanted);
         let mut nodes: HashMap<usize, Vec<u32>> = HashMap::new();
         for (&node, &block) in &blocks.of {
@@ -187,7 +187,9 @@ impl<'a> Body<'a> {
     fn work(&self, nodes: &[u32]) -> usize {
         let of = |&node: &u32| match self.graph.nodes[node as usize] {
             _ if self.product_of.contains_key(&node) => WORTH_A_BRANCH,
-            Node::Part(..) | Node::One(One::Sqrt | One::Round, _) | Node::Two(Two::Div, ..) => WORTH_A_BRANCH,
+            Node::Part(..) | Node::UnaryOp(UnaryOp::Sqrt | UnaryOp::Round, _) | Node::BinaryOp(BinaryOp::Div, ..) => {
+                WORTH_A_BRANCH
+            }
             _ => usize::from(!self.made.of[node as usize].is_empty()),
         };
         nodes.iter().map(of).sum()
@@ -214,18 +216,18 @@ impl<'a> Body<'a> {
                 format!("in->{}", name_of(place))
             }
             Node::Input(place) | Node::Flag(place) => format!("state->{}", name_of(place)),
-            Node::One(One::Neg, a) => format!("-{}", s(a)),
-            Node::One(One::Sqrt, a) => format!("REAL_SQRT({})", s(a)),
-            Node::One(One::Abs, a) => format!("REAL_ABS({})", s(a)),
-            Node::One(One::Round, a) if of_few_steps(graph, a) => format!("{name}_nearest_of_few({})", s(a)),
-            Node::One(One::Round, a) => format!("{name}_nearest({})", s(a)),
-            Node::Two(Two::Add, a, b) => format!("{} + {}", s(a), s(b)),
-            Node::Two(Two::Sub, a, b) => format!("{} - {}", s(a), s(b)),
-            Node::Two(Two::Mul, a, b) => format!("{} * {}", s(a), s(b)),
-            Node::Two(Two::Div, a, b) => format!("{} / {}", s(a), s(b)),
-            Node::Two(Two::Min, a, b) => format!("{name}_smaller({}, {})", s(a), s(b)),
-            Node::Two(Two::Max, a, b) => format!("{name}_larger({}, {})", s(a), s(b)),
-            Node::Two(Two::TimesSign, a, b) => format!("{name}_with_sign({}, {})", s(a), s(b)),
+            Node::UnaryOp(UnaryOp::Neg, a) => format!("-{}", s(a)),
+            Node::UnaryOp(UnaryOp::Sqrt, a) => format!("REAL_SQRT({})", s(a)),
+            Node::UnaryOp(UnaryOp::Abs, a) => format!("REAL_ABS({})", s(a)),
+            Node::UnaryOp(UnaryOp::Round, a) if of_few_steps(graph, a) => format!("{name}_nearest_of_few({})", s(a)),
+            Node::UnaryOp(UnaryOp::Round, a) => format!("{name}_nearest({})", s(a)),
+            Node::BinaryOp(BinaryOp::Add, a, b) => format!("{} + {}", s(a), s(b)),
+            Node::BinaryOp(BinaryOp::Sub, a, b) => format!("{} - {}", s(a), s(b)),
+            Node::BinaryOp(BinaryOp::Mul, a, b) => format!("{} * {}", s(a), s(b)),
+            Node::BinaryOp(BinaryOp::Div, a, b) => format!("{} / {}", s(a), s(b)),
+            Node::BinaryOp(BinaryOp::Min, a, b) => format!("{name}_smaller({}, {})", s(a), s(b)),
+            Node::BinaryOp(BinaryOp::Max, a, b) => format!("{name}_larger({}, {})", s(a), s(b)),
+            Node::BinaryOp(BinaryOp::TimesSign, a, b) => format!("{name}_with_sign({}, {})", s(a), s(b)),
             Node::Less(a, b) => format!("{} < {}", s(a), s(b)),
             Node::And(a, b) => format!("{} && {}", s(a), s(b)),
             Node::Or(a, b) => format!("{} || {}", s(a), s(b)),
@@ -307,8 +309,8 @@ impl<'a> Body<'a> {
             body.write(root, ALWAYS);
         }
         for (k, &root) in roots.iter().enumerate() {
-            let found = body.spelled(root);
-            body.line(&if roots.len() == 1 { format!("return {found};") } else { format!("r[{k}] = {found};") });
+            let value = body.spelled(root);
+            body.line(&if roots.len() == 1 { format!("return {value};") } else { format!("r[{k}] = {value};") });
         }
         let (banks, lines, operations) = (body.banks, body.text, body.operations);
         let real = self.writer.real();

@@ -4,14 +4,14 @@ use crate::trace::{Bank, Graph, Mask, Trace, input_as_f64, traced};
 use forcefeel_model::Scalar;
 use forcefeel_model::cancellation::Cancellation;
 use forcefeel_model::compensator::Compensator;
-use forcefeel_model::control::{Control, Feeling, Remembered, Sample};
+use forcefeel_model::control::{Control, FeelState, LawState, Sample};
 use forcefeel_model::controller::Timing;
 use forcefeel_model::curve::Curve;
 use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
-use forcefeel_model::dry_friction::Grip;
+use forcefeel_model::dry_friction::StickState;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::feel_computer::FeelMotion;
-use forcefeel_model::known_friction::{LEVEL_FROM_END, Recalled};
+use forcefeel_model::known_friction::{FrictionState, LEVEL_FROM_END};
 use forcefeel_model::law_inputs::{SHAKER_SWING, STIFFNESS_FACTOR, TRIM as TRIM_RANGE, sensed};
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED};
@@ -163,7 +163,7 @@ impl Job {
             let [force, _, base, _] = machine.shown_at_rest(&shared.effects, &equilibrium);
             let memory = machine.remember(&shared, &equilibrium);
             let remembered = memory.control();
-            let beside = [remembered.position, remembered.recalled.heard, equilibrium.delta()];
+            let beside = [remembered.position, remembered.friction_state.feel_torque, equilibrium.delta()];
             let numbers =
                 core::array::from_fn(
                     |k| if k < MOST_STATES { remembered.estimate[k] } else { beside[k - MOST_STATES] },
@@ -253,7 +253,7 @@ impl Job {
         const KNOWN: usize = MOST_STATES + SAMPLED + 2;
         const WIDE: usize = SAMPLED + 1;
         let n = self.states;
-        let said = |k: usize| k < n || k >= MOST_STATES;
+        let is_computed = |k: usize| k < n || k >= MOST_STATES;
         let parts =
             [MOST_STATES * MOST_STATES, MOST_STATES * WIDE, KNOWN, KNOWN, MOST_STATES * WIDE, 2, KNOWN, MOST_STATES];
         let (mut part, mut k) = (0, place);
@@ -264,7 +264,7 @@ impl Job {
         match part {
             0 => k / MOST_STATES < n && k % MOST_STATES < n,
             1 | 4 => k / WIDE < n,
-            2 | 3 | 6 => said(k),
+            2 | 3 | 6 => is_computed(k),
             5 => true,
             7 => k < n,
             _ => false,
@@ -302,37 +302,38 @@ const ASIDE: [f64; SHOWN] = [0.1, 10.0, 0.1];
 /// The controller in the equilibrium of base, load cell and neutral, as a run begins.
 ///
 /// The drive's sensor does not count: a law that integrates would make volts of what it and the column's are apart.
-fn resting<S: Scalar>(control: &Control<S>, still: &Still<S>, shown: [S; SHOWN]) -> (Feeling<S>, Remembered<S>) {
+fn resting<S: Scalar>(control: &Control<S>, still: &Still<S>, shown: [S; SHOWN]) -> (FeelState<S>, LawState<S>) {
     let [base, force, trim] = shown;
     let zero = trim.zero();
     let mut feeling = control.resting(zero, zero);
-    let [estimate @ .., position, heard, delta] = still.map(|[at_zero, per_base, per_force, per_trim]| {
+    let [estimate @ .., position, feel_torque, delta] = still.map(|[at_zero, per_base, per_force, per_trim]| {
         at_zero + per_base * base + per_force * force + per_trim * trim
     });
     // Under a law with an observer the feel's displacement is an angle.
     (feeling.motion.at[0], feeling.motion.slider, feeling.neutral) = (delta, delta, trim);
-    (feeling, Remembered { base, position, estimate, recalled: Recalled::afresh(heard) })
+    (feeling, LawState { base, position, estimate, friction_state: FrictionState::initial(feel_torque) })
 }
 
 /// The state, as inputs.
-fn state() -> (Feeling<Trace>, Remembered<Trace>) {
+fn state() -> (FeelState<Trace>, LawState<Trace>) {
     let one = |k: usize| Trace::input(INPUTS.len() + k);
-    let grip = Grip { stuck: Mask::flag(STUCK), drag: one(11), velocity: one(12), pull: one(13) };
+    let grip = StickState { stuck: Mask::flag(STUCK), drag: one(11), velocity: one(12), pull: one(13) };
     let motion = FeelMotion { at: [one(7), one(8)], grip, slider: one(10) };
     let estimate = core::array::from_fn(|k| Trace::input(FIRST_XI + k));
-    let recalled = Recalled { heard: one(2), learnt: one(3), trusted: one(4), push: one(5), way: one(6) };
-    (Feeling { motion, neutral: one(9) }, Remembered { base: one(0), position: one(1), estimate, recalled })
+    let friction_state =
+        FrictionState { feel_torque: one(2), learnt: one(3), trusted: one(4), push: one(5), way: one(6) };
+    (FeelState { motion, neutral: one(9) }, LawState { base: one(0), position: one(1), estimate, friction_state })
 }
 
 /// The state by places.
-fn next(feeling: &Feeling<Trace>, remembered: &Remembered<Trace>) -> Vec<(usize, u32)> {
-    let Feeling { motion: FeelMotion { at, grip, slider }, neutral } = feeling;
-    let Remembered { base, position, estimate, recalled } = remembered;
-    let Recalled { heard, learnt, trusted, push, way } = recalled;
+fn next(feeling: &FeelState<Trace>, remembered: &LawState<Trace>) -> Vec<(usize, u32)> {
+    let FeelState { motion: FeelMotion { at, grip, slider }, neutral } = feeling;
+    let LawState { base, position, estimate, friction_state } = remembered;
+    let FrictionState { feel_torque, learnt, trusted, push, way } = friction_state;
     let numbers = [
         base,
         position,
-        heard,
+        feel_torque,
         learnt,
         trusted,
         push,
@@ -378,7 +379,7 @@ fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> V
     let still = job.still(&shared).map(|pair| pair.map(|of| like.constant(of[first.settings.0])));
     let shown = [BASE, FORCE, TRIM].map(|place| like.constant(first.inputs[place]));
     let (mut feeling, mut remembered) = resting(start, &still, shown);
-    let mut found = Vec::with_capacity(given.len());
+    let mut outputs = Vec::with_capacity(given.len());
     for one in given {
         let (from, to) = one.settings;
         let mut control = parts[from].2;
@@ -392,7 +393,7 @@ fn run<S: Scalar + Into<f64>, K: Kind>(job: &Job, like: S, given: &[Given]) -> V
             None
         });
         let [delta, rate] = feeling.motion.at;
-        found.push([control.within_range(e), torque, delta, rate].map(Into::into));
+        outputs.push([control.within_range(e), torque, delta, rate].map(Into::into));
     }
-    found
+    outputs
 }

@@ -3,7 +3,7 @@
 //! The model writes `sum = sum + a_k x_k` in loops; traced, that is a chain. Chains of data on the same numbers in the same order are rows of
 //! one matrix, and are emitted as a loop over rows: the same operations in the same order, and so the same bits.
 
-use crate::trace::{Bank, Graph, Node, Two};
+use crate::trace::{Bank, BinaryOp, Graph, Node};
 use std::collections::HashMap;
 
 /// Rows on one vector.
@@ -25,7 +25,7 @@ pub fn products(graph: &Graph, live: &[bool]) -> Vec<Product> {
     let mut inner = vec![false; graph.nodes.len()];
     for (place, node) in graph.nodes.iter().enumerate() {
         if live[place]
-            && let &Node::Two(Two::Add, sum, term) = node
+            && let &Node::BinaryOp(BinaryOp::Add, sum, term) = node
             && chain(graph, sum).is_some()
             && data_times(graph, term).is_some()
         {
@@ -33,18 +33,18 @@ pub fn products(graph: &Graph, live: &[bool]) -> Vec<Product> {
         }
     }
     let mut places: HashMap<(Vec<u32>, Bank), usize> = HashMap::new();
-    let mut found: Vec<Product> = Vec::new();
+    let mut products: Vec<Product> = Vec::new();
     for place in (0..graph.nodes.len()).filter(|&place| live[place] && !inner[place]) {
         let node = u32::try_from(place).expect("a graph's places are 32 bits");
         let Some((data, vector)) = chain(graph, node).filter(|(data, _)| data.len() > 1) else { continue };
         let bank = bank_of(graph, data[0]);
         let at = *places.entry((vector.clone(), bank)).or_insert_with(|| {
-            found.push(Product { vector, bank, rows: Vec::new() });
-            found.len() - 1
+            products.push(Product { vector, bank, rows: Vec::new() });
+            products.len() - 1
         });
-        found[at].rows.push((data, node));
+        products[at].rows.push((data, node));
     }
-    found
+    products
 }
 
 fn bank_of(graph: &Graph, node: u32) -> Bank {
@@ -52,7 +52,7 @@ fn bank_of(graph: &Graph, node: u32) -> Bank {
 }
 
 fn data_times(graph: &Graph, node: u32) -> Option<(u32, u32)> {
-    let &Node::Two(Two::Mul, a, x) = &graph.nodes[node as usize] else { return None };
+    let &Node::BinaryOp(BinaryOp::Mul, a, x) = &graph.nodes[node as usize] else { return None };
     matches!(graph.nodes[a as usize], Node::Data(..)).then_some((a, x))
 }
 
@@ -61,7 +61,7 @@ fn chain(graph: &Graph, node: u32) -> Option<(Vec<u32>, Vec<u32>)> {
     if let Some((a, x)) = data_times(graph, node) {
         return Some((vec![a], vec![x]));
     }
-    let &Node::Two(Two::Add, sum, term) = &graph.nodes[node as usize] else { return None };
+    let &Node::BinaryOp(BinaryOp::Add, sum, term) = &graph.nodes[node as usize] else { return None };
     let (a, x) = data_times(graph, term)?;
     let (mut data, mut vector) = chain(graph, sum)?;
     if bank_of(graph, data[0]) != bank_of(graph, a) {

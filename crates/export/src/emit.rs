@@ -1,6 +1,6 @@
 //! C99 from what was traced: a law's parts, and its numbers.
 
-use crate::blocks::{Blocks, Made};
+use crate::blocks::{Blocks, MadeOf};
 use crate::body::Body;
 use crate::controller::{INPUTS, Job, Program, name_of};
 use crate::made::made_of;
@@ -69,7 +69,7 @@ impl Source {
 fn needed(program: &Program) -> BTreeSet<usize> {
     let graph = &program.graph;
     let of = (0..graph.nodes.len()).map(|place| made_of(graph, place)).collect();
-    let made = Made { of, ..Made::default() };
+    let made = MadeOf { of, ..MadeOf::default() };
     let mut states = BTreeSet::from(GIVEN);
     loop {
         let mut more = states.clone();

@@ -1,6 +1,6 @@
 //! What a node is made of where it is written as C: what it waits for, and what a function is given.
 
-use crate::trace::{Graph, Node, One, Two};
+use crate::trace::{BinaryOp, Graph, Node, UnaryOp};
 use std::collections::HashSet;
 
 /// What a node is made of, where C has a shorter word than the trace, and of a part what it holds on to as well.
@@ -18,7 +18,7 @@ pub fn made_of(graph: &Graph, place: usize) -> Vec<u32> {
 /// What a part needs besides what it is given.
 pub fn held(graph: &Graph, roots: &[u32]) -> Vec<u32> {
     let on_given = graph.on_given();
-    let (mut open, mut seen, mut found) = (roots.to_vec(), HashSet::new(), Vec::new());
+    let (mut open, mut seen, mut needed) = (roots.to_vec(), HashSet::new(), Vec::new());
     while let Some(node) = open.pop() {
         if !seen.insert(node) {
             continue;
@@ -26,18 +26,18 @@ pub fn held(graph: &Graph, roots: &[u32]) -> Vec<u32> {
         if on_given[node as usize] {
             open.extend(graph.nodes[node as usize].made_of());
         } else if !matches!(graph.nodes[node as usize], Node::Known(..) | Node::Data(..) | Node::Holds(..)) {
-            found.push(node);
+            needed.push(node);
         }
     }
-    found
+    needed
 }
 
 /// The number and the limit of what is held between a limit and its negative.
 pub fn within(graph: &Graph, node: u32) -> Option<(u32, u32)> {
-    let &Node::Two(Two::Min, inner, high) = &graph.nodes[node as usize] else { return None };
-    let &Node::Two(Two::Max, x, low) = &graph.nodes[inner as usize] else { return None };
+    let &Node::BinaryOp(BinaryOp::Min, inner, high) = &graph.nodes[node as usize] else { return None };
+    let &Node::BinaryOp(BinaryOp::Max, x, low) = &graph.nodes[inner as usize] else { return None };
     let opposite = match (&graph.nodes[low as usize], &graph.nodes[high as usize]) {
-        (&Node::One(One::Neg, size), _) => size == high,
+        (&Node::UnaryOp(UnaryOp::Neg, size), _) => size == high,
         (Node::Known(low, _), Node::Known(high, _)) => {
             low.iter().zip(high).all(|(&low, &high)| low == (-f64::from_bits(high)).to_bits())
         }
@@ -49,22 +49,22 @@ pub fn within(graph: &Graph, node: u32) -> Option<(u32, u32)> {
 fn not_negative(graph: &Graph, node: u32) -> bool {
     match &graph.nodes[node as usize] {
         Node::Known(bits, _) => bits.iter().all(|&bits| f64::from_bits(bits) >= 0.0),
-        Node::One(One::Abs, _) => true,
-        &Node::Two(Two::Max, a, b) => not_negative(graph, a) || not_negative(graph, b),
+        Node::UnaryOp(UnaryOp::Abs, _) => true,
+        &Node::BinaryOp(BinaryOp::Max, a, b) => not_negative(graph, a) || not_negative(graph, b),
         _ => false,
     }
 }
 
 /// Which nodes are needed for `wanted`.
 pub fn reached(made: &[Vec<u32>], wanted: &[u32]) -> Vec<bool> {
-    let mut found = vec![false; made.len()];
+    let mut needed = vec![false; made.len()];
     let mut open = wanted.to_vec();
     while let Some(node) = open.pop() {
-        if !core::mem::replace(&mut found[node as usize], true) {
+        if !core::mem::replace(&mut needed[node as usize], true) {
             open.extend(&made[node as usize]);
         }
     }
-    found
+    needed
 }
 
 /// Whether a number is what lies within a known limit over a known step, some millions of them at most: what rounds it need not ask
@@ -74,7 +74,7 @@ pub fn of_few_steps(graph: &Graph, node: u32) -> bool {
         Node::Known(bits, _) => Some(bits.iter().map(|&bits| f64::from_bits(bits)).collect::<Vec<_>>()),
         _ => None,
     };
-    let &Node::Two(Two::Div, x, step) = &graph.nodes[node as usize] else { return false };
+    let &Node::BinaryOp(BinaryOp::Div, x, step) = &graph.nodes[node as usize] else { return false };
     let Some((limits, steps)) = within(graph, x).and_then(|(_, limit)| known(limit)).zip(known(step)) else {
         return false;
     };

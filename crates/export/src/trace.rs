@@ -28,7 +28,7 @@ pub enum Bank {
 /// Operations on two numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[expect(missing_docs, reason = "as their names say")]
-pub enum Two {
+pub enum BinaryOp {
     Add,
     Sub,
     Mul,
@@ -41,7 +41,7 @@ pub enum Two {
 /// Operations on one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[expect(missing_docs, reason = "as their names say")]
-pub enum One {
+pub enum UnaryOp {
     Neg,
     Sqrt,
     Abs,
@@ -60,9 +60,9 @@ pub enum Node {
     /// A state that holds or not, by its place.
     Flag(usize),
     /// Of one number.
-    One(One, u32),
+    UnaryOp(UnaryOp, u32),
     /// Of two numbers.
-    Two(Two, u32, u32),
+    BinaryOp(BinaryOp, u32, u32),
     /// Whether the first is less.
     Less(u32, u32),
     /// Both masks.
@@ -114,8 +114,8 @@ pub struct Mask(pub u32);
 /// is changed into another.
 pub fn traced<T>(single: bool, settings: usize, share: Option<usize>, work: impl FnOnce() -> T) -> (T, Graph) {
     GRAPH.with_borrow_mut(|graph| *graph = Graph { single, settings, share, ..Graph::default() });
-    let found = work();
-    (found, GRAPH.with_borrow_mut(core::mem::take))
+    let evaluated = work();
+    (evaluated, GRAPH.with_borrow_mut(core::mem::take))
 }
 
 /// The `f64` by which an input is told where the model takes none but `f64`: not a number, with the input's place in its last bits.
@@ -161,29 +161,29 @@ impl Graph {
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "numbers of single precision, held in double")]
-    fn one(&mut self, operation: One, a: u32) -> u32 {
+    fn one(&mut self, operation: UnaryOp, a: u32) -> u32 {
         if let Some((values, bank)) = self.value(a) {
             let single = self.single;
             let of = |x: f64| if single { f64::from(apply_one(operation, x as f32)) } else { apply_one(operation, x) };
-            let found: Vec<f64> = values.into_iter().map(of).collect();
-            return self.number(&found, bank);
+            let evaluated: Vec<f64> = values.into_iter().map(of).collect();
+            return self.number(&evaluated, bank);
         }
-        if operation == One::Neg
+        if operation == UnaryOp::Neg
             && let Some(reversed) = self.reversed(a)
         {
             return reversed;
         }
-        self.put(Node::One(operation, a))
+        self.put(Node::UnaryOp(operation, a))
     }
 
     /// `-a`, where that takes no operation.
     fn reversed(&mut self, a: u32) -> Option<u32> {
         match self.nodes[a as usize] {
-            Node::Known(..) => Some(self.one(One::Neg, a)),
-            Node::One(One::Neg, inner) => Some(inner),
-            Node::Two(Two::TimesSign, size, of) => {
+            Node::Known(..) => Some(self.one(UnaryOp::Neg, a)),
+            Node::UnaryOp(UnaryOp::Neg, inner) => Some(inner),
+            Node::BinaryOp(BinaryOp::TimesSign, size, of) => {
                 let size = self.reversed(size)?;
-                Some(self.two(Two::TimesSign, size, of))
+                Some(self.two(BinaryOp::TimesSign, size, of))
             }
             Node::Select(mask, yes, no) => {
                 let (yes, no) = (self.reversed(yes)?, self.reversed(no)?);
@@ -194,7 +194,7 @@ impl Graph {
     }
 
     #[expect(clippy::cast_possible_truncation, reason = "numbers of single precision, held in double")]
-    fn two(&mut self, operation: Two, a: u32, b: u32) -> u32 {
+    fn two(&mut self, operation: BinaryOp, a: u32, b: u32) -> u32 {
         if let (Some((x, bank_x)), Some((y, bank_y))) = (self.value(a), self.value(b))
             && let Some(bank) = together(bank_x, bank_y)
         {
@@ -202,34 +202,34 @@ impl Graph {
             let of = |x: f64, y: f64| {
                 if single { f64::from(apply(operation, x as f32, y as f32)) } else { apply(operation, x, y) }
             };
-            let found: Vec<f64> = x.into_iter().zip(y).map(|(x, y)| of(x, y)).collect();
-            return self.number(&found, bank);
+            let evaluated: Vec<f64> = x.into_iter().zip(y).map(|(x, y)| of(x, y)).collect();
+            return self.number(&evaluated, bank);
         }
         // a + (-b) = a - b, a - (-b) = a + b
         match (operation, &self.nodes[b as usize]) {
-            (Two::Add, &Node::One(One::Neg, inner)) => return self.two(Two::Sub, a, inner),
-            (Two::Sub, &Node::One(One::Neg, inner)) => return self.two(Two::Add, a, inner),
+            (BinaryOp::Add, &Node::UnaryOp(UnaryOp::Neg, inner)) => return self.two(BinaryOp::Sub, a, inner),
+            (BinaryOp::Sub, &Node::UnaryOp(UnaryOp::Neg, inner)) => return self.two(BinaryOp::Add, a, inner),
             _ => {}
         }
         let (zero, one) = (|x: f64| x == 0.0, |x: f64| x.to_bits() == 1f64.to_bits());
         let (most, least) = (|x: f64| x == f64::INFINITY, |x: f64| x == f64::NEG_INFINITY);
         match operation {
-            Two::Add if self.is(a, zero) => return b,
-            Two::Add | Two::Sub if self.is(b, zero) => return a,
-            Two::Sub if self.is(a, zero) => return self.one(One::Neg, b),
-            Two::Mul if self.is(a, one) => return b,
-            Two::Mul | Two::Div if self.is(b, one) => return a,
-            Two::Mul if self.is(a, zero) || self.is(b, zero) => {
+            BinaryOp::Add if self.is(a, zero) => return b,
+            BinaryOp::Add | BinaryOp::Sub if self.is(b, zero) => return a,
+            BinaryOp::Sub if self.is(a, zero) => return self.one(UnaryOp::Neg, b),
+            BinaryOp::Mul if self.is(a, one) => return b,
+            BinaryOp::Mul | BinaryOp::Div if self.is(b, one) => return a,
+            BinaryOp::Mul if self.is(a, zero) || self.is(b, zero) => {
                 return self.number(&vec![0.0; self.settings], Bank::All);
             }
-            Two::Add if self.between(a, b) => return self.changed(a, b),
-            Two::Min if self.is(a, most) => return b,
-            Two::Max if self.is(a, least) => return b,
-            Two::Min if self.is(b, most) => return a,
-            Two::Max if self.is(b, least) => return a,
-            Two::Min => {
+            BinaryOp::Add if self.between(a, b) => return self.changed(a, b),
+            BinaryOp::Min if self.is(a, most) => return b,
+            BinaryOp::Max if self.is(a, least) => return b,
+            BinaryOp::Min if self.is(b, most) => return a,
+            BinaryOp::Max if self.is(b, least) => return a,
+            BinaryOp::Min => {
                 // Between limits that meet.
-                if let &Node::Two(Two::Max, _, low) = &self.nodes[a as usize]
+                if let &Node::BinaryOp(BinaryOp::Max, _, low) = &self.nodes[a as usize]
                     && let (Some((low, one)), Some((high, two))) = (self.value(low), self.value(b))
                     && together(one, two).is_some()
                     && low.iter().zip(&high).all(|(low, high)| low >= high)
@@ -239,25 +239,25 @@ impl Graph {
             }
             _ => {}
         }
-        self.put(Node::Two(operation, a, b))
+        self.put(Node::BinaryOp(operation, a, b))
     }
 
     /// Whether `a + b` is `a + (a' - a) share`.
     fn between(&self, a: u32, b: u32) -> bool {
-        let Node::Two(Two::Mul, change, share) = self.nodes[b as usize] else { return false };
+        let Node::BinaryOp(BinaryOp::Mul, change, share) = self.nodes[b as usize] else { return false };
         let of_share = matches!(self.nodes[share as usize], Node::Input(place) if Some(place) == self.share);
-        of_share && matches!(self.nodes[change as usize], Node::Two(Two::Sub, _, from) if from == a)
+        of_share && matches!(self.nodes[change as usize], Node::BinaryOp(BinaryOp::Sub, _, from) if from == a)
     }
 
     /// `a + b` of what is between two settings: `a` itself while nothing is changed, and where both are the same.
     fn changed(&mut self, a: u32, b: u32) -> u32 {
-        let Node::Two(Two::Mul, change, share) = self.nodes[b as usize] else { return a };
-        if matches!(self.nodes[change as usize], Node::Two(Two::Sub, to, _) if to == a) {
+        let Node::BinaryOp(BinaryOp::Mul, change, share) = self.nodes[b as usize] else { return a };
+        if matches!(self.nodes[change as usize], Node::BinaryOp(BinaryOp::Sub, to, _) if to == a) {
             return a;
         }
         let zero = self.number(&vec![0.0; self.settings], Bank::All);
         let changing = self.less(zero, share);
-        let sum = self.put(Node::Two(Two::Add, a, b));
+        let sum = self.put(Node::BinaryOp(BinaryOp::Add, a, b));
         self.select(changing, sum, a)
     }
 
@@ -265,8 +265,8 @@ impl Graph {
         if let (Some((x, bank_x)), Some((y, bank_y))) = (self.value(a), self.value(b))
             && let Some(bank) = together(bank_x, bank_y)
         {
-            let found = x.iter().zip(&y).map(|(x, y)| x < y).collect();
-            return self.holds(found, bank);
+            let evaluated = x.iter().zip(&y).map(|(x, y)| x < y).collect();
+            return self.holds(evaluated, bank);
         }
         let (most, least) = (|x: f64| x == f64::INFINITY, |x: f64| x == f64::NEG_INFINITY);
         if a == b || self.is(a, most) || self.is(b, least) {
@@ -280,7 +280,7 @@ impl Graph {
 
     /// Whether it is the magnitude of data that are nowhere zero: what is zero is left out of the code, so no other data may stand there.
     fn is_something(&self, node: u32) -> bool {
-        let Node::One(One::Abs, data) = self.nodes[node as usize] else { return false };
+        let Node::UnaryOp(UnaryOp::Abs, data) = self.nodes[node as usize] else { return false };
         matches!(&self.nodes[data as usize], Node::Data(bits, _) if bits.iter().all(|&bits| f64::from_bits(bits) != 0.0))
     }
 
@@ -310,8 +310,8 @@ impl Graph {
         if let (Some((x, one)), Some((y, two))) = (self.mask(a), self.mask(b))
             && let Some(bank) = together(one, two)
         {
-            let found = x.iter().zip(y).map(|(&x, &y)| if and { x & y } else { x | y }).collect();
-            return self.holds(found, bank);
+            let evaluated = x.iter().zip(y).map(|(&x, &y)| if and { x & y } else { x | y }).collect();
+            return self.holds(evaluated, bank);
         }
         if and && (self.denies(a, b) || self.denies(b, a)) {
             return self.holds(vec![false; self.settings], Bank::All);
@@ -329,8 +329,8 @@ impl Graph {
 
     fn not(&mut self, a: u32) -> u32 {
         if let Some((values, bank)) = self.mask(a) {
-            let found = values.iter().map(|&one| !one).collect();
-            return self.holds(found, bank);
+            let evaluated = values.iter().map(|&one| !one).collect();
+            return self.holds(evaluated, bank);
         }
         self.put(Node::Not(a))
     }
@@ -361,9 +361,9 @@ impl Graph {
             (self.mask(mask), self.value(yes), self.value(no))
             && let Some(bank) = together(bank, one).and_then(|bank| together(bank, two))
         {
-            let found: Vec<f64> =
+            let evaluated: Vec<f64> =
                 masks.iter().zip(x.iter().zip(y)).map(|(&m, (&x, y))| if m { x } else { y }).collect();
-            return self.number(&found, bank);
+            return self.number(&evaluated, bank);
         }
         self.put(Node::Select(mask, yes, no))
     }
@@ -376,8 +376,8 @@ impl Node {
             Self::Known(..) | Self::Data(..) | Self::Input(_) | Self::Flag(_) | Self::Holds(..) | Self::Given(_) => {
                 Vec::new()
             }
-            Self::One(_, a) | Self::Not(a) | Self::Gives(a, _) => vec![a],
-            Self::Two(_, a, b) | Self::Less(a, b) | Self::And(a, b) | Self::Or(a, b) => vec![a, b],
+            Self::UnaryOp(_, a) | Self::Not(a) | Self::Gives(a, _) => vec![a],
+            Self::BinaryOp(_, a, b) | Self::Less(a, b) | Self::And(a, b) | Self::Or(a, b) => vec![a, b],
             Self::Select(a, b, c) => vec![a, b, c],
             Self::Part(_, ref given) => given.clone(),
         }
@@ -392,24 +392,24 @@ fn together(a: Bank, b: Bank) -> Option<Bank> {
     }
 }
 
-fn apply<S: Scalar>(operation: Two, x: S, y: S) -> S {
+fn apply<S: Scalar>(operation: BinaryOp, x: S, y: S) -> S {
     match operation {
-        Two::Add => x + y,
-        Two::Sub => x - y,
-        Two::Mul => x * y,
-        Two::Div => x / y,
-        Two::Min => x.min(y),
-        Two::Max => x.max(y),
-        Two::TimesSign => x.times_sign(y),
+        BinaryOp::Add => x + y,
+        BinaryOp::Sub => x - y,
+        BinaryOp::Mul => x * y,
+        BinaryOp::Div => x / y,
+        BinaryOp::Min => x.min(y),
+        BinaryOp::Max => x.max(y),
+        BinaryOp::TimesSign => x.times_sign(y),
     }
 }
 
-fn apply_one<S: Scalar>(operation: One, x: S) -> S {
+fn apply_one<S: Scalar>(operation: UnaryOp, x: S) -> S {
     match operation {
-        One::Neg => -x,
-        One::Sqrt => x.sqrt(),
-        One::Abs => Scalar::abs(x),
-        One::Round => x.round(),
+        UnaryOp::Neg => -x,
+        UnaryOp::Sqrt => x.sqrt(),
+        UnaryOp::Abs => Scalar::abs(x),
+        UnaryOp::Round => x.round(),
     }
 }
 
@@ -449,7 +449,7 @@ macro_rules! operator {
         impl $Trait for Trace {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
-                put(|graph| graph.two(Two::$Trait, self.0, other.0))
+                put(|graph| graph.two(BinaryOp::$Trait, self.0, other.0))
             }
         }
     };
@@ -463,7 +463,7 @@ operator!(Div, div);
 impl Neg for Trace {
     type Output = Self;
     fn neg(self) -> Self {
-        put(|graph| graph.one(One::Neg, self.0))
+        put(|graph| graph.one(UnaryOp::Neg, self.0))
     }
 }
 
@@ -498,22 +498,22 @@ impl Scalar for Trace {
         put(|graph| graph.number(&vec![value; graph.settings], Bank::All))
     }
     fn sqrt(self) -> Self {
-        put(|graph| graph.one(One::Sqrt, self.0))
+        put(|graph| graph.one(UnaryOp::Sqrt, self.0))
     }
     fn abs(self) -> Self {
-        put(|graph| graph.one(One::Abs, self.0))
+        put(|graph| graph.one(UnaryOp::Abs, self.0))
     }
     fn round(self) -> Self {
-        put(|graph| graph.one(One::Round, self.0))
+        put(|graph| graph.one(UnaryOp::Round, self.0))
     }
     fn min(self, other: Self) -> Self {
-        put(|graph| graph.two(Two::Min, self.0, other.0))
+        put(|graph| graph.two(BinaryOp::Min, self.0, other.0))
     }
     fn max(self, other: Self) -> Self {
-        put(|graph| graph.two(Two::Max, self.0, other.0))
+        put(|graph| graph.two(BinaryOp::Max, self.0, other.0))
     }
     fn times_sign(self, other: Self) -> Self {
-        put(|graph| graph.two(Two::TimesSign, self.0, other.0))
+        put(|graph| graph.two(BinaryOp::TimesSign, self.0, other.0))
     }
     fn less(self, other: Self) -> Mask {
         Mask(GRAPH.with_borrow_mut(|graph| graph.less(self.0, other.0)))
@@ -533,20 +533,20 @@ impl Scalar for Trace {
         // A part of a part is written out.
         if parts == 1 { core::array::from_fn(|k| put(|graph| graph.put(Node::Given(k)))) } else { given }
     }
-    fn part_ends<const N: usize, const M: usize>(given: [Self; N], found: [Self; M]) -> [Self; M] {
+    fn part_ends<const N: usize, const M: usize>(given: [Self; N], evaluated: [Self; M]) -> [Self; M] {
         GRAPH.with_borrow_mut(|graph| {
             graph.parts -= 1;
             if graph.parts > 0 {
-                return found;
+                return evaluated;
             }
             let given = given.map(|one| one.0);
-            let roots = graph.roots(found.map(|one| one.0));
+            let roots = graph.roots(evaluated.map(|one| one.0));
             if !graph.is_worth_a_function(&roots) {
                 let depends = graph.on_given();
-                return found.map(|one| Self(graph.written_out(one.0, (&depends, &given))));
+                return evaluated.map(|one| Self(graph.written_out(one.0, (&depends, &given))));
             }
             let part = graph.put(Node::Part(roots.clone(), given.to_vec()));
-            found.map(|one| match roots.iter().position(|&root| root == one.0) {
+            evaluated.map(|one| match roots.iter().position(|&root| root == one.0) {
                 None => one,
                 Some(0) if roots.len() == 1 => Self(part),
                 Some(k) => Self(graph.put(Node::Gives(part, k))),

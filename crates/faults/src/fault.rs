@@ -1,6 +1,6 @@
 //! The kinds of fault, and what each does to what is sampled or commanded.
 
-use forcefeel_model::supervisor::{Limits, Told};
+use forcefeel_model::supervisor::{Limits, SupervisorInput};
 use forcefeel_model::transducers::SENSORS;
 
 /// A kind of fault; where there are three of it, one for each sensor.
@@ -88,7 +88,7 @@ pub struct Fault {
 
 /// What a fault needs to know from before.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Before {
+pub struct FaultHistory {
     /// What the sensors showed last.
     pub shown: [f64; SENSORS],
     frozen: Option<f64>,
@@ -104,7 +104,13 @@ impl Fault {
     }
 
     /// What becomes of what is sensed, and of the times, at a sample.
-    pub fn spoil_sensed(&self, before: &mut Before, limits: &Limits, sample: usize, told: &mut Told<f64>) {
+    pub fn spoil_sensed(
+        &self,
+        before: &mut FaultHistory,
+        limits: &Limits,
+        sample: usize,
+        input: &mut SupervisorInput<f64>,
+    ) {
         if !self.is_there(sample) {
             return;
         }
@@ -112,53 +118,53 @@ impl Fault {
         let since = sample - self.from;
         let per_angle = [1.0, limits.lever, limits.base_arm];
         match self.kind {
-            Kind::EmergencyStop => told.emergency_stop = true,
-            Kind::DriveFault => told.drive_fault = true,
-            Kind::SensorNotANumber => told.sensed[k] = [f64::NAN, f64::INFINITY][usize::from(self.size > 0.5)],
-            Kind::FeelNotANumber => told.feel_acceleration = f64::NAN,
+            Kind::EmergencyStop => input.emergency_stop = true,
+            Kind::DriveFault => input.drive_fault = true,
+            Kind::SensorNotANumber => input.sensed[k] = [f64::NAN, f64::INFINITY][usize::from(self.size > 0.5)],
+            Kind::FeelNotANumber => input.feel_acceleration = f64::NAN,
             Kind::OutOfRange => {
                 let range = [limits.range[0], limits.range[1], limits.range[2] * limits.base_arm][k];
-                told.sensed[k] = self.way * range * (1.001 + self.size);
+                input.sensed[k] = self.way * range * (1.001 + self.size);
             }
             Kind::Jump => {
                 let jump = [limits.jump[0], limits.jump[1], limits.jump[2] * limits.base_arm][k];
-                told.sensed[k] += self.way * jump * (2.1 + self.size);
+                input.sensed[k] += self.way * jump * (2.1 + self.size);
             }
             Kind::Silence => {
                 before.missed += 1;
-                told.missed = told.missed.max(before.missed);
+                input.missed = input.missed.max(before.missed);
             }
-            Kind::Stuck => told.sensed[k] = *before.frozen.get_or_insert(before.shown[k]),
+            Kind::Stuck => input.sensed[k] = *before.frozen.get_or_insert(before.shown[k]),
             Kind::Drift => {
                 // Within half a second to ten times what may disagree.
                 let whole = 10.0 * limits.agreement_m * (0.2 + self.size);
                 let of_sensor = [1.0 / limits.link[0], 1.0, 1.0 / limits.lever * per_angle[2]][k];
                 #[expect(clippy::cast_precision_loss, reason = "a number of samples")]
                 let share = (since as f64 * limits.period / 0.5).min(1.0);
-                told.sensed[k] += self.way * whole * of_sensor * share;
+                input.sensed[k] += self.way * whole * of_sensor * share;
             }
             Kind::Overrun => {
                 before.late += 1;
-                told.late = told.late.max(before.late);
+                input.late = input.late.max(before.late);
             }
             Kind::HostSilent => {
                 before.host += 1;
-                told.host_age = told.host_age.max(Some(before.host));
+                input.host_age = input.host_age.max(Some(before.host));
             }
             _ => {}
         }
     }
 
     /// What becomes of the law's command.
-    pub fn spoil_command(&self, limits: &Limits, sample: usize, told: &mut Told<f64>) {
+    pub fn spoil_command(&self, limits: &Limits, sample: usize, input: &mut SupervisorInput<f64>) {
         if !self.is_there(sample) {
             return;
         }
         let full = self.way * limits.command;
         match self.kind {
-            Kind::LawNotANumber => told.command = [f64::NAN, f64::NEG_INFINITY][usize::from(self.size > 0.5)],
-            Kind::HardOver => told.command = full * (0.2 + 2.0 * self.size),
-            Kind::Creep => told.command = full * (0.02 + 0.2 * self.size),
+            Kind::LawNotANumber => input.command = [f64::NAN, f64::NEG_INFINITY][usize::from(self.size > 0.5)],
+            Kind::HardOver => input.command = full * (0.2 + 2.0 * self.size),
+            Kind::Creep => input.command = full * (0.02 + 0.2 * self.size),
             Kind::Swinging => {
                 #[expect(
                     clippy::cast_possible_truncation,
@@ -166,9 +172,9 @@ impl Fault {
                     reason = "a small number above zero"
                 )]
                 let half = 1 + (self.size * 20.0) as usize;
-                told.command = full * if ((sample - self.from) / half).is_multiple_of(2) { 1.5 } else { -1.5 };
+                input.command = full * if ((sample - self.from) / half).is_multiple_of(2) { 1.5 } else { -1.5 };
             }
-            Kind::Huge => told.command = self.way * 1e300,
+            Kind::Huge => input.command = self.way * 1e300,
             _ => {}
         }
     }

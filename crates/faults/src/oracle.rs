@@ -6,7 +6,7 @@
 use crate::case::Case;
 use crate::fault::Kind;
 use crate::run::{Moving, Row, safe_from};
-use forcefeel_model::supervisor::{Function, Limits, State};
+use forcefeel_model::supervisor::{Function, Limits, SupervisorState};
 
 /// What came of a case.
 #[derive(Debug, Clone, Copy)]
@@ -22,9 +22,9 @@ pub struct Outcome {
     /// Sample at which the loader was safe.
     pub safe: Option<usize>,
     /// State when the first fault came.
-    pub state: State,
+    pub state: SupervisorState,
     /// What went wrong.
-    pub wrong: Wrong,
+    pub wrong: Violation,
     /// Energy given to the hand from the fault on until the loader is safe, in J; and its bound.
     pub energy: [f64; 2],
     /// What the supervisor names as the cause.
@@ -34,7 +34,7 @@ pub struct Outcome {
 /// What went wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "each may go wrong by itself")]
-pub struct Wrong {
+pub struct Violation {
     /// Stopped too late or not at all.
     pub late: bool,
     /// Safe too late or not at all.
@@ -53,7 +53,7 @@ pub struct Wrong {
     pub host: bool,
 }
 
-impl Wrong {
+impl Violation {
     /// As bits, in that order.
     pub fn bits(self) -> u32 {
         let all = [
@@ -77,10 +77,10 @@ const ROUNDING: f64 = 1e-9;
 pub fn judge(case: &Case, limits: &Limits, moving: &Moving, rows: &[Row]) -> Outcome {
     let onset = case.faults.iter().filter(|fault| fault.kind != Kind::None).map(|fault| fault.from).min();
     let due = due(case, limits, rows);
-    let stopped = rows.iter().position(|row| row.allowed.state == State::Tripped);
+    let stopped = rows.iter().position(|row| row.allowed.state == SupervisorState::Tripped);
     let safe = stopped.and_then(|from| safe_from(rows, from));
-    let mut wrong = Wrong::default();
-    let cuts = |k: usize| rows[k].told.emergency_stop;
+    let mut wrong = Violation::default();
+    let cuts = |k: usize| rows[k].input.emergency_stop;
     if let Some((function, by)) = due {
         wrong.late = stopped.is_none_or(|at| at > by);
         let way = if function == Function::EmergencyStop { 0 } else { limits.stop as usize - 1 };
@@ -137,28 +137,28 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
         }
     };
     // Off there is nothing to stop: only from the second sample on is the loader on, and it does not start while something is wrong.
-    let on = |k: usize| k > 0 && !matches!(rows[k - 1].allowed.state, State::Off);
+    let on = |k: usize| k > 0 && !matches!(rows[k - 1].allowed.state, SupervisorState::Off);
     let run_of = |function: Function, holds: &dyn Fn(usize) -> bool| {
         let needed = function.samples(limits) as usize;
         (0..rows.len()).find(|&k| on(k) && k + 1 >= needed && (k + 1 - needed..=k).all(holds))
     };
-    let heard = |k: usize| rows[k].told.missed == 0;
-    let sensed = |k: usize| heard(k) && rows[k].told.sensed.iter().all(|value| value.is_finite());
-    let grip = |k: usize| rows[k].told.sensed[0] * limits.lever / limits.grip_arm;
-    let angle = |k: usize| rows[k].told.sensed[2] / limits.base_arm;
-    see(Function::EmergencyStop, run_of(Function::EmergencyStop, &|k| rows[k].told.emergency_stop));
-    see(Function::DriveFault, run_of(Function::DriveFault, &|k| rows[k].told.drive_fault));
+    let received = |k: usize| rows[k].input.missed == 0;
+    let sensed = |k: usize| received(k) && rows[k].input.sensed.iter().all(|value| value.is_finite());
+    let grip = |k: usize| rows[k].input.sensed[0] * limits.lever / limits.grip_arm;
+    let angle = |k: usize| rows[k].input.sensed[2] / limits.base_arm;
+    see(Function::EmergencyStop, run_of(Function::EmergencyStop, &|k| rows[k].input.emergency_stop));
+    see(Function::DriveFault, run_of(Function::DriveFault, &|k| rows[k].input.drive_fault));
     see(
         Function::NotANumber,
         run_of(Function::NotANumber, &|k| {
-            let told = &rows[k].told;
-            (heard(k) && !sensed(k)) || !told.command.is_finite() || !told.feel_acceleration.is_finite()
+            let input = &rows[k].input;
+            (received(k) && !sensed(k)) || !input.command.is_finite() || !input.feel_acceleration.is_finite()
         }),
     );
     see(
         Function::OutOfRange,
         run_of(Function::OutOfRange, &|k| {
-            let [force, position, base, _] = rows[k].told.sensed;
+            let [force, position, base, _] = rows[k].input.sensed;
             let beyond =
                 [force, position, base / limits.base_arm].iter().zip(limits.range).any(|(x, most)| x.abs() > most);
             sensed(k) && beyond
@@ -172,13 +172,13 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
             neighbours
                 && (0..3).any(|i| {
                     let scale = if i == 2 { limits.base_arm } else { 1.0 };
-                    (rows[k].told.sensed[i] - rows[k - 1].told.sensed[i]).abs()
+                    (rows[k].input.sensed[i] - rows[k - 1].input.sensed[i]).abs()
                         > limits.jump[i] * scale * (1.0 + ROUNDING)
                 })
         }),
     );
-    see(Function::Silence, run_of(Function::Silence, &|k| rows[k].told.missed > 0));
-    see(Function::Overrun, run_of(Function::Overrun, &|k| rows[k].told.late > 0));
+    see(Function::Silence, run_of(Function::Silence, &|k| rows[k].input.missed > 0));
+    see(Function::Overrun, run_of(Function::Overrun, &|k| rows[k].input.late > 0));
     let runs = |k: usize| sensed(k) && on(k);
     see(
         Function::AbsoluteForce,
@@ -211,14 +211,14 @@ fn due(case: &Case, limits: &Limits, rows: &[Row]) -> Option<(Function, usize)> 
         Function::Runaway,
         run_of(Function::Runaway, &|k| {
             // As the machine really moves, and clear of the border by a half.
-            let Row { rate, force, hand, told, allowed, .. } = rows[k];
-            let (power, feel) = (force * limits.lever * rate, limits.inertia * told.feel_acceleration * rate);
+            let Row { rate, force, hand, input, allowed, .. } = rows[k];
+            let (power, feel) = (force * limits.lever * rate, limits.inertia * input.feel_acceleration * rate);
             runs(k)
                 && allowed.follows
                 && hand == 0.0
                 && feel < -1.5 * limits.runaway_power
                 && power > 0.25 * feel
-                && (rows[k].told.sensed[0] - force).abs() < limits.hand_torque / limits.lever * 0.1
+                && (rows[k].input.sensed[0] - force).abs() < limits.hand_torque / limits.lever * 0.1
                 && steady(limits, rows, k)
         }),
     );
@@ -236,11 +236,11 @@ fn steady(limits: &Limits, rows: &[Row], k: usize) -> bool {
 /// Eq. (9) with what the sensors show, in newtons in place of metres.
 fn disagree(limits: &Limits, rows: &[Row], k: usize) -> bool {
     let [per_stiffness, half_play, damping_time] = limits.link;
-    let stretch = |k: usize| rows[k].told.sensed[1] - rows[k].told.sensed[2] / limits.base_arm * limits.lever;
+    let stretch = |k: usize| rows[k].input.sensed[1] - rows[k].input.sensed[2] / limits.base_arm * limits.lever;
     let rate = (stretch(k) - stretch(k - 1)) / limits.period;
     let of_link = (stretch(k) + damping_time * rate) / per_stiffness;
     let allowed = (half_play + limits.agreement_m) / per_stiffness;
-    (of_link - rows[k].told.sensed[0]).abs() > allowed * (1.0 + 1e-6)
+    (of_link - rows[k].input.sensed[0]).abs() > allowed * (1.0 + 1e-6)
 }
 
 /// A sensor that was made to stick, once the machine has moved on by clearly more than it may.
@@ -250,13 +250,13 @@ fn stuck(case: &Case, limits: &Limits, rows: &[Row]) -> Option<usize> {
     let from = fault.from + limits.stuck as usize;
     let [per_stiffness, half_play, _] = limits.link;
     (from..rows.len()).find(|&k| {
-        let told = |k: usize| rows[k].told.sensed;
+        let input = |k: usize| rows[k].input.sensed;
         let expected = |k: usize| match fault.sensor {
-            0 => told(k)[1] - told(k)[2] / limits.base_arm * limits.lever,
-            1 => told(k)[2] / limits.base_arm * limits.lever + told(k)[0] * per_stiffness,
-            _ => told(k)[1] - told(k)[0] * per_stiffness,
+            0 => input(k)[1] - input(k)[2] / limits.base_arm * limits.lever,
+            1 => input(k)[2] / limits.base_arm * limits.lever + input(k)[0] * per_stiffness,
+            _ => input(k)[1] - input(k)[0] * per_stiffness,
         };
-        let started = |k: usize| !matches!(rows[k].allowed.state, State::Off);
+        let started = |k: usize| !matches!(rows[k].allowed.state, SupervisorState::Off);
         // What a new start, or the last change of the sensor, begins from is no later than the fault.
         fault.from > 2
             && started(fault.from - 1)

@@ -1,17 +1,19 @@
 //! A case in virtual time: machine, digital controller and supervisor, as a live loop puts them together.
 
 use crate::case::Case;
-use crate::fault::Before;
+use crate::fault::FaultHistory;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::control::Sample;
-use forcefeel_model::controller::{Timing, UnderWay};
+use forcefeel_model::controller::{CommandDelay, Timing};
 use forcefeel_model::drive::Drive;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::followed::{Followed, Passed};
 use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::{DriveKind, Parameters};
-use forcefeel_model::supervisor::{Allowed, Limits, State, Supervisor, Told, Wish};
+use forcefeel_model::supervised_law::{LimitedCommand, SupervisedLaw};
+use forcefeel_model::supervisor::{
+    Limits, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput, SupervisorState,
+};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -20,9 +22,9 @@ use rand_distr::{Distribution, StandardNormal};
 #[derive(Debug, Clone, Copy)]
 pub struct Row {
     /// What the supervisor was told.
-    pub told: Told<f64>,
+    pub input: SupervisorInput<f64>,
     /// What it allowed.
-    pub allowed: Allowed<f64>,
+    pub allowed: SupervisorOutput<f64>,
     /// Column's rate in rad/s, as it is.
     pub rate: f64,
     /// Load cell's force in N, as it is.
@@ -67,11 +69,11 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
     let mut noise = ChaCha8Rng::seed_from_u64(case.seed);
     let mut supervisor = Supervisor::new(limits, 0.0);
     let control = *machine.control();
-    let mut under_way = UnderWay::holding(0.0);
+    let mut under_way = CommandDelay::holding(0.0);
     // As a live loop on a machine that it does not know, it finds out by its sensors where the column stands.
-    let mut followed = Followed::new(&control, machine.sensors_at_rest(&shared.effects));
+    let mut followed = SupervisedLaw::new(&control, machine.sensors_at_rest(&shared.effects));
     let mut rows = Vec::<Row>::with_capacity(case.samples);
-    let mut before = [Before::default(); 2];
+    let mut before = [FaultHistory::default(); 2];
     let mut given = 0.0;
     let column = parameters.column;
     let moving = Moving::of(&parameters, kind, &limits);
@@ -89,7 +91,7 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                 let now = arrived.now;
                 let sensors =
                     machine.sampled(&shared, &state, || core::array::from_fn(|_| StandardNormal.sample(&mut noise)));
-                let mut told = Told {
+                let mut input = SupervisorInput {
                     sensed: sensors,
                     missed: 0,
                     periods: 1.0,
@@ -99,30 +101,30 @@ pub fn run<D: Drive<f64>>(case: &Case, law: LawOf<'_>, kind: DriveKind) -> Optio
                     feel_acceleration: control.free_acceleration(&shared, followed.feeling(), &inputs),
                     emergency_stop: false,
                     drive_fault: false,
-                    wish: if sample == 0 { Wish::Off } else { Wish::Active },
+                    requested: if sample == 0 { RequestedMode::Off } else { RequestedMode::Active },
                     acknowledge: false,
                 };
                 for (fault, before) in case.faults.iter().zip(&mut before) {
-                    fault.spoil_sensed(before, &limits, sample, &mut told);
+                    fault.spoil_sensed(before, &limits, sample, &mut input);
                     before.shown = sensors;
                 }
-                let of = Sample { sensors: told.sensed, pilot_force: now.pilot_force };
-                let sampled = (told.missed == 0).then_some(&of);
+                let of = Sample { sensors: input.sensed, pilot_force: now.pilot_force };
+                let sampled = (input.missed == 0).then_some(&of);
                 let mut allowed = None;
                 let e = followed.step((&shared, &control), &inputs, sampled, |answer| {
-                    told.command = answer.command;
+                    input.command = answer.command;
                     for fault in &case.faults {
-                        fault.spoil_command(&limits, sample, &mut told);
+                        fault.spoil_command(&limits, sample, &mut input);
                     }
-                    let found = supervisor.step(&told);
-                    allowed = Some(found);
-                    Passed::from(&found)
+                    let output = supervisor.step(&input);
+                    allowed = Some(output);
+                    LimitedCommand::from(&output)
                 });
                 let allowed = allowed?;
                 under_way.send(sample, if allowed.enable { e } else { 0.0 });
                 let rate = now.base_rate / column.base_arm;
                 let stored = moving.stored(rate, now.force);
-                rows.push(Row { told, allowed, rate, force: now.force, hand, given, stored });
+                rows.push(Row { input, allowed, rate, force: now.force, hand, given, stored });
             }
             if let Some(arriving) = timing.arriving_at(state.steps()) {
                 state.command(under_way.arriving(arriving));
@@ -192,7 +194,7 @@ impl Moving {
 /// First sample at which the loader is safe from `from` on: command zero, drive disabled.
 pub fn safe_from(rows: &[Row], from: usize) -> Option<usize> {
     let safe = |row: &Row| row.allowed.command == 0.0 && !row.allowed.enable;
-    (from..rows.len()).find(|&k| safe(&rows[k]) && rows[k].allowed.state == State::Tripped)
+    (from..rows.len()).find(|&k| safe(&rows[k]) && rows[k].allowed.state == SupervisorState::Tripped)
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small number above zero")]

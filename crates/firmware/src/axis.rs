@@ -2,11 +2,13 @@
 
 use crate::loader::{Loader, Setting};
 use forcefeel_model::Scalar;
-use forcefeel_model::around::{Around, Led, Pace};
 use forcefeel_model::control::{Control, Sample};
-use forcefeel_model::followed::{Followed, Passed};
 use forcefeel_model::machine::{Inputs, Shared};
-use forcefeel_model::supervisor::{Allowed, Limits, State, Supervisor, Told, Wish};
+use forcefeel_model::modifiers::{FeelModifiers, ModifierRamp, ModifierRates};
+use forcefeel_model::supervised_law::{LimitedCommand, SupervisedLaw};
+use forcefeel_model::supervisor::{
+    Limits, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput, SupervisorState,
+};
 use forcefeel_model::transducers::SENSORS;
 
 /// What is given to an axis in a period.
@@ -30,7 +32,7 @@ pub struct Input<S> {
     /// The setting that is gone to.
     pub to: u32,
     /// Off, passive, active.
-    pub wish: u32,
+    pub request: u32,
     /// Samples in a row without a sample.
     pub missed: u32,
     /// Periods in a row that were late.
@@ -72,15 +74,15 @@ pub struct Axis<S: Scalar> {
     shared: Shared,
     control: Control<S>,
     settings: (u32, u32),
-    led: Led<S>,
-    pace: Pace<S>,
-    followed: Followed<S>,
+    led: ModifierRamp<S>,
+    pace: ModifierRates<S>,
+    followed: SupervisedLaw<S>,
     sensors: [S; SENSORS],
     supervisor: Supervisor<S>,
     /// Samples in a row that had not come by the period before.
     missed: u32,
     /// What it allowed last.
-    last: Option<Allowed<S>>,
+    last: Option<SupervisorOutput<S>>,
 }
 
 impl<S: Scalar> Axis<S> {
@@ -95,9 +97,9 @@ impl<S: Scalar> Axis<S> {
             shared,
             control,
             settings: (0, 0),
-            led: Led::at(like.zero()),
+            led: ModifierRamp::at(like.zero()),
             pace: first.pace(like.constant(loader.period_s)),
-            followed: Followed::new(&control, at_rest),
+            followed: SupervisedLaw::new(&control, at_rest),
             sensors: [like.zero(); SENSORS],
             supervisor: Supervisor::new(limits, like),
             missed: 0,
@@ -117,7 +119,7 @@ impl<S: Scalar> Axis<S> {
         if fresh {
             self.sensors = given.sensors;
         }
-        let mut told = Told {
+        let mut input = SupervisorInput {
             sensed: self.sensors,
             missed: given.missed,
             periods: count(self.missed, like) + like.constant(1.0),
@@ -128,10 +130,10 @@ impl<S: Scalar> Axis<S> {
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
             emergency_stop: given.flags & EMERGENCY_STOP != 0,
             drive_fault: given.flags & DRIVE_FAULT != 0,
-            wish: match given.wish {
-                1 => Wish::Passive,
-                2 => Wish::Active,
-                _ => Wish::Off,
+            request: match given.request {
+                1 => RequestedMode::Passive,
+                2 => RequestedMode::Active,
+                _ => RequestedMode::Off,
             },
             acknowledge: given.flags & ACKNOWLEDGED != 0,
         };
@@ -140,17 +142,17 @@ impl<S: Scalar> Axis<S> {
         let (supervisor, last) = (&mut self.supervisor, &mut self.last);
         let law = (&self.shared, &self.control);
         let command = self.followed.step(law, &inputs, fresh.then_some(&sample), |answer| {
-            told.command = answer.command;
-            let allowed = supervisor.step(&told);
+            input.command = answer.command;
+            let allowed = supervisor.step(&input);
             *last = Some(allowed);
-            Passed::from(&allowed)
+            LimitedCommand::from(&allowed)
         });
         // The supervisor is asked in each period.
         let allowed = self.last?;
         Some(self.output(command, &allowed))
     }
 
-    fn output(&self, command: S, allowed: &Allowed<S>) -> Output<S> {
+    fn output(&self, command: S, allowed: &SupervisorOutput<S>) -> Output<S> {
         let per_delta = self.control.per_delta();
         Output {
             command,
@@ -158,12 +160,12 @@ impl<S: Scalar> Axis<S> {
             feel: self.followed.feeling().motion.at.map(|number| number * per_delta),
             enable: u32::from(allowed.enable),
             state: match allowed.state {
-                State::Off => 0,
-                State::Initialising => 1,
-                State::Passive => 2,
-                State::Active => 3,
-                State::Fading => 4,
-                State::Tripped => 5,
+                SupervisorState::Off => 0,
+                SupervisorState::Initialising => 1,
+                SupervisorState::Passive => 2,
+                SupervisorState::Active => 3,
+                SupervisorState::Fading => 4,
+                SupervisorState::Tripped => 5,
             },
             acting: allowed.acting.bits(),
             tripped: allowed.tripped.bits(),
@@ -191,7 +193,7 @@ impl<S: Scalar> Axis<S> {
         S: Into<f64>,
     {
         let Input { trim, stiffness_factor, shaker, share, added_force, .. } = *given;
-        let around = self.led.step(&Around { trim_rad: trim, stiffness_factor, shaker }, &self.pace);
+        let around = self.led.step(&FeelModifiers { trim_rad: trim, stiffness_factor, shaker }, &self.pace);
         let swing = self.led.swing(around.shaker, &self.pace);
         let trim = self.last.map_or(around.trim_rad, |allowed| allowed.neutral(around.trim_rad));
         let [trim, stiffness_factor, shaker, fade, added_force] =

@@ -1,7 +1,6 @@
 //! What an axis is made of, as C lays it out.
 
 use forcefeel_model::Scalar;
-use forcefeel_model::around::Pace;
 use forcefeel_model::cancellation::{CANCELLATION_NUMBERS, Cancellation};
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::control::Control;
@@ -11,6 +10,7 @@ use forcefeel_model::drive::{Kind, OfElectric, OfHydraulic};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::known_friction::LEVEL_FROM_END;
 use forcefeel_model::machine::{Machine, Shared};
+use forcefeel_model::modifiers::ModifierRates;
 use forcefeel_model::observer::{NUMBERS, Observer, SAMPLED};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 
@@ -82,9 +82,9 @@ impl Setting {
     }
 
     /// How evenly what is set around the feel comes, with this period in s.
-    pub fn pace<S: Scalar>(&self, period: S) -> Pace<S> {
+    pub fn pace<S: Scalar>(&self, period: S) -> ModifierRates<S> {
         let feel = self.parameters(period).feel;
-        Pace { trim_rate: feel.trim_rate, shaker_frequency: feel.shaker_frequency, period }
+        ModifierRates { trim_rate: feel.trim_rate, shaker_frequency: feel.shaker_frequency, period }
     }
 
     /// What drives it.

@@ -3,7 +3,7 @@
 use crate::raw::{self, Logger2, Logger3};
 use core::ffi::{CStr, c_int, c_void};
 use forcefeel_fmu::instance::Instance;
-use forcefeel_fmu::kept::Kept;
+use forcefeel_fmu::instance_state::InstanceState;
 use forcefeel_fmu::resources::Resources;
 use std::ffi::CString;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -142,7 +142,7 @@ pub fn same_length(references: usize, values: usize) -> Result<(), String> {
 }
 
 /// Keeps the state, in the place of the one there or in a new one.
-pub fn keep(component: *mut Component, state: *mut *mut Kept) -> Status {
+pub fn keep(component: *mut Component, state: *mut *mut InstanceState) -> Status {
     with(component, |instance| {
         let place = needed(raw::of_mut(state))?;
         match raw::of_mut(*place) {
@@ -154,7 +154,7 @@ pub fn keep(component: *mut Component, state: *mut *mut Kept) -> Status {
 }
 
 /// Takes a state back.
-pub fn restore(component: *mut Component, state: *const Kept) -> Status {
+pub fn restore(component: *mut Component, state: *const InstanceState) -> Status {
     with(component, |instance| {
         instance.restore(needed(raw::of(state))?);
         Ok(())
@@ -162,7 +162,7 @@ pub fn restore(component: *mut Component, state: *const Kept) -> Status {
 }
 
 /// Frees a state.
-pub fn free(component: *mut Component, state: *mut *mut Kept) -> Status {
+pub fn free(component: *mut Component, state: *mut *mut InstanceState) -> Status {
     with(component, |_| {
         if let Some(place) = raw::of_mut(state) {
             raw::take_back(*place);
@@ -173,7 +173,7 @@ pub fn free(component: *mut Component, state: *mut *mut Kept) -> Status {
 }
 
 /// How many bytes a state has.
-pub fn size(component: *mut Component, state: *const Kept, size: *mut usize) -> Status {
+pub fn size(component: *mut Component, state: *const InstanceState, size: *mut usize) -> Status {
     with(component, |instance| {
         *needed(raw::of_mut(size))? = needed(raw::of(state))?.bytes(instance.token())?.len();
         Ok(())
@@ -181,7 +181,7 @@ pub fn size(component: *mut Component, state: *const Kept, size: *mut usize) -> 
 }
 
 /// The bytes of a state.
-pub fn write(component: *mut Component, state: *const Kept, bytes: (*mut u8, usize)) -> Status {
+pub fn write(component: *mut Component, state: *const InstanceState, bytes: (*mut u8, usize)) -> Status {
     with(component, |instance| {
         let written = needed(raw::of(state))?.bytes(instance.token())?;
         let into = needed(raw::list_mut(bytes.0, bytes.1))?;
@@ -192,9 +192,9 @@ pub fn write(component: *mut Component, state: *const Kept, bytes: (*mut u8, usi
 }
 
 /// A state from bytes.
-pub fn read(component: *mut Component, bytes: (*const u8, usize), state: *mut *mut Kept) -> Status {
+pub fn read(component: *mut Component, bytes: (*const u8, usize), state: *mut *mut InstanceState) -> Status {
     with(component, |instance| {
-        let kept = Kept::of(needed(raw::list(bytes.0, bytes.1))?, instance.token())?;
+        let kept = InstanceState::of(needed(raw::list(bytes.0, bytes.1))?, instance.token())?;
         *needed(raw::of_mut(state))? = raw::give(kept);
         Ok(())
     })
@@ -206,15 +206,16 @@ pub fn derivative(
     unknowns: (*const u32, usize),
     knowns: (*const u32, usize),
     seed: (*const f64, usize),
-    found: (*mut f64, usize),
+    sensitivity: (*mut f64, usize),
 ) -> Status {
     with(component, |instance| {
         let (unknowns, knowns) = (raw::list(unknowns.0, unknowns.1), raw::list(knowns.0, knowns.1));
         let (unknowns, knowns) = (needed(unknowns)?, needed(knowns)?);
-        let (seed, found) = (needed(raw::list(seed.0, seed.1))?, needed(raw::list_mut(found.0, found.1))?);
+        let (seed, sensitivity) =
+            (needed(raw::list(seed.0, seed.1))?, needed(raw::list_mut(sensitivity.0, sensitivity.1))?);
         same_length(knowns.len(), seed.len())?;
-        same_length(unknowns.len(), found.len())?;
-        found.copy_from_slice(&instance.derivative(unknowns, knowns, seed)?);
+        same_length(unknowns.len(), sensitivity.len())?;
+        sensitivity.copy_from_slice(&instance.derivative(unknowns, knowns, seed)?);
         Ok(())
     })
 }

@@ -6,7 +6,7 @@ use crate::component::{
 };
 use crate::raw::{self, Logger2};
 use core::ffi::{c_char, c_int, c_void};
-use forcefeel_fmu::kept::Kept;
+use forcefeel_fmu::instance_state::InstanceState;
 use std::path::PathBuf;
 
 /// A yes or a no of FMI 2.0.
@@ -173,29 +173,33 @@ extern "C" fn fmi2SetString(component: *mut Component, _: *const u32, count: usi
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi2GetFMUstate(component: *mut Component, state: *mut *mut Kept) -> Status {
+extern "C" fn fmi2GetFMUstate(component: *mut Component, state: *mut *mut InstanceState) -> Status {
     keep(component, state)
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi2SetFMUstate(component: *mut Component, state: *const Kept) -> Status {
+extern "C" fn fmi2SetFMUstate(component: *mut Component, state: *const InstanceState) -> Status {
     restore(component, state)
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi2FreeFMUstate(component: *mut Component, state: *mut *mut Kept) -> Status {
+extern "C" fn fmi2FreeFMUstate(component: *mut Component, state: *mut *mut InstanceState) -> Status {
     free(component, state)
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi2SerializedFMUstateSize(component: *mut Component, state: *const Kept, bytes: *mut usize) -> Status {
+extern "C" fn fmi2SerializedFMUstateSize(
+    component: *mut Component,
+    state: *const InstanceState,
+    bytes: *mut usize,
+) -> Status {
     size(component, state, bytes)
 }
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi2SerializeFMUstate(
     component: *mut Component,
-    state: *const Kept,
+    state: *const InstanceState,
     bytes: *mut u8,
     count: usize,
 ) -> Status {
@@ -207,7 +211,7 @@ extern "C" fn fmi2DeSerializeFMUstate(
     component: *mut Component,
     bytes: *const u8,
     count: usize,
-    state: *mut *mut Kept,
+    state: *mut *mut InstanceState,
 ) -> Status {
     read(component, (bytes, count), state)
 }
@@ -220,10 +224,10 @@ extern "C" fn fmi2GetDirectionalDerivative(
     knowns: *const u32,
     known_count: usize,
     seed: *const f64,
-    found: *mut f64,
+    sensitivity: *mut f64,
 ) -> Status {
     let (unknowns, knowns) = ((unknowns, unknown_count), (knowns, known_count));
-    derivative(component, unknowns, knowns, (seed, known_count), (found, unknown_count))
+    derivative(component, unknowns, knowns, (seed, known_count), (sensitivity, unknown_count))
 }
 
 #[unsafe(no_mangle)]

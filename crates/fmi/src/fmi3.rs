@@ -8,7 +8,7 @@ use crate::fmi2::whole;
 use crate::raw::{self, Logger3};
 use core::ffi::{c_char, c_void};
 use forcefeel_fmu::instance::Instance;
-use forcefeel_fmu::kept::Kept;
+use forcefeel_fmu::instance_state::InstanceState;
 use forcefeel_fmu::variables::CLOCK;
 use std::path::Path;
 
@@ -339,29 +339,33 @@ extern "C" fn fmi3GetVariableDependencies(
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi3GetFMUState(component: *mut Component, state: *mut *mut Kept) -> Status {
+extern "C" fn fmi3GetFMUState(component: *mut Component, state: *mut *mut InstanceState) -> Status {
     keep(component, state)
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi3SetFMUState(component: *mut Component, state: *const Kept) -> Status {
+extern "C" fn fmi3SetFMUState(component: *mut Component, state: *const InstanceState) -> Status {
     restore(component, state)
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi3FreeFMUState(component: *mut Component, state: *mut *mut Kept) -> Status {
+extern "C" fn fmi3FreeFMUState(component: *mut Component, state: *mut *mut InstanceState) -> Status {
     free(component, state)
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi3SerializedFMUStateSize(component: *mut Component, state: *const Kept, bytes: *mut usize) -> Status {
+extern "C" fn fmi3SerializedFMUStateSize(
+    component: *mut Component,
+    state: *const InstanceState,
+    bytes: *mut usize,
+) -> Status {
     size(component, state, bytes)
 }
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi3SerializeFMUState(
     component: *mut Component,
-    state: *const Kept,
+    state: *const InstanceState,
     bytes: *mut u8,
     count: usize,
 ) -> Status {
@@ -373,7 +377,7 @@ extern "C" fn fmi3DeserializeFMUState(
     component: *mut Component,
     bytes: *const u8,
     count: usize,
-    state: *mut *mut Kept,
+    state: *mut *mut InstanceState,
 ) -> Status {
     read(component, (bytes, count), state)
 }
@@ -387,11 +391,11 @@ extern "C" fn fmi3GetDirectionalDerivative(
     known_count: usize,
     seed: *const f64,
     seed_count: usize,
-    found: *mut f64,
-    found_count: usize,
+    sensitivity: *mut f64,
+    sensitivity_count: usize,
 ) -> Status {
     let (unknowns, knowns) = ((unknowns, unknown_count), (knowns, known_count));
-    derivative(component, unknowns, knowns, (seed, seed_count), (found, found_count))
+    derivative(component, unknowns, knowns, (seed, seed_count), (sensitivity, sensitivity_count))
 }
 
 #[unsafe(no_mangle)]

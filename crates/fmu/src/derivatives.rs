@@ -4,10 +4,10 @@
 //! step up to it; before the first step, and in an event of the law's clock, with those of now. Dry friction, stops and limits stay as they are, and steps of sensors and
 //! converters, which have no slope, are left out.
 
-use crate::course::{Course, Given, Made};
 use crate::feel::Feel;
 use crate::instance::Instance;
-use crate::kept::{AnyCourse, Before};
+use crate::instance_state::{AnyCourse, StepRestorePoint};
+use crate::step_state::{Given, StepConstants, StepState};
 use crate::variables::{Kind, MOST_INPUTS, MOST_OUTPUTS};
 use forcefeel_model::drive::Drive;
 use forcefeel_model::drive::electric::Electric;
@@ -50,7 +50,7 @@ impl Instance {
     fn slopes(&self, along: &[f64; MOST_INPUTS]) -> Result<[f64; MOST_OUTPUTS], String> {
         let kept = self.kept();
         let (inputs, feel, course, steps) = match (&kept.before, &kept.course) {
-            (Some(Before { feel, course, inputs, steps }), _) => (inputs, feel, course, *steps),
+            (Some(StepRestorePoint { feel, course, inputs, steps }), _) => (inputs, feel, course, *steps),
             (None, Some(course)) => (&kept.inputs, &kept.feel, course, 0),
             _ => return Err("the FMU is not initialized".to_string()),
         };
@@ -65,7 +65,7 @@ impl Instance {
 
     fn slopes_of<D: Drive<f64>, E: Drive<Dual>>(
         &self,
-        course: &Course<f64, D>,
+        course: &StepState<f64, D>,
         feel: &Feel,
         given: &Given<Dual>,
         steps: usize,
@@ -76,9 +76,10 @@ impl Instance {
     {
         // Numbers that were written down read back as dual ones without a slope.
         let written = postcard::to_stdvec(course).map_err(|error| error.to_string())?;
-        let mut course: Course<Dual, E> = postcard::from_bytes(&written).map_err(|error| error.to_string())?;
+        let mut course: StepState<Dual, E> = postcard::from_bytes(&written).map_err(|error| error.to_string())?;
         let mut feel = feel.clone();
-        let mut made: Made<Dual, E> = Made::new(&self.resources, &self.values(), &feel, Dual::constant(0.0));
+        let mut made: StepConstants<Dual, E> =
+            StepConstants::new(&self.resources, &self.values(), &feel, Dual::constant(0.0));
         made.go(&self.resources, (&mut course, &mut feel), given, (steps, self.change_steps()));
         Ok(made.look(&course, &feel, given).map(|output| output.slope))
     }

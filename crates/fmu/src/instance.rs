@@ -1,9 +1,9 @@
 //! What an importer does with an FMU: begins, goes from one communication point to the next, keeps a state and takes it back.
 
-use crate::course::{Made, stride};
 use crate::feel::count;
-use crate::kept::{AnyCourse, Before, Kept};
+use crate::instance_state::{AnyCourse, InstanceState, StepRestorePoint};
 use crate::resources::Resources;
+use crate::step_state::{StepConstants, stride};
 use crate::values::Variables;
 use crate::variables::{
     FEEL_CHANGE_TIME, HELD_UNTIL, Kind, MOST_OUTPUTS, SEED, START_ANGLE, START_FORCE, inputs, options, rows, seen,
@@ -22,7 +22,7 @@ const ROUNDING: f64 = 1e-6;
 pub struct Instance {
     pub(crate) resources: Arc<Resources>,
     pub(crate) variables: Arc<Variables>,
-    pub(crate) kept: Kept,
+    pub(crate) kept: InstanceState,
     /// Made of what is kept.
     pub(crate) run: Option<Run>,
     pub(crate) seen: Option<[f64; MOST_OUTPUTS]>,
@@ -31,8 +31,8 @@ pub struct Instance {
 /// A loader with either drive, ready to run.
 #[derive(Debug, Clone)]
 pub(crate) enum Run {
-    Hydraulic(Box<Made<f64, Hydraulic<f64>>>),
-    Electric(Box<Made<f64, Electric<f64>>>),
+    Hydraulic(Box<StepConstants<f64, Hydraulic<f64>>>),
+    Electric(Box<StepConstants<f64, Electric<f64>>>),
 }
 
 impl Instance {
@@ -55,13 +55,13 @@ impl Instance {
             options: options(kind, resources.settings.len()),
             rows: rows(kind, drive, &values),
         };
-        let kept = Kept::new(&resources, &variables);
+        let kept = InstanceState::new(&resources, &variables);
         Ok(Self { resources: Arc::new(resources), variables: Arc::new(variables), kept, run: None, seen: None })
     }
 
     /// As it was before anything was set.
     pub fn reset(&mut self) {
-        self.restore(&Kept::new(&self.resources, &self.variables));
+        self.restore(&InstanceState::new(&self.resources, &self.variables));
     }
 
     /// When the run begins.
@@ -126,9 +126,9 @@ impl Instance {
     fn go(&mut self, steps: usize) -> Result<(), String> {
         self.prepare()?;
         let (given, change_steps) = (self.given(&self.kept.inputs), self.change_steps());
-        let Kept { feel, course, before, inputs, .. } = &mut self.kept;
+        let InstanceState { feel, course, before, inputs, .. } = &mut self.kept;
         if let Some(course) = course.as_ref() {
-            *before = Some(Before { feel: feel.clone(), course: course.clone(), inputs: *inputs, steps });
+            *before = Some(StepRestorePoint { feel: feel.clone(), course: course.clone(), inputs: *inputs, steps });
         }
         match (&mut self.run, course) {
             (Some(Run::Hydraulic(made)), Some(AnyCourse::Hydraulic(course))) => {
@@ -192,12 +192,12 @@ impl Instance {
     }
 
     /// What makes it out now.
-    pub fn kept(&self) -> &Kept {
+    pub fn kept(&self) -> &InstanceState {
         &self.kept
     }
 
     /// As it was when that was kept.
-    pub fn restore(&mut self, kept: &Kept) {
+    pub fn restore(&mut self, kept: &InstanceState) {
         (self.kept, self.run, self.seen) = (kept.clone(), None, None);
     }
 
@@ -235,19 +235,19 @@ impl Instance {
         let begins = !self.kept.started;
         let (values, given) = (self.values(), self.given(&self.kept.inputs));
         let start = self.beginning()?;
-        let Kept { feel, course, options, .. } = &mut self.kept;
+        let InstanceState { feel, course, options, .. } = &mut self.kept;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a whole number within bounds")]
         let seed = options[SEED] as u64;
         self.run = Some(match DriveKind::of(&values) {
             DriveKind::Hydraulic => {
-                let made = Made::new(&self.resources, &values, feel, 0.0);
+                let made = StepConstants::new(&self.resources, &values, feel, 0.0);
                 if begins {
                     *course = Some(AnyCourse::Hydraulic(Box::new(made.start(start, seed, &given))));
                 }
                 Run::Hydraulic(Box::new(made))
             }
             DriveKind::Electric => {
-                let made = Made::new(&self.resources, &values, feel, 0.0);
+                let made = StepConstants::new(&self.resources, &values, feel, 0.0);
                 if begins {
                     *course = Some(AnyCourse::Electric(Box::new(made.start(start, seed, &given))));
                 }
@@ -287,7 +287,7 @@ impl Instance {
         }
         self.prepare()?;
         let given = self.given(&self.kept.inputs);
-        let found = match (&self.run, &self.kept.course) {
+        let outputs = match (&self.run, &self.kept.course) {
             (Some(Run::Hydraulic(made)), Some(AnyCourse::Hydraulic(course))) => {
                 made.look(course, &self.kept.feel, &given)
             }
@@ -296,8 +296,8 @@ impl Instance {
             }
             _ => return Err("the state is that of another FMU".to_string()),
         };
-        self.seen = Some(found);
-        Ok(found)
+        self.seen = Some(outputs);
+        Ok(outputs)
     }
 }
 
@@ -305,6 +305,6 @@ impl Instance {
 const MOST_STEPS: f64 = 1e8;
 
 /// Whether two times are the same but for rounding; "not a number" never is.
-fn near(found: f64, wanted: f64, rounding: f64) -> bool {
-    (found - wanted).abs() <= rounding
+fn near(outputs: f64, expected: f64, rounding: f64) -> bool {
+    (outputs - expected).abs() <= rounding
 }

@@ -13,11 +13,11 @@
 //! | changes of the feel while it runs | [`feel`] |
 #![forbid(unsafe_code)]
 
-mod course;
 pub mod derivatives;
 mod feel;
 pub mod instance;
-pub mod kept;
+pub mod instance_state;
 pub mod resources;
+mod step_state;
 mod values;
 pub mod variables;

@@ -1,8 +1,8 @@
 //! The variables of an instance: what may be set to what and when, and what they are.
 
-use crate::course::Given;
 use crate::feel::{Feel, count};
 use crate::instance::Instance;
+use crate::step_state::Given;
 use crate::variables::{
     INPUTS, Kind, MOST_INPUTS, OPTIONS, OPTIONS_FROM, OUTPUTS, PARAMETERS, SETTING, Signal, TIME, is_switch,
     is_tunable, range, within,

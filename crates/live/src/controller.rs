@@ -2,22 +2,22 @@
 //!
 //! `s` share of a change of the feel that is over · its fade is `3 s^2 - 2 s^3`, so that neither the force nor its rate jumps
 
-use crate::guided::{Guided, OfHost};
+use crate::host_control::{HostControl, HostRequest};
 use crate::input_output::{Command, Sampled};
+use crate::request::{FeelRequest, LoopRequest};
 use crate::row::Row;
 use crate::setup::{Beginning, Setup};
-use crate::supervision::{Asked, Seen, Supervision, Verdict};
-use crate::wish::{FeelWish, Wish};
-use forcefeel_model::around::{Around, Led, Pace};
+use crate::supervision::{Asked, CycleStatus, Supervision, Verdict};
 use forcefeel_model::control::Control;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::followed::Followed;
 use forcefeel_model::host::ToHost;
 use forcefeel_model::host::effects::Held;
 use forcefeel_model::machine::{Inputs, Shared};
+use forcefeel_model::modifiers::{FeelModifiers, ModifierRamp, ModifierRates};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
-use forcefeel_model::supervisor::Wish as Mode;
+use forcefeel_model::supervised_law::SupervisedLaw;
+use forcefeel_model::supervisor::RequestedMode;
 use forcefeel_model::transducers::SENSORS;
 
 /// Law, feel and supervisor of a running loop.
@@ -27,17 +27,17 @@ pub struct Controller {
     shared: Shared,
     control: Control<f64>,
     period_s: f64,
-    followed: Followed<f64>,
+    followed: SupervisedLaw<f64>,
     sensors: [f64; SENSORS],
     supervision: Supervision,
     asked: Asked,
     /// What is wished for once the supervisor has been asked for off.
-    after_off: Option<Mode>,
-    led: Led<f64>,
-    wanted: Around,
-    host: Option<Guided>,
+    after_off: Option<RequestedMode>,
+    led: ModifierRamp<f64>,
+    wanted: FeelModifiers,
+    host: Option<HostControl>,
     change: Option<Change>,
-    waiting: Option<FeelWish>,
+    waiting: Option<FeelRequest>,
     cycle: u64,
     beats: u64,
 }
@@ -62,9 +62,9 @@ impl Controller {
             Some(Beginning { sensors, delta, rate, neutral, estimate }) => {
                 let mut feeling = control.resting(delta, neutral);
                 feeling.motion.at[1] = rate;
-                (Followed::begun(&control, at_rest, (sensors, estimate, feeling)), sensors, neutral)
+                (SupervisedLaw::begun(&control, at_rest, (sensors, estimate, feeling)), sensors, neutral)
             }
-            None => (Followed::new(&control, at_rest), [0.0; SENSORS], 0.0),
+            None => (SupervisedLaw::new(&control, at_rest), [0.0; SENSORS], 0.0),
         };
         let trim_rad = neutral * control.per_delta();
         Ok(Self {
@@ -75,11 +75,11 @@ impl Controller {
             followed,
             sensors,
             supervision: Supervision::new(setup)?,
-            asked: Asked { wish: Mode::Off, acknowledge: false, stop: false },
-            after_off: Some(Mode::Off),
-            led: Led::at(trim_rad),
-            wanted: Around { trim_rad, ..Around::NONE },
-            host: setup.host.then(|| Guided::new(setup)),
+            asked: Asked { request: RequestedMode::Off, acknowledge: false, stop: false },
+            after_off: Some(RequestedMode::Off),
+            led: ModifierRamp::at(trim_rad),
+            wanted: FeelModifiers { trim_rad, ..FeelModifiers::NONE },
+            host: setup.host.then(|| HostControl::new(setup)),
             change: None,
             waiting: None,
             cycle: 0,
@@ -98,16 +98,16 @@ impl Controller {
     }
 
     /// Takes a wish, which counts from the next cycle on. Of two feels that wait, the newer stays.
-    pub fn take(&mut self, wish: &Wish) {
-        match wish {
-            Wish::Feel(feel) => self.waiting = Some(*feel),
-            Wish::Around(around) => self.wanted = *around,
-            Wish::On => self.wish(Mode::Active),
-            Wish::Passive => self.wish(Mode::Passive),
-            Wish::Off => self.wish(Mode::Off),
-            Wish::Acknowledge => self.asked.acknowledge = true,
-            Wish::Stop => self.asked.stop = true,
-            Wish::Host(packet) => {
+    pub fn take(&mut self, request: &LoopRequest) {
+        match request {
+            LoopRequest::Feel(feel) => self.waiting = Some(*feel),
+            LoopRequest::FeelModifiers(around) => self.wanted = *around,
+            LoopRequest::On => self.request(RequestedMode::Active),
+            LoopRequest::Passive => self.request(RequestedMode::Passive),
+            LoopRequest::Off => self.request(RequestedMode::Off),
+            LoopRequest::Acknowledge => self.asked.acknowledge = true,
+            LoopRequest::Stop => self.asked.stop = true,
+            LoopRequest::Host(packet) => {
                 if let Some(host) = &mut self.host {
                     host.take(packet);
                 }
@@ -117,13 +117,13 @@ impl Controller {
 
     /// A supervisor starts nothing before it was asked for off: so off counts for a cycle, as it does for the first, even where another wish
     /// comes within it.
-    fn wish(&mut self, wish: Mode) {
-        if wish == Mode::Off {
-            (self.asked.wish, self.after_off) = (wish, Some(wish));
+    fn request(&mut self, request: RequestedMode) {
+        if request == RequestedMode::Off {
+            (self.asked.request, self.after_off) = (request, Some(request));
         } else if let Some(after) = &mut self.after_off {
-            *after = wish;
+            *after = request;
         } else {
-            self.asked.wish = wish;
+            self.asked.request = request;
         }
     }
 
@@ -141,9 +141,10 @@ impl Controller {
         let of_host = self.of_host(fade, around.stiffness_factor);
         let inputs = self.inputs((fade, around), &pace, &of_host);
         // Before its feel is wanted a host leaves the loader passive, whatever the person wants.
-        let held_back = self.asked.wish == Mode::Active && of_host.holds_back;
-        let asked = Asked { wish: if held_back { Mode::Passive } else { self.asked.wish }, ..self.asked };
-        let seen = Seen {
+        let held_back = self.asked.request == RequestedMode::Active && of_host.holds_back;
+        let asked =
+            Asked { request: if held_back { RequestedMode::Passive } else { self.asked.request }, ..self.asked };
+        let seen = CycleStatus {
             sensors: sampled.map_or(self.sensors, |sampled| sampled.sample.sensors),
             periods: sampled.map(|sampled| sampled.periods),
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
@@ -153,7 +154,7 @@ impl Controller {
             asked,
         };
         (self.asked.acknowledge, self.asked.stop) = (false, false);
-        self.asked.wish = self.after_off.take().unwrap_or(self.asked.wish);
+        self.asked.request = self.after_off.take().unwrap_or(self.asked.request);
         self.sensors = seen.sensors;
         let (supervision, mut verdict) = (&mut self.supervision, Verdict::NONE);
         let sample = sampled.map(|sampled| &sampled.sample);
@@ -177,7 +178,7 @@ impl Controller {
             self.change = None;
         }
         if self.change.is_none()
-            && let Some(FeelWish { values, observer, cycles }) = self.waiting.take()
+            && let Some(FeelRequest { values, observer, cycles }) = self.waiting.take()
         {
             let parameters = Parameters { feel: Parameters::from_values(&values).feel, ..self.parameters };
             let effects = Effects::of(&values);
@@ -201,21 +202,26 @@ impl Controller {
     }
 
     /// What the host wants of this cycle, where the person has set a factor on the spring; nothing where there is none.
-    fn of_host(&mut self, fade: f64, persons: f64) -> OfHost {
-        let Some(host) = &mut self.host else { return OfHost::NONE };
+    fn of_host(&mut self, fade: f64, persons: f64) -> HostRequest {
+        let Some(host) = &mut self.host else { return HostRequest::NONE };
         let (control, shared, feeling) = (&self.control, &self.shared, self.followed.feeling());
         let force = |angle, factor: f64| control.holding_force(shared, feeling, (persons * factor, fade), angle);
         let angle = feeling.motion.at[0] * control.per_delta();
         host.step(&Held { angle, spring: self.parameters.feel.stiffness, force }, self.supervision.last())
     }
 
-    fn pace(&self) -> Pace<f64> {
+    fn pace(&self) -> ModifierRates<f64> {
         let feel = &self.parameters.feel;
-        Pace { trim_rate: feel.trim_rate, shaker_frequency: feel.shaker_frequency, period: self.period_s }
+        ModifierRates { trim_rate: feel.trim_rate, shaker_frequency: feel.shaker_frequency, period: self.period_s }
     }
 
     /// What the feel is told from outside in this cycle.
-    fn inputs(&mut self, (fade, around): (f64, Around), pace: &Pace<f64>, of_host: &OfHost) -> Inputs {
+    fn inputs(
+        &mut self,
+        (fade, around): (f64, FeelModifiers),
+        pace: &ModifierRates<f64>,
+        of_host: &HostRequest,
+    ) -> Inputs {
         // What the person sets and what the host does go together.
         let trim_rad = around.trim_rad + of_host.neutral;
         let stiffness_factor = around.stiffness_factor * of_host.stiffness_factor;
@@ -251,7 +257,7 @@ impl Controller {
             fade: inputs.fade[0],
             spring_factor: inputs.stiffness_factor[0],
             added_force_n: inputs.added_force[0],
-            host_share: self.host.as_ref().map_or(0.0, Guided::share),
+            host_share: self.host.as_ref().map_or(0.0, HostControl::share),
             law_command: answer.command,
             command: verdict.command,
             enable: f64::from(u8::from(verdict.enable)),

@@ -2,11 +2,11 @@
 
 use crate::clock::{Clock, Woken};
 use crate::controller::Controller;
-use crate::host_link::OfHost;
+use crate::host_link::HostRings;
 use crate::input_output::{Command, Disturbance, InputOutput};
+use crate::request::LoopRequest;
 use crate::row::Row;
 use crate::status::Status;
-use crate::wish::Wish;
 use core::sync::atomic::Ordering::Relaxed;
 use rtrb::{Consumer, Producer};
 use std::sync::Arc;
@@ -19,17 +19,17 @@ pub struct Cycles {
     /// The machine.
     pub machine: Box<dyn InputOutput>,
     /// Wishes with the cycle before which each is taken, in order; those of a replay.
-    pub plan: Vec<(u64, Wish)>,
+    pub plan: Vec<(u64, LoopRequest)>,
     /// Wishes of the moment.
-    pub wishes: Consumer<Wish>,
+    pub requests: Consumer<LoopRequest>,
     /// Packets of a host, and what it is told.
-    pub host: Option<OfHost>,
+    pub host: Option<HostRings>,
     /// What is done to a simulated machine.
     pub disturbances: Consumer<Disturbance>,
     /// A row each cycle.
     pub rows: Producer<Row>,
     /// The wishes that were taken, each with the number of the cycle from which it counts.
-    pub taken: Producer<(u64, Wish)>,
+    pub taken: Producer<(u64, LoopRequest)>,
     /// What is seen of it at once.
     pub status: Arc<Status>,
     /// How many wishes of the plan have been taken.
@@ -77,22 +77,22 @@ impl Cycles {
 
     fn take_wishes(&mut self) {
         let cycle = self.controller.cycle();
-        while let Some(&(_, wish)) = self.plan.get(self.planned).filter(|(from, _)| *from <= cycle) {
+        while let Some(&(_, request)) = self.plan.get(self.planned).filter(|(from, _)| *from <= cycle) {
             self.planned += 1;
-            self.take(cycle, &wish);
+            self.take(cycle, &request);
         }
-        while let Ok(wish) = self.wishes.pop() {
-            self.take(cycle, &wish);
+        while let Ok(request) = self.requests.pop() {
+            self.take(cycle, &request);
         }
         // One a cycle, so that what is told of them has its bounds.
         if let Some(packet) = self.host.as_mut().and_then(|host| host.packets.pop().ok()) {
-            self.take(cycle, &Wish::Host(packet));
+            self.take(cycle, &LoopRequest::Host(packet));
         }
     }
 
-    fn take(&mut self, cycle: u64, wish: &Wish) {
-        self.controller.take(wish);
-        tell(&mut self.taken, (cycle, *wish), &self.status, self.patient);
+    fn take(&mut self, cycle: u64, request: &LoopRequest) {
+        self.controller.take(request);
+        tell(&mut self.taken, (cycle, *request), &self.status, self.patient);
     }
 
     fn look(&self, row: &Row, silent: bool, (late_ns, work_ns, missed): (u64, u64, u64)) {

@@ -26,7 +26,7 @@ const NAP: Duration = Duration::from_micros(200);
 const GONE: Duration = Duration::from_secs(1);
 
 /// The loop's ends of the rings.
-pub struct OfHost {
+pub struct HostRings {
     /// What the host sent.
     pub packets: Consumer<FromHost>,
     /// What it is told.
@@ -35,7 +35,7 @@ pub struct OfHost {
 
 /// What is seen of a host.
 #[derive(Debug)]
-pub struct Heard {
+pub struct HostStatus {
     /// Where it is listened to.
     pub at: SocketAddr,
     /// Packets that were handed on.
@@ -45,7 +45,7 @@ pub struct Heard {
     last: Mutex<Option<(SocketAddr, Instant)>>,
 }
 
-impl Heard {
+impl HostStatus {
     /// Who spoke last, and how long ago.
     pub fn last(&self) -> Option<(SocketAddr, Duration)> {
         let last = *self.last.lock().unwrap_or_else(PoisonError::into_inner);
@@ -64,20 +64,21 @@ pub struct Link {
     answers: Consumer<ToHost>,
     sequence: u32,
     /// What others see of it.
-    pub heard: Arc<Heard>,
+    pub host_status: Arc<HostStatus>,
 }
 
 /// A link over a socket, and the loop's ends of its rings.
 ///
 /// # Errors
 /// If the socket is none that can be waited at.
-pub fn between(socket: UdpSocket) -> io::Result<(Link, OfHost)> {
+pub fn between(socket: UdpSocket) -> io::Result<(Link, HostRings)> {
     socket.set_read_timeout(Some(LOOKS))?;
     let at = socket.local_addr()?;
     let (packets, taken) = RingBuffer::new(ROOM);
-    let (told, answers) = RingBuffer::new(ROOM);
-    let heard = Arc::new(Heard { at, packets: AtomicU64::new(0), refused: AtomicU64::new(0), last: Mutex::default() });
-    Ok((Link { socket, packets, answers, sequence: 0, heard }, OfHost { packets: taken, answers: told }))
+    let (replies, answers) = RingBuffer::new(ROOM);
+    let host_status =
+        Arc::new(HostStatus { at, packets: AtomicU64::new(0), refused: AtomicU64::new(0), last: Mutex::default() });
+    Ok((Link { socket, packets, answers, sequence: 0, host_status }, HostRings { packets: taken, answers: replies }))
 }
 
 impl Link {
@@ -88,7 +89,7 @@ impl Link {
             // Nothing came in time, or an earlier answer found nobody: both leave nothing to do.
             let Ok((count, from)) = self.socket.recv_from(&mut bytes) else { continue };
             let taken = FromHost::decode(&bytes[..count]).is_ok_and(|packet| self.take(&packet, from));
-            let counter = if taken { &self.heard.packets } else { &self.heard.refused };
+            let counter = if taken { &self.host_status.packets } else { &self.host_status.refused };
             counter.fetch_add(1, Relaxed);
             if taken {
                 self.answer(from, ended);
@@ -98,7 +99,7 @@ impl Link {
 
     /// Hands a packet on, if it is the next of the one host.
     fn take(&mut self, packet: &FromHost, from: SocketAddr) -> bool {
-        if let Some((address, ago)) = self.heard.last()
+        if let Some((address, ago)) = self.host_status.last()
             && ago < GONE
             && (address != from || !is_newer(packet.sequence, self.sequence))
         {
@@ -110,7 +111,7 @@ impl Link {
             return false;
         }
         self.sequence = packet.sequence;
-        self.heard.speaks(from);
+        self.host_status.speaks(from);
         true
     }
 

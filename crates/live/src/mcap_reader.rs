@@ -48,7 +48,7 @@ impl<'a> Records<'a> {
                     self.cut_off = Some(why);
                     continue;
                 }
-                found => found?,
+                entries => entries?,
             };
             self.rest = rest;
             match code {
@@ -73,9 +73,9 @@ impl<'a> Iterator for Records<'a> {
             return None;
         }
         let at = self.file.len() - self.rest.len();
-        let found = self.step().map_err(|what| format!("{what} (byte {at} of {})", self.file.len())).transpose();
-        self.over = !matches!(found, Some(Ok(_)));
-        found
+        let entries = self.step().map_err(|what| format!("{what} (byte {at} of {})", self.file.len())).transpose();
+        self.over = !matches!(entries, Some(Ok(_)));
+        entries
     }
 }
 
@@ -176,11 +176,11 @@ impl<'a> Fields<'a> {
 
     /// Texts by name.
     pub fn texts(&mut self) -> Option<BTreeMap<String, String>> {
-        let (mut pairs, mut found) = (Fields(self.bytes()?), BTreeMap::new());
+        let (mut pairs, mut entries) = (Fields(self.bytes()?), BTreeMap::new());
         while !pairs.0.is_empty() {
             let name = pairs.text()?;
-            found.insert(name.to_string(), pairs.text()?.to_string());
+            entries.insert(name.to_string(), pairs.text()?.to_string());
         }
-        Some(found)
+        Some(entries)
     }
 }

@@ -4,9 +4,9 @@ use crate::controller::Controller;
 use crate::input_output::Sampled;
 use crate::mcap_reader::{Fields, Records};
 use crate::record::{ABOUT, END, LISTS, ROWS, WHY};
+use crate::request::LoopRequest;
 use crate::row::{COLUMNS, NAMES, Row};
 use crate::setup::Setup;
-use crate::wish::Wish;
 use forcefeel_model::control::Sample;
 use mcap::records::op;
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ pub struct Contents {
     /// Lists of numbers that stand before the first row: what the loop was made of.
     pub setup: Vec<(String, Vec<f64>)>,
     /// Wishes, each with the cycle from which it counts.
-    pub wishes: Vec<(u64, Wish)>,
+    pub requests: Vec<(u64, LoopRequest)>,
     /// Names of the columns.
     pub columns: Vec<String>,
     /// Rows, one after the other.
@@ -36,26 +36,26 @@ pub struct Contents {
 /// If it is none.
 pub fn read(file: &[u8]) -> Result<Contents, String> {
     // Memory that is never written to is never taken.
-    let mut found = Contents { rows: Vec::with_capacity(file.len() / 8), ..Contents::default() };
+    let mut contents = Contents { rows: Vec::with_capacity(file.len() / 8), ..Contents::default() };
     let mut channels: BTreeMap<u16, (String, u16)> = BTreeMap::new();
     let mut schemas: BTreeMap<u16, &[u8]> = BTreeMap::new();
     for record in Records::of(file)? {
         let taken = record.and_then(|(code, body)| {
-            take(&mut found, (&mut channels, &mut schemas), code, body).unwrap_or_else(|| Err(DAMAGED.to_string()))
+            take(&mut contents, (&mut channels, &mut schemas), code, body).unwrap_or_else(|| Err(DAMAGED.to_string()))
         });
         if let Err(what) = taken {
-            found.broken = Some(what);
+            contents.broken = Some(what);
             break;
         }
     }
-    if found.setup.is_empty() {
-        let why = found.broken.map_or(String::new(), |what| format!(": {what}"));
+    if contents.setup.is_empty() {
+        let why = contents.broken.map_or(String::new(), |what| format!(": {what}"));
         return Err(format!("has no topic {LISTS} of a loop{why}"));
     }
-    if found.columns.is_empty() {
-        found.columns = NAMES.iter().map(ToString::to_string).collect();
+    if contents.columns.is_empty() {
+        contents.columns = NAMES.iter().map(ToString::to_string).collect();
     }
-    Ok(found)
+    Ok(contents)
 }
 
 const DAMAGED: &str = "a record's content is damaged";
@@ -65,7 +65,7 @@ type Kinds<'a, 'b> = (&'b mut BTreeMap<u16, (String, u16)>, &'b mut BTreeMap<u16
 
 /// Takes what a record says; nothing where its content is not as long as it says.
 fn take<'a>(
-    found: &mut Contents,
+    contents: &mut Contents,
     (channels, schemas): Kinds<'a, '_>,
     code: u8,
     body: &'a [u8],
@@ -73,8 +73,8 @@ fn take<'a>(
     let mut fields = Fields(body);
     match code {
         op::METADATA => match fields.text()? {
-            ABOUT => found.about = fields.texts()?,
-            END => found.ended = fields.texts()?.remove(WHY),
+            ABOUT => contents.about = fields.texts()?,
+            END => contents.ended = fields.texts()?.remove(WHY),
             _ => {}
         },
         op::SCHEMA => {
@@ -91,20 +91,20 @@ fn take<'a>(
             let _sequence_and_times = fields.take(20)?;
             let Some((topic, schema)) = channels.get(&channel) else { return Some(Ok(())) };
             if topic == ROWS {
-                if found.columns.is_empty() {
-                    found.columns = columns_of(schemas.get(schema).copied().unwrap_or_default());
+                if contents.columns.is_empty() {
+                    contents.columns = columns_of(schemas.get(schema).copied().unwrap_or_default());
                 }
                 let numbers = fields.0.get(4..)?.as_chunks::<8>().0;
-                if numbers.len() != found.columns.len() {
-                    let (came, columns) = (numbers.len(), found.columns.len());
+                if numbers.len() != contents.columns.len() {
+                    let (came, columns) = (numbers.len(), contents.columns.len());
                     return Some(Err(format!("a row has {came} numbers, its columns are {columns}")));
                 }
-                found.rows.extend(numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)));
+                contents.rows.extend(numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)));
             } else if topic == LISTS {
                 let (name, cycle, numbers) = list_of(fields.0)?;
-                match Wish::of(&name, &numbers) {
-                    Some(wish) => found.wishes.push((cycle, wish)),
-                    None => found.setup.push((name, numbers)),
+                match LoopRequest::of(&name, &numbers) {
+                    Some(request) => contents.requests.push((cycle, request)),
+                    None => contents.setup.push((name, numbers)),
                 }
             }
         }
@@ -155,7 +155,7 @@ pub fn replay(contents: &Contents) -> Result<Replayed, String> {
     }
     let setup = Setup::of(&contents.setup).ok_or("was made by another version of forcefeel: its setup does not fit")?;
     let mut controller = Controller::new(&setup)?;
-    let mut wishes = contents.wishes.iter().peekable();
+    let mut requests = contents.requests.iter().peekable();
     let mut replayed = Replayed { cycles: 0, difference: None, gap: None };
     for numbers in contents.rows.as_chunks::<COLUMNS>().0 {
         let row = Row::of(numbers);
@@ -165,8 +165,8 @@ pub fn replay(contents: &Contents) -> Result<Replayed, String> {
             replayed.gap = Some(controller.cycle());
             break;
         }
-        while let Some((_, wish)) = wishes.next_if(|(from, _)| *from <= cycle) {
-            controller.take(wish);
+        while let Some((_, request)) = requests.next_if(|(from, _)| *from <= cycle) {
+            controller.take(request);
         }
         let sensors = [row.load_cell_force_n, row.drive_position_m, row.column_base_m, row.grip_force_n];
         let sample = Sample { sensors, pilot_force: row.pilot_force_n };

@@ -3,13 +3,13 @@
 use crate::clock::{AtOnce, Monotonic};
 use crate::controller::Controller;
 use crate::cycle::Cycles;
-use crate::host_link::{self, Heard};
+use crate::host_link::{self, HostStatus};
 use crate::input_output::{Disturbance, InputOutput};
 use crate::priority::{Granted, ask};
 use crate::record::{Record, WITH_THE_RUN, reason};
+use crate::request::LoopRequest;
 use crate::row::{COLUMNS, Row};
 use crate::status::Status;
-use crate::wish::Wish;
 use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use mcap::McapResult;
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -29,7 +29,7 @@ pub struct Plan {
     /// Where a host's packets come to.
     pub host: Option<UdpSocket>,
     /// Wishes with the cycle before which each is taken.
-    pub wishes: Vec<(u64, Wish)>,
+    pub requests: Vec<(u64, LoopRequest)>,
     /// By the clock, or as fast as it goes.
     pub real_time: bool,
     /// Cycles after which it ends by itself.
@@ -42,17 +42,17 @@ pub struct Plan {
 
 /// A loop under way.
 pub struct Running {
-    asks: Mutex<(Producer<Wish>, Producer<Disturbance>)>,
+    asks: Mutex<(Producer<LoopRequest>, Producer<Disturbance>)>,
     status: Arc<Status>,
-    kept: Arc<Kept>,
+    kept: Arc<RecordedCycle>,
     granted: Arc<OnceLock<Granted>>,
-    heard: Option<Arc<Heard>>,
+    host_status: Option<Arc<HostStatus>>,
     threads: Mutex<Vec<JoinHandle<()>>>,
 }
 
 /// What is kept of it.
 #[derive(Default)]
-struct Kept {
+struct RecordedCycle {
     rows: Mutex<VecDeque<Row>>,
     recorded: AtomicU64,
     /// Rows that it lacks because it ended before the loop.
@@ -78,21 +78,21 @@ impl Running {
     /// # Errors
     /// If the system gives no threads.
     pub fn start(plan: Plan) -> io::Result<Self> {
-        let (wishes, taken_wishes) = RingBuffer::new(WISHES);
+        let (requests, taken_wishes) = RingBuffer::new(WISHES);
         let (disturbances, taken_disturbances) = RingBuffer::new(WISHES);
         let (rows, told_rows) = RingBuffer::new(ROWS);
         let (taken, told_wishes) = RingBuffer::new(WISHES);
         let status = Arc::new(Status::default());
-        let (kept, granted) = (Arc::new(Kept::default()), Arc::new(OnceLock::new()));
-        let Plan { controller, machine, host, wishes: planned, real_time, cycles, record, history } = plan;
+        let (kept, granted) = (Arc::new(RecordedCycle::default()), Arc::new(OnceLock::new()));
+        let Plan { controller, machine, host, requests: planned, real_time, cycles, record, history } = plan;
         let period_s = controller.period_s();
         let (link, of_host) = host.map(host_link::between).transpose()?.unzip();
-        let heard = link.as_ref().map(|link| Arc::clone(&link.heard));
+        let host_status = link.as_ref().map(|link| Arc::clone(&link.host_status));
         let mut run = Cycles {
             controller,
             machine,
             plan: planned,
-            wishes: taken_wishes,
+            requests: taken_wishes,
             host: of_host,
             disturbances: taken_disturbances,
             rows,
@@ -115,7 +115,7 @@ impl Running {
         })?;
         let keeper = Keeper {
             rows: told_rows,
-            wishes: told_wishes,
+            requests: told_wishes,
             record,
             kept: Arc::clone(&kept),
             history,
@@ -141,13 +141,13 @@ impl Running {
                 }
             }
         }
-        let (asks, threads) = (Mutex::new((wishes, disturbances)), Mutex::new(threads));
-        Ok(Self { asks, status, kept, granted, heard, threads })
+        let (asks, threads) = (Mutex::new((requests, disturbances)), Mutex::new(threads));
+        Ok(Self { asks, status, kept, granted, host_status, threads })
     }
 
     /// Asks something of the loop; whether there was room for it.
-    pub fn wish(&self, wish: Wish) -> bool {
-        locked(&self.asks).0.push(wish).is_ok()
+    pub fn request(&self, request: LoopRequest) -> bool {
+        locked(&self.asks).0.push(request).is_ok()
     }
 
     /// Does something to a simulated machine; whether there was room for it.
@@ -166,8 +166,8 @@ impl Running {
     }
 
     /// What was heard of a host; nothing where none is listened to.
-    pub fn heard(&self) -> Option<&Heard> {
-        self.heard.as_deref()
+    pub fn host_status(&self) -> Option<&HostStatus> {
+        self.host_status.as_deref()
     }
 
     /// Bytes of the record, rows that it lacks because it ended before the loop, and why it did, if it did.
@@ -224,9 +224,9 @@ fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
 /// Takes what the loop tells, for memory and disk.
 struct Keeper {
     rows: Consumer<Row>,
-    wishes: Consumer<(u64, Wish)>,
+    requests: Consumer<(u64, LoopRequest)>,
     record: Option<Record>,
-    kept: Arc<Kept>,
+    kept: Arc<RecordedCycle>,
     history: usize,
     nap: Duration,
     time_s: f64,
@@ -243,7 +243,7 @@ impl Keeper {
                 self.write(Record::flush);
                 flushed = Instant::now();
             }
-            if ended && self.rows.is_empty() && self.wishes.is_empty() {
+            if ended && self.rows.is_empty() && self.requests.is_empty() {
                 break;
             }
             thread::sleep(self.nap);
@@ -254,8 +254,8 @@ impl Keeper {
     fn take(&mut self) {
         // A wish stands in the record before the row that it counts from: that row is told after it.
         let rows: usize = self.rows.slots();
-        while let Ok((cycle, wish)) = self.wishes.pop() {
-            let (name, numbers) = wish.numbers();
+        while let Ok((cycle, request)) = self.requests.pop() {
+            let (name, numbers) = request.numbers();
             let time_s = self.time_s;
             self.write(|record| record.list(name, cycle, time_s, &numbers));
         }

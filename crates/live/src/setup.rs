@@ -123,29 +123,29 @@ impl Setup {
     pub fn numbers(&self) -> Vec<(&'static str, Vec<f64>)> {
         let Compensator { gains, load_cell_arm, displacement } = &self.gains;
         let volts = f64::from(u8::from(*displacement == Displacement::Volts));
-        let mut found = vec![
+        let mut lists = vec![
             ("values", self.values.to_vec()),
             ("gains", gains.iter().chain([load_cell_arm, &volts]).copied().collect()),
             ("timing", vec![self.step_s, count(self.timing.period), count(self.timing.delay)]),
             ("supervised", vec![f64::from(u8::from(self.supervised))]),
         ];
-        found.extend(self.observer.map(|numbers| ("observer", numbers.to_vec())));
-        found.extend(self.cancellation.map(|numbers| ("cancellation", numbers.to_vec())));
+        lists.extend(self.observer.map(|numbers| ("observer", numbers.to_vec())));
+        lists.extend(self.cancellation.map(|numbers| ("cancellation", numbers.to_vec())));
         if let Some((knots, coefficients)) = &self.curve {
-            found.push(("curve_knots", knots.clone()));
-            found.push(("curve_coefficients", coefficients.as_flattened().to_vec()));
+            lists.push(("curve_knots", knots.clone()));
+            lists.push(("curve_coefficients", coefficients.as_flattened().to_vec()));
         }
         if let Some((knots, coefficients)) = &self.factor {
-            found.push(("factor_knots", knots.clone()));
-            found.push(("factor_coefficients", coefficients.as_flattened().to_vec()));
+            lists.push(("factor_knots", knots.clone()));
+            lists.push(("factor_coefficients", coefficients.as_flattened().to_vec()));
         }
         if self.host {
-            found.push(("listens", vec![]));
+            lists.push(("listens", vec![]));
         }
         if let Some(Beginning { sensors, delta, rate, neutral, estimate }) = self.beginning {
-            found.push(("beginning", [sensors.as_slice(), &[delta, rate, neutral], &estimate].concat()));
+            lists.push(("beginning", [sensors.as_slice(), &[delta, rate, neutral], &estimate].concat()));
         }
-        found
+        lists
     }
 
     /// The setup that named lists make out, if they make one.

@@ -10,9 +10,9 @@
 use crate::input_output::{Command, Disturbance, Fault, InputOutput, Sampled};
 use crate::setup::{Beginning, Setup};
 use forcefeel_model::control::Sample;
-use forcefeel_model::controller::UnderWay;
+use forcefeel_model::controller::CommandDelay;
 use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
-use forcefeel_model::machine::{Arrived, Inputs, Machine, Shared, State};
+use forcefeel_model::machine::{Inputs, Machine, SamplingPoint, Shared, State};
 use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::start::Start;
@@ -60,7 +60,7 @@ struct Simulated<D: Drive<f64>> {
     machine: Machine<f64, D>,
     shared: Shared,
     state: State<f64, D>,
-    under_way: UnderWay<f64>,
+    under_way: CommandDelay<f64>,
     script: Script,
     held_until: usize,
     /// Of load cell, potentiometer and column sensor; of the grip's sensor.
@@ -72,7 +72,7 @@ struct Simulated<D: Drive<f64>> {
     shown: [f64; SENSORS],
     command: f64,
     /// A step that waits for its command.
-    begun: Option<(Arrived<f64, D>, Inputs)>,
+    begun: Option<(SamplingPoint<f64, D>, Inputs)>,
 }
 
 impl<D: Drive<f64>> Simulated<D> {
@@ -103,7 +103,7 @@ impl<D: Drive<f64>> Simulated<D> {
             machine,
             shared,
             state,
-            under_way: UnderWay::holding(equilibrium.command()),
+            under_way: CommandDelay::holding(equilibrium.command()),
             script,
             held_until: start.held_until,
             noise,
@@ -118,7 +118,7 @@ impl<D: Drive<f64>> Simulated<D> {
     }
 
     /// The rest of a step that began.
-    fn go_on(&mut self, arrived: Arrived<f64, D>, inputs: &Inputs) {
+    fn go_on(&mut self, arrived: SamplingPoint<f64, D>, inputs: &Inputs) {
         let step = self.state.steps();
         if let Some(sample) = self.shared.timing.and_then(|timing| timing.arriving_at(step)) {
             self.state.command(self.under_way.arriving(sample));

@@ -82,11 +82,11 @@ impl Histogram {
 /// Step that a duration falls in.
 fn bucket(ns: u64) -> usize {
     let octave = (ns | 1).ilog2();
-    let found = if octave < FINE {
+    let bucket = if octave < FINE {
         ns
     } else {
         let part = (ns >> (octave - FINE)) & ((1 << FINE) - 1);
         (u64::from(octave - FINE + 1) << FINE) + part
     };
-    usize::try_from(found).map_or(BUCKETS - 1, |found| found.min(BUCKETS - 1))
+    usize::try_from(bucket).map_or(BUCKETS - 1, |bucket| bucket.min(BUCKETS - 1))
 }

@@ -1,14 +1,22 @@
 //! The supervisor between law and output: what is seen of a cycle, as the supervisor is told; what it allows, as the loop takes it.
 
 use crate::setup::Setup;
-use forcefeel_model::control::Answer;
-use forcefeel_model::followed::Passed;
-use forcefeel_model::supervisor::{Allowed, Function, Limits, State, Supervisor, Told, Wish};
+use forcefeel_model::control::ControlOutput;
+use forcefeel_model::supervised_law::LimitedCommand;
+use forcefeel_model::supervisor::{
+    Function, Limits, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput, SupervisorState,
+};
 use forcefeel_model::transducers::SENSORS;
 
 /// States, in the order of a row's numbers.
-pub const STATES: [State; 6] =
-    [State::Off, State::Initialising, State::Passive, State::Active, State::Fading, State::Tripped];
+pub const STATES: [SupervisorState; 6] = [
+    SupervisorState::Off,
+    SupervisorState::Initialising,
+    SupervisorState::Passive,
+    SupervisorState::Active,
+    SupervisorState::Fading,
+    SupervisorState::Tripped,
+];
 
 /// Name and sentence of each safety function, by the bit that it has in a row.
 pub fn trips() -> Vec<(&'static str, &'static str)> {
@@ -19,7 +27,7 @@ pub fn trips() -> Vec<(&'static str, &'static str)> {
 #[derive(Debug, Clone, Copy)]
 pub struct Asked {
     /// Off, passive, active.
-    pub wish: Wish,
+    pub request: RequestedMode,
     /// What is latched is to be cleared.
     pub acknowledge: bool,
     /// Stop, now.
@@ -28,7 +36,7 @@ pub struct Asked {
 
 /// What is seen of a cycle.
 #[derive(Debug, Clone, Copy)]
-pub struct Seen {
+pub struct CycleStatus {
     /// Load cell (N), drive (m), base of the column (m); those of before where none came.
     pub sensors: [f64; SENSORS],
     /// Where they are of this cycle, the periods between it and the sample before it.
@@ -70,8 +78,8 @@ impl Verdict {
         Self { state: ACTIVE, command: 0.0, enable: true, follows: true, trips: 0, acting: 0, hand_force: f64::NAN };
 
     /// What passes of the law's command.
-    pub fn passed(&self) -> Passed<f64> {
-        Passed { command: self.command, enable: self.enable, follows: self.follows }
+    pub fn passed(&self) -> LimitedCommand<f64> {
+        LimitedCommand { command: self.command, enable: self.enable, follows: self.follows }
     }
 }
 
@@ -79,7 +87,7 @@ impl Verdict {
 #[derive(Debug, Clone)]
 pub struct Supervision {
     supervisor: Option<Supervisor<f64>>,
-    last: Option<Allowed<f64>>,
+    last: Option<SupervisorOutput<f64>>,
     silent: u32,
     late: u32,
 }
@@ -105,12 +113,12 @@ impl Supervision {
     }
 
     /// What was allowed last; nothing before the first cycle, or where nobody looks on.
-    pub fn last(&self) -> Option<&Allowed<f64>> {
+    pub fn last(&self) -> Option<&SupervisorOutput<f64>> {
         self.last.as_ref()
     }
 
     /// What is allowed where the law asks for this.
-    pub fn look(&mut self, seen: &Seen, answer: &Answer<f64>) -> Verdict {
+    pub fn look(&mut self, seen: &CycleStatus, answer: &ControlOutput<f64>) -> Verdict {
         let command = answer.command;
         let Some(supervisor) = &mut self.supervisor else {
             return Verdict { command, ..Verdict::NONE };
@@ -119,8 +127,8 @@ impl Supervision {
         let periods = seen.periods.map(|periods| periods.max(f64::from(self.silent.saturating_add(1))));
         self.silent = if periods.is_some() { 0 } else { self.silent.saturating_add(1) };
         self.late = if seen.missed == 0 { 0 } else { self.late.saturating_add(1) };
-        let Asked { wish, acknowledge, stop } = seen.asked;
-        let allowed = supervisor.step(&Told {
+        let Asked { request, acknowledge, stop } = seen.asked;
+        let allowed = supervisor.step(&SupervisorInput {
             sensed: seen.sensors,
             missed: self.silent,
             periods: periods.unwrap_or(1.0),
@@ -130,7 +138,7 @@ impl Supervision {
             feel_acceleration: seen.feel_acceleration,
             emergency_stop: seen.emergency_stop || stop,
             drive_fault: false,
-            wish,
+            requested: request,
             acknowledge,
         });
         self.last = Some(allowed);
@@ -147,5 +155,5 @@ impl Supervision {
     }
 }
 
-/// Place of [`State::Active`].
+/// Place of [`SupervisorState::Active`].
 const ACTIVE: u8 = 3;

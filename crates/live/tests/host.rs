@@ -5,17 +5,17 @@
 use forcefeel_live::controller::Controller;
 use forcefeel_live::host_link;
 use forcefeel_live::input_output::{Disturbance, InputOutput};
+use forcefeel_live::request::LoopRequest;
 use forcefeel_live::row::Row;
 use forcefeel_live::setup::Setup;
 use forcefeel_live::simulated::{Script, simulated};
 use forcefeel_live::supervision::STATES;
-use forcefeel_live::wish::Wish;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::host::packet::switches::{ACTIVE, DISCONNECT};
 use forcefeel_model::host::{FromHost, ToHost};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters, TABLE};
-use forcefeel_model::supervisor::State;
+use forcefeel_model::supervisor::SupervisorState;
 use std::net::UdpSocket;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -59,7 +59,7 @@ impl Run {
         let (machine, beginning) = simulated(&setup, Script::NONE);
         setup.beginning = Some(beginning);
         let mut controller = Controller::new(&setup).expect("it has limits");
-        controller.take(&Wish::On);
+        controller.take(&LoopRequest::On);
         Self { controller, machine, sequence: 0, rows: vec![], answers: vec![] }
     }
 
@@ -68,7 +68,7 @@ impl Run {
         for k in 0..cycles {
             if let Some((switches, numbers)) = packet.filter(|_| k % APART == 0) {
                 self.sequence += 1;
-                self.controller.take(&Wish::Host(FromHost { sequence: self.sequence, switches, numbers }));
+                self.controller.take(&LoopRequest::Host(FromHost { sequence: self.sequence, switches, numbers }));
             }
             let sampled = self.machine.read();
             let (command, row) = self.controller.step(sampled.as_ref(), 0);
@@ -79,8 +79,8 @@ impl Run {
         self.rows[self.rows.len() - 1]
     }
 
-    fn state(&self) -> State {
-        self.rows.last().map_or(State::Off, |row| STATES[place(row)])
+    fn state(&self) -> SupervisorState {
+        self.rows.last().map_or(SupervisorState::Off, |row| STATES[place(row)])
     }
 
     /// Column's angle in rad, the mean over two seconds: the original loop leaves a swing of 2 Hz that dies away slowly.
@@ -116,7 +116,7 @@ const STANDS_RAD: f64 = 2e-3;
 fn an_added_force_moves_the_column_as_a_hand_does() {
     let mut run = Run::new(None);
     let row = run.on(14_000, Some((ACTIVE, sent(&[(TRIM, 0.03), (ADDED, 40.0)]))));
-    assert_eq!(run.state(), State::Active);
+    assert_eq!(run.state(), SupervisorState::Active);
     assert_eq!((row.added_force_n, row.host_share, row.trips), (40.0, 1.0, 0.0));
     // No step: it comes with share and fade, of which the quicker takes 0.5 s.
     assert!(run.step(|row| row.added_force_n) < 40.0 * 2.5 * PERIOD_S / 0.5);
@@ -144,7 +144,10 @@ fn silence_holds_for_a_tenth_of_a_second_then_fades_to_the_default_feel_and_come
     let gone = shares.iter().position(|share| *share == 0.0).expect("it is gone");
     assert!((999..=1001).contains(&(gone - held)), "{held} to {gone}");
     let row = run.on(4000, None);
-    assert_eq!((row.added_force_n, row.spring_factor, run.state(), row.trips), (0.0, 1.0, State::Active, 0.0));
+    assert_eq!(
+        (row.added_force_n, row.spring_factor, run.state(), row.trips),
+        (0.0, 1.0, SupervisorState::Active, 0.0)
+    );
     assert!(row.column_angle_rad.abs() < STANDS_RAD);
     let row = run.on(4000, packet);
     assert_eq!((row.host_share, row.added_force_n, row.spring_factor), (1.0, 40.0, 1.5));
@@ -155,14 +158,14 @@ fn silence_holds_for_a_tenth_of_a_second_then_fades_to_the_default_feel_and_come
 fn a_host_that_does_not_want_the_feel_leaves_the_loader_passive() {
     let mut run = Run::new(None);
     run.on(6000, Some((0, sent(&[]))));
-    assert_eq!(run.state(), State::Passive);
+    assert_eq!(run.state(), SupervisorState::Passive);
     run.on(4000, Some((ACTIVE, sent(&[]))));
-    assert_eq!(run.state(), State::Active);
+    assert_eq!(run.state(), SupervisorState::Active);
     run.on(4000, Some((0, sent(&[]))));
-    assert_eq!(run.state(), State::Passive);
+    assert_eq!(run.state(), SupervisorState::Passive);
     // One that is silent has no say.
     run.on(6000, None);
-    assert_eq!(run.state(), State::Active);
+    assert_eq!(run.state(), SupervisorState::Active);
 }
 
 #[test]
@@ -191,7 +194,7 @@ fn each_packet_is_answered_with_what_there_is() {
     let expected = [row.column_angle_rad as f32, row.neutral_rad as f32];
     assert_eq!(([last.numbers[0], last.numbers[3]], last.status), (expected, 3));
     assert_eq!((last.numbers[4], last.numbers[5]), (1.0, 1.0));
-    run.controller.take(&Wish::Stop);
+    run.controller.take(&LoopRequest::Stop);
     run.on(APART, Some((ACTIVE, sent(&[]))));
     // Tripped, by the first function of the table.
     assert_eq!(run.answers[run.answers.len() - 1].status, 5 | 1 << 8);
@@ -201,7 +204,7 @@ fn each_packet_is_answered_with_what_there_is() {
 fn a_socket_takes_one_host_and_good_packets_alone() {
     let bound = || UdpSocket::bind("127.0.0.1:0").expect("a socket");
     let (link, mut of_host) = host_link::between(bound()).expect("a socket");
-    let heard = Arc::clone(&link.heard);
+    let host_status = Arc::clone(&link.host_status);
     let ended = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&ended);
     let thread = thread::spawn(move || link.listen(&end));
@@ -212,12 +215,12 @@ fn a_socket_takes_one_host_and_good_packets_alone() {
     damaged[20] ^= 1;
     let wait = |count: u64| {
         for _ in 0..5000 {
-            if heard.packets.load(Relaxed) + heard.refused.load(Relaxed) == count {
+            if host_status.packets.load(Relaxed) + host_status.refused.load(Relaxed) == count {
                 return;
             }
             thread::sleep(Duration::from_millis(1));
         }
-        panic!("{heard:?}");
+        panic!("{host_status:?}");
     };
     let answer = ToHost { sequence: 1, status: 3, numbers: [0.5; 6] };
     for (k, (from, bytes)) in [
@@ -231,7 +234,7 @@ fn a_socket_takes_one_host_and_good_packets_alone() {
     .into_iter()
     .enumerate()
     {
-        from.send_to(&bytes, heard.at).expect("it is sent");
+        from.send_to(&bytes, host_status.at).expect("it is sent");
         if [0, 5].contains(&k) {
             while of_host.packets.is_empty() {
                 thread::sleep(Duration::from_millis(1));
@@ -244,8 +247,8 @@ fn a_socket_takes_one_host_and_good_packets_alone() {
         }
         wait(k as u64 + 1);
     }
-    assert_eq!((heard.packets.load(Relaxed), heard.refused.load(Relaxed)), (2, 4));
-    assert_eq!(heard.last().expect("it spoke").0, host.local_addr().expect("an address"));
+    assert_eq!((host_status.packets.load(Relaxed), host_status.refused.load(Relaxed)), (2, 4));
+    assert_eq!(host_status.last().expect("it spoke").0, host.local_addr().expect("an address"));
     ended.store(true, Relaxed);
     thread.join().expect("it ends");
 }

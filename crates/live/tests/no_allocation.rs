@@ -4,13 +4,13 @@ use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use forcefeel_live::clock::{AtOnce, Clock, Woken};
 use forcefeel_live::controller::Controller;
 use forcefeel_live::cycle::Cycles;
-use forcefeel_live::host_link::OfHost;
+use forcefeel_live::host_link::HostRings;
 use forcefeel_live::input_output::{Disturbance, Fault, InputOutput};
+use forcefeel_live::request::{FeelModifiers, FeelRequest, LoopRequest};
 use forcefeel_live::setup::Setup;
 use forcefeel_live::simulated::{Script, simulated};
 use forcefeel_live::status::Status;
 use forcefeel_live::udp::Udp;
-use forcefeel_live::wish::{Around, FeelWish, Wish};
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::host::FromHost;
@@ -46,11 +46,16 @@ fn setup(supervised: bool) -> Setup {
     }
 }
 
-fn cycles(setup: &Setup, machine: Box<dyn InputOutput>, wishes: &[Wish], disturbances: &[Disturbance]) -> Cycles {
+fn cycles(
+    setup: &Setup,
+    machine: Box<dyn InputOutput>,
+    requests: &[LoopRequest],
+    disturbances: &[Disturbance],
+) -> Cycles {
     let (mut asks, wishes_taken) = RingBuffer::new(64);
     let (mut disturbs, disturbances_taken) = RingBuffer::new(64);
-    for wish in wishes {
-        asks.push(*wish).expect("there is room");
+    for request in requests {
+        asks.push(*request).expect("there is room");
     }
     for one in disturbances {
         disturbs.push(*one).expect("there is room");
@@ -61,8 +66,8 @@ fn cycles(setup: &Setup, machine: Box<dyn InputOutput>, wishes: &[Wish], disturb
     Cycles {
         controller: Controller::new(setup).expect("it has limits"),
         machine,
-        plan: vec![(3, Wish::On)],
-        wishes: wishes_taken,
+        plan: vec![(3, LoopRequest::On)],
+        requests: wishes_taken,
         host: None,
         disturbances: disturbances_taken,
         rows,
@@ -91,12 +96,12 @@ fn a_cycle_allocates_nothing() {
         let mut softer = setup.values;
         let place = TABLE.iter().position(|row| (row.part, row.name) == ("feel", "breakout")).expect("it is there");
         softer[place] = 20.0;
-        let feel = FeelWish { values: softer, observer: None, cycles: 50 };
-        let around = Around { trim_rad: 0.05, stiffness_factor: 1.5, shaker: 1.0 };
-        let wishes = [Wish::Feel(feel), Wish::Around(around)];
+        let feel = FeelRequest { values: softer, observer: None, cycles: 50 };
+        let around = FeelModifiers { trim_rad: 0.05, stiffness_factor: 1.5, shaker: 1.0 };
+        let requests = [LoopRequest::Feel(feel), LoopRequest::FeelModifiers(around)];
         let disturbances = [Disturbance::Force(30.0), Disturbance::HoldAt(Some(0.05))];
         let mut clock = AtOnce::new(setup.period_s());
-        let mut loop_ = cycles(&setup, machine, &wishes, &disturbances);
+        let mut loop_ = cycles(&setup, machine, &requests, &disturbances);
         run(&mut loop_, 2000, &mut clock);
         loop_.machine.disturb(Disturbance::Fault(Fault::NotANumber(1)));
         run(&mut loop_, 100, &mut clock);
@@ -111,7 +116,7 @@ fn a_cycle_over_udp_allocates_nothing() {
     let other = std::net::UdpSocket::bind("127.0.0.1:0").expect("a socket");
     let address = other.local_addr().expect("an address");
     let machine = Udp::connect(address, Some(setup.period_s())).expect("a socket");
-    let mut loop_ = cycles(&setup, Box::new(machine), &[Wish::On], &[]);
+    let mut loop_ = cycles(&setup, Box::new(machine), &[LoopRequest::On], &[]);
     run(&mut loop_, 200, &mut AtOnce::new(setup.period_s()));
 }
 
@@ -121,18 +126,19 @@ fn a_cycle_under_a_host_allocates_nothing() {
     let (machine, beginning) = simulated(&setup, Script::NONE);
     setup.beginning = Some(beginning);
     let (mut sends, packets) = RingBuffer::new(16);
-    let (answers, mut told) = RingBuffer::new(16);
-    let mut loop_ = Cycles { host: Some(OfHost { packets, answers }), ..cycles(&setup, machine, &[Wish::On], &[]) };
+    let (answers, mut replies) = RingBuffer::new(16);
+    let mut loop_ =
+        Cycles { host: Some(HostRings { packets, answers }), ..cycles(&setup, machine, &[LoopRequest::On], &[]) };
     let mut clock = AtOnce::new(setup.period_s());
-    let mut heard = 0;
+    let mut status = 0;
     // Everything that a host can ask for, one after the other, then its silence and its fade.
     for (sequence, also) in [0, AUTOPILOT, PUSHER, JAM, TRIM_RUNAWAY].into_iter().enumerate() {
         let sequence = u32::try_from(sequence).expect("a few") + 1;
         let packet = FromHost { sequence, switches: ACTIVE | also, ..FromHost::none() };
         sends.push(packet).expect("there is room");
         run(&mut loop_, 200, &mut clock);
-        heard += std::iter::from_fn(|| told.pop().ok()).count();
+        status += std::iter::from_fn(|| replies.pop().ok()).count();
     }
     run(&mut loop_, 3000, &mut clock);
-    assert_eq!(heard, 5);
+    assert_eq!(status, 5);
 }

@@ -1,8 +1,8 @@
 //! Packets: what was written is read, and nothing else is.
 
 use forcefeel_live::input_output::{Command, InputOutput};
+use forcefeel_live::request::{FeelModifiers, LoopRequest};
 use forcefeel_live::udp::{Request, Stamped, Udp, ask_bytes, command_bytes, request_of, sample_bytes, sample_of};
-use forcefeel_live::wish::{Around, Wish};
 use forcefeel_model::control::Sample;
 use std::net::UdpSocket;
 
@@ -13,10 +13,10 @@ fn stamped() -> Stamped {
 
 #[test]
 fn a_sample_comes_back_as_it_was() {
-    let found = sample_of(&sample_bytes(&stamped())).expect("a sample");
-    assert_eq!((found.sequence, found.clock_ns), (7, 123_456_789));
-    assert_eq!(found.sample.sensors.map(f64::to_bits), stamped().sample.sensors.map(f64::to_bits));
-    assert!(found.sample.pilot_force.is_nan() && found.emergency_stop);
+    let record = sample_of(&sample_bytes(&stamped())).expect("a sample");
+    assert_eq!((record.sequence, record.clock_ns), (7, 123_456_789));
+    assert_eq!(record.sample.sensors.map(f64::to_bits), stamped().sample.sensors.map(f64::to_bits));
+    assert!(record.sample.pilot_force.is_nan() && record.emergency_stop);
 }
 
 #[test]
@@ -90,11 +90,11 @@ fn what_comes_late_twice_or_out_of_order_is_dropped_and_a_machine_that_begins_an
 
 #[test]
 fn a_wish_comes_back_as_it_was() {
-    let around = Wish::Around(Around { trim_rad: 0.1, stiffness_factor: 1.0, shaker: 0.5 });
+    let around = LoopRequest::FeelModifiers(FeelModifiers { trim_rad: 0.1, stiffness_factor: 1.0, shaker: 0.5 });
     for name in ["on", "passive", "off", "acknowledge", "stop", "around"] {
-        let wish = Wish::of(name, &[]).unwrap_or(around);
-        let (name, numbers) = wish.numbers();
-        assert_eq!(Wish::of(name, &numbers), Some(wish));
+        let request = LoopRequest::of(name, &[]).unwrap_or(around);
+        let (name, numbers) = request.numbers();
+        assert_eq!(LoopRequest::of(name, &numbers), Some(request));
     }
-    assert_eq!(Wish::of("feel", &[1.0]), None);
+    assert_eq!(LoopRequest::of("feel", &[1.0]), None);
 }

@@ -102,7 +102,7 @@ fn rows(samples: Samples, speed: f64) -> Vec<Row> {
         controller: Controller::new(&setup()).expect("it has limits"),
         machine: Box::new(Udp::connect(at, Some(PERIOD_S)).expect("a socket")),
         plan: vec![],
-        wishes: RingBuffer::new(1).1,
+        requests: RingBuffer::new(1).1,
         host: None,
         disturbances: RingBuffer::new(1).1,
         rows,

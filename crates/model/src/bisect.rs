@@ -21,23 +21,23 @@ pub(crate) fn bisect<S: Scalar, T>((low, high): (S, S), nothing: T, residual: im
             MOVING => high.moving(),
             _ => high,
         };
-        let (found, beside) = residual(x);
+        let (left, beside) = residual(x);
         match turn {
-            0 => at_low = found,
+            0 => at_low = left,
             1..=HALVINGS => {
-                let same = zero.less(found * at_low);
+                let same = zero.less(left * at_low);
                 // An exact root is kept from below, so that a symmetric loader rests at zero.
-                let exact = !zero.less(found.abs());
+                let exact = !zero.less(left.abs());
                 low = S::select(same | exact, x, low);
                 high = S::select(same, high, x);
             }
-            STILL => still = found,
+            STILL => still = left,
             MOVING => {
-                change = found - still;
+                change = left - still;
                 high = high.still().root(still, change);
             }
             // What the change was short of digits, where the root moves by very different amounts with one thing and another.
-            AGAIN => high = high.root(found, change),
+            AGAIN => high = high.root(left, change),
             _ => given = beside,
         }
     }

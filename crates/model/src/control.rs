@@ -10,11 +10,11 @@ use crate::Scalar;
 use crate::compensator::Compensator;
 use crate::controller::Converters;
 use crate::effects::Effects;
-use crate::feel::{FeelLaw, Surroundings};
+use crate::feel::{FeelConditions, FeelLaw};
 use crate::feel_computer::{FeelComputer, FeelMotion};
-use crate::known_friction::Recalled;
-use crate::machine::{Inputs, Moment, Shared};
-use crate::observer::{Estimate, MOST_STATES, Observer, SAMPLED, Says, quotient};
+use crate::known_friction::FrictionState;
+use crate::machine::{Inputs, Shared, StepFraction};
+use crate::observer::{Estimate, LawOutput, MOST_STATES, Observer, SAMPLED, quotient};
 use crate::parameters::Parameters;
 use crate::transducers::SENSORS;
 
@@ -35,7 +35,7 @@ pub struct Control<S> {
 /// What the law remembers from sample to sample.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Remembered<S> {
+pub struct LawState<S> {
     /// Displacement of the base as sampled last.
     pub base: S,
     /// Position of the drive's end as sampled last.
@@ -43,7 +43,7 @@ pub struct Remembered<S> {
     /// State of the observer.
     pub estimate: Estimate<S>,
     /// What the law recalls of the dry friction that it knows.
-    pub recalled: Recalled<S>,
+    pub friction_state: FrictionState<S>,
 }
 
 /// The programmed feel at a sample.
@@ -56,7 +56,7 @@ pub struct Remembered<S> {
         deserialize = "S: serde::Deserialize<'de>, S::Mask: serde::Deserialize<'de>"
     ))
 )]
-pub struct Feeling<S: Scalar> {
+pub struct FeelState<S: Scalar> {
     /// What moves.
     pub motion: FeelMotion<S>,
     /// Trimmed neutral in the unit of `delta`.
@@ -74,7 +74,7 @@ pub struct Sample<S> {
 
 /// What follows from a sample.
 #[derive(Debug, Clone, Copy)]
-pub struct Answer<S> {
+pub struct ControlOutput<S> {
     /// Command, before anything limits it.
     pub command: S,
     /// Torque that the feel computer hears: of a law with an observer, its estimate of the pilot's.
@@ -92,10 +92,10 @@ impl<S: Scalar> Control<S> {
     pub fn command(
         &self,
         shared: &Shared,
-        (feeling, remembered): (&mut Feeling<S>, &mut Remembered<S>),
+        (feeling, remembered): (&mut FeelState<S>, &mut LawState<S>),
         inputs: &Inputs,
         sample: &Sample<S>,
-        allow: impl FnOnce(&Answer<S>) -> Option<S>,
+        allow: impl FnOnce(&ControlOutput<S>) -> Option<S>,
     ) -> S {
         let [force, piston, base, grip] = sample.sensors;
         let period = self.period(shared);
@@ -109,44 +109,45 @@ impl<S: Scalar> Control<S> {
             shared.cancellation.map(|known| known.command(piston, (piston - remembered.position) / period, delta_rate));
         remembered.position = piston;
         let fade = inputs.fade[0];
-        let known = if shared.effects.known_friction { Some(remembered.recalled) } else { None };
-        let says = if shared.effects.observer {
-            let now = self.observer.says(&remembered.estimate, &y, [delta, delta_rate], known);
+        let known = if shared.effects.known_friction { Some(remembered.friction_state) } else { None };
+        let output = if shared.effects.observer {
+            let now = self.observer.output(&remembered.estimate, &y, [delta, delta_rate], known);
             if fade == 0.0 {
                 now
             } else {
-                now.towards(self.next_observer.says(&remembered.estimate, &y, [delta, delta_rate], known), fade)
+                now.lerp(self.next_observer.output(&remembered.estimate, &y, [delta, delta_rate], known), fade)
             }
         } else {
             let x = [piston, force / self.force_per_effort, delta, delta_rate, base, base_rate, sample.pilot_force];
-            Says::of_gains(self.law.command(&x), self.law.feel_torque(force))
+            LawOutput::of_gains(self.law.command(&x), self.law.feel_torque(force))
         };
-        let says = if shared.effects.surroundings {
+        let output = if shared.effects.surroundings {
             // A force beside the hand's moves the place where no hand is needed, as the neutral does.
             let alone = self.feel.pushed_to(feeling.neutral, inputs.added_force[0]);
-            self.trimmed(says, alone, fade)
+            self.trimmed(output, alone, fade)
         } else {
-            says
+            output
         };
-        let asked = added.map_or(says.command, |added| says.command + added);
-        let allowed = allow(&Answer { command: asked, torque: says.torque, base_rate });
+        let asked = added.map_or(output.command, |added| output.command + added);
+        let allowed = allow(&ControlOutput { command: asked, torque: output.torque, base_rate });
         if shared.effects.observer {
-            remembered.recalled = says.recalled;
+            remembered.friction_state = output.friction_state;
             // What the amplifier answers together with what is added.
-            let e = allowed.map_or(says.command, |allowed| says.command + (allowed - asked));
+            let e = allowed.map_or(output.command, |allowed| output.command + (allowed - asked));
             let e = added.map_or_else(
                 || self.converters.within_range(e),
                 |added| self.converters.within_range(e + added) - added,
             );
-            remembered.estimate = self.next_estimate(&remembered.estimate, &y, e, (known.map(|_| says.friction), fade));
+            remembered.estimate =
+                self.next_estimate(&remembered.estimate, &y, e, (known.map(|_| output.friction), fade));
         }
         let e = allowed.unwrap_or(asked);
         // The neutral moves through the period; the feel runs about where it is at half of it.
         let trim = period.constant(inputs.trim[0]);
         let neutral = self.feel.trimmed(feeling.neutral, trim, period.times(0.5));
         let at = (neutral, feeling.motion.slider, feeling.motion.at[0]);
-        let around = self.around(&shared.effects, at, inputs, (Moment::Start, period));
-        self.feel_computer(shared, fade).run(&mut feeling.motion, says.torque, &around, period);
+        let around = self.around(&shared.effects, at, inputs, (StepFraction::Start, period));
+        self.feel_computer(shared, fade).run(&mut feeling.motion, output.torque, &around, period);
         feeling.neutral = self.feel.trimmed(feeling.neutral, trim, period);
         let gains = if shared.effects.observer {
             let of = |law: &Observer<S>| [law.per_delta(), law.per_rate()];
@@ -162,10 +163,10 @@ impl<S: Scalar> Control<S> {
 
     /// What the law says where the feel, without a hand, does not rest at zero.
     #[inline(always)]
-    pub(crate) fn trimmed(&self, says: Says<S>, neutral: S, fade: f64) -> Says<S> {
+    pub(crate) fn trimmed(&self, output: LawOutput<S>, neutral: S, fade: f64) -> LawOutput<S> {
         let (from, to) = (self.observer.per_neutral(), self.next_observer.per_neutral());
         let of = |k: usize| if fade == 0.0 { from[k] } else { from[k] + (to[k] - from[k]).times(fade) } * neutral;
-        Says { command: says.command + of(0), torque: says.torque + of(1), ..says }
+        LawOutput { command: output.command + of(0), torque: output.torque + of(1), ..output }
     }
 
     /// The feel gives way where the drive does not follow: `beyond` of its command, of which there is so much per `delta` and per `delta'`.
@@ -230,17 +231,17 @@ impl<S: Scalar> Control<S> {
     /// What the law remembers in equilibrium, where the sensors show `sensors`, its observer's state is `estimate` and the feel stands at
     /// displacement and rate.
     #[inline(always)]
-    pub fn remember(&self, sensors: [S; SENSORS], estimate: Estimate<S>, feel: [S; 2]) -> Remembered<S> {
+    pub fn remember(&self, sensors: [S; SENSORS], estimate: Estimate<S>, feel: [S; 2]) -> LawState<S> {
         let (y, [_, position, base, _]) = (self.sampled(&sensors), sensors);
-        let recalled = self.observer.says(&estimate, &y, feel, None).recalled;
-        Remembered { base, position, estimate, recalled }
+        let friction_state = self.observer.output(&estimate, &y, feel, None).friction_state;
+        LawState { base, position, estimate, friction_state }
     }
 
     /// What the law remembers where it has looked on for long, without a command, at sensors that show `sensors`.
-    pub fn looking_on(&self, sensors: [S; SENSORS]) -> Remembered<S> {
+    pub fn initial_estimate(&self, sensors: [S; SENSORS]) -> LawState<S> {
         let y = self.sampled(&sensors);
         let zero = y[0].zero();
-        self.remember(sensors, self.observer.looking_on(&y, zero), [self.delta_at(sensors[2]), zero])
+        self.remember(sensors, self.observer.initial_estimate(&y, zero), [self.delta_at(sensors[2]), zero])
     }
 
     /// Sensors as a law takes them, the column's as an angle.
@@ -251,8 +252,8 @@ impl<S: Scalar> Control<S> {
 
     /// The feel at rest at the programmed displacement `delta`, its neutral in the same unit.
     #[inline(always)]
-    pub fn resting(&self, delta: S, neutral: S) -> Feeling<S> {
-        Feeling { motion: FeelMotion::resting(&self.feel, delta), neutral }
+    pub fn resting(&self, delta: S, neutral: S) -> FeelState<S> {
+        FeelState { motion: FeelMotion::resting(&self.feel, delta), neutral }
     }
 
     /// Programmed displacement where feel and column, its base at `base`, stand alike.
@@ -281,10 +282,10 @@ impl<S: Scalar> Control<S> {
 
     /// Acceleration in rad/s² that the feel would give the programmed control if no hand were on it, its dry friction left out.
     #[inline(always)]
-    pub fn free_acceleration(&self, shared: &Shared, feeling: &Feeling<S>, inputs: &Inputs) -> S {
+    pub fn free_acceleration(&self, shared: &Shared, feeling: &FeelState<S>, inputs: &Inputs) -> S {
         let [delta, rate] = feeling.motion.at;
         let at = (feeling.neutral, feeling.motion.slider, delta);
-        let around = self.around(&shared.effects, at, inputs, (Moment::Start, delta.zero()));
+        let around = self.around(&shared.effects, at, inputs, (StepFraction::Start, delta.zero()));
         self.feel_computer(shared, inputs.fade[0]).acceleration((delta, rate), delta.zero(), &around)
             / self.feel.per_angle
     }
@@ -294,12 +295,12 @@ impl<S: Scalar> Control<S> {
     ///
     /// The effects have `surroundings`, in which a force at the grip is.
     #[inline(always)]
-    pub fn holding_force(&self, shared: &Shared, feeling: &Feeling<S>, (factor, fade): (S, f64), angle: S) -> S {
+    pub fn holding_force(&self, shared: &Shared, feeling: &FeelState<S>, (factor, fade): (S, f64), angle: S) -> S {
         let (zero, delta) = (angle.zero(), angle * self.feel.per_angle);
         let slider = self.feel.dragged(feeling.motion.slider, delta);
-        let still = Surroundings { slider, ..Surroundings::at_rest(feeling.neutral, factor, delta) };
+        let still = FeelConditions { slider, ..FeelConditions::at_rest(feeling.neutral, factor, delta) };
         let computer = self.feel_computer(shared, fade);
-        let under = |added_force| computer.acceleration((delta, zero), zero, &Surroundings { added_force, ..still });
+        let under = |added_force| computer.acceleration((delta, zero), zero, &FeelConditions { added_force, ..still });
         // The feel is linear in a force: what takes the acceleration away.
         let free = under(zero);
         free / (free - under(angle.constant(1.0)))
@@ -345,15 +346,15 @@ impl<S: Scalar> Control<S> {
         effects: &Effects,
         (neutral, slider, start): (S, S, S),
         inputs: &Inputs,
-        (moment, h): (Moment, S),
-    ) -> Surroundings<S> {
+        (moment, h): (StepFraction, S),
+    ) -> FeelConditions<S> {
         let one = neutral.constant(1.0);
         let share = match moment {
-            Moment::Start => 0.0,
-            Moment::Half => 0.5,
-            Moment::End => 1.0,
+            StepFraction::Start => 0.0,
+            StepFraction::Half => 0.5,
+            StepFraction::End => 1.0,
         };
-        Surroundings {
+        FeelConditions {
             neutral: if effects.surroundings {
                 self.feel.trimmed(neutral, one.constant(moment.of(inputs.trim)), h.times(share))
             } else {

@@ -123,11 +123,11 @@ fn step<S: Scalar>(range: S, bits: S) -> S {
 /// Commands on their way to the amplifier.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct UnderWay<S> {
+pub struct CommandDelay<S> {
     commands: [S; MOST_UNDER_WAY],
 }
 
-impl<S: Scalar> UnderWay<S> {
+impl<S: Scalar> CommandDelay<S> {
     /// Nothing under way but `e`.
     #[inline(always)]
     pub fn holding(e: S) -> Self {

@@ -21,7 +21,7 @@ use crate::channels;
 use crate::controller::Converters;
 use crate::effects::Effects;
 use crate::machine::slow::Slow;
-use crate::machine::{Begun, Machine, Moment, Now, Shared, State};
+use crate::machine::{Machine, Shared, Snapshot, State, StepFraction, StepStart};
 use crate::parameters::Parameters;
 
 /// A kind of drive, whatever the numbers are made of.
@@ -70,7 +70,7 @@ pub struct Link<S> {
 
 /// What is seen of a drive at one instant.
 #[derive(Debug, Clone, Copy)]
-pub struct Seen<S> {
+pub struct DriveSignals<S> {
     /// Displacement of its end in m.
     pub position: S,
     /// Force on the load cell in N.
@@ -118,7 +118,7 @@ pub trait Drive<S: Scalar>: Copy + Debug {
     /// What the drive does; `touches`: where the link may push or pull at all.
     fn balance(&self, effects: &Effects, side: &Self::Side, touches: S::Mask, plant: &[S; 5]) -> Self::Balance;
     /// What is seen of that; `left`: what the last step left.
-    fn seen(&self, plant: &[S; 5], balance: &Self::Balance, left: S) -> Seen<S>;
+    fn seen(&self, plant: &[S; 5], balance: &Self::Balance, left: S) -> DriveSignals<S>;
     /// What the last step left: by how much a pressure is behind, or how warm a winding is.
     fn left(memory: &Self::Memory) -> S;
 
@@ -140,14 +140,14 @@ pub trait Drive<S: Scalar>: Copy + Debug {
         &self,
         effects: &Effects,
         memory: &Self::Memory,
-        plant: (&[S; 5], Moment),
+        plant: (&[S; 5], StepFraction),
         e: S,
-        now: &mut Now<S, Self>,
+        now: &mut Snapshot<S, Self>,
     ) -> [S; 3];
     /// By how much the rate of the third changes with the command.
-    fn command_jump(&self, effects: &Effects, now: &Now<S, Self>, e_change: S) -> S;
+    fn command_jump(&self, effects: &Effects, now: &Snapshot<S, Self>, e_change: S) -> S;
     /// Force that a feel which hears the load cell directly is moved by.
-    fn heard(&self, force: S, now: &Now<S, Self>) -> S;
+    fn heard(&self, force: S, now: &Snapshot<S, Self>) -> S;
 
     /// Effort of a force, in equilibrium.
     fn effort(&self, force: S) -> S;
@@ -156,7 +156,7 @@ pub trait Drive<S: Scalar>: Copy + Debug {
     /// Length by which the link is stretched at rest, its play included.
     fn stretch_at_rest(&self, effort: S) -> S;
     /// What the command asks for beyond what holds the drive's end at its position under its effort: zero in equilibrium.
-    fn left_over(&self, effects: &Effects, e: S, at: (S, S)) -> S;
+    fn residual(&self, effects: &Effects, e: S, at: (S, S)) -> S;
     /// Its three numbers, `w`, `u` and its memory at rest.
     fn at_rest(&self, effects: &Effects, position: S, effort: S) -> ([S; 3], [S; 2], Self::Memory);
 
@@ -166,37 +166,37 @@ pub trait Drive<S: Scalar>: Copy + Debug {
         effects: &Effects,
         side: &Self::Side,
         state: &mut State<S, Self>,
-        now: &mut Now<S, Self>,
+        now: &mut Snapshot<S, Self>,
     );
     /// At the start of a step: its own dry friction, first what it did inside the last one; and what of it goes by itself through
     /// the step.
     #[inline(always)]
-    fn settle(_: &Machine<S, Self>, _: &Effects, _: &mut State<S, Self>, _: &mut Now<S, Self>, _: &mut Slow<S>) {}
+    fn settle(_: &Machine<S, Self>, _: &Effects, _: &mut State<S, Self>, _: &mut Snapshot<S, Self>, _: &mut Slow<S>) {}
     /// Adds its own dry friction to the rates.
     #[inline(always)]
     fn resist(_: &Effects, _: &Self::Memory, _: &mut Slow<S>) {}
     /// At the end of a step: what changes slowly.
     #[inline(always)]
-    fn end_step(_: &Machine<S, Self>, _: &Effects, _: &mut State<S, Self>, _: &Begun<S, Self>) {}
+    fn end_step(_: &Machine<S, Self>, _: &Effects, _: &mut State<S, Self>, _: &StepStart<S, Self>) {}
     /// What is seen half-way between the starts of two steps.
     fn seen_between(
         &self,
         plant: &[S; 5],
         balance: &Self::Balance,
-        between: (&Now<S, Self>, &Now<S, Self>),
+        between: (&Snapshot<S, Self>, &Snapshot<S, Self>),
         digital: bool,
-    ) -> Seen<S>;
+    ) -> DriveSignals<S>;
     /// At the end of a step: the link met the end of its play on the way.
     fn close_play(
         machine: &Machine<S, Self>,
         shared: &Shared,
         state: &mut State<S, Self>,
         start: &[S; 5],
-        begun: &Begun<S, Self>,
+        begun: &StepStart<S, Self>,
     );
 
     /// What is measured on a bench, in the order of [`CHANNELS`](Self::CHANNELS).
-    fn channels(now: &Now<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT];
+    fn channels(now: &Snapshot<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT];
 
     /// Its memory as numbers.
     fn remembered(memory: &Self::Memory) -> [S; REMEMBERED];

@@ -28,7 +28,7 @@ pub struct DryFriction<S> {
         deserialize = "S: serde::Deserialize<'de>, S::Mask: serde::Deserialize<'de>"
     ))
 )]
-pub struct Grip<S: Scalar> {
+pub struct StickState<S: Scalar> {
     /// Whether the part sticks.
     pub stuck: S::Mask,
     /// Acceleration by the friction while the part moves: `-s f`.
@@ -39,7 +39,7 @@ pub struct Grip<S: Scalar> {
     pub pull: S,
 }
 
-impl<S: Scalar> Grip<S> {
+impl<S: Scalar> StickState<S> {
     /// A part that has come to rest, and not just now broken away.
     pub fn resting(friction: &DryFriction<S>) -> Self {
         let zero = friction.breakaway.zero();
@@ -75,11 +75,11 @@ impl<S: Scalar> DryFriction<S> {
 
     /// The friction of a step that begins with velocity `v` and friction-free acceleration `a`, which is asked for only of what rests.
     #[inline(always)]
-    pub fn grip(&self, v: S, a: S) -> Grip<S> {
+    pub fn grip(&self, v: S, a: S) -> StickState<S> {
         let rests = at_rest(v);
         let stuck = rests & (a.zero().less(self.breakaway) & !self.breakaway.less(a.abs()));
         let drag = -self.kinetic.times_sign(S::select(rests, a, v));
-        Grip { stuck, drag, velocity: v, pull: a }
+        StickState { stuck, drag, velocity: v, pull: a }
     }
 
     /// Acceleration of what rests, under the friction-free acceleration `a`.
@@ -91,7 +91,7 @@ impl<S: Scalar> DryFriction<S> {
     /// What happened inside a step that began under `grip` and would end with velocity `v`: past zero the part sticks or turns
     /// back, and what stuck may have broken away. `a` is the friction-free acceleration at the end, `per_h` is `1 / h`.
     #[inline(always)]
-    pub fn settled(&self, grip: &Grip<S>, v: S, a: S, (h, per_h): (S, S)) -> Change<S> {
+    pub fn settled(&self, grip: &StickState<S>, v: S, a: S, (h, per_h): (S, S)) -> Change<S> {
         let v_0 = grip.velocity;
         let (was, is) = (grip.pull.abs(), a.abs());
         // The drag points against the motion, so a velocity along it has turned round.

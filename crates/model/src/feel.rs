@@ -115,7 +115,7 @@ impl<S: Scalar> Ramp<S> {
 
 /// What the feel is told from outside.
 #[derive(Debug, Clone, Copy)]
-pub struct Surroundings<S> {
+pub struct FeelConditions<S> {
     /// Trimmed neutral in the unit of `delta`.
     pub neutral: S,
     /// Factor on the spring.
@@ -130,7 +130,7 @@ pub struct Surroundings<S> {
     pub start: S,
 }
 
-impl<S: Scalar> Surroundings<S> {
+impl<S: Scalar> FeelConditions<S> {
     /// Nothing stirs: shaker off, the slider of the hysteresis where `delta` is.
     #[inline(always)]
     pub fn at_rest(neutral: S, stiffness_factor: S, delta: S) -> Self {
@@ -184,7 +184,7 @@ impl<S: Scalar> FeelLaw<S> {
         curve: Option<&Curve>,
         (delta, delta_rate): (S, S),
         torque: S,
-        around: &Surroundings<S>,
+        around: &FeelConditions<S>,
     ) -> S {
         // First what does not depend on I, B and G: of two feels, one changed into the other, it is the same.
         let torque = if effects.surroundings {
@@ -205,7 +205,7 @@ impl<S: Scalar> FeelLaw<S> {
 
     /// Torque of everything that depends on the displacement alone.
     #[inline(always)]
-    pub fn spring(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &Surroundings<S>) -> S {
+    pub fn spring(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &FeelConditions<S>) -> S {
         let spring = self.gradient(effects, curve, delta, around) + self.built_up(effects, delta, around);
         if effects.feel_spring { spring + self.preload } else { spring }
     }
@@ -224,10 +224,10 @@ impl<S: Scalar> FeelLaw<S> {
     ) -> [S; 2] {
         let (zero, one) = (delta.zero(), delta.constant(1.0));
         [-1.0, 1.0].map(|side| {
-            let around = Surroundings {
+            let around = FeelConditions {
                 shaker: one.times(-side),
                 slider: delta - self.hysteresis.travel.times(side),
-                ..Surroundings::at_rest(neutral, stiffness_factor, delta)
+                ..FeelConditions::at_rest(neutral, stiffness_factor, delta)
             };
             // T = mu R_p F = S + ... + friction                                                       eq. (11) at rest
             let free = self.acceleration(effects, curve, (delta, zero), zero, &around);
@@ -237,7 +237,7 @@ impl<S: Scalar> FeelLaw<S> {
 
     /// Torque of the spring: straight, or a curve, beyond the deadband.
     #[inline(always)]
-    fn gradient(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &Surroundings<S>) -> S {
+    fn gradient(&self, effects: &Effects, curve: Option<&Curve>, delta: S, around: &FeelConditions<S>) -> S {
         let x = Self::from_neutral(effects, delta, around);
         let beyond = if effects.feel_spring { x - x.within(self.deadband) } else { x };
         let factor = |of: S| if effects.surroundings { around.stiffness_factor * of } else { of };
@@ -249,7 +249,7 @@ impl<S: Scalar> FeelLaw<S> {
 
     /// Torque of what is built up over a travel: breakout, detent, hysteresis.
     #[inline(always)]
-    fn built_up(&self, effects: &Effects, delta: S, around: &Surroundings<S>) -> S {
+    fn built_up(&self, effects: &Effects, delta: S, around: &FeelConditions<S>) -> S {
         if !effects.feel_spring {
             return delta.zero();
         }
@@ -259,7 +259,7 @@ impl<S: Scalar> FeelLaw<S> {
     }
 
     #[inline(always)]
-    fn from_neutral(effects: &Effects, delta: S, around: &Surroundings<S>) -> S {
+    fn from_neutral(effects: &Effects, delta: S, around: &FeelConditions<S>) -> S {
         if effects.surroundings { delta - around.neutral } else { delta }
     }
 

@@ -9,9 +9,9 @@ use crate::Scalar;
 use crate::bisect::bisect;
 use crate::contact::Push;
 use crate::curve::Curve;
-use crate::dry_friction::{DryFriction, Grip, at_rest};
+use crate::dry_friction::{DryFriction, StickState, at_rest};
 use crate::effects::Effects;
-use crate::feel::{FeelLaw, Surroundings};
+use crate::feel::{FeelConditions, FeelLaw};
 use crate::machine::SEARCH_RAD;
 
 /// A feel, or two while the one is changed into the other.
@@ -43,7 +43,7 @@ pub struct FeelMotion<S: Scalar> {
     /// `delta` and its rate.
     pub at: [S; 2],
     /// What its dry friction does.
-    pub grip: Grip<S>,
+    pub grip: StickState<S>,
     /// Where the slider of the hysteresis was last left.
     pub slider: S,
 }
@@ -51,7 +51,7 @@ pub struct FeelMotion<S: Scalar> {
 impl<S: Scalar> FeelMotion<S> {
     /// At rest at `delta`, the hysteresis without a force.
     pub fn resting(feel: &FeelLaw<S>, delta: S) -> Self {
-        Self { at: [delta, delta.zero()], grip: Grip::resting(&feel.friction), slider: delta }
+        Self { at: [delta, delta.zero()], grip: StickState::resting(&feel.friction), slider: delta }
     }
 }
 
@@ -60,28 +60,28 @@ impl<S: Scalar> FeelComputer<'_, S> {
     #[inline(always)]
     pub fn equilibrium(&self, torque: S, neutral: S, stiffness_factor: S) -> S {
         let left = |delta: S| {
-            let around = Surroundings::at_rest(neutral, stiffness_factor, delta);
+            let around = FeelConditions::at_rest(neutral, stiffness_factor, delta);
             let spring = self.feel.spring(self.effects, self.curve, delta, &around);
             spring - self.feel.pushed(self.effects, delta, (delta, delta.zero())) - torque
         };
         let zero = torque.zero();
         let reach = self.feel.per_angle.times(SEARCH_RAD);
-        let found = bisect((neutral - reach, neutral + reach), zero, |delta| (left(delta), delta));
+        let settled = bisect((neutral - reach, neutral + reach), zero, |delta| (left(delta), delta));
         // A spring that takes no force around neutral is at rest all over that.
-        S::select(zero.less(left(neutral).abs()), found, neutral)
+        S::select(zero.less(left(neutral).abs()), settled, neutral)
     }
 
     /// Acceleration of `delta`, dry friction left out.
     #[inline(always)]
-    pub fn acceleration(&self, at: (S, S), torque: S, around: &Surroundings<S>) -> S {
+    pub fn acceleration(&self, at: (S, S), torque: S, around: &FeelConditions<S>) -> S {
         let given = [at.0, at.1];
         let [delta, rate] = S::part_begins(given);
         let of = |feel: &FeelLaw<S>| feel.acceleration(self.effects, self.curve, (delta, rate), torque, around);
-        let mut found = of(self.feel);
+        let mut settled = of(self.feel);
         if self.fade != 0.0 {
-            found = found + (of(self.next) - found).times(self.fade);
+            settled = settled + (of(self.next) - settled).times(self.fade);
         }
-        S::part_ends(given, [found])[0]
+        S::part_ends(given, [settled])[0]
     }
 
     /// Dry friction.
@@ -117,7 +117,7 @@ impl<S: Scalar> FeelComputer<'_, S> {
     /// A period under a torque that stays: a Runge-Kutta step of its own. Its four stages are a loop round one piece of code, which is
     /// so small enough to go whole into every vector's loop: a closure of its own would be called there, number by number.
     #[inline(always)]
-    pub fn run(&self, motion: &mut FeelMotion<S>, torque: S, around: &Surroundings<S>, h: S) {
+    pub fn run(&self, motion: &mut FeelMotion<S>, torque: S, around: &FeelConditions<S>, h: S) {
         let effects = self.effects;
         let mut around = *around;
         // Acceleration without dry friction at the start of the step, where it is known before the stages ask for it.
@@ -127,18 +127,18 @@ impl<S: Scalar> FeelComputer<'_, S> {
             let before = motion.grip.pull;
             let per_h = h.constant(1.0) / h;
             let friction = self.friction();
-            let found = friction.settled(&motion.grip, motion.at[1], before, (h, per_h));
-            motion.at = [motion.at[0] + found.displacement, found.velocity];
+            let settled = friction.settled(&motion.grip, motion.at[1], before, (h, per_h));
+            motion.at = [motion.at[0] + settled.displacement, settled.velocity];
             around.start = motion.at[0];
             // What moves, slides on; what rests may be held.
-            let rests = at_rest(found.velocity);
+            let rests = at_rest(settled.velocity);
             let free = if S::any(rests) {
                 let free = self.acceleration((motion.at[0], motion.at[1]), torque, &around);
                 S::select(rests, free, free.zero())
             } else {
                 torque.zero()
             };
-            motion.grip = friction.grip(found.velocity, free);
+            motion.grip = friction.grip(settled.velocity, free);
             known = Some((rests, free));
         }
         let start = (motion.at[0], motion.at[1]);

@@ -7,12 +7,12 @@
 //! | autopilot, shaker, pusher, add-in force and trained faults, as what the feel is told | [`effects`] |
 //!
 //! A loop hands each packet that arrives to [`stream::Stream`], asks it once a sample what holds now, and gives that to
-//! [`effects::Effects`], whose [`effects::Told`] the feel understands: a neutral, a factor on the spring, a torque, the shaker.
+//! [`effects::HostEffects`], whose [`effects::FeelCommand`] the feel understands: a neutral, a factor on the spring, a torque, the shaker.
 
 pub mod effects;
 pub mod packet;
 pub mod stream;
 
-pub use effects::Effects;
+pub use effects::HostEffects;
 pub use packet::{FromHost, ToHost};
 pub use stream::Stream;

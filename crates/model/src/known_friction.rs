@@ -33,7 +33,7 @@
 //! the rate, goes back to B. Friedland and Y.-J. Park (1991, as later papers cite them).
 
 use crate::Scalar;
-use crate::observer::{Estimate, KNOWN, MOST_STATES, SAMPLED, said};
+use crate::observer::{Estimate, KNOWN, MOST_STATES, SAMPLED, product};
 
 /// Numbers of it, in the order of [`KnownFriction::take`]: `r`, `b`, then `F`, `M` in N m, `v_s` in rad/s, `l`, `g_-`, `g_+` in N m,
 /// `a`, `q` in N m, `c`, `d`.
@@ -68,9 +68,9 @@ const ONE_WAY: f64 = 0.8;
 /// What is remembered of it from sample to sample.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Recalled<S> {
+pub struct FrictionState<S> {
     /// Torque that the feel computer heard last.
-    pub heard: S,
+    pub feel_torque: S,
     /// Friction that was learnt beyond what is stated.
     pub learnt: S,
     /// What is trusted of it.
@@ -81,19 +81,25 @@ pub struct Recalled<S> {
     pub way: S,
 }
 
-impl<S: Scalar> Recalled<S> {
+impl<S: Scalar> FrictionState<S> {
     /// Nothing learnt yet, the hand's torque as it is heard.
     #[inline(always)]
-    pub fn afresh(heard: S) -> Self {
-        Self { heard, learnt: heard.zero(), trusted: heard.zero(), push: heard, way: heard.zero() }
+    pub fn initial(feel_torque: S) -> Self {
+        Self {
+            feel_torque,
+            learnt: feel_torque.zero(),
+            trusted: feel_torque.zero(),
+            push: feel_torque,
+            way: feel_torque.zero(),
+        }
     }
 
     /// Between what two laws recall.
     #[inline(always)]
-    pub fn towards(self, next: Self, share: f64) -> Self {
+    pub fn lerp(self, next: Self, share: f64) -> Self {
         let between = |a: S, b: S| a + (b - a).times(share);
         Self {
-            heard: between(self.heard, next.heard),
+            feel_torque: between(self.feel_torque, next.feel_torque),
             learnt: between(self.learnt, next.learnt),
             trusted: between(self.trusted, next.trusted),
             push: between(self.push, next.push),
@@ -122,27 +128,27 @@ impl<S: Scalar> KnownFriction<S> {
 
     /// What is recalled at the next sample, what is heard now among it, and the friction that the observer's plant is told.
     #[inline(always)]
-    pub fn given_back(
+    pub fn friction_torque(
         &self,
         estimated: S,
         (xi, y, feel): (&Estimate<S>, &[S; SAMPLED], [S; 2]),
-        recalled: Recalled<S>,
-    ) -> (Recalled<S>, S) {
-        let v = said(&self.rate, xi, y, feel);
+        state: FrictionState<S>,
+    ) -> (FrictionState<S>, S) {
+        let v = product(&self.rate, xi, y, feel);
         let given = [estimated, v];
-        let found = self.at_rate(S::part_begins(given), &recalled);
-        let [heard, learnt, trusted, push, way, friction] = S::part_ends(given, found);
-        (Recalled { heard, learnt, trusted, push, way }, friction)
+        let outputs = self.at_rate(S::part_begins(given), &state);
+        let [feel_torque, learnt, trusted, push, way, friction] = S::part_ends(given, outputs);
+        (FrictionState { feel_torque, learnt, trusted, push, way }, friction)
     }
 
     /// The next `T, g, h, T_b, w_b`, and `f`, where `T_o` is estimated at the rate `v`.
     #[inline(always)]
-    fn at_rate(&self, [estimated, v]: [S; 2], recalled: &Recalled<S>) -> [S; 6] {
+    fn at_rate(&self, [estimated, v]: [S; 2], state: &FrictionState<S>) -> [S; 6] {
         let one = v.constant(1.0);
         // A law without friction, beside one with it in a batch, has no slow rate either.
         let slow = self.slow.max(v.constant(SLOWEST));
         let way = v / (v * v + slow * slow).sqrt();
-        let level = self.level + recalled.learnt;
+        let level = self.level + state.learnt;
         let friction = level * way;
         let total = estimated - friction;
         let two = v.constant(2.0);
@@ -150,24 +156,24 @@ impl<S: Scalar> KnownFriction<S> {
         let (low, high) = ((v * per_slow - two).within(one), (v * per_slow + two).within(one));
         let band = level + self.margin.times(0.5) * (high - low);
         // What drifted, less the total.
-        let apart = (recalled.heard - total) * (one - self.leak);
+        let apart = (state.feel_torque - total) * (one - self.leak);
         let played = total + apart.clamp(low * band, high * band);
-        let heard = S::select(v.zero().less(self.level), played, total);
-        let (learnt, trusted) = self.learnt(estimated, way, recalled);
-        let push = recalled.push + (estimated - recalled.push) * self.blur;
-        let way = recalled.way + (way - recalled.way) * self.blur;
-        [heard, learnt, trusted, push, way, friction]
+        let feel_torque = S::select(v.zero().less(self.level), played, total);
+        let (learnt, trusted) = self.learnt(estimated, way, state);
+        let push = state.push + (estimated - state.push) * self.blur;
+        let way = state.way + (way - state.way) * self.blur;
+        [feel_torque, learnt, trusted, push, way, friction]
     }
 
     /// What is known beyond `F` after a sample, and trusted: what is estimated of a hand that is off was the friction's.
     #[inline(always)]
-    fn learnt(&self, estimated: S, way: S, recalled: &Recalled<S>) -> (S, S) {
-        let off = recalled.push.abs().less(self.hand);
-        let free = off & way.constant(ONE_WAY).less(way * recalled.way);
-        let learnt = (recalled.learnt - estimated * way * self.gain).clamp(self.least, self.most);
-        let back = recalled.learnt + (recalled.trusted - recalled.learnt) * self.gain;
-        let trusted = recalled.trusted + (recalled.learnt - recalled.trusted) * self.trust;
-        (S::select(free, learnt, S::select(off, recalled.learnt, back)), S::select(free, trusted, recalled.trusted))
+    fn learnt(&self, estimated: S, way: S, state: &FrictionState<S>) -> (S, S) {
+        let off = state.push.abs().less(self.hand);
+        let free = off & way.constant(ONE_WAY).less(way * state.way);
+        let learnt = (state.learnt - estimated * way * self.gain).clamp(self.least, self.most);
+        let back = state.learnt + (state.trusted - state.learnt) * self.gain;
+        let trusted = state.trusted + (state.learnt - state.trusted) * self.trust;
+        (S::select(free, learnt, S::select(off, state.learnt, back)), S::select(free, trusted, state.trusted))
     }
 
     /// How a state of the observer moves by the friction.

@@ -42,7 +42,6 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-pub mod around;
 mod bisect;
 pub mod cancellation;
 pub mod channels;
@@ -58,7 +57,6 @@ pub mod dual;
 pub mod effects;
 pub mod feel;
 pub mod feel_computer;
-pub mod followed;
 pub mod grip_sensor;
 pub mod host;
 pub mod known_friction;
@@ -67,10 +65,12 @@ pub mod linkage;
 pub mod load_cell;
 pub mod loader;
 pub mod machine;
+pub mod modifiers;
 pub mod observer;
 pub mod parameters;
 pub mod potentiometer;
 pub mod scalar;
+pub mod supervised_law;
 pub mod supervisor;
 pub mod transducers;
 pub mod units;

@@ -25,7 +25,7 @@ mod touch;
 
 pub use digital::Memory;
 pub use equilibrium::{EQUILIBRIUM_NUMBERS, Equilibrium, SEARCH_RAD};
-pub use inputs::{Inputs, Moment};
+pub use inputs::{Inputs, StepFraction};
 
 use crate::Scalar;
 use crate::cancellation::Cancellation;
@@ -36,13 +36,13 @@ use crate::controller::Timing;
 use crate::curve::Curve;
 use crate::drive::hydraulic::Hydraulic;
 use crate::drive::{Coupling, Drive, SIGNALS};
-use crate::dry_friction::Grip;
+use crate::dry_friction::StickState;
 use crate::effects::Effects;
 use crate::feel::FeelLaw;
 use crate::grip_sensor::GripForce;
 use crate::observer::Observer;
 use crate::parameters::Parameters;
-use crate::transducers::{Seen, Transducers};
+use crate::transducers::{SensorReading, Transducers};
 use slow::Slow;
 
 /// What all runs of a batch share.
@@ -85,11 +85,11 @@ pub struct Machine<S: Scalar, D: Drive<S> = Hydraulic<S>> {
 )]
 pub struct State<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     pub(crate) slow: Slow<S>,
-    pub(crate) column: Grip<S>,
-    pub(crate) feel: Grip<S>,
+    pub(crate) column: StickState<S>,
+    pub(crate) feel: StickState<S>,
     /// What the drive remembers.
     pub(crate) drive: D::Memory,
-    seen: Seen<S>,
+    seen: SensorReading<S>,
     neutral: S,
     slider: S,
     /// Command that the amplifier holds under a digital controller.
@@ -108,7 +108,7 @@ pub struct State<S: Scalar, D: Drive<S> = Hydraulic<S>> {
 
 /// What there is at one instant.
 #[derive(Debug, Clone, Copy)]
-pub struct Now<S: Scalar, D: Drive<S> = Hydraulic<S>> {
+pub struct Snapshot<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     /// Displacement of the column's base in m.
     pub base: S,
     /// Its velocity in m/s.
@@ -131,17 +131,17 @@ pub struct Now<S: Scalar, D: Drive<S> = Hydraulic<S>> {
 
 /// What there is where a controller may sample.
 #[derive(Debug, Clone, Copy)]
-pub struct Arrived<S: Scalar, D: Drive<S> = Hydraulic<S>> {
+pub struct SamplingPoint<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     /// What there is now.
-    pub now: Now<S, D>,
+    pub now: Snapshot<S, D>,
     side: D::Side,
 }
 
 /// What the start of a step leaves for the rest of it.
 #[derive(Debug, Clone, Copy)]
-pub struct Begun<S: Scalar, D: Drive<S> = Hydraulic<S>> {
+pub struct StepStart<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     /// What there is now.
-    pub now: Now<S, D>,
+    pub now: Snapshot<S, D>,
     slow: Slow<S>,
     rates: Slow<S>,
     pub(crate) side: D::Side,
@@ -157,9 +157,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         // A sampled load cell, or one with a lag, keeps what is quick in the drive from the feel computer.
         let analog = if shared.timing.is_none() { one } else { one.zero() };
         let direct = !parameters.load_cell.bandwidth.less(one / one.zero()) & one.zero().less(analog);
-        let heard = S::select(direct, law.load_cell_arm, one.zero());
+        let sensed_arm = S::select(direct, law.load_cell_arm, one.zero());
         let coupling =
-            Coupling { base_per_force: column.per_link_force, feel_per_force: heard * feel.per_torque, direct };
+            Coupling { base_per_force: column.per_link_force, feel_per_force: sensed_arm * feel.per_torque, direct };
         let drive = D::new(parameters, shared, &coupling);
         let observer = Observer::none(one);
         let control = Control {

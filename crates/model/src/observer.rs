@@ -16,7 +16,7 @@
 //! in [`crate::known_friction`].
 
 use crate::Scalar;
-use crate::known_friction::{FRICTION_NUMBERS, KnownFriction, Recalled};
+use crate::known_friction::{FRICTION_NUMBERS, FrictionState, KnownFriction};
 
 /// Most states; a law with fewer leaves the others at zero.
 pub const MOST_STATES: usize = 9;
@@ -47,7 +47,7 @@ pub struct Observer<S> {
 
 /// What a law says at a sample.
 #[derive(Debug, Clone, Copy)]
-pub struct Says<S> {
+pub struct LawOutput<S> {
     /// Command `e` in V.
     pub command: S,
     /// Torque `T` in N m.
@@ -55,7 +55,7 @@ pub struct Says<S> {
     /// Friction that the observer's plant is told, in N m.
     pub friction: S,
     /// What the law recalls at the next sample.
-    pub recalled: Recalled<S>,
+    pub friction_state: FrictionState<S>,
 }
 
 impl<S: Scalar> Observer<S> {
@@ -112,13 +112,19 @@ impl<S: Scalar> Observer<S> {
 
     /// Command and torque at a sample, where friction is known and this is recalled, or where none is.
     #[inline(always)]
-    pub fn says(&self, xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2], recalled: Option<Recalled<S>>) -> Says<S> {
-        let (command, estimated) = (said(&self.command, xi, y, feel), said(&self.torque, xi, y, feel));
-        let (recalled, friction) = match recalled {
-            Some(recalled) => self.friction.given_back(estimated, (xi, y, feel), recalled),
-            None => (Recalled::afresh(estimated), estimated.zero()),
+    pub fn output(
+        &self,
+        xi: &Estimate<S>,
+        y: &[S; SAMPLED],
+        feel: [S; 2],
+        friction_state: Option<FrictionState<S>>,
+    ) -> LawOutput<S> {
+        let (command, estimated) = (product(&self.command, xi, y, feel), product(&self.torque, xi, y, feel));
+        let (friction_state, friction) = match friction_state {
+            Some(friction_state) => self.friction.friction_torque(estimated, (xi, y, feel), friction_state),
+            None => (FrictionState::initial(estimated), estimated.zero()),
         };
-        Says { command, torque: recalled.heard, friction, recalled }
+        LawOutput { command, torque: friction_state.feel_torque, friction, friction_state }
     }
 
     /// The state at the next sample, where the amplifier answers the command as `e` and the friction is known, or is not.
@@ -145,7 +151,7 @@ impl<S: Scalar> Observer<S> {
     /// [`at_rest`](Self::at_rest) is no such state. It asks which command the law itself would settle at, and a law that integrates what the sensors are
     /// apart settles, where they and the feel are apart by their noise, at thousands of volts.
     #[expect(clippy::needless_range_loop, reason = "rows and columns by their numbers, as in the equation")]
-    pub fn looking_on(&self, y: &[S; SAMPLED], e: S) -> Estimate<S> {
+    pub fn initial_estimate(&self, y: &[S; SAMPLED], e: S) -> Estimate<S> {
         let (zero, one) = (e.zero(), e.constant(1.0));
         let mut rows = self.transition;
         let mut right = self.next(&[zero; MOST_STATES], y, e, None);
@@ -233,21 +239,21 @@ impl<S: Scalar> Observer<S> {
     }
 }
 
-impl<S: Scalar> Says<S> {
+impl<S: Scalar> LawOutput<S> {
     /// Of a law of gains alone.
     #[inline(always)]
     pub fn of_gains(command: S, torque: S) -> Self {
-        Self { command, torque, friction: torque.zero(), recalled: Recalled::afresh(torque) }
+        Self { command, torque, friction: torque.zero(), friction_state: FrictionState::initial(torque) }
     }
 
     /// Between what two laws say: what a law says whose numbers are between theirs.
     #[inline(always)]
-    pub fn towards(self, next: Self, share: f64) -> Self {
+    pub fn lerp(self, next: Self, share: f64) -> Self {
         Self {
             command: self.command + (next.command - self.command).times(share),
             torque: self.torque + (next.torque - self.torque).times(share),
             friction: self.friction + (next.friction - self.friction).times(share),
-            recalled: self.recalled.towards(next.recalled, share),
+            friction_state: self.friction_state.lerp(next.friction_state, share),
         }
     }
 }
@@ -260,7 +266,7 @@ pub(crate) fn quotient<S: Scalar>(a: S, b: S) -> S {
 
 /// What a row of numbers makes of `[xi; y; delta; delta']`.
 #[inline(always)]
-pub(crate) fn said<S: Scalar>(row: &[S; KNOWN], xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2]) -> S {
+pub(crate) fn product<S: Scalar>(row: &[S; KNOWN], xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2]) -> S {
     let mut sum = row[MOST_STATES + SAMPLED] * feel[0] + row[MOST_STATES + SAMPLED + 1] * feel[1];
     for k in 0..MOST_STATES {
         sum = sum + row[k] * xi[k];

@@ -67,8 +67,8 @@ pub trait Scalar:
     }
     /// Ends a part, with what [`part_begins`](Self::part_begins) was given, and with what was found.
     #[inline(always)]
-    fn part_ends<const N: usize, const M: usize>(_given: [Self; N], found: [Self; M]) -> [Self; M] {
-        found
+    fn part_ends<const N: usize, const M: usize>(_given: [Self; N], outputs: [Self; M]) -> [Self; M] {
+        outputs
     }
 
     /// `self` times a constant.

@@ -12,12 +12,12 @@
 //! | finding the travel | `search` |
 //!
 //! A loop calls [`Supervisor::step`] in each period, with what was sampled and what the law makes of it, and does what is
-//! [`Allowed`]:
+//! [`SupervisorOutput`]:
 //!
 //! - it sends `command`, and drives the enable line with `enable`;
 //! - where `follows` is false, it keeps the feel computer and its neutral at the column's angle and at rest, the law in equilibrium there,
 //!   so that nothing jumps when the law is followed again;
-//! - where it is true, the feel's neutral is [`Allowed::neutral`] of what it would be: it comes from where the column stood, so the spring is
+//! - where it is true, the feel's neutral is [`SupervisorOutput::neutral`] of what it would be: it comes from where the column stood, so the spring is
 //!   whole from the first sample on and pulls at nothing;
 //! - it multiplies what the host adds to the feel by `share`, and leads the host's values to the default feel as `host_share` goes from
 //!   one to zero.
@@ -29,30 +29,30 @@
 //! current is free: the hand moves column and rotor against friction and cogging.
 
 mod command;
+mod debounce;
 pub mod function;
 pub mod grip;
-mod lasting;
 pub mod limits;
 mod search;
 mod sensors;
 pub mod sequence;
 
 pub use function::{Action, Function, Functions};
-pub use grip::Grip;
+pub use grip::GripEstimate;
 pub use limits::{Limits, Refusal};
-pub use sequence::{State, Wish};
+pub use sequence::{RequestedMode, SupervisorState};
 
 use crate::Scalar;
 use crate::transducers::SENSORS;
 use command::Command;
-use grip::Watch;
+use grip::GripMonitor;
 use sensors::Sensors;
 pub(crate) use sensors::finite;
 use sequence::Sequence;
 
 /// What the supervisor is told at a sample.
 #[derive(Debug, Clone, Copy)]
-pub struct Told<S> {
+pub struct SupervisorInput<S> {
     /// Load cell (N), position of the drive's end (m), displacement of the column's base (m), as the law gets them.
     pub sensed: [S; SENSORS],
     /// Samples in a row, this one included, for which the drive or a sensor gave nothing; `sensed` is then not looked at.
@@ -73,16 +73,16 @@ pub struct Told<S> {
     /// The drive reports a fault.
     pub drive_fault: bool,
     /// What the person wants.
-    pub wish: Wish,
+    pub requested: RequestedMode,
     /// The person has read the sentence.
     pub acknowledge: bool,
 }
 
 /// What a loop may do in this period.
 #[derive(Debug, Clone, Copy)]
-pub struct Allowed<S> {
+pub struct SupervisorOutput<S> {
     /// State of the loader.
-    pub state: State,
+    pub state: SupervisorState,
     /// Command that is sent, in V or A.
     pub command: S,
     /// The enable line: the drive has power, a valve's bypass is closed.
@@ -98,7 +98,7 @@ pub struct Allowed<S> {
     /// The feel's neutral in rad that leads the column while the travel is found.
     pub leads: Option<S>,
     /// What is known of the grip.
-    pub grip: Grip<S>,
+    pub grip: GripEstimate<S>,
     /// Functions that act now.
     pub acting: Functions,
     /// Functions that acted since they were acknowledged.
@@ -107,7 +107,7 @@ pub struct Allowed<S> {
     pub cause: Option<Function>,
 }
 
-impl<S: Scalar> Allowed<S> {
+impl<S: Scalar> SupervisorOutput<S> {
     /// The feel's neutral in rad, where host and trim have it at `wanted`.
     #[inline(always)]
     pub fn neutral(&self, wanted: S) -> S {
@@ -120,7 +120,7 @@ impl<S: Scalar> Allowed<S> {
 pub struct Supervisor<S> {
     limits: Limits<S>,
     sensors: Sensors<S>,
-    watch: Watch<S>,
+    watch: GripMonitor<S>,
     command: Command<S>,
     sequence: Sequence<S>,
     host_share: S,
@@ -134,7 +134,7 @@ impl<S: Scalar> Supervisor<S> {
         Self {
             limits: limits.numbers_of(like),
             sensors: Sensors::new(like),
-            watch: Watch::new(like),
+            watch: GripMonitor::new(like),
             command: Command::new(like),
             sequence: Sequence::new(like),
             host_share: like.constant(1.0),
@@ -154,47 +154,47 @@ impl<S: Scalar> Supervisor<S> {
 
     /// One sample.
     #[inline]
-    pub fn step(&mut self, told: &Told<S>) -> Allowed<S> {
+    pub fn step(&mut self, input: &SupervisorInput<S>) -> SupervisorOutput<S> {
         let limits = self.limits;
-        let mut found = Functions::NONE
-            .with(Function::EmergencyStop, told.emergency_stop)
-            .with(Function::DriveFault, told.drive_fault)
-            .with(Function::Overrun, told.late >= limits.overrun)
-            .with(Function::NotANumber, !(finite(told.command) && finite(told.feel_acceleration)));
+        let mut functions = Functions::NONE
+            .with(Function::EmergencyStop, input.emergency_stop)
+            .with(Function::DriveFault, input.drive_fault)
+            .with(Function::Overrun, input.late >= limits.overrun)
+            .with(Function::NotANumber, !(finite(input.command) && finite(input.feel_acceleration)));
         let follows = self.sequence.follows();
-        if let Some(fresh) = self.sensors.watch(&limits, told, &mut found) {
+        if let Some(fresh) = self.sensors.watch(&limits, input, &mut functions) {
             self.angle = fresh.sensed[2];
-            let known = finite(told.feel_acceleration);
-            let of_feel = if known { told.feel_acceleration } else { self.angle.zero() };
-            self.watch.watch(&limits, fresh, (follows, of_feel), &mut found);
+            let known = finite(input.feel_acceleration);
+            let of_feel = if known { input.feel_acceleration } else { self.angle.zero() };
+            self.watch.watch(&limits, fresh, (follows, of_feel), &mut functions);
         }
-        let saturated = self.command.saturated(&limits, self.sequence.state == State::Active);
-        found = found.with(Function::Saturation, saturated);
-        self.host(&limits, told.host_age, &mut found);
-        if self.sequence.step(&limits, told, (self.angle, self.watch.grip.force), &mut found) {
+        let saturated = self.command.saturated(&limits, self.sequence.state == SupervisorState::Active);
+        functions = functions.with(Function::Saturation, saturated);
+        self.host(&limits, input.host_age, &mut functions);
+        if self.sequence.step(&limits, input, (self.angle, self.watch.grip.force), &mut functions) {
             // A new start: nothing of before counts.
             self.sensors = Sensors::new(self.angle);
-            self.watch = Watch::new(self.angle);
+            self.watch = GripMonitor::new(self.angle);
         }
-        self.act(&limits, told, found)
+        self.act(&limits, input, functions)
     }
 
     /// What comes of the state.
     #[inline(always)]
-    fn act(&mut self, limits: &Limits<S>, told: &Told<S>, mut found: Functions) -> Allowed<S> {
+    fn act(&mut self, limits: &Limits<S>, input: &SupervisorInput<S>, mut functions: Functions) -> SupervisorOutput<S> {
         let follows = self.sequence.follows();
         if self.sequence.is_cut() {
             self.command.cut();
             self.sequence.disabled();
         } else if follows {
             // While nothing is sampled or the loop is late, the law knows nothing new: the last command holds.
-            let holds = told.missed > 0 || told.late > 0;
-            let e = if holds { self.command.last } else { told.command };
-            self.command.follow(limits, e, self.sequence.share, &mut found);
+            let holds = input.missed > 0 || input.late > 0;
+            let e = if holds { self.command.last } else { input.command };
+            self.command.follow(limits, e, self.sequence.share, &mut functions);
         } else if self.command.stop(limits) {
             self.sequence.stopped();
         }
-        Allowed {
+        SupervisorOutput {
             state: self.sequence.state,
             command: self.command.last,
             enable: self.sequence.enable,
@@ -204,7 +204,7 @@ impl<S: Scalar> Supervisor<S> {
             anchor: self.sequence.anchor,
             leads: self.sequence.leads(),
             grip: self.watch.grip,
-            acting: found,
+            acting: functions,
             tripped: self.sequence.tripped,
             cause: self.sequence.cause,
         }
@@ -212,9 +212,9 @@ impl<S: Scalar> Supervisor<S> {
 
     /// Holds the host's values, then leads to the default feel, and back when the host speaks again.
     #[inline(always)]
-    fn host(&mut self, limits: &Limits<S>, age: Option<u32>, found: &mut Functions) {
+    fn host(&mut self, limits: &Limits<S>, age: Option<u32>, functions: &mut Functions) {
         let silent = age.is_some_and(|samples| samples >= limits.host);
-        *found = found.with(Function::HostSilent, silent);
+        *functions = functions.with(Function::HostSilent, silent);
         let step = limits.host_step;
         let moved = if silent { self.host_share - step } else { self.host_share + step };
         self.host_share = moved.clamp(step.zero(), step.constant(1.0));

@@ -53,7 +53,7 @@ impl<S: Scalar> Lag<S> {
 /// What a sensor measured and showed at the start of a step.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Seen<S> {
+pub struct SensorReading<S> {
     /// Measured.
     pub measured: [S; SENSORS],
     /// Shown, without the offset.
@@ -81,13 +81,13 @@ impl<S: Scalar> Transducers<S> {
 
     /// What is shown after half a step in which the measured values changed evenly to `measured`.
     #[inline(always)]
-    pub fn after_half(&self, before: &Seen<S>, measured: [S; SENSORS]) -> [S; SENSORS] {
+    pub fn after_half(&self, before: &SensorReading<S>, measured: [S; SENSORS]) -> [S; SENSORS] {
         shown(&self.half, before, measured, measured[0].zero())
     }
 
     /// What is shown after a whole step; `late` for the load cell, see [`load_cell_late`](Self::load_cell_late).
     #[inline(always)]
-    pub fn after_whole(&self, before: &Seen<S>, measured: [S; SENSORS], late: S) -> [S; SENSORS] {
+    pub fn after_whole(&self, before: &SensorReading<S>, measured: [S; SENSORS], late: S) -> [S; SENSORS] {
         shown(&self.whole, before, measured, late)
     }
 
@@ -130,7 +130,12 @@ impl<S: Scalar> Transducers<S> {
 }
 
 #[inline(always)]
-fn shown<S: Scalar>(lags: &[Lag<S>; SENSORS], before: &Seen<S>, measured: [S; SENSORS], late: S) -> [S; SENSORS] {
+fn shown<S: Scalar>(
+    lags: &[Lag<S>; SENSORS],
+    before: &SensorReading<S>,
+    measured: [S; SENSORS],
+    late: S,
+) -> [S; SENSORS] {
     let one = |k: usize, late: S| lags[k].shown(before.shown[k], before.measured[k], measured[k], late);
     let zero = late.zero();
     [one(0, late), one(1, zero), one(2, zero), one(3, zero)]

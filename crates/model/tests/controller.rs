@@ -2,7 +2,7 @@
 
 mod near;
 
-use forcefeel_model::controller::{Converters, MOST_UNDER_WAY, UnderWay};
+use forcefeel_model::controller::{CommandDelay, Converters, MOST_UNDER_WAY};
 use forcefeel_model::parameters::Parameters;
 use near::{ROUNDING, assert_near, assert_within};
 
@@ -78,7 +78,7 @@ fn bits_without_a_range_are_no_steps() {
 
 #[test]
 fn commands_arrive_in_their_order() {
-    let mut under_way = UnderWay::holding(-1.0);
+    let mut under_way = CommandDelay::holding(-1.0);
     for delay in 0..MOST_UNDER_WAY {
         for sample in 0..3 * MOST_UNDER_WAY {
             #[expect(clippy::cast_precision_loss, reason = "some dozens")]
@@ -89,5 +89,5 @@ fn commands_arrive_in_their_order() {
             }
         }
     }
-    assert_near(UnderWay::holding(-1.0).arriving(3), -1.0, 0.0);
+    assert_near(CommandDelay::holding(-1.0).arriving(3), -1.0, 0.0);
 }

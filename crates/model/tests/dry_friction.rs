@@ -2,7 +2,7 @@
 
 mod near;
 
-use forcefeel_model::dry_friction::{DryFriction, Grip};
+use forcefeel_model::dry_friction::{DryFriction, StickState};
 use near::{ROUNDING, assert_near};
 
 const FRICTION: DryFriction<f64> = DryFriction { kinetic: 2.0, breakaway: 3.0 };
@@ -11,14 +11,14 @@ const FRICTION: DryFriction<f64> = DryFriction { kinetic: 2.0, breakaway: 3.0 };
 struct Mass {
     x: f64,
     v: f64,
-    grip: Grip<f64>,
+    grip: StickState<f64>,
     h: f64,
     step: u32,
 }
 
 impl Mass {
     fn new(x: f64, v: f64, h: f64) -> Self {
-        Self { x, v, grip: Grip { velocity: v, ..Grip::resting(&FRICTION) }, h, step: 0 }
+        Self { x, v, grip: StickState { velocity: v, ..StickState::resting(&FRICTION) }, h, step: 0 }
     }
 
     fn time(&self) -> f64 {
@@ -182,7 +182,7 @@ fn friction_never_drives() {
 #[test]
 fn resting_mass_has_not_broken_away_just_now() {
     // At the first step the pull is beyond what breaks away: the mass leaves from that instant on, not from within a step before.
-    let grip = Grip::resting(&FRICTION);
+    let grip = StickState::resting(&FRICTION);
     let found = FRICTION.settled(&grip, 0.0, 10.0, (1e-3, 1e3));
     assert_eq!((found.velocity, found.displacement), (0.0, 0.0));
 }
@@ -190,10 +190,10 @@ fn resting_mass_has_not_broken_away_just_now() {
 #[test]
 fn without_friction_nothing_is_settled() {
     let none: DryFriction<f64> = DryFriction::new(0.0, 0.0, 1.0);
-    let resting = Grip::resting(&none);
+    let resting = StickState::resting(&none);
     assert!(!resting.stuck);
     for (v_0, v, a) in [(0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (1.0, -1.0, -3.0), (-1.0, 1.0, 0.0)] {
-        for grip in [Grip { velocity: v_0, ..resting }, none.grip(v_0, a)] {
+        for grip in [StickState { velocity: v_0, ..resting }, none.grip(v_0, a)] {
             let found = none.settled(&grip, v, a, (1e-3, 1e3));
             assert!(!found.settled);
             assert_eq!((found.velocity, found.displacement), (v, 0.0));

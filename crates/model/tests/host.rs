@@ -4,7 +4,7 @@
 
 use forcefeel_model::host::effects::Held;
 use forcefeel_model::host::packet::{FROM_HOST_BYTES, Refused, TO_HOST_BYTES, crc32, is_newer, switches};
-use forcefeel_model::host::{Effects, FromHost, Stream, ToHost};
+use forcefeel_model::host::{FromHost, HostEffects, Stream, ToHost};
 
 const PERIOD: f64 = 1e-3;
 
@@ -104,8 +104,8 @@ fn held(angle: f64) -> Held<impl Fn(f64, f64) -> f64> {
     Held { angle, spring: SPRING, force: |angle, factor| factor * SPRING * angle / ARM }
 }
 
-fn settled(on: u32, numbers: [f64; 10], angle: f64) -> forcefeel_model::host::effects::Told {
-    let mut effects = Effects::new(PERIOD, ARM);
+fn settled(on: u32, numbers: [f64; 10], angle: f64) -> forcefeel_model::host::effects::FeelCommand {
+    let mut effects = HostEffects::new(PERIOD, ARM);
     let mut last = effects.step(&held(0.0), &numbers, 0, 1.0);
     for _ in 0..400 {
         let now = effects.step(&held(angle), &numbers, on, 1.0);
@@ -166,7 +166,7 @@ fn a_jam_holds_where_it_came_whatever_the_autopilot_does() {
     let numbers = [0.0, 1.0, 0.0, -0.3, 150.0, 40.0, 0.0, 0.0, 0.0, 400.0];
     let jammed_at = 0.1;
     let torque = |on, angle| {
-        let mut effects = Effects::new(PERIOD, ARM);
+        let mut effects = HostEffects::new(PERIOD, ARM);
         effects.step(&held(jammed_at), &numbers, switches::AUTOPILOT, 1.0);
         (0..400).map(|_| effects.step(&held(angle), &numbers, on, 1.0).torque).last().expect("samples")
     };
@@ -188,7 +188,7 @@ fn a_lost_spring_and_a_trim_that_runs_away() {
     let run = settled(switches::TRIM_RUNAWAY, numbers, 0.0);
     assert!((run.neutral - (0.1 + 0.05 * 0.4)).abs() < 1e-9);
     assert_eq!((run.stiffness_factor, run.shaker), (1.5, 1.0));
-    let mut effects = Effects::new(PERIOD, ARM);
+    let mut effects = HostEffects::new(PERIOD, ARM);
     let half = effects.step(&held(0.0), &numbers, 0, 0.5);
     assert_eq!(half.shaker, 0.5);
 }

@@ -6,7 +6,7 @@ use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::drive::hydraulic::{CURRENT, FLOW, PRESSURE};
 use forcefeel_model::effects::Effects;
-use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
+use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
 use near::{assert_near, assert_within};
@@ -55,7 +55,7 @@ impl Run {
     }
 
     /// What there is at the start of each step and at the end of the last, from rest at an angle.
-    fn from(&self, theta: f64, steps: usize, inputs: impl Fn(usize) -> Inputs) -> Vec<Now<f64>> {
+    fn from(&self, theta: f64, steps: usize, inputs: impl Fn(usize) -> Inputs) -> Vec<Snapshot<f64>> {
         let equilibrium = self.machine.held_at(&self.shared, theta, 0.0, 1.0);
         let (mut state, mut memory) =
             (self.machine.start(&self.shared, &equilibrium), self.machine.remember(&self.shared, &equilibrium));
@@ -71,7 +71,7 @@ impl Run {
         seen
     }
 
-    fn angle(&self, now: &Now<f64>) -> f64 {
+    fn angle(&self, now: &Snapshot<f64>) -> f64 {
         now.base * self.machine.per_base()
     }
 }

@@ -56,10 +56,10 @@ fn law_says_the_products_of_its_rows() {
     let mut draws = Draws::new(1);
     for _ in 0..DRAWS {
         let (numbers, xi, y, feel) = random_law(&mut draws);
-        let says = Observer::from_numbers(&numbers).says(&xi, &y, feel, None);
+        let output = Observer::from_numbers(&numbers).output(&xi, &y, feel, None);
         let known = [xi.as_slice(), &y, &feel].concat();
-        assert_within(says.command, dot(&numbers[C..T], &known), SUM);
-        assert_within(says.torque, dot(&numbers[T..R], &known), SUM);
+        assert_within(output.command, dot(&numbers[C..T], &known), SUM);
+        assert_within(output.torque, dot(&numbers[T..R], &known), SUM);
     }
 }
 
@@ -98,12 +98,12 @@ fn state_where_it_looks_on_is_the_one_that_comes_to_be() {
         // Entries up to 1: a row's sum stays below 0.9, so what was there before is forgotten.
         numbers[..B].iter_mut().for_each(|entry| *entry *= 0.1);
         let law = Observer::from_numbers(&numbers);
-        let found = law.looking_on(&y, e);
+        let output = law.initial_estimate(&y, e);
         for _ in 0..500 {
             xi = law.next(&xi, &y, e, None);
         }
         for k in 0..MOST_STATES {
-            assert_within(found[k], xi[k], 100.0 * SUM); // sums of what is up to ten times as large
+            assert_within(output[k], xi[k], 100.0 * SUM); // sums of what is up to ten times as large
         }
     }
 }
@@ -112,8 +112,8 @@ fn state_where_it_looks_on_is_the_one_that_comes_to_be() {
 fn a_law_that_keeps_what_it_has_begins_with_nothing() {
     let mut numbers = [0.0; NUMBERS];
     numbers[0] = 1.0; // xi_0+ = xi_0
-    let found = Observer::from_numbers(&numbers).looking_on(&[1.0; SAMPLED], 1.0);
-    assert!(found.iter().all(|&xi: &f64| xi.abs() < f64::MIN_POSITIVE));
+    let output = Observer::from_numbers(&numbers).initial_estimate(&[1.0; SAMPLED], 1.0);
+    assert!(output.iter().all(|&xi: &f64| xi.abs() < f64::MIN_POSITIVE));
 }
 
 #[test]
@@ -122,9 +122,9 @@ fn torque_at_rest_is_what_the_law_says_of_its_state_at_rest() {
     for _ in 0..DRAWS {
         let (numbers, _, y, [delta, _]) = random_law(&mut draws);
         let law = Observer::from_numbers(&numbers);
-        let found = dot(&law.torque_at_rest(), &[y.as_slice(), &[delta]].concat());
-        let said = law.says(&law.at_rest(&y, delta), &y, [delta, 0.0], None).torque;
-        assert_within(found, said, SUM);
+        let output = dot(&law.torque_at_rest(), &[y.as_slice(), &[delta]].concat());
+        let torque = law.output(&law.at_rest(&y, delta), &y, [delta, 0.0], None).torque;
+        assert_within(output, torque, SUM);
     }
 }
 
@@ -133,7 +133,7 @@ fn command_per_feel_is_its_number_in_the_row() {
     let numbers: [f64; NUMBERS] = random(&mut Draws::new(5));
     let law = Observer::from_numbers(&numbers);
     assert_near(law.per_delta(), numbers[C + MOST_STATES + SAMPLED], 0.0);
-    let by_delta = law.says(&[0.0; MOST_STATES], &[0.0; SAMPLED], [1.0, 0.0], None).command;
+    let by_delta = law.output(&[0.0; MOST_STATES], &[0.0; SAMPLED], [1.0, 0.0], None).command;
     assert_near(law.per_delta(), by_delta, 0.0);
 }
 
@@ -144,10 +144,10 @@ fn between_two_laws_is_what_the_law_of_numbers_between_theirs_says() {
         let (from, xi, y, feel) = random_law(&mut draws);
         let to: [f64; NUMBERS] = random(&mut draws);
         let blended = core::array::from_fn(|k| (1.0 - share) * from[k] + share * to[k]);
-        let says = |numbers: &[f64; NUMBERS]| Observer::from_numbers(numbers).says(&xi, &y, feel, None);
-        let (found, expected) = (says(&from).towards(says(&to), share), says(&blended));
-        assert_within(found.command, expected.command, SUM);
-        assert_within(found.torque, expected.torque, SUM);
+        let output = |numbers: &[f64; NUMBERS]| Observer::from_numbers(numbers).output(&xi, &y, feel, None);
+        let (output, expected) = (output(&from).lerp(output(&to), share), output(&blended));
+        assert_within(output.command, expected.command, SUM);
+        assert_within(output.torque, expected.torque, SUM);
     }
 }
 
@@ -166,11 +166,11 @@ fn law_without_states_says_what_the_gains_say_that_it_repeats() {
         numbers[T + MOST_STATES] = -law.load_cell_arm;
         let (_, xi, y, feel) = random_law(&mut draws);
         let observer = Observer::from_numbers(&numbers);
-        let says = observer.says(&xi, &y, feel, None);
+        let output = observer.output(&xi, &y, feel, None);
         let [force, x_p, theta, _] = y;
         let e = law.command(&[x_p, force / area, feel[0], feel[1], arm * theta, 0.3, -0.7]);
-        assert_within(says.command, e, SUM * (1.0 + pressure.abs() / area)); // A is 1.5e-3 m²
-        assert_near(says.torque, law.feel_torque(force), ROUNDING);
+        assert_within(output.command, e, SUM * (1.0 + pressure.abs() / area)); // A is 1.5e-3 m²
+        assert_near(output.torque, law.feel_torque(force), ROUNDING);
         // Whatever its state was, it keeps none and rests without one.
         assert_eq!(
             (observer.next(&xi, &y, e, None), observer.at_rest(&y, feel[0])),
@@ -183,8 +183,8 @@ fn law_without_states_says_what_the_gains_say_that_it_repeats() {
 fn law_that_says_nothing_says_nothing() {
     let (_, xi, y, feel) = random_law(&mut Draws::new(8));
     let law = Observer::none(1.0);
-    let says = law.says(&xi, &y, feel, None);
-    assert_eq!((says.command, says.torque, law.per_delta()), (0.0, 0.0, 0.0));
+    let output = law.output(&xi, &y, feel, None);
+    assert_eq!((output.command, output.torque, law.per_delta()), (0.0, 0.0, 0.0));
     assert_eq!((law.next(&xi, &y, 1.0, None), law.at_rest(&y, 1.0)), ([0.0; MOST_STATES], [0.0; MOST_STATES]));
     assert!(law.torque_at_rest().iter().all(|&torque| torque.abs() < f64::MIN_POSITIVE));
 }

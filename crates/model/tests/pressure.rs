@@ -296,7 +296,7 @@ fn oil_and_slaved(p: &Parameters<f64>, effects: &Effects, stuck: bool) -> [[f64;
         [q / area, v, b * area * pressure, (link - area * pressure) / (p.linkage.damping * kappa)]
     };
     let at = |t: f64, [z, x_b, w, _]: [f64; 4]| balance.solve(effects, &side, true, [z, swing(t), 0.0, x_b, w]);
-    let slaved = |t: f64, x: [f64; 4]| {
+    let quasi_steady = |t: f64, x: [f64; 4]| {
         let found = at(t, x);
         [found.flow / area, x[2] - b * impulse * found.pressure, b * area * found.pressure, 0.0]
     };
@@ -307,8 +307,8 @@ fn oil_and_slaved(p: &Parameters<f64>, effects: &Effects, stuck: bool) -> [[f64;
         for part in 0..parts {
             let t = f64::from(step * parts + part) * h;
             truth = runge_kutta(&oil, t, truth, h);
-            plain = runge_kutta(&slaved, t, plain, h);
-            mended = runge_kutta(&slaved, t, mended, h);
+            plain = runge_kutta(&quasi_steady, t, plain, h);
+            mended = runge_kutta(&quasi_steady, t, mended, h);
         }
         let t = f64::from((step + 1) * parts) * h;
         let now = at(t, mended);
@@ -394,21 +394,22 @@ fn pressure_and_flow_are_behind_their_balance() {
                 }
                 let t = f64::from(k) * h;
                 let [z, x_b, v, pressure] = x;
-                let slaved = at(t, [z, x_b, v + moves * b * impulse * pressure]);
+                let quasi_steady = at(t, [z, x_b, v + moves * b * impulse * pressure]);
                 let q_rate = peak * omega * (omega * t).cos();
-                let rates = [slaved.flow / area, q_rate, 0.0, moves * v, moves * b * area * slaved.pressure];
-                let yielding = balance.yielding(&effects, &side, q_i(t), &slaved);
-                let rate = balance.slaved_rate(&side, &yielding, (q_i(t), &slaved), &rates);
-                let change = (lag, slaved.pressure - before, rate);
-                let found = balance.behind(&yielding, &slaved, change, (step, 1.0 / step));
-                (before, lag) = (slaved.pressure, slaved.pressure - found.pressure);
+                let rates =
+                    [quasi_steady.flow / area, q_rate, 0.0, moves * v, moves * b * area * quasi_steady.pressure];
+                let yielding = balance.yielding(&effects, &side, q_i(t), &quasi_steady);
+                let rate = balance.slaved_rate(&side, &yielding, (q_i(t), &quasi_steady), &rates);
+                let change = (lag, quasi_steady.pressure - before, rate);
+                let found = balance.behind(&yielding, &quasi_steady, change, (step, 1.0 / step));
+                (before, lag) = (quasi_steady.pressure, quasi_steady.pressure - found.pressure);
                 if k < 1000 {
                     continue; // the swing begins with a corner
                 }
                 let through = flow(&p, &effects, q_i(t), pressure);
-                apart = apart.max((slaved.pressure - pressure).abs());
+                apart = apart.max((quasi_steady.pressure - pressure).abs());
                 left = left.max((found.pressure - pressure).abs());
-                flows = flows.max((slaved.flow - through).abs());
+                flows = flows.max((quasi_steady.flow - through).abs());
                 flow_left = flow_left.max((found.flow - through).abs());
             }
             assert!(left < share * apart, "{name}, {stuck}, {every}: {left:e} Pa of {apart:e}");
@@ -423,15 +424,15 @@ fn lag_dies_away_as_the_oil_s_pole() {
     let p = Parameters::elevator();
     let balance = Balance::new(&p, per_link_force(&p));
     let side = balance.side(&off(), true);
-    let slaved = balance.solve(&off(), &side, true, [0.0; 5]);
-    let yielding = balance.yielding(&off(), &side, 0.0, &slaved);
+    let quasi_steady = balance.solve(&off(), &side, true, [0.0; 5]);
+    let yielding = balance.yielding(&off(), &side, 0.0, &quasi_steady);
     let time = p.linkage.damping * compressibility(&p)
         / (p.actuator.area
             + p.linkage.stiffness * compressibility(&p)
             + p.linkage.damping / p.actuator.area * p.valve.pressure_gain);
     for share in [0.01, 0.3, 1.0, 30.0] {
         let step = share * time;
-        let found = balance.behind(&yielding, &slaved, (1e5, 0.0, 0.0), (step, 1.0 / step));
+        let found = balance.behind(&yielding, &quasi_steady, (1e5, 0.0, 0.0), (step, 1.0 / step));
         assert_within(found.pressure, -1e5 * f64::exp(-share), 1e5 * 0.008);
     }
 }

@@ -2,7 +2,8 @@
 
 use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_model::supervisor::{
-    Action, Allowed, Function, Functions, Limits, Refusal, State, Supervisor, Told, Wish,
+    Action, Function, Functions, Limits, Refusal, RequestedMode, Supervisor, SupervisorInput, SupervisorOutput,
+    SupervisorState,
 };
 
 const PERIOD: f64 = 1e-3;
@@ -11,8 +12,8 @@ fn limits() -> Limits {
     Limits::new(&Parameters::elevator(), DriveKind::Hydraulic, PERIOD).expect("limits")
 }
 
-fn still(wish: Wish) -> Told<f64> {
-    Told {
+fn still(requested: RequestedMode) -> SupervisorInput<f64> {
+    SupervisorInput {
         sensed: [0.0; 4],
         missed: 0,
         periods: 1.0,
@@ -22,28 +23,31 @@ fn still(wish: Wish) -> Told<f64> {
         feel_acceleration: 0.0,
         emergency_stop: false,
         drive_fault: false,
-        wish,
+        requested,
         acknowledge: false,
     }
 }
 
 /// A loader that is active, and a sample to go on with.
-fn active() -> (Supervisor<f64>, Told<f64>) {
+fn active() -> (Supervisor<f64>, SupervisorInput<f64>) {
     let mut supervisor = Supervisor::new(limits(), 0.0);
-    supervisor.step(&still(Wish::Off));
-    let told = still(Wish::Active);
-    let found = (0..2000).map(|_| supervisor.step(&told)).last().expect("samples");
-    assert_eq!((found.state, found.enable, found.share), (State::Active, true, 1.0));
-    (supervisor, told)
+    supervisor.step(&still(RequestedMode::Off));
+    let input = still(RequestedMode::Active);
+    let output = (0..2000).map(|_| supervisor.step(&input)).last().expect("samples");
+    assert_eq!((output.state, output.enable, output.share), (SupervisorState::Active, true, 1.0));
+    (supervisor, input)
 }
 
 /// Samples until it is tripped, and until command and enable line are down, counted from 1.
-fn until_safe(supervisor: &mut Supervisor<f64>, mut of: impl FnMut(u32) -> Told<f64>) -> (u32, u32, Allowed<f64>) {
+fn until_safe(
+    supervisor: &mut Supervisor<f64>,
+    mut of: impl FnMut(u32) -> SupervisorInput<f64>,
+) -> (u32, u32, SupervisorOutput<f64>) {
     let mut stopped = 0;
     for k in 1..20_000 {
         let allowed = supervisor.step(&of(k));
         assert!(allowed.command.is_finite());
-        stopped = if stopped == 0 && allowed.state == State::Tripped { k } else { stopped };
+        stopped = if stopped == 0 && allowed.state == SupervisorState::Tripped { k } else { stopped };
         if stopped != 0 && allowed.command == 0.0 && !allowed.enable {
             return (stopped, k, allowed);
         }
@@ -52,7 +56,7 @@ fn until_safe(supervisor: &mut Supervisor<f64>, mut of: impl FnMut(u32) -> Told<
 }
 
 /// What a fault makes of the samples from it on, counted from 1.
-type Spoil = Box<dyn Fn(u32, &mut Told<f64>)>;
+type Spoil = Box<dyn Fn(u32, &mut SupervisorInput<f64>)>;
 
 #[test]
 fn each_function_acts_in_its_stated_sample_and_is_latched() {
@@ -61,49 +65,49 @@ fn each_function_acts_in_its_stated_sample_and_is_latched() {
     let agree = of.agreement_m;
     let speed = of.speed_step * 1.01;
     let cases: [(Function, Spoil); 11] = [
-        (Function::EmergencyStop, Box::new(|_, told| told.emergency_stop = true)),
-        (Function::DriveFault, Box::new(|_, told| told.drive_fault = true)),
-        (Function::NotANumber, Box::new(|_, told| told.sensed[1] = f64::NAN)),
-        (Function::NotANumber, Box::new(|_, told| told.command = f64::INFINITY)),
-        (Function::OutOfRange, Box::new(move |_, told| told.sensed[0] = -of.range[0] * 1.01)),
-        (Function::Jump, Box::new(move |_, told| told.sensed[2] = of.jump[2] * base * 1.01)),
-        (Function::Silence, Box::new(|k, told| told.missed = k)),
-        (Function::Overrun, Box::new(|k, told| told.late = k)),
+        (Function::EmergencyStop, Box::new(|_, input| input.emergency_stop = true)),
+        (Function::DriveFault, Box::new(|_, input| input.drive_fault = true)),
+        (Function::NotANumber, Box::new(|_, input| input.sensed[1] = f64::NAN)),
+        (Function::NotANumber, Box::new(|_, input| input.command = f64::INFINITY)),
+        (Function::OutOfRange, Box::new(move |_, input| input.sensed[0] = -of.range[0] * 1.01)),
+        (Function::Jump, Box::new(move |_, input| input.sensed[2] = of.jump[2] * base * 1.01)),
+        (Function::Silence, Box::new(|k, input| input.missed = k)),
+        (Function::Overrun, Box::new(|k, input| input.late = k)),
         // None of them stays at a number, or it would be taken for stuck.
         (
             Function::Disagreement,
-            Box::new(move |k, told| {
+            Box::new(move |k, input| {
                 let tremor = f64::from(k) * 1e-9;
-                told.sensed = [tremor, 1.5 * agree + tremor, tremor, 0.0];
+                input.sensed = [tremor, 1.5 * agree + tremor, tremor, 0.0];
             }),
         ),
-        (Function::Force, Box::new(move |_, told| held(&of, of.force_limit * grip * 1.01, told))),
-        (Function::Speed, Box::new(move |k, told| moved(&of, f64::from(k) * speed, told))),
+        (Function::Force, Box::new(move |_, input| held(&of, of.force_limit * grip * 1.01, input))),
+        (Function::Speed, Box::new(move |k, input| moved(&of, f64::from(k) * speed, input))),
     ];
     for (function, spoil) in cases {
-        let (mut supervisor, told) = active();
+        let (mut supervisor, input) = active();
         let (stopped, safe, allowed) = until_safe(&mut supervisor, |k| {
-            let mut now = told;
+            let mut now = input;
             spoil(k, &mut now);
             now
         });
         assert_eq!(allowed.cause, Some(function));
         assert_eq!(stopped, function.samples(&of), "{function:?}");
         assert!(safe < stopped + of.stop, "{function:?}");
-        assert_eq!(supervisor.step(&told).state, State::Tripped, "latched: {function:?}");
+        assert_eq!(supervisor.step(&input).state, SupervisorState::Tripped, "latched: {function:?}");
     }
 }
 
 /// The machine under a force of the load cell, the link stretched as it is.
-fn held(of: &Limits, force: f64, told: &mut Told<f64>) {
-    told.sensed[0] = force;
-    told.sensed[1] = force * of.link[0];
+fn held(of: &Limits, force: f64, input: &mut SupervisorInput<f64>) {
+    input.sensed[0] = force;
+    input.sensed[1] = force * of.link[0];
 }
 
 /// The machine at an angle.
-fn moved(of: &Limits, angle: f64, told: &mut Told<f64>) {
-    told.sensed[1] = angle * of.lever;
-    told.sensed[2] = angle * of.base_arm;
+fn moved(of: &Limits, angle: f64, input: &mut SupervisorInput<f64>) {
+    input.sensed[1] = angle * of.lever;
+    input.sensed[2] = angle * of.base_arm;
 }
 
 #[test]
@@ -112,15 +116,15 @@ fn a_sensor_that_sticks_is_found_before_three_sensors_disagree() {
     let late = forcefeel_model::parameters::Safety { agreement_time: 1.0, ..parameters.safety };
     let of = Limits::new(&Parameters { safety: late, ..parameters }, DriveKind::Hydraulic, PERIOD).expect("limits");
     let mut supervisor = Supervisor::new(of, 0.0);
-    supervisor.step(&still(Wish::Off));
-    let mut told = still(Wish::Active);
+    supervisor.step(&still(RequestedMode::Off));
+    let mut input = still(RequestedMode::Active);
     for _ in 0..2000 {
-        supervisor.step(&told);
+        supervisor.step(&input);
     }
     for k in 1..400 {
-        told.sensed[2] = f64::from(k) * 1e-4;
-        let allowed = supervisor.step(&told);
-        if allowed.state == State::Tripped {
+        input.sensed[2] = f64::from(k) * 1e-4;
+        let allowed = supervisor.step(&input);
+        if allowed.state == SupervisorState::Tripped {
             assert_eq!(allowed.cause, Some(Function::Stuck));
             return;
         }
@@ -130,31 +134,31 @@ fn a_sensor_that_sticks_is_found_before_three_sensors_disagree() {
 
 #[test]
 fn a_command_is_held_to_its_limit_and_to_its_rate() {
-    let (mut supervisor, mut told) = active();
+    let (mut supervisor, mut input) = active();
     let of = *supervisor.limits();
     let mut last = 0.0;
     for k in 0..200 {
-        told.command = if k % 2 == 0 { 1e300 } else { -1e300 };
-        let allowed = supervisor.step(&told);
+        input.command = if k % 2 == 0 { 1e300 } else { -1e300 };
+        let allowed = supervisor.step(&input);
         assert!(
             allowed.command.abs() <= of.command && (allowed.command - last).abs() <= of.command_step * (1.0 + 1e-12)
         );
-        assert!(allowed.acting.has(Function::CommandLimit) && allowed.state == State::Active);
+        assert!(allowed.acting.has(Function::CommandLimit) && allowed.state == SupervisorState::Active);
         last = allowed.command;
     }
 }
 
 #[test]
 fn a_column_that_leaves_its_feel_with_no_hand_on_it_is_stopped_in_time() {
-    let (mut supervisor, mut told) = active();
+    let (mut supervisor, mut input) = active();
     let of = *supervisor.limits();
     // A constant speed away from neutral: the link carries nothing, the feel asks to be braked.
     let (rate, braking) = (0.5, 40.0);
-    told.feel_acceleration = -braking;
+    input.feel_acceleration = -braking;
     assert!(of.inertia * braking * rate > of.runaway_power);
     // It comes to that speed without a hand: the link gives J theta''.
     let (stopped, ..) = until_safe(&mut supervisor, |k| {
-        let mut now = told;
+        let mut now = input;
         let time = f64::from(k) * PERIOD;
         let rise = 0.02;
         let (acceleration, angle) = if time < rise {
@@ -171,52 +175,52 @@ fn a_column_that_leaves_its_feel_with_no_hand_on_it_is_stopped_in_time() {
 
 #[test]
 fn a_silent_host_fades_and_comes_back_without_a_stop() {
-    let (mut supervisor, mut told) = active();
+    let (mut supervisor, mut input) = active();
     let of = *supervisor.limits();
     let mut shares = vec![];
     for age in 0..of.host + 600 {
-        told.host_age = Some(age);
-        shares.push(supervisor.step(&told).host_share);
+        input.host_age = Some(age);
+        shares.push(supervisor.step(&input).host_share);
     }
     assert!(shares[..of.host as usize].iter().all(|&share| share >= 1.0));
     assert_eq!(shares.last(), Some(&0.0));
     assert!(shares.windows(2).all(|pair| pair[0] - pair[1] <= of.host_step * 1.001));
-    told.host_age = Some(0);
-    let back = (0..600).map(|_| supervisor.step(&told)).last().expect("samples");
-    assert_eq!((back.state, back.host_share), (State::Active, 1.0));
+    input.host_age = Some(0);
+    let back = (0..600).map(|_| supervisor.step(&input)).last().expect("samples");
+    assert_eq!((back.state, back.host_share), (SupervisorState::Active, 1.0));
 }
 
 #[test]
 fn to_acknowledge_starts_nothing() {
-    let (mut supervisor, mut told) = active();
-    told.emergency_stop = true;
-    let cut = supervisor.step(&told);
-    assert_eq!((cut.state, cut.command, cut.enable), (State::Tripped, 0.0, false));
-    told.acknowledge = true;
-    assert_eq!(supervisor.step(&told).state, State::Tripped, "while it is pressed");
-    (told.emergency_stop, told.acknowledge) = (false, false);
-    supervisor.step(&told);
-    told.acknowledge = true;
+    let (mut supervisor, mut input) = active();
+    input.emergency_stop = true;
+    let cut = supervisor.step(&input);
+    assert_eq!((cut.state, cut.command, cut.enable), (SupervisorState::Tripped, 0.0, false));
+    input.acknowledge = true;
+    assert_eq!(supervisor.step(&input).state, SupervisorState::Tripped, "while it is pressed");
+    (input.emergency_stop, input.acknowledge) = (false, false);
+    supervisor.step(&input);
+    input.acknowledge = true;
     for _ in 0..100 {
-        assert_eq!(supervisor.step(&told).state, State::Off, "the wish stands, and nothing starts");
+        assert_eq!(supervisor.step(&input).state, SupervisorState::Off, "the wish stands, and nothing starts");
     }
-    told.wish = Wish::Off;
-    supervisor.step(&told);
-    told.wish = Wish::Passive;
-    assert_eq!((0..500).map(|_| supervisor.step(&told)).last().map(|it| it.state), Some(State::Passive));
+    input.requested = RequestedMode::Off;
+    supervisor.step(&input);
+    input.requested = RequestedMode::Passive;
+    assert_eq!((0..500).map(|_| supervisor.step(&input)).last().map(|it| it.state), Some(SupervisorState::Passive));
 }
 
 #[test]
 fn the_feel_comes_from_where_the_column_stands() {
     let mut supervisor = Supervisor::new(limits(), 0.0);
     let of = *supervisor.limits();
-    let mut told = still(Wish::Off);
-    moved(&of, 0.1, &mut told);
-    supervisor.step(&told);
-    told.wish = Wish::Active;
+    let mut input = still(RequestedMode::Off);
+    moved(&of, 0.1, &mut input);
+    supervisor.step(&input);
+    input.requested = RequestedMode::Active;
     let mut before = None;
     for _ in 0..2000 {
-        let allowed = supervisor.step(&told);
+        let allowed = supervisor.step(&input);
         if allowed.follows {
             let neutral = allowed.neutral(0.0);
             let step = (neutral - before.unwrap_or(0.1)).abs();
@@ -233,28 +237,28 @@ fn the_travel_is_found_or_refused() {
     let safety = forcefeel_model::parameters::Safety { travel_search: 1.0, ..plain.safety };
     let column = forcefeel_model::parameters::Column { stop_low: -0.3, stop_high: 0.2, ..plain.column };
     let of = Limits::new(&Parameters { safety, column, ..plain }, DriveKind::Hydraulic, PERIOD).expect("limits");
-    for (stops, found) in [([-0.3, 0.2], State::Passive), ([-0.1, 0.2], State::Tripped)] {
+    for (stops, output) in [([-0.3, 0.2], SupervisorState::Passive), ([-0.1, 0.2], SupervisorState::Tripped)] {
         let mut supervisor = Supervisor::new(of, 0.0);
-        supervisor.step(&still(Wish::Off));
-        let mut told = still(Wish::Passive);
-        let mut state = State::Off;
+        supervisor.step(&still(RequestedMode::Off));
+        let mut input = still(RequestedMode::Passive);
+        let mut state = SupervisorState::Off;
         for _ in 0..30_000 {
-            let allowed = supervisor.step(&told);
+            let allowed = supervisor.step(&input);
             state = allowed.state;
-            if matches!(state, State::Passive | State::Tripped) {
+            if matches!(state, SupervisorState::Passive | SupervisorState::Tripped) {
                 break;
             }
             if let Some(leads) = allowed.leads {
                 // The column follows up to its stop; from there the drive stretches the link.
                 let angle = leads.clamp(stops[0], stops[1]);
                 let force = (leads - angle) * 2e5;
-                told.sensed = [force, angle * of.lever + force * of.link[0], angle * of.base_arm, 0.0];
+                input.sensed = [force, angle * of.lever + force * of.link[0], angle * of.base_arm, 0.0];
             }
         }
-        assert_eq!(state, found);
-        if found == State::Passive {
+        assert_eq!(state, output);
+        if output == SupervisorState::Passive {
             // Rounding of the angle from the base's displacement.
-            let near = |found: [f64; 2]| found.iter().zip(stops).all(|(a, b)| (a - b).abs() < 1e-12);
+            let near = |output: [f64; 2]| output.iter().zip(stops).all(|(a, b)| (a - b).abs() < 1e-12);
             assert!(supervisor.found_stops().is_some_and(near));
         }
     }
@@ -275,7 +279,7 @@ fn what_cannot_be_supervised_is_refused() {
 #[test]
 fn single_precision_does_the_same() {
     let mut supervisor = Supervisor::new(limits(), 0.0_f32);
-    let mut told = Told {
+    let mut input = SupervisorInput {
         sensed: [0.0_f32; 4],
         missed: 0,
         periods: 1.0,
@@ -285,17 +289,17 @@ fn single_precision_does_the_same() {
         feel_acceleration: 0.0,
         emergency_stop: false,
         drive_fault: false,
-        wish: Wish::Off,
+        requested: RequestedMode::Off,
         acknowledge: false,
     };
-    supervisor.step(&told);
-    told.wish = Wish::Active;
-    let found = (0..2000).map(|_| supervisor.step(&told)).last().expect("samples");
-    assert_eq!((found.state, found.command), (State::Active, 1.0));
-    told.sensed[0] = f32::NAN;
+    supervisor.step(&input);
+    input.requested = RequestedMode::Active;
+    let output = (0..2000).map(|_| supervisor.step(&input)).last().expect("samples");
+    assert_eq!((output.state, output.command), (SupervisorState::Active, 1.0));
+    input.sensed[0] = f32::NAN;
     let stop = limits().stop;
-    let ended = (0..stop).map(|_| supervisor.step(&told)).last().expect("samples");
-    assert_eq!((ended.state, ended.command, ended.enable), (State::Tripped, 0.0, false));
+    let ended = (0..stop).map(|_| supervisor.step(&input)).last().expect("samples");
+    assert_eq!((ended.state, ended.command, ended.enable), (SupervisorState::Tripped, 0.0, false));
 }
 
 #[test]

@@ -4,7 +4,7 @@ mod near;
 
 use core::f64::consts::TAU;
 use forcefeel_model::parameters::Parameters;
-use forcefeel_model::transducers::{SENSORS, Seen, Transducers};
+use forcefeel_model::transducers::{SENSORS, SensorReading, Transducers};
 use forcefeel_model::units;
 use near::{ROUNDING, assert_near, assert_within};
 
@@ -34,7 +34,7 @@ fn lag_is_the_exponential_for_what_changes_evenly() {
     for w in [0.6, 20.0, TAU * 100.0, TAU * 500.0, 6e5] {
         let sensors = sensors([w; 3]);
         for (f_0, x_0, slope) in [(0.0, 0.0, 1e3), (2.0, 1.0, 0.0), (-1.0, 3.0, -800.0)] {
-            let before = Seen { measured: [x_0; SENSORS], shown: [f_0; SENSORS] };
+            let before = SensorReading { measured: [x_0; SENSORS], shown: [f_0; SENSORS] };
             for (found, t) in [
                 (sensors.after_half(&before, [x_0 + slope * 0.5 * H; SENSORS]), 0.5 * H),
                 (sensors.after_whole(&before, [x_0 + slope * H; SENSORS], 0.0), H),
@@ -52,9 +52,9 @@ fn lag_is_the_exponential_for_what_changes_evenly() {
 #[test]
 fn two_halves_are_a_whole() {
     let sensors = sensors([TAU * 80.0, TAU * 300.0, 5.0]);
-    let before = Seen { measured: [1.0, 2.0, 3.0, 4.0], shown: [0.5, 2.5, 3.0, 4.5] };
+    let before = SensorReading { measured: [1.0, 2.0, 3.0, 4.0], shown: [0.5, 2.5, 3.0, 4.5] };
     let (middle, end) = ([1.5, 1.0, 3.5, 3.0], [2.0, 0.0, 4.0, 2.0]);
-    let half_way = Seen { measured: middle, shown: sensors.after_half(&before, middle) };
+    let half_way = SensorReading { measured: middle, shown: sensors.after_half(&before, middle) };
     let (twice, once) = (sensors.after_half(&half_way, end), sensors.after_whole(&before, end, 0.0));
     for (twice, once) in twice.into_iter().zip(once) {
         assert_within(twice, once, 1e-11); // 3 / (w h) of the slow sensor cancels
@@ -64,7 +64,7 @@ fn two_halves_are_a_whole() {
 #[test]
 fn sensor_without_a_lag_shows_what_it_measures() {
     let sensors = sensors([f64::INFINITY; 3]);
-    let before = Seen { measured: [1.0, -2.0, 0.3, 7.0], shown: [0.7, 9.0, -4.0, 6.0] };
+    let before = SensorReading { measured: [1.0, -2.0, 0.3, 7.0], shown: [0.7, 9.0, -4.0, 6.0] };
     let now = [1.1, -5.0, 0.31, 8.0];
     for shown in [sensors.after_whole(&before, now, 0.0), sensors.after_half(&before, now)] {
         assert_eq!(shown.map(f64::to_bits), now.map(f64::to_bits));
@@ -77,10 +77,10 @@ fn force_that_came_late_is_shown_as_late_as_that() {
     // Of a ramp that has long gone on a lag shows what was 1 / w ago, one that is `late` too what was that much earlier still.
     let (w, slope, late) = (TAU * 200.0, 4e3, 0.04);
     let sensors = sensors([w; 3]);
-    let mut seen = Seen { measured: [0.0; SENSORS], shown: [0.0; SENSORS] };
+    let mut seen = SensorReading { measured: [0.0; SENSORS], shown: [0.0; SENSORS] };
     for k in 1..=100 {
         let measured = [slope * f64::from(k) * H; SENSORS];
-        seen = Seen { measured, shown: sensors.after_whole(&seen, measured, late) };
+        seen = SensorReading { measured, shown: sensors.after_whole(&seen, measured, late) };
     }
     let [force, piston, ..] = seen.shown;
     assert_near(force, slope * (100.0 * H - 1.0 / w - late * H), DECAY);

@@ -82,7 +82,7 @@ impl ExportedLaw {
         }
         let given: Vec<Given> =
             inputs.into_iter().zip(settings).map(|(inputs, settings)| Given { inputs, settings }).collect();
-        let found = py.detach(|| answers(&self.0, &given));
-        PyArray1::from_vec(py, found.into_flattened()).reshape([given.len(), ANSWERS])
+        let outputs = py.detach(|| answers(&self.0, &given));
+        PyArray1::from_vec(py, outputs.into_flattened()).reshape([given.len(), ANSWERS])
     }
 }

@@ -97,9 +97,9 @@ impl BoardAxis {
         if words.len() != inputs.len() {
             return Err(refused(format!("words: expected {} rows, got {}", inputs.len(), words.len())));
         }
-        let found =
+        let outputs =
             py.detach(|| if single { self.run(0.0_f32, &inputs, &words) } else { self.run(0.0_f64, &inputs, &words) })?;
-        let (numbers, words): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        let (numbers, words): (Vec<_>, Vec<_>) = outputs.into_iter().unzip();
         let shape = [inputs.len(), ANSWERED];
         Ok((
             PyArray1::from_vec(py, numbers.into_flattened()).reshape(shape)?,
@@ -121,7 +121,7 @@ impl BoardAxis {
         inputs
             .iter()
             .zip(words)
-            .map(|(numbers, &[from, to, wish, missed, late, flags])| {
+            .map(|(numbers, &[from, to, request, missed, late, flags])| {
                 let [force, drive, base, grip, trim, stiffness_factor, shaker, share, added_force] =
                     numbers.map(|number| like.constant(number));
                 let sensors = [force, drive, base, grip];
@@ -134,7 +134,7 @@ impl BoardAxis {
                     added_force,
                     from,
                     to,
-                    wish,
+                    request,
                     missed,
                     late,
                     flags,

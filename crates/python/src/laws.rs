@@ -2,7 +2,7 @@
 
 use crate::arrays::rows;
 use crate::errors::refused;
-use crate::model::Compensator;
+use crate::model::GainLaw;
 use forcefeel_model::compensator::Compensator as Gains;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::observer::NUMBERS;
@@ -36,11 +36,11 @@ impl<'py> FromPyObject<'_, 'py> for NamedLaw {
     type Error = PyErr;
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        if let Ok(law) = given.cast::<Compensator>() {
+        if let Ok(law) = given.cast::<GainLaw>() {
             return Ok(Self::Fixed(law.get().law()));
         }
         let name: String = given.extract().map_err(|_| {
-            PyTypeError::new_err("law: expected a Compensator or its name, 'open', 'position' or 'original'")
+            PyTypeError::new_err("law: expected a GainLaw or its name, 'open', 'position' or 'original'")
         })?;
         match name.as_str() {
             "original" => Ok(Self::Original),
@@ -93,9 +93,9 @@ pub fn effects_of<'a>(values: impl Iterator<Item = &'a [f64; COUNT]>, law: &Law<
 }
 
 /// Refuses another number of rows than there are runs.
-pub fn check_runs(name: &str, found: Option<usize>, runs: usize) -> PyResult<()> {
-    match found {
-        Some(found) if found != runs => Err(refused(format!("{name}: expected {runs} rows, got {found}"))),
+pub fn check_runs(name: &str, count: Option<usize>, runs: usize) -> PyResult<()> {
+    match count {
+        Some(count) if count != runs => Err(refused(format!("{name}: expected {runs} rows, got {count}"))),
         _ => Ok(()),
     }
 }

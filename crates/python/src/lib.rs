@@ -27,7 +27,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("ArgumentError", py.get_type::<errors::ArgumentError>())?;
     module.add("ThreadsError", py.get_type::<errors::ThreadsError>())?;
     module.add_class::<model::Parameter>()?;
-    module.add_class::<model::Compensator>()?;
+    module.add_class::<model::GainLaw>()?;
     module.add_class::<solve::Recursion>()?;
     module.add_class::<loops::Loops>()?;
     module.add_function(wrap_pyfunction!(releases::released, module)?)?;

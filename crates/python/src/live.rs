@@ -9,6 +9,7 @@ use forcefeel_live::controller::Controller;
 use forcefeel_live::input_output::{Command, Disturbance, Fault, InputOutput};
 use forcefeel_live::record::{Record, Size, reason};
 use forcefeel_live::replay::{Contents, read, replay};
+use forcefeel_live::request::LoopRequest;
 use forcefeel_live::row::{COLUMNS, NAMES};
 use forcefeel_live::running::{Plan, Running};
 use forcefeel_live::setup::Setup;
@@ -16,10 +17,9 @@ use forcefeel_live::simulated::{Script, simulated};
 use forcefeel_live::status::{BUCKETS, Histogram};
 use forcefeel_live::supervision::{STATES, trips};
 use forcefeel_live::udp::Udp;
-use forcefeel_live::wish::Wish;
 use forcefeel_model::cancellation::CANCELLATION_NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_model::supervisor::State;
+use forcefeel_model::supervisor::SupervisorState;
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::start::Start;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
@@ -35,7 +35,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 type Curve<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray2<'py, f64>);
 type Array<'py> = Bound<'py, PyArray2<f64>>;
 /// Name, cycle, numbers.
-type Wished = (u64, String, Vec<f64>);
+type Requested = (u64, String, Vec<f64>);
 
 /// What a loop is made of: a loader's values, its law, when the controller acts.
 #[pyclass(frozen, module = "forcefeel._core")]
@@ -116,7 +116,7 @@ impl LiveLoop {
     ///
     /// `record`: path, most bytes, rows that are expected, and what is written about it. `host`: where an aircraft simulator is listened to.
     #[new]
-    #[pyo3(signature = (setup, *, script = None, address = None, host = None, real_time = true, cycles = None, wishes = vec![], record = None, history = 120_000))]
+    #[pyo3(signature = (setup, *, script = None, address = None, host = None, real_time = true, cycles = None, requests = vec![], record = None, history = 120_000))]
     #[expect(clippy::too_many_arguments, reason = "keywords of a Python class")]
     fn new(
         setup: &LiveSetup,
@@ -125,16 +125,16 @@ impl LiveLoop {
         host: Option<String>,
         real_time: bool,
         cycles: Option<u64>,
-        wishes: Vec<Wished>,
+        requests: Vec<Requested>,
         record: Option<(PathBuf, u64, u64, BTreeMap<String, String>)>,
         history: usize,
     ) -> PyResult<Self> {
         let mut setup = setup.setup.clone();
         let machine: Box<dyn InputOutput> = if let Some(address) = address {
             let no = |why: String| PyOSError::new_err(format!("{address}: {why}"));
-            let found = address.to_socket_addrs().map_err(|error| no(error.to_string()))?.next();
-            let found = found.ok_or_else(|| no("is no address".to_string()))?;
-            Box::new(Udp::connect(found, real_time.then(|| setup.period_s())).map_err(|error| no(error.to_string()))?)
+            let address = address.to_socket_addrs().map_err(|error| no(error.to_string()))?.next();
+            let address = address.ok_or_else(|| no("is no address".to_string()))?;
+            Box::new(Udp::connect(address, real_time.then(|| setup.period_s())).map_err(|error| no(error.to_string()))?)
         } else {
             let script = script.map_or(Ok(Script::NONE), |script| script.script())?;
             let (machine, beginning) = simulated(&setup, script);
@@ -144,8 +144,8 @@ impl LiveLoop {
         let host = host.map(|at| UdpSocket::bind(&at).map_err(|error| PyOSError::new_err(format!("{at}: {error}"))));
         let host = host.transpose()?;
         setup.host = host.is_some();
-        let wishes = wishes.iter().map(|(cycle, name, numbers)| Ok((*cycle, wish_of(name, numbers)?)));
-        let wishes = wishes.collect::<PyResult<_>>()?;
+        let requests = requests.iter().map(|(cycle, name, numbers)| Ok((*cycle, request_of(name, numbers)?)));
+        let requests = requests.collect::<PyResult<_>>()?;
         let controller = Controller::new(&setup).map_err(refused)?;
         let record = match record {
             Some((path, most_bytes, rows, about)) => {
@@ -157,15 +157,15 @@ impl LiveLoop {
             None => None,
         };
         let cycles = cycles.unwrap_or(u64::MAX);
-        let plan = Plan { controller, machine, host, wishes, real_time, cycles, record, history };
+        let plan = Plan { controller, machine, host, requests, real_time, cycles, record, history };
         let running = Running::start(plan).map_err(|error| ThreadsError::new_err(error.to_string()))?;
         Ok(Self { running })
     }
 
     /// Asks something of the loop by name, with its numbers; whether there was room for it.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
-    fn wish(&self, name: &str, numbers: Vec<f64>) -> PyResult<bool> {
-        Ok(self.running.wish(wish_of(name, &numbers)?))
+    fn request(&self, name: &str, numbers: Vec<f64>) -> PyResult<bool> {
+        Ok(self.running.request(request_of(name, &numbers)?))
     }
 
     /// Does something to a simulated machine; whether there was room for it.
@@ -193,10 +193,10 @@ impl LiveLoop {
     /// Of a host: where it is listened to, packets that were handed on, packets that were left out, who spoke last and how many seconds
     /// ago; nothing where none is listened to.
     #[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
-    fn heard(&self) -> Option<(String, u64, u64, Option<(String, f64)>)> {
-        self.running.heard().map(|heard| {
-            let last = heard.last().map(|(address, ago)| (address.to_string(), ago.as_secs_f64()));
-            (heard.at.to_string(), heard.packets.load(Relaxed), heard.refused.load(Relaxed), last)
+    fn host_status(&self) -> Option<(String, u64, u64, Option<(String, f64)>)> {
+        self.running.host_status().map(|host_status| {
+            let last = host_status.last().map(|(address, ago)| (address.to_string(), ago.as_secs_f64()));
+            (host_status.at.to_string(), host_status.packets.load(Relaxed), host_status.refused.load(Relaxed), last)
         })
     }
 
@@ -266,8 +266,9 @@ impl LiveMachine {
     }
 }
 
-fn wish_of(name: &str, numbers: &[f64]) -> PyResult<Wish> {
-    Wish::of(name, numbers).ok_or_else(|| refused(format!("wish: {name:?} with {} numbers is none", numbers.len())))
+fn request_of(name: &str, numbers: &[f64]) -> PyResult<LoopRequest> {
+    LoopRequest::of(name, numbers)
+        .ok_or_else(|| refused(format!("wish: {name:?} with {} numbers is none", numbers.len())))
 }
 
 fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResult<Disturbance> {
@@ -300,7 +301,7 @@ pub fn live_columns() -> Vec<&'static str> {
 /// Names of the supervisor's states.
 #[pyfunction]
 pub fn live_states() -> Vec<&'static str> {
-    STATES.map(State::name).to_vec()
+    STATES.map(SupervisorState::name).to_vec()
 }
 
 /// Name and sentence of each of the supervisor's trips.
@@ -315,15 +316,15 @@ pub fn live_trips() -> Vec<(&'static str, &'static str)> {
 pub fn live_record<'py>(
     py: Python<'py>,
     data: &[u8],
-) -> PyResult<(BTreeMap<String, String>, Vec<String>, Array<'py>, Vec<Wished>, Option<String>, Option<String>)> {
-    let Contents { about, columns, rows, wishes, broken, ended, .. } = py.detach(|| read(data)).map_err(refused)?;
+) -> PyResult<(BTreeMap<String, String>, Vec<String>, Array<'py>, Vec<Requested>, Option<String>, Option<String>)> {
+    let Contents { about, columns, rows, requests, broken, ended, .. } = py.detach(|| read(data)).map_err(refused)?;
     let shape = [rows.len() / columns.len().max(1), columns.len()];
-    let named = |(cycle, wish): &(u64, Wish)| {
-        let (name, numbers) = wish.numbers();
+    let named = |(cycle, request): &(u64, LoopRequest)| {
+        let (name, numbers) = request.numbers();
         (*cycle, name.to_string(), numbers)
     };
-    let wishes = wishes.iter().map(named).collect();
-    Ok((about, columns, PyArray1::from_vec(py, rows).reshape(shape)?, wishes, broken, ended))
+    let requests = requests.iter().map(named).collect();
+    Ok((about, columns, PyArray1::from_vec(py, rows).reshape(shape)?, requests, broken, ended))
 }
 
 /// Cycles of a record that were run again, the first number that differs (cycle, column, as recorded, as replayed), the first cycle that is
@@ -338,6 +339,6 @@ pub fn live_replay(
         let contents = read(data)?;
         Ok::<_, String>((replay(&contents)?, contents.broken, contents.ended))
     };
-    let (found, broken, ended) = py.detach(again).map_err(refused)?;
-    Ok((found.cycles, found.difference, found.gap, broken, ended))
+    let (address, broken, ended) = py.detach(again).map_err(refused)?;
+    Ok((address.cycles, address.difference, address.gap, broken, ended))
 }

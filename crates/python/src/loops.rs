@@ -3,7 +3,7 @@
 use crate::arrays::{rows, vector};
 use crate::errors::{refused, threads as answered};
 use crate::limits::step;
-use crate::model::Compensator;
+use crate::model::GainLaw;
 use forcefeel_model::compensator::Compensator as Compensation;
 use forcefeel_model::parameters::COUNT;
 use forcefeel_solve::law::Law;
@@ -45,7 +45,7 @@ impl Loops {
         common: PyReadonlyArray1<'_, f64>,
         columns: Vec<usize>,
         varied: PyReadonlyArray2<'_, f64>,
-        law: Option<&Compensator>,
+        law: Option<&GainLaw>,
         gains: Option<PyReadonlyArray2<'_, f64>>,
     ) -> PyResult<Self> {
         let (count, width) = varied.as_array().dim();
@@ -66,7 +66,7 @@ impl Loops {
             // Row by row, however the array lies in memory.
             varied: varied.as_array().iter().copied().collect(),
             count,
-            law: law.map(Compensator::law),
+            law: law.map(GainLaw::law),
             gains,
         })
     }
@@ -118,11 +118,11 @@ impl Loops {
             outputs: &outputs,
         };
         let expected = (self.count, outputs.len(), job.samples());
-        let found = histories.as_array().dim();
+        let shape = histories.as_array().dim();
         let mut view = histories.as_array_mut();
-        let room = view.as_slice_mut().filter(|_| found == expected);
+        let room = view.as_slice_mut().filter(|_| shape == expected);
         let Some(room) = room else {
-            return Err(refused(format!("histories: expected shape {expected:?} in order, got {found:?}")));
+            return Err(refused(format!("histories: expected shape {expected:?} in order, got {shape:?}")));
         };
         answered(py.detach(|| job.run(threads, room)))?;
         Ok(())

@@ -112,9 +112,9 @@ pub fn grip_force<'py>(
 /// The law that drives the servo amplifier, as data.
 #[pyclass(frozen, eq, module = "forcefeel._core")]
 #[derive(PartialEq)]
-pub struct Compensator(Law<f64>);
+pub struct GainLaw(Law<f64>);
 
-impl Compensator {
+impl GainLaw {
     pub fn law(&self) -> Law<f64> {
         self.0
     }
@@ -125,7 +125,7 @@ impl Compensator {
 }
 
 #[pymethods]
-impl Compensator {
+impl GainLaw {
     #[new]
     #[pyo3(signature = (gains, load_cell_arm, displacement_unit = "rad"))]
     fn new(gains: [f64; 7], load_cell_arm: f64, displacement_unit: &str) -> PyResult<Self> {
@@ -171,7 +171,7 @@ impl Compensator {
     }
     fn __repr__(&self) -> String {
         let Law { gains, load_cell_arm, .. } = self.0;
-        format!("Compensator({gains:?}, {load_cell_arm:?}, {:?})", self.displacement_unit())
+        format!("GainLaw({gains:?}, {load_cell_arm:?}, {:?})", self.displacement_unit())
     }
     fn __getnewargs__(&self) -> ([f64; 7], f64, &'static str) {
         (self.0.gains, self.0.load_cell_arm, self.displacement_unit())
@@ -188,13 +188,13 @@ fn matrices<'py, const X: usize, const U: usize, const Y: usize>(
 
 /// Matrices of the loader with a rigid link, eq. (15).
 #[pyfunction]
-pub fn rigid<'py>(py: Python<'py>, values: Values<'py>, compensator: &Compensator) -> PyResult<Matrices<'py>> {
+pub fn rigid<'py>(py: Python<'py>, values: Values<'py>, law: &GainLaw) -> PyResult<Matrices<'py>> {
     matrices(py, &Rigid { parameters: loader(&values)?.map(Dual::constant), compensator: compensator.dual() })
 }
 
 /// Matrices of the loader with a compliant link, eq. (17).
 #[pyfunction]
-pub fn compliant<'py>(py: Python<'py>, values: Values<'py>, compensator: &Compensator) -> PyResult<Matrices<'py>> {
+pub fn compliant<'py>(py: Python<'py>, values: Values<'py>, law: &GainLaw) -> PyResult<Matrices<'py>> {
     matrices(py, &Compliant { parameters: loader(&values)?.map(Dual::constant), compensator: compensator.dual() })
 }
 
@@ -262,8 +262,8 @@ pub fn feel_from_frequencies<'py>(
 ) -> PyResult<Columns<'py>> {
     let (w, zeta, g) = (frequency.as_array(), damping_ratio.as_array(), stiffness.as_array());
     if w.len() != zeta.len() || w.len() != g.len() {
-        let found = (w.len(), zeta.len(), g.len());
-        return Err(refused(format!("frequency, damping_ratio, stiffness: expected as many of each, got {found:?}")));
+        let lengths = (w.len(), zeta.len(), g.len());
+        return Err(refused(format!("frequency, damping_ratio, stiffness: expected as many of each, got {lengths:?}")));
     }
     let of = |((&w, &zeta), &g)| Feel::from_frequency(w, zeta, g);
     let (inertia, damping) = w.iter().zip(zeta).zip(g).map(of).unzip();

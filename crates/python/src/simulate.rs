@@ -320,9 +320,9 @@ pub(crate) fn steps(given: &BTreeMap<String, PyReadonlyArray2<'_, f64>>) -> PyRe
     for (name, input) in given {
         let input = input.as_array();
         if input.dim() != (count, 2) {
-            let found = input.dim();
+            let shape = input.dim();
             return Err(refused(format!(
-                "inputs: {name}: expected shape {:?} as of the others, got {found:?}",
+                "inputs: {name}: expected shape {:?} as of the others, got {shape:?}",
                 (count, 2)
             )));
         }

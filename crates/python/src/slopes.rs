@@ -74,8 +74,8 @@ pub fn sampled_slopes<'py>(
     let effects = effects_of(values.iter(), &law).smooth();
     let shared = Shared { effects, step_s, timing: Some(timing), curve: None, cancellation: None };
     let loops = SampledLoops { shared, timing, values: &values, law };
-    let found = py.detach(|| sampled(&loops, &keys));
-    sloped(py, &found)
+    let slopes = py.detach(|| sampled(&loops, &keys));
+    sloped(py, &slopes)
 }
 
 /// Refuses what is no place in the parameter table.

@@ -54,8 +54,8 @@ fn pairs<'py, const N: usize>(
     if a.len() != b.len() {
         return Err(refused(format!("{names}: expected as many of each, got {} and {}", a.len(), b.len())));
     }
-    let found: Vec<[f64; N]> = a.iter().zip(b).map(|(&a, &b)| of(a, b)).collect();
-    Ok(core::array::from_fn(|k| PyArray1::from_iter(py, found.iter().map(|row| row[k]))))
+    let rows: Vec<[f64; N]> = a.iter().zip(b).map(|(&a, &b)| of(a, b)).collect();
+    Ok(core::array::from_fn(|k| PyArray1::from_iter(py, rows.iter().map(|row| row[k]))))
 }
 
 /// Valve and piston of a loader, seen from the grip.

@@ -10,7 +10,7 @@ use crate::run::{FeelChange, Middles, Record, run};
 use fearless_simd::{Level, Simd};
 use forcefeel_model::Scalar;
 use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
-use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
+use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_solve::lanes::{LANES, Lanes};
@@ -287,7 +287,7 @@ impl<T: Wide, D: Drive<T>> Record<T, D> for Recorder<'_, T> {
     }
 
     #[inline(always)]
-    fn see(&mut self, instant: usize, now: &Now<T, D>) {
+    fn see(&mut self, instant: usize, now: &Snapshot<T, D>) {
         let angle = now.base * self.per_base;
         let (share, every) = match self.job.sampling {
             Sampling::Every(steps) => (1.0, steps),

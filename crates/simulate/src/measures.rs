@@ -235,14 +235,14 @@ pub fn measure<S: Wide>(
         of_lanes(swing),
     );
     let mut of_lane = vec![Swings::NONE; S::RUNS];
-    let told = |lane: usize| went[lane] > 0.0 && met[lane] == 0.0 && equilibria[lane].is_finite();
-    if (0..S::RUNS).any(told) {
+    let is_measured = |lane: usize| went[lane] > 0.0 && met[lane] == 0.0 && equilibria[lane].is_finite();
+    if (0..S::RUNS).any(is_measured) {
         let time: Vec<f64> = (0..angle.len()).map(|k| number(k) * samples.dt).collect();
         let mut positions = vec![0.0; S::RUNS * angle.len()];
         for (k, theta) in angle.iter().enumerate() {
             theta.scatter(|lane, value| positions[lane * angle.len() + k] = value);
         }
-        for (lane, position) in positions.chunks_exact(angle.len()).enumerate().filter(|&(lane, _)| told(lane)) {
+        for (lane, position) in positions.chunks_exact(angle.len()).enumerate().filter(|&(lane, _)| is_measured(lane)) {
             of_lane[lane] = Swings::of(&time, position, samples, (equilibria[lane], swings[lane]));
         }
     }
@@ -291,9 +291,9 @@ impl Swings {
             reach: 0.0,
             hysteresis: PASSED * noise,
         };
-        let found = measuring.measure_around(position, rest);
+        let measures = measuring.measure_around(position, rest);
         let way = (rest - position[0]).abs();
-        let (largest, reached) = found
+        let (largest, reached) = measures
             .overshoots_beyond()
             .fold((0.0, 0.0), |largest, overshoot| if overshoot.0 > largest.0 { overshoot } else { largest });
         let known = if largest > 0.0 {
@@ -302,7 +302,7 @@ impl Swings {
             last_swing <= AT_REST * way + 2.0 * PASSED * noise && PASSED * noise <= KNOWN * way
         };
         let overshoot = if known { largest / way } else { f64::NAN };
-        match found.period(noise, KNOWN).filter(|it| COVERAGE * it.uncertainty <= KNOWN * it.mean) {
+        match measures.period(noise, KNOWN).filter(|it| COVERAGE * it.uncertainty <= KNOWN * it.mean) {
             Some(it) => Self { overshoot, period: it.mean, periods: number(it.cycles) },
             None => Self { overshoot, ..Self::NONE },
         }

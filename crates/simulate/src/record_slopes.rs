@@ -13,7 +13,7 @@ use crate::run::{FeelChange, Middles, Record, run};
 use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::machine::{Machine, Now, Shared};
+use forcefeel_model::machine::{Machine, Shared, Snapshot};
 use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_solve::sampled_loops::without_steps;
@@ -58,8 +58,8 @@ impl SlopeJob<'_> {
             self.pair(pair / keys, self.keys[pair % keys], slopes, &mut values);
             values
         };
-        let found: Vec<_> = pool.install(|| pairs.map(one).collect());
-        Ok(found.concat())
+        let histories: Vec<_> = pool.install(|| pairs.map(one).collect());
+        Ok(histories.concat())
     }
 
     /// The slopes of one run along one parameter, and its channels where there is room for them.
@@ -108,7 +108,7 @@ impl<D: Drive<Dual>> Record<Dual, D> for Recorder<'_> {
 
     fn see_base(&mut self, _: Dual) {}
 
-    fn see(&mut self, instant: usize, now: &Now<Dual, D>) {
+    fn see(&mut self, instant: usize, now: &Snapshot<Dual, D>) {
         let every = if let Sampling::Every(steps) = self.job.job.sampling { steps } else { 1 };
         if !instant.is_multiple_of(every) {
             return;

@@ -2,7 +2,7 @@
 
 use forcefeel_model::Scalar;
 use forcefeel_model::drive::Drive;
-use forcefeel_model::machine::{Begun, Inputs, Machine, Now, Shared};
+use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot, StepStart};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
@@ -35,7 +35,7 @@ pub trait Record<S: Scalar, D: Drive<S>> {
     /// How much to look at half-way through each step.
     fn middles(&self) -> Middles;
     /// The start of a step or the end of the last, or the middle of one; `instant` counts steps, or half steps.
-    fn see(&mut self, instant: usize, now: &Now<S, D>);
+    fn see(&mut self, instant: usize, now: &Snapshot<S, D>);
     /// The base's displacement in the middle of a step.
     fn see_base(&mut self, base: S);
 }
@@ -72,7 +72,7 @@ pub fn run<S: Scalar, D: Drive<S>>(
     let middles = record.middles();
     let stride = if middles == Middles::None { 1 } else { 2 };
     let ended = inputs[inputs.len() - 1].end();
-    let mut last: Option<(Begun<S, D>, &Inputs)> = None;
+    let mut last: Option<(StepStart<S, D>, &Inputs)> = None;
     // One place where a step begins, the end of the last among them: it is compiled into every vector's loop.
     for step in 0..=inputs.len() {
         let now = inputs.get(step).unwrap_or(&ended);

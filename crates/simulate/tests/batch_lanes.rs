@@ -10,7 +10,7 @@ use forcefeel_model::drive::hydraulic::valve::ValveMotion;
 use forcefeel_model::dry_friction::DryFriction;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::parameters::{COUNT, Parameters};
-use forcefeel_model::transducers::{Seen, Transducers};
+use forcefeel_model::transducers::{SensorReading, Transducers};
 use forcefeel_simulate::pair::Pair;
 use forcefeel_solve::lanes::Lanes;
 use forcefeel_solve::wide::Wide;
@@ -121,7 +121,7 @@ impl Part for Sensors {
     const SIZES: &'static [f64] = &[1.0, 1.0, 1.0, 1.0, 1.0, 1e-3];
     fn results<S: Scalar>(x: &[S]) -> Vec<S> {
         let sensors = Transducers::new(&parameters(x[0]), 1e-3);
-        let before = Seen { measured: [x[1], x[2], x[3], x[4]], shown: [x[2], x[3], x[4], x[1]] };
+        let before = SensorReading { measured: [x[1], x[2], x[3], x[4]], shown: [x[2], x[3], x[4], x[1]] };
         let now = [x[4], x[1], x[0], x[2]];
         let others = [sensors.load_cell_share(x[5].abs()), sensors.column_rate(x[1], x[2], x[3])];
         let shown = [sensors.after_half(&before, now), sensors.after_whole(&before, now, x[4])];

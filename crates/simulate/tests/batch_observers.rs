@@ -217,14 +217,14 @@ fn run_at_rest_under_a_law_that_estimates_is_where_the_equations_say() {
     // The estimate of the link's excess is all that the sensors add; G delta = T.
     let shown = angle + p.column_sensor.offset;
     let stretch = piston + p.potentiometer.offset - link.ratio * column.base_arm * shown;
-    let heard = force + p.load_cell.offset;
-    let excess = heard - link.stiffness * stretch;
-    let torque = -link.ratio * column.base_arm * (heard + share * excess);
+    let feel_torque = force + p.load_cell.offset;
+    let excess = feel_torque - link.stiffness * stretch;
+    let torque = -link.ratio * column.base_arm * (feel_torque + share * excess);
     near(feel.stiffness * delta, torque, 50.0);
     // e = c x + d,  d = 9/10 e / (1/10 + 9/10) of the whole command
     let [c_1, c_2, c_3, _, c_5, ..] = DEAF;
     let x = c_1 * (piston + p.potentiometer.offset)
-        + c_2 * heard / p.actuator.area
+        + c_2 * feel_torque / p.actuator.area
         + c_3 * delta
         + c_5 * column.base_arm * shown;
     near(current / amplifier.admittance, 10.0 * x, 20.0 * angle);

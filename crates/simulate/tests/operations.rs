@@ -6,7 +6,7 @@ use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::machine::{Inputs, Machine, Now, Shared};
+use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
 use forcefeel_model::parameters::Parameters;
 use forcefeel_simulate::run::{Middles, Record, run};
 use forcefeel_solve::start::Start;
@@ -107,7 +107,7 @@ impl Record<Counted, Hydraulic<Counted>> for Nothing {
     fn middles(&self) -> Middles {
         Middles::None
     }
-    fn see(&mut self, _: usize, _: &Now<Counted>) {}
+    fn see(&mut self, _: usize, _: &Snapshot<Counted>) {}
     fn see_base(&mut self, _: Counted) {}
 }
 

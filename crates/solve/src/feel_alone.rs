@@ -4,7 +4,7 @@
 
 use crate::start::Start;
 use forcefeel_model::compensator::Compensator;
-use forcefeel_model::feel::{FeelLaw, Surroundings};
+use forcefeel_model::feel::{FeelConditions, FeelLaw};
 use forcefeel_model::feel_computer::{FeelComputer, FeelMotion};
 use forcefeel_model::machine::{Inputs, Shared};
 use forcefeel_model::parameters::Parameters;
@@ -37,7 +37,7 @@ pub fn feel_alone(
     for (step, now) in inputs.iter().enumerate() {
         for part in 0..if step < held_until { 0 } else { parts } {
             let at = |[begin, end]: [f64; 2]| begin + middle(part) * (end - begin);
-            let around = Surroundings {
+            let around = FeelConditions {
                 neutral: 0.0,
                 stiffness_factor: at(now.stiffness_factor),
                 shaker: 0.0,

@@ -4,7 +4,7 @@ use forcefeel_model::Scalar;
 use forcefeel_model::drive::Drive;
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;
-use forcefeel_model::machine::Now;
+use forcefeel_model::machine::Snapshot;
 use forcefeel_model::parameters::DriveKind;
 
 /// An output of a run; `as usize` it is its place in [`outputs`].
@@ -66,20 +66,20 @@ pub const fn outputs(kind: DriveKind) -> &'static [Name] {
 
 /// What all have, with what is seen of a drive between.
 const fn named<const N: usize>(drive: &[Name]) -> [Name; N] {
-    let mut found = [("column_angle", "rad"); N];
-    found[Output::ColumnVelocity as usize] = ("column_velocity", "rad/s");
-    found[Output::FeelPosition as usize] = ("feel_position", "");
-    found[Output::FeelVelocity as usize] = ("feel_velocity", "");
-    found[Output::DrivePosition as usize] = drive[0];
-    found[Output::LoadCellForce as usize] = ("load_cell_force", "N");
-    found[Output::FirstSignal as usize] = drive[1];
-    found[Output::SecondSignal as usize] = drive[2];
-    found[Output::ThirdSignal as usize] = drive[3];
-    found[Output::PilotForce as usize] = ("pilot_force", "N");
+    let mut outputs = [("column_angle", "rad"); N];
+    outputs[Output::ColumnVelocity as usize] = ("column_velocity", "rad/s");
+    outputs[Output::FeelPosition as usize] = ("feel_position", "");
+    outputs[Output::FeelVelocity as usize] = ("feel_velocity", "");
+    outputs[Output::DrivePosition as usize] = drive[0];
+    outputs[Output::LoadCellForce as usize] = ("load_cell_force", "N");
+    outputs[Output::FirstSignal as usize] = drive[1];
+    outputs[Output::SecondSignal as usize] = drive[2];
+    outputs[Output::ThirdSignal as usize] = drive[3];
+    outputs[Output::PilotForce as usize] = ("pilot_force", "N");
     if N > Output::FourthSignal as usize {
-        found[Output::FourthSignal as usize] = drive[4];
+        outputs[Output::FourthSignal as usize] = drive[4];
     }
-    found
+    outputs
 }
 
 impl Output {
@@ -94,7 +94,7 @@ impl Output {
 
     /// What it is at one instant; `per_base`: column angle per displacement of the base.
     #[inline(always)]
-    pub fn of<S: Scalar, D: Drive<S>>(self, now: &Now<S, D>, per_base: S) -> S {
+    pub fn of<S: Scalar, D: Drive<S>>(self, now: &Snapshot<S, D>, per_base: S) -> S {
         match self {
             Self::ColumnAngle => now.base * per_base,
             Self::ColumnVelocity => now.base_rate * per_base,

@@ -156,9 +156,9 @@ impl Measuring<'_> {
         }
         let tail = &position[position.len() - self.tail.max(1)..];
         let steady = mean(tail);
-        let mut found = self.around(position, steady);
-        found.values[TAIL_DEVIATION] = tail.iter().fold(0.0, |most, x| f64::max(most, (x - steady).abs()));
-        found
+        let mut release = self.around(position, steady);
+        release.values[TAIL_DEVIATION] = tail.iter().fold(0.0, |most, x| f64::max(most, (x - steady).abs()));
+        release
     }
 
     /// The same around a steady state that is known, which the control need not reach within the record; the tail's deviation is
@@ -176,15 +176,15 @@ impl Measuring<'_> {
     }
 
     fn around(&self, position: &[f64], steady: f64) -> Release {
-        let mut found = Release::NONE;
+        let mut release = Release::NONE;
         let displacement = mean(&position[..self.held.max(1)]) - steady;
-        found.values[STEADY] = steady;
-        found.values[DISPLACEMENT] = displacement;
+        release.values[STEADY] = steady;
+        release.values[DISPLACEMENT] = displacement;
         if displacement != 0.0 {
-            self.settling(&mut found, position);
-            self.swings(&mut found, position);
+            self.settling(&mut release, position);
+            self.swings(&mut release, position);
         }
-        found
+        release
     }
 
     /// The features of many releases, `FEATURES` numbers each, of one after another in `positions`.
@@ -213,10 +213,10 @@ impl Measuring<'_> {
     }
 
     /// From when on the control stays in the residual band.
-    fn settling(&self, found: &mut Release, position: &[f64]) {
-        let (steady, band) = (found.values[STEADY], self.band * found.values[DISPLACEMENT].abs());
+    fn settling(&self, release: &mut Release, position: &[f64]) {
+        let (steady, band) = (release.values[STEADY], self.band * release.values[DISPLACEMENT].abs());
         let last = last_outside(position, steady, band);
-        found.values[SETTLED] = match last {
+        release.values[SETTLED] = match last {
             None => self.time[0],
             Some(k) if k + 1 == position.len() => f64::NAN,
             Some(k) => {
@@ -228,52 +228,52 @@ impl Measuring<'_> {
     }
 
     /// The way back, and the swings around the steady state.
-    fn swings(&self, found: &mut Release, position: &[f64]) {
-        let (steady, displacement) = (found.values[STEADY], found.values[DISPLACEMENT]);
+    fn swings(&self, release: &mut Release, position: &[f64]) {
+        let (steady, displacement) = (release.values[STEADY], release.values[DISPLACEMENT]);
         let from = self.held.max(1);
         for (column, share) in [(HIGH, self.high), (LOW, self.low)] {
             let level = steady + share * displacement;
             if let Some((before, _)) = passing(position, from, level, -displacement.signum(), 0.0) {
-                self.put_crossing(found, column, position, before, level);
+                self.put_crossing(release, column, position, before, level);
             }
         }
         let mut towards = -displacement.signum();
         let Some((before, mut seen)) = passing(position, from, steady, towards, self.hysteresis) else {
-            found.values[COUNT] = 0.0;
+            release.values[COUNT] = 0.0;
             return;
         };
-        self.put_crossing(found, CROSSING, position, before, steady);
+        self.put_crossing(release, CROSSING, position, before, steady);
         let (mut began, mut count) = (before, 0.0);
         let band = self.band * displacement.abs();
         for k in 0.. {
             let next = passing(position, seen, steady, -towards, self.hysteresis);
             let ends = next.map_or(position.len() - 1, |(before, _)| before);
-            let size = self.overshoot(found, k, position, (began + 1, ends), towards);
+            let size = self.overshoot(release, k, position, (began + 1, ends), towards);
             if size > band {
                 count += 1.0;
             }
             let Some((before, beyond)) = next else { break };
             if k + 1 < CROSSINGS {
-                self.put_crossing(found, CROSSING + k + 1, position, before, steady);
+                self.put_crossing(release, CROSSING + k + 1, position, before, steady);
             }
             if size < FADED * band {
                 break;
             }
             (began, seen, towards) = (before, beyond, -towards);
         }
-        found.values[COUNT] = count;
+        release.values[COUNT] = count;
     }
 
     /// How far the control goes among these samples; kept if it is one of the first overshoots.
     fn overshoot(
         &self,
-        found: &mut Release,
+        release: &mut Release,
         k: usize,
         position: &[f64],
         (from, to): (usize, usize),
         towards: f64,
     ) -> f64 {
-        let steady = found.values[STEADY];
+        let steady = release.values[STEADY];
         let top = farthest(&position[from..=to.max(from)], towards) + from;
         let at = self.time[top];
         let fit = self.fit(position, top.saturating_sub(1), top);
@@ -281,26 +281,26 @@ impl Measuring<'_> {
             fit.as_ref().and_then(|fit| fit.extremum(at)).filter(|it| (it.time - at).abs() <= self.near(top));
         let size = extremum.map_or(position[top] - steady, |it| it.value - steady) * towards;
         if k < OVERSHOOTS {
-            found.values[OVERSHOOT + k] = size;
-            found.values[OVERSHOOT_TIME + k] = at;
+            release.values[OVERSHOOT + k] = size;
+            release.values[OVERSHOOT_TIME + k] = at;
             if let Some(it) = extremum {
-                found.put(OVERSHOOT + k, size, &it);
-                found.put(OVERSHOOT_TIME + k, it.time, &it);
+                release.put(OVERSHOOT + k, size, &it);
+                release.put(OVERSHOOT_TIME + k, it.time, &it);
             }
         }
         size
     }
 
     /// Puts down when the position passes `level` between the sample `before` and the next.
-    fn put_crossing(&self, found: &mut Release, column: usize, position: &[f64], before: usize, level: f64) {
+    fn put_crossing(&self, release: &mut Release, column: usize, position: &[f64], before: usize, level: f64) {
         let (t, x) = ([self.time[before], self.time[before + 1]], [position[before], position[before + 1]]);
         let straight = t[0] + (level - x[0]) / (x[1] - x[0]) * (t[1] - t[0]);
-        found.values[column] = straight;
+        release.values[column] = straight;
         let fit = self.fit(position, before, before + 1);
         if let Some(it) = fit.and_then(|fit| fit.crossing(level, straight))
             && (it.time - straight).abs() <= self.near(before)
         {
-            found.put(column, it.time, &it);
+            release.put(column, it.time, &it);
         }
     }
 

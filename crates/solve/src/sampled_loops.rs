@@ -26,7 +26,7 @@ pub const INPUTS: usize = 2;
 pub(crate) const COLUMNS: usize = PERIOD_STATES + INPUTS;
 
 /// Numbers of `[M, b_e, b_F]`, row by row.
-pub(crate) type Matrix<T = f64> = [[T; COLUMNS]; PERIOD_STATES];
+pub(crate) type PeriodMatrix<T = f64> = [[T; COLUMNS]; PERIOD_STATES];
 
 /// The channels at the start of a period as rows on the same columns.
 pub(crate) type Rows<T> = [[T; COLUMNS]; channels::COUNT];
@@ -60,16 +60,16 @@ impl SampledLoops<'_> {
     /// If the system gives no threads.
     pub fn periods(&self, threads: usize) -> Result<Periods, NoThreads> {
         let pool = pool(threads)?;
-        let whole: Vec<Matrix> =
+        let whole: Vec<PeriodMatrix> =
             pool.install(|| (0..self.values.len()).into_par_iter().map(|run| self.matrix(run)).collect());
         let states = kept(&whole, |_| false);
         let columns = || states.iter().copied().chain(PERIOD_STATES..COLUMNS);
-        let row = |matrix: &Matrix, state: usize| columns().map(|k| matrix[state][k]).collect::<Vec<_>>();
+        let row = |matrix: &PeriodMatrix, state: usize| columns().map(|k| matrix[state][k]).collect::<Vec<_>>();
         let matrices = whole.iter().flat_map(|matrix| states.iter().flat_map(|&state| row(matrix, state))).collect();
         Ok(Periods { states, matrices })
     }
 
-    fn matrix(&self, run: usize) -> Matrix {
+    fn matrix(&self, run: usize) -> PeriodMatrix {
         self.matrix_of(run, &Parameters::from_values(&self.values[run]))
     }
 
@@ -78,14 +78,14 @@ impl SampledLoops<'_> {
     }
 
     /// The matrix of a run, whose parameters may have slopes of their own.
-    pub(crate) fn matrix_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Matrix<T> {
+    pub(crate) fn matrix_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> PeriodMatrix<T> {
         match self.kind(run) {
             DriveKind::Hydraulic => self.matrix_with::<T, OfHydraulic>(run, parameters),
             DriveKind::Electric => self.matrix_with::<T, OfElectric>(run, parameters),
         }
     }
 
-    fn matrix_with<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> Matrix<T> {
+    fn matrix_with<T: Scalar, K: Kind>(&self, run: usize, parameters: &Parameters<T>) -> PeriodMatrix<T> {
         let zero = parameters.column.inertia.zero();
         let mut matrix = [[zero; COLUMNS]; PERIOD_STATES];
         let period = self.period::<T, K>(run, parameters);
@@ -201,7 +201,7 @@ pub fn without_steps<T: Scalar>(mut parameters: Parameters<T>) -> Parameters<T> 
 }
 
 /// The states that any loop's next state depends on, of those that are left, and those that are seen.
-pub(crate) fn kept(matrices: &[Matrix], seen: impl Fn(usize) -> bool) -> Vec<usize> {
+pub(crate) fn kept(matrices: &[PeriodMatrix], seen: impl Fn(usize) -> bool) -> Vec<usize> {
     let mut states: Vec<usize> = (0..PERIOD_STATES).collect();
     loop {
         let matters =

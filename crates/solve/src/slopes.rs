@@ -9,7 +9,7 @@
 
 use crate::law::Law;
 use crate::linearize::StateSpace;
-use crate::sampled_loops::{ByTestSignal, COLUMNS, INPUTS, Matrix, Rows, SampledLoops, kept};
+use crate::sampled_loops::{ByTestSignal, COLUMNS, INPUTS, PeriodMatrix, Rows, SampledLoops, kept};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::{Compliant, OnBench, Rigid, System};
 use forcefeel_model::machine::period::PERIOD_STATES;
@@ -17,7 +17,7 @@ use forcefeel_model::parameters::{COUNT, Parameters};
 use nalgebra::DMatrix;
 
 /// A period of a digital controller: its matrix, the channels at its start, and both under a test signal at the amplifier.
-type Period = (Matrix<Dual>, Rows<Dual>, ByTestSignal<Dual>);
+type Period = (PeriodMatrix<Dual>, Rows<Dual>, ByTestSignal<Dual>);
 
 /// How the link between piston and column is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,21 +71,21 @@ fn columns<const X: usize, const U: usize, const Y: usize>(system: &impl System<
         c: DMatrix::zeros(Y, X),
         d: DMatrix::zeros(Y, U),
     };
-    let mut found = [zero.clone(), zero];
+    let mut models = [zero.clone(), zero];
     let (no_x, no_u) = ([Dual::constant(0.0); X], [Dual::constant(0.0); U]);
     for j in 0..X {
         let mut x = no_x;
         x[j] = Dual::constant(1.0);
-        put(&mut found, |m| &mut m.a, j, &system.derivative(&x, &no_u));
-        put(&mut found, |m| &mut m.c, j, &system.outputs(&x, &no_u));
+        put(&mut models, |m| &mut m.a, j, &system.derivative(&x, &no_u));
+        put(&mut models, |m| &mut m.c, j, &system.outputs(&x, &no_u));
     }
     for j in 0..U {
         let mut u = no_u;
         u[j] = Dual::constant(1.0);
-        put(&mut found, |m| &mut m.b, j, &system.derivative(&no_x, &u));
-        put(&mut found, |m| &mut m.d, j, &system.outputs(&no_x, &u));
+        put(&mut models, |m| &mut m.b, j, &system.derivative(&no_x, &u));
+        put(&mut models, |m| &mut m.d, j, &system.outputs(&no_x, &u));
     }
-    found
+    models
 }
 
 fn put([value, slope]: &mut [StateSpace; 2], of: fn(&mut StateSpace) -> &mut DMatrix<f64>, j: usize, column: &[Dual]) {

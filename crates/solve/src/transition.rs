@@ -66,17 +66,17 @@ impl<T: Fused> Transition<T> {
             |entry| entry * step,
         );
         let (level, ramp) = forced(&z, &scaled_b);
-        let mut found = Self { phi: exponential(&z), level, ramp };
+        let mut result = Self { phi: exponential(&z), level, ramp };
         let mut left = factor;
         for _ in 0..MOST_DOUBLINGS {
             let more = zero.constant(1.0).less(left);
             if !T::any(more) {
                 break;
             }
-            found = Self::chosen(more, &found.doubled(), &found);
+            result = Self::chosen(more, &result.doubled(), &result);
             left = left.times(0.5);
         }
-        found
+        result
     }
 
     /// Two steps in one; of the input, its straight line over both.
@@ -93,15 +93,15 @@ impl<T: Fused> Transition<T> {
     /// `yes` in the lanes where the mask holds, else `no`.
     #[inline(always)]
     fn chosen(mask: T::Mask, yes: &Self, no: &Self) -> Self {
-        let mut found = *no;
+        let mut result = *no;
         for i in 0..STATES {
             for j in 0..STATES {
-                found.phi[i][j] = T::select(mask, yes.phi[i][j], no.phi[i][j]);
+                result.phi[i][j] = T::select(mask, yes.phi[i][j], no.phi[i][j]);
             }
-            found.level[i] = T::select(mask, yes.level[i], no.level[i]);
-            found.ramp[i] = T::select(mask, yes.ramp[i], no.ramp[i]);
+            result.level[i] = T::select(mask, yes.level[i], no.level[i]);
+            result.ramp[i] = T::select(mask, yes.ramp[i], no.ramp[i]);
         }
-        found
+        result
     }
 }
 
@@ -198,33 +198,33 @@ pub fn combined<T: Fused>(x: &Vector<T>, rows: &Matrix<T>, sum: Vector<T>) -> Ve
 /// `a b`.
 #[inline(always)]
 pub fn product<T: Fused>(a: &Matrix<T>, b: &Matrix<T>) -> Matrix<T> {
-    let mut found = *a;
+    let mut result = *a;
     for i in 0..STATES {
-        found[i] = combined(&a[i], b, [a[i][0].zero(); STATES]);
+        result[i] = combined(&a[i], b, [a[i][0].zero(); STATES]);
     }
-    found
+    result
 }
 
 /// `a x + added`.
 #[inline(always)]
 pub fn times_vector<T: Fused>(a: &Matrix<T>, x: &Vector<T>, added: &Vector<T>) -> Vector<T> {
-    let mut found = *added;
+    let mut result = *added;
     for i in 0..STATES {
-        found[i] = dot(&a[i], x) + added[i];
+        result[i] = dot(&a[i], x) + added[i];
     }
-    found
+    result
 }
 
 /// The matrix with rows and columns exchanged.
 #[inline(always)]
 pub fn transposed<T: Copy>(a: &Matrix<T>) -> Matrix<T> {
-    let mut found = *a;
+    let mut result = *a;
     for i in 0..STATES {
         for j in 0..STATES {
-            found[i][j] = a[j][i];
+            result[i][j] = a[j][i];
         }
     }
-    found
+    result
 }
 
 /// `row x`.

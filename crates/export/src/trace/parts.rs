@@ -27,10 +27,10 @@ impl Graph {
     }
 
     /// Those of what a part gives that depend on what it is given, each once.
-    pub(super) fn roots<const M: usize>(&self, found: [u32; M]) -> Vec<u32> {
+    pub(super) fn roots<const M: usize>(&self, depends_on_input: [u32; M]) -> Vec<u32> {
         let depends = self.on_given();
         let mut roots = Vec::new();
-        for node in found {
+        for node in depends_on_input {
             if depends[node as usize] && !roots.contains(&node) {
                 roots.push(node);
             }
@@ -45,11 +45,11 @@ impl Graph {
         }
         match self.nodes[node as usize].clone() {
             Node::Given(k) => given.1[k],
-            Node::One(operation, a) => {
+            Node::UnaryOp(operation, a) => {
                 let a = self.written_out(a, given);
                 self.one(operation, a)
             }
-            Node::Two(operation, a, b) => {
+            Node::BinaryOp(operation, a, b) => {
                 let (a, b) = (self.written_out(a, given), self.written_out(b, given));
                 self.two(operation, a, b)
             }
@@ -80,11 +80,12 @@ impl Graph {
 
     /// Which nodes depend on what a part is given.
     pub fn on_given(&self) -> Vec<bool> {
-        let mut found = Vec::with_capacity(self.nodes.len());
+        let mut depends_on_input = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
-            let depends = matches!(node, Node::Given(_)) || node.made_of().iter().any(|&one| found[one as usize]);
-            found.push(depends);
+            let depends =
+                matches!(node, Node::Given(_)) || node.made_of().iter().any(|&one| depends_on_input[one as usize]);
+            depends_on_input.push(depends);
         }
-        found
+        depends_on_input
     }
 }

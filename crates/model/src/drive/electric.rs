@@ -31,16 +31,16 @@ pub mod statics;
 pub mod thermal;
 pub mod transmission;
 
-use super::{Coupling, Drive, Link, REMEMBERED, SIGNALS, Seen};
+use super::{Coupling, Drive, DriveSignals, Link, REMEMBERED, SIGNALS};
 use crate::Scalar;
 use crate::channels;
 use crate::controller::Converters;
-use crate::dry_friction::Grip;
+use crate::dry_friction::StickState;
 use crate::effects::Effects;
 use crate::machine::slow::Slow;
-use crate::machine::{Begun, Machine, Moment, Now, Shared, State};
+use crate::machine::{Machine, Shared, Snapshot, State, StepFraction, StepStart};
 use crate::parameters::Parameters;
-use current_loop::{Course, Current, Warm};
+use current_loop::{Current, CurrentTrajectory, Warm};
 use motor::Rotor;
 use thermal::Warming;
 use transmission::Train;
@@ -77,13 +77,13 @@ pub struct Electric<S> {
 )]
 pub struct Motion<S: Scalar> {
     /// What the rotor's dry friction does.
-    pub grip: Grip<S>,
+    pub grip: StickState<S>,
     /// Temperatures of winding and housing over that around, in K.
     pub warmth: [S; 2],
     /// What that makes of the winding.
     warm: Warm<S>,
     /// The current through the step.
-    pub course: Course<S>,
+    pub course: CurrentTrajectory<S>,
 }
 
 impl<S: Scalar> Electric<S> {
@@ -105,16 +105,16 @@ impl<S: Scalar> Electric<S> {
         &self,
         machine: &Machine<S, Self>,
         state: &mut State<S, Self>,
-        now: &mut Now<S, Self>,
+        now: &mut Snapshot<S, Self>,
         rates: &mut Slow<S>,
     ) {
         let (v, pull) = (state.slow.plant[1], rates.plant[1]);
         let moves = v.zero().less(v.abs());
         let friction = self.friction(now.balance, S::select(moves, v, pull));
-        let found = friction.settled(&state.drive.grip, v, pull, (machine.step, machine.per_step));
-        state.drive.grip = friction.grip(found.velocity, pull);
-        state.slow.plant[0] = state.slow.plant[0] + found.displacement;
-        state.slow.plant[1] = S::select(found.settled, found.velocity, v);
+        let settled = friction.settled(&state.drive.grip, v, pull, (machine.step, machine.per_step));
+        state.drive.grip = friction.grip(settled.velocity, pull);
+        state.slow.plant[0] = state.slow.plant[0] + settled.displacement;
+        state.slow.plant[1] = S::select(settled.settled, settled.velocity, v);
         now.position = state.slow.plant[0];
         now.signals[SPEED] = state.slow.plant[1] * self.per_travel;
         rates.plant[0] = state.slow.plant[1];
@@ -194,11 +194,11 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn seen(&self, &[x_m, v_m, i, ..]: &[S; 5], balance: &S, warmth: S) -> Seen<S> {
+    fn seen(&self, &[x_m, v_m, i, ..]: &[S; 5], balance: &S, warmth: S) -> DriveSignals<S> {
         let mut signals = [i; SIGNALS];
         (signals[VOLTAGE], signals[SPEED]) = (i.zero(), v_m * self.per_travel);
         signals[WINDING] = self.warming.ambient + warmth;
-        Seen { position: x_m, force: *balance, signals }
+        DriveSignals { position: x_m, force: *balance, signals }
     }
 
     #[inline(always)]
@@ -241,25 +241,25 @@ impl<S: Scalar> Drive<S> for Electric<S> {
         &self,
         effects: &Effects,
         memory: &Motion<S>,
-        (&[x_m, v_m, carried, ..], moment): (&[S; 5], Moment),
+        (&[x_m, v_m, carried, ..], moment): (&[S; 5], StepFraction),
         e: S,
-        now: &mut Now<S, Self>,
+        now: &mut Snapshot<S, Self>,
     ) -> [S; 3] {
         let asked = self.current.commanded(effects, &memory.warm, e);
         let (i, i_rate) = self.current.at(moment, &memory.course, carried, asked);
-        if moment == Moment::Start {
+        if moment == StepFraction::Start {
             now.signals[VOLTAGE] = self.current.voltage(effects, &memory.warm, (i, v_m * self.per_travel), asked);
         }
         [v_m, self.acceleration(effects, [x_m, v_m, i], now.balance), i_rate]
     }
 
     #[inline(always)]
-    fn command_jump(&self, _: &Effects, _: &Now<S, Self>, e_change: S) -> S {
+    fn command_jump(&self, _: &Effects, _: &Snapshot<S, Self>, e_change: S) -> S {
         self.current.bandwidth * e_change
     }
 
     #[inline(always)]
-    fn heard(&self, force: S, _: &Now<S, Self>) -> S {
+    fn heard(&self, force: S, _: &Snapshot<S, Self>) -> S {
         force
     }
 
@@ -280,7 +280,7 @@ impl<S: Scalar> Drive<S> for Electric<S> {
 
     /// Force of the motor under the command, less what the link takes.
     #[inline(always)]
-    fn left_over(&self, effects: &Effects, e: S, (position, effort): (S, S)) -> S {
+    fn residual(&self, effects: &Effects, e: S, (position, effort): (S, S)) -> S {
         let i = self.current.commanded(effects, &self.current.warm(e.zero()), e);
         self.torque(effects, position, i) * self.per_travel - effort
     }
@@ -289,11 +289,11 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     fn at_rest(&self, effects: &Effects, position: S, effort: S) -> ([S; 3], [S; 2], Motion<S>) {
         let zero = position.zero();
         let i = (effort / self.per_travel - self.torque(effects, position, zero)) / self.rotor.torque_constant;
-        let grip = Grip::resting(&self.friction(effort, zero));
+        let grip = StickState::resting(&self.friction(effort, zero));
         (
             [position, zero, i],
             [zero; 2],
-            Motion { grip, warmth: [zero; 2], warm: self.current.warm(zero), course: Course::constant(i) },
+            Motion { grip, warmth: [zero; 2], warm: self.current.warm(zero), course: CurrentTrajectory::constant(i) },
         )
     }
 
@@ -302,7 +302,7 @@ impl<S: Scalar> Drive<S> for Electric<S> {
         machine: &Machine<S, Self>,
         effects: &Effects,
         state: &mut State<S, Self>,
-        now: &mut Now<S, Self>,
+        now: &mut Snapshot<S, Self>,
         rates: &mut Slow<S>,
     ) {
         let drive = &machine.drive;
@@ -331,7 +331,7 @@ impl<S: Scalar> Drive<S> for Electric<S> {
         effects: &Effects,
         _: &S,
         state: &mut State<S, Self>,
-        now: &mut Now<S, Self>,
+        now: &mut Snapshot<S, Self>,
     ) {
         if effects.heating {
             now.signals[WINDING] = machine.drive.warming.ambient + state.drive.warmth[0];
@@ -339,7 +339,7 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn end_step(machine: &Machine<S, Self>, effects: &Effects, state: &mut State<S, Self>, begun: &Begun<S, Self>) {
+    fn end_step(machine: &Machine<S, Self>, effects: &Effects, state: &mut State<S, Self>, begun: &StepStart<S, Self>) {
         if effects.heating {
             let drive = &machine.drive;
             let squared = state.drive.course.mean_square(begun.now.signals[CURRENT], state.slow.plant[2]);
@@ -350,7 +350,13 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn seen_between(&self, plant: &[S; 5], balance: &S, (a, b): (&Now<S, Self>, &Now<S, Self>), _: bool) -> Seen<S> {
+    fn seen_between(
+        &self,
+        plant: &[S; 5],
+        balance: &S,
+        (a, b): (&Snapshot<S, Self>, &Snapshot<S, Self>),
+        _: bool,
+    ) -> DriveSignals<S> {
         let mut seen = self.seen(plant, balance, balance.zero());
         seen.signals[WINDING] = (a.signals[WINDING] + b.signals[WINDING]).times(0.5);
         seen.signals[VOLTAGE] = (a.signals[VOLTAGE] + b.signals[VOLTAGE]).times(0.5);
@@ -359,12 +365,12 @@ impl<S: Scalar> Drive<S> for Electric<S> {
 
     /// Nothing to make good: the rotor has mass, so the force comes in with the damper's part alone.
     #[inline(always)]
-    fn close_play(_: &Machine<S, Self>, _: &Shared, state: &mut State<S, Self>, _: &[S; 5], _: &Begun<S, Self>) {
+    fn close_play(_: &Machine<S, Self>, _: &Shared, state: &mut State<S, Self>, _: &[S; 5], _: &StepStart<S, Self>) {
         state.late = state.late.zero();
     }
 
     #[inline(always)]
-    fn channels(now: &Now<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
+    fn channels(now: &Snapshot<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
         let angle = |x: S| parameters.column.angle(x);
         let [i, voltage, speed, winding] = now.signals;
         let turned = now.position / parameters.transmission.travel;

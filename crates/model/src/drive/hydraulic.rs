@@ -19,12 +19,12 @@ pub mod pressure;
 pub mod statics;
 pub mod valve;
 
-use super::{Coupling, Drive, Link, REMEMBERED, SIGNALS, Seen};
+use super::{Coupling, Drive, DriveSignals, Link, REMEMBERED, SIGNALS};
 use crate::Scalar;
 use crate::channels::{self, Bench, CHANNELS};
 use crate::controller::Converters;
 use crate::effects::Effects;
-use crate::machine::{Begun, Machine, Moment, Now, Shared, State};
+use crate::machine::{Machine, Shared, Snapshot, State, StepFraction, StepStart};
 use crate::parameters::Parameters;
 use pressure::{Balance, Flow, Side};
 use valve::ValveMotion;
@@ -122,7 +122,7 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
     }
 
     #[inline(always)]
-    fn seen(&self, plant: &[S; 5], balance: &Flow<S>, behind: S) -> Seen<S> {
+    fn seen(&self, plant: &[S; 5], balance: &Flow<S>, behind: S) -> DriveSignals<S> {
         self.shown(plant[0], balance.pressure + behind, balance.flow, behind.zero())
     }
 
@@ -168,9 +168,9 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         &self,
         effects: &Effects,
         _: &Oil<S>,
-        (plant, _): (&[S; 5], Moment),
+        (plant, _): (&[S; 5], StepFraction),
         e: S,
-        now: &mut Now<S, Self>,
+        now: &mut Snapshot<S, Self>,
     ) -> [S; 3] {
         let &[_, q_i, q_i_rate, ..] = plant;
         let current = self.valve.current(effects, e);
@@ -180,13 +180,13 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
     }
 
     #[inline(always)]
-    fn command_jump(&self, effects: &Effects, now: &Now<S, Self>, e_change: S) -> S {
+    fn command_jump(&self, effects: &Effects, now: &Snapshot<S, Self>, e_change: S) -> S {
         self.valve.flow_jump(effects, now.signals[CURRENT], e_change)
     }
 
     /// Where the feel hears the load cell directly, it is a motion like the column's, whose `u` knows of the lag.
     #[inline(always)]
-    fn heard(&self, force: S, now: &Now<S, Self>) -> S {
+    fn heard(&self, force: S, now: &Snapshot<S, Self>) -> S {
         force + self.direct * (now.balance.pressure - now.signals[PRESSURE])
     }
 
@@ -207,7 +207,7 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
 
     /// Flow that the command asks for, less what is lost at the pressure.
     #[inline(always)]
-    fn left_over(&self, effects: &Effects, e: S, (_, effort): (S, S)) -> S {
+    fn residual(&self, effects: &Effects, e: S, (_, effort): (S, S)) -> S {
         let flow = self.valve.flow_per_current * self.valve.current(effects, e);
         flow - self.balance.leakage(effects, effort)
     }
@@ -226,7 +226,7 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         effects: &Effects,
         side: &Side<S>,
         state: &mut State<S, Self>,
-        now: &mut Now<S, Self>,
+        now: &mut Snapshot<S, Self>,
     ) {
         machine.drive.made_good(machine, effects, side, state, now);
     }
@@ -236,11 +236,11 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         &self,
         plant: &[S; 5],
         balance: &Flow<S>,
-        (a, b): (&Now<S, Self>, &Now<S, Self>),
+        (a, b): (&Snapshot<S, Self>, &Snapshot<S, Self>),
         digital: bool,
-    ) -> Seen<S> {
+    ) -> DriveSignals<S> {
         // The lag itself changes so little over a step that a straight line will do.
-        let between = |lag: &dyn Fn(&Now<S, Self>) -> S| (lag(a) + lag(b)).times(0.5);
+        let between = |lag: &dyn Fn(&Snapshot<S, Self>) -> S| (lag(a) + lag(b)).times(0.5);
         let pressure = balance.pressure + between(&|now| now.signals[PRESSURE] - now.balance.pressure);
         let flow = balance.flow + between(&|now| now.signals[FLOW] - now.balance.flow);
         let [from, to] = [a, b].map(|now| now.signals[CURRENT]);
@@ -253,14 +253,14 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         shared: &Shared,
         state: &mut State<S, Self>,
         start: &[S; 5],
-        begun: &Begun<S, Self>,
+        begun: &StepStart<S, Self>,
     ) {
         machine.drive.met(machine, shared, state, start, begun);
     }
 
     #[inline(always)]
-    fn channels(now: &Now<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
-        let &Now { base, base_rate, position, signals, .. } = now;
+    fn channels(now: &Snapshot<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
+        let &Snapshot { base, base_rate, position, signals, .. } = now;
         let [pressure, flow, current] = [PRESSURE, FLOW, CURRENT].map(|k| signals[k]);
         Bench { base, base_rate, piston: position, pressure, flow, current }.channels(parameters)
     }
@@ -276,9 +276,9 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
 
 impl<S: Scalar> Hydraulic<S> {
     #[inline(always)]
-    fn shown(&self, z: S, pressure: S, flow: S, current: S) -> Seen<S> {
+    fn shown(&self, z: S, pressure: S, flow: S, current: S) -> DriveSignals<S> {
         let mut signals = [flow; SIGNALS];
         (signals[PRESSURE], signals[CURRENT]) = (pressure, current);
-        Seen { position: self.balance.piston(z, pressure), force: self.balance.area * pressure, signals }
+        DriveSignals { position: self.balance.piston(z, pressure), force: self.balance.area * pressure, signals }
     }
 }

@@ -35,7 +35,7 @@ pub struct Held<F> {
 
 /// What the feel is told.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Told {
+pub struct FeelCommand {
     /// Commanded neutral in rad.
     pub neutral: f64,
     /// Factor on the spring.
@@ -55,7 +55,7 @@ const FARTHEST_RAD: f64 = 4.0;
 
 /// What the effects remember.
 #[derive(Debug, Clone, Copy)]
-pub struct Effects {
+pub struct HostEffects {
     period_s: f64,
     grip_arm: f64,
     shares: [f64; SWITCHED.len()],
@@ -67,7 +67,7 @@ pub struct Effects {
 const SWITCHED: [u32; 5] =
     [switches::AUTOPILOT, switches::PUSHER, switches::JAM, switches::DISCONNECT, switches::POWER_LOST];
 
-impl Effects {
+impl HostEffects {
     /// None yet: of a grip with this arm in m.
     pub fn new(period_s: f64, grip_arm: f64) -> Self {
         Self { period_s, grip_arm, shares: [0.0; SWITCHED.len()], jammed_at: 0.0, run_away: 0.0 }
@@ -80,7 +80,7 @@ impl Effects {
         values: &[f64; HOST_NUMBERS],
         on: u32,
         share: f64,
-    ) -> Told {
+    ) -> FeelCommand {
         let &[_, factor, trim, autopilot, autopilot_force, added, shaker, pusher, runaway, jam_force] = values;
         if on & switches::JAM == 0 && self.shares[2] == 0.0 {
             self.jammed_at = *angle;
@@ -112,6 +112,6 @@ impl Effects {
         let others = self.grip_arm * (of_pusher * pusher + added);
         let others = others + servo(of_autopilot, autopilot, autopilot_force, others);
         let torque = others + servo(of_jam, self.jammed_at, jam_force, others);
-        Told { neutral: trim + self.run_away, stiffness_factor, torque: share * torque, shaker: share * shaker }
+        FeelCommand { neutral: trim + self.run_away, stiffness_factor, torque: share * torque, shaker: share * shaker }
     }
 }

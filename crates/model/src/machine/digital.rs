@@ -1,10 +1,10 @@
 //! The digital controller's share of a step: when it samples, and when its command arrives.
 
 use super::inputs::Inputs;
-use super::{Equilibrium, Machine, Now, Shared, State};
+use super::{Equilibrium, Machine, Shared, Snapshot, State};
 use crate::Scalar;
-use crate::control::{Feeling, Remembered, Sample};
-use crate::controller::{Timing, UnderWay};
+use crate::control::{FeelState, LawState, Sample};
+use crate::controller::{CommandDelay, Timing};
 use crate::drive::Drive;
 use crate::feel_computer::FeelMotion;
 use crate::transducers::SENSORS;
@@ -13,8 +13,8 @@ use crate::transducers::SENSORS;
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Memory<S> {
-    pub(super) under_way: UnderWay<S>,
-    pub(super) control: Remembered<S>,
+    pub(super) under_way: CommandDelay<S>,
+    pub(super) control: LawState<S>,
     /// What is added to every command on its way, in V, beside the inputs' signal.
     pub(super) command_signal: S,
 }
@@ -26,7 +26,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let shown = self.shown_at_rest(&shared.effects, equilibrium);
         let feel = [equilibrium.delta, equilibrium.delta_rate];
         Memory {
-            under_way: UnderWay::holding(equilibrium.command),
+            under_way: CommandDelay::holding(equilibrium.command),
             control: self.control.remember(shown, equilibrium.estimate, feel),
             command_signal: equilibrium.delta.zero(),
         }
@@ -48,7 +48,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         timing: Timing,
         (state, memory): (&mut State<S, D>, &mut Memory<S>),
         inputs: &Inputs,
-        now: &Now<S, D>,
+        now: &Snapshot<S, D>,
         normal: impl FnOnce() -> [S; SENSORS],
     ) {
         let steps = state.steps;
@@ -68,15 +68,15 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 impl<S: Scalar, D: Drive<S>> State<S, D> {
     /// The programmed feel as it stands.
     #[inline(always)]
-    pub fn feeling(&self) -> Feeling<S> {
+    pub fn feeling(&self) -> FeelState<S> {
         let motion = FeelMotion { at: self.slow.feel, grip: self.feel, slider: self.slider };
-        Feeling { motion, neutral: self.neutral }
+        FeelState { motion, neutral: self.neutral }
     }
 
     /// The programmed feel stands so.
     #[inline(always)]
-    fn feels(&mut self, feeling: &Feeling<S>) {
-        let &Feeling { motion: FeelMotion { at, grip, slider }, neutral } = feeling;
+    fn feels(&mut self, feeling: &FeelState<S>) {
+        let &FeelState { motion: FeelMotion { at, grip, slider }, neutral } = feeling;
         (self.slow.feel, self.feel, self.slider, self.neutral) = (at, grip, slider, neutral);
     }
 
@@ -96,7 +96,7 @@ impl<S: Scalar, D: Drive<S>> State<S, D> {
 impl<S: Scalar> Memory<S> {
     /// What the law remembers.
     #[inline(always)]
-    pub fn control(&self) -> &Remembered<S> {
+    pub fn control(&self) -> &LawState<S> {
         &self.control
     }
 }

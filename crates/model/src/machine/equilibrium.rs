@@ -16,12 +16,12 @@ use crate::Scalar;
 use crate::bisect::bisect;
 use crate::cancellation::Cancellation;
 use crate::drive::Drive;
-use crate::dry_friction::Grip;
+use crate::dry_friction::StickState;
 use crate::effects::Effects;
-use crate::feel::Surroundings;
+use crate::feel::FeelConditions;
 use crate::machine::slow::Slow;
 use crate::observer::{Estimate, MOST_STATES, SAMPLED};
-use crate::transducers::{SENSORS, Seen};
+use crate::transducers::{SENSORS, SensorReading};
 
 /// Numbers of a [`Equilibrium`].
 pub const EQUILIBRIUM_NUMBERS: usize = 8 + MOST_STATES;
@@ -53,8 +53,8 @@ impl<S: Scalar> Equilibrium<S> {
 
     /// This one where `mask` holds, the other elsewhere.
     pub(super) fn or(self, other: &Self, mask: S::Mask) -> Self {
-        let (mine, others) = (self.numbers(), other.numbers());
-        Self::from_numbers(&core::array::from_fn(|k| S::select(mask, mine[k], others[k])))
+        let (own, others) = (self.numbers(), other.numbers());
+        Self::from_numbers(&core::array::from_fn(|k| S::select(mask, own[k], others[k])))
     }
 
     /// Programmed displacement.
@@ -110,7 +110,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
                 let (delta, driven) = if deaf {
                     (neutral, (x, self.drive.stretch_at_rest(x)))
                 } else {
-                    (x, self.heard(shared, x_b, x, &Surroundings::at_rest(neutral, stiffness_factor, x)))
+                    (x, self.heard(shared, x_b, x, &FeelConditions::at_rest(neutral, stiffness_factor, x)))
                 };
                 self.standing((effects, shared.cancellation), [x_b, delta, neutral], driven)
             })
@@ -121,17 +121,18 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         }
         // What a limited command asks for beyond an effort that no command holds changes its sign far from any equilibrium.
         let unlimited = Effects { saturation: false, ..*effects };
-        let found = search(&unlimited);
-        let left_over = |effects| self.drive.left_over(effects, found.command, (found.position, found.effort));
-        let cut = left_over(effects) - left_over(&unlimited);
+        let equilibrium = search(&unlimited);
+        let residual =
+            |effects| self.drive.residual(effects, equilibrium.command, (equilibrium.position, equilibrium.effort));
+        let cut = residual(effects) - residual(&unlimited);
         let beyond = cut.zero().less(cut.abs());
         if !S::any(beyond) {
-            return found;
+            return equilibrium;
         }
         let limited = search(effects);
         let limited =
             if effects.observer { self.told_of_its_limit(shared, limited, stiffness_factor) } else { limited };
-        limited.or(&found, beyond)
+        limited.or(&equilibrium, beyond)
     }
 
     /// The loader at rest where base and load cell are moved by these from zero, in m and N, and the neutral is trimmed to this angle in rad:
@@ -167,7 +168,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     }
 
     /// Effort at which the feel computer hears what its spring asks for at a programmed displacement, and the link's stretch.
-    fn heard(&self, shared: &Shared, x_b: S, delta: S, around: &Surroundings<S>) -> (S, S) {
+    fn heard(&self, shared: &Shared, x_b: S, delta: S, around: &FeelConditions<S>) -> (S, S) {
         let effects = &shared.effects;
         // S(delta) = T                                                                            eq. (11) at rest
         let spring = self.control.feel.spring(effects, shared.curve.as_ref(), delta, around)
@@ -196,7 +197,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let law = &self.control.observer;
             let untrimmed = law.untrimmed(delta, trimmed(effects, neutral));
             let estimate = law.at_rest(&y, untrimmed);
-            (law.says(&estimate, &y, [untrimmed, zero], None).command, estimate)
+            (law.output(&estimate, &y, [untrimmed, zero], None).command, estimate)
         } else {
             let [force, piston, angle, _] = y;
             let e = self.control.law.command(&[
@@ -211,11 +212,11 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             (e, [zero; MOST_STATES])
         };
         let e = cancellation.map_or(e, |known| e + known.command(y[1], zero, zero));
-        let left_over = self.drive.left_over(effects, e, (x_p, effort));
+        let residual = self.drive.residual(effects, e, (x_p, effort));
         let (base, position, command) = (x_b, x_p, e);
-        let found =
+        let equilibrium =
             Equilibrium { base, position, delta, neutral, effort, delta_rate: zero, command, estimate, pilot_force };
-        (left_over, found)
+        (residual, equilibrium)
     }
 
     /// Pilot force that holds the column at a base where the drive has an effort.
@@ -311,10 +312,10 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let measured = [force, position, base, self.grip_at_rest(&shared.effects, base, force)];
         State {
             slow: Slow { plant: [first, second, third, base, w], feel: [delta, u] },
-            column: Grip::resting(&self.column.friction),
-            feel: Grip::resting(&self.control.feel.friction),
+            column: StickState::resting(&self.column.friction),
+            feel: StickState::resting(&self.control.feel.friction),
             drive,
-            seen: Seen { measured, shown: measured },
+            seen: SensorReading { measured, shown: measured },
             neutral: equilibrium.neutral,
             slider: delta,
             held: equilibrium.command,

@@ -1,11 +1,11 @@
 //! The feel computer's share of a step.
 
-use super::inputs::{Inputs, Moment};
+use super::inputs::{Inputs, StepFraction};
 use super::{Machine, Shared, State};
 use crate::Scalar;
 use crate::drive::Drive;
 use crate::effects::Effects;
-use crate::feel::Surroundings;
+use crate::feel::FeelConditions;
 use crate::feel_computer::FeelComputer;
 use crate::observer::Observer;
 use crate::parameters::Parameters;
@@ -24,12 +24,12 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let side = self.drive.side(&shared.effects, state.column.stuck);
         let touches = self.drive.touches(&state.slow.plant);
         let balance = self.drive.balance(&shared.effects, &side, touches, &state.slow.plant);
-        let given_back =
+        let friction_torque =
             self.drive.feel_changed(self.control.feel.per_torque, self.control.next_feel.per_torque, &balance);
         self.control.faded();
         if shared.timing.is_none() {
             // The velocity stays; what is given back to it with the drive's impulse does not.
-            state.slow.feel[1] = state.slow.feel[1] + given_back;
+            state.slow.feel[1] = state.slow.feel[1] + friction_torque;
         }
     }
 
@@ -45,8 +45,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         effects: &Effects,
         state: &State<S, D>,
         inputs: &Inputs,
-        moment: Moment,
-    ) -> Surroundings<S> {
+        moment: StepFraction,
+    ) -> FeelConditions<S> {
         let at = (state.neutral, state.slider, state.slow.feel[0]);
         self.control.around(effects, at, inputs, (moment, self.step))
     }

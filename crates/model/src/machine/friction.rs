@@ -2,7 +2,7 @@
 
 use super::inputs::Inputs;
 use super::slow::Slow;
-use super::{Machine, Now, Shared, State};
+use super::{Machine, Shared, Snapshot, State};
 use crate::Scalar;
 use crate::drive::Drive;
 use crate::effects::Effects;
@@ -15,7 +15,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         shared: &Shared,
         state: &mut State<S, D>,
         inputs: &Inputs,
-        now: &mut Now<S, D>,
+        now: &mut Snapshot<S, D>,
         rates: &mut Slow<S>,
         side: D::Side,
     ) -> D::Side {
@@ -26,27 +26,27 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let (v, pull) = (now.base_rate, rates.plant[4]);
             // What the force jumped between the steps did not pull in the last one.
             let jump = self.column.per_pilot_force * (now.pilot_force - state.pilot_force);
-            let found = friction.settled(&state.column, v, pull - jump, (self.step, self.per_step));
-            state.column = friction.grip(found.velocity, pull);
-            state.slow.plant[3] = state.slow.plant[3] + found.displacement;
-            let w = self.drive.base_momentum(found.velocity, &now.balance);
-            state.slow.plant[4] = S::select(found.settled, w, state.slow.plant[4]);
+            let settled = friction.settled(&state.column, v, pull - jump, (self.step, self.per_step));
+            state.column = friction.grip(settled.velocity, pull);
+            state.slow.plant[3] = state.slow.plant[3] + settled.displacement;
+            let w = self.drive.base_momentum(settled.velocity, &now.balance);
+            state.slow.plant[4] = S::select(settled.settled, w, state.slow.plant[4]);
             now.base = state.slow.plant[3];
-            now.base_rate = found.velocity;
-            rates.plant[3] = found.velocity;
+            now.base_rate = settled.velocity;
+            rates.plant[3] = settled.velocity;
             side = self.drive.side(effects, state.column.stuck);
         }
         if effects.feel_friction && shared.timing.is_none() {
             let (rate, pull) = (now.delta_rate, rates.feel[1]);
             let friction = self.feel_computer(shared, inputs.fade[0]).friction();
-            let found = friction.settled(&state.feel, rate, pull, (self.step, self.per_step));
-            state.feel = friction.grip(found.velocity, pull);
-            state.slow.feel[0] = state.slow.feel[0] + found.displacement;
-            let u = self.drive.feel_momentum(found.velocity, &now.balance);
-            state.slow.feel[1] = S::select(found.settled, u, state.slow.feel[1]);
+            let settled = friction.settled(&state.feel, rate, pull, (self.step, self.per_step));
+            state.feel = friction.grip(settled.velocity, pull);
+            state.slow.feel[0] = state.slow.feel[0] + settled.displacement;
+            let u = self.drive.feel_momentum(settled.velocity, &now.balance);
+            state.slow.feel[1] = S::select(settled.settled, u, state.slow.feel[1]);
             now.delta = state.slow.feel[0];
-            now.delta_rate = found.velocity;
-            rates.feel[0] = found.velocity;
+            now.delta_rate = settled.velocity;
+            rates.feel[0] = settled.velocity;
         }
         D::settle(self, effects, state, now, rates);
         Self::resist(effects, state, rates);

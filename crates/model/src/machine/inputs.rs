@@ -57,7 +57,7 @@ inputs! {
 
 /// When within a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Moment {
+pub enum StepFraction {
     /// At its start.
     Start,
     /// Half-way.
@@ -66,7 +66,7 @@ pub enum Moment {
     End,
 }
 
-impl Moment {
+impl StepFraction {
     #[inline(always)]
     pub(crate) fn of(self, [start, end]: [f64; 2]) -> f64 {
         match self {
@@ -85,7 +85,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     }
 
     #[inline(always)]
-    pub(super) fn pilot_force(&self, state: &State<S, D>, inputs: &Inputs, moment: Moment) -> S {
+    pub(super) fn pilot_force(&self, state: &State<S, D>, inputs: &Inputs, moment: StepFraction) -> S {
         self.force(moment.of(inputs.force)) + state.hand
     }
 

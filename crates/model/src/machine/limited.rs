@@ -20,40 +20,40 @@ use crate::Scalar;
 use crate::bisect::bisect;
 use crate::drive::Drive;
 use crate::effects::Effects;
-use crate::feel::Surroundings;
+use crate::feel::FeelConditions;
 use crate::machine::SEARCH_RAD;
 use crate::observer::quotient;
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
-    /// The loader held as in `found`, its law told of the command that the amplifier answers; `found` where it answers all of it, or
+    /// The loader held as in `equilibrium`, its law told of the command that the amplifier answers; `equilibrium` where it answers all of it, or
     /// where no state of the law is at rest so: told of the limit it must ask for that or more.
     pub(super) fn told_of_its_limit(
         &self,
         shared: &Shared,
-        found: Equilibrium<S>,
+        equilibrium: Equilibrium<S>,
         stiffness_factor: S,
     ) -> Equilibrium<S> {
-        let (effects, zero) = (&shared.effects, found.command.zero());
-        let e = self.control.converters.within_range(found.command);
-        let cut = zero.less((found.command - e).abs());
+        let (effects, zero) = (&shared.effects, equilibrium.command.zero());
+        let e = self.control.converters.within_range(equilibrium.command);
+        let cut = zero.less((equilibrium.command - e).abs());
         if !S::any(cut) {
-            return found;
+            return equilibrium;
         }
-        let Equilibrium { base, neutral, .. } = found;
+        let Equilibrium { base, neutral, .. } = equilibrium;
         let (position, effort) = self.under_command(effects, base, e);
         let y = self.sampled_at_rest(effects, base, position, effort);
         let added = shared.cancellation.map_or(zero, |known| known.command(y[1], zero, zero));
         let law = &self.control.observer;
-        let estimate = law.looking_on(&y, e - added);
-        let says = |feel: [S; 2]| {
-            let says = law.says(&estimate, &y, feel, None);
-            if effects.surroundings { self.control.trimmed(says, neutral, 0.0) } else { says }
+        let estimate = law.initial_estimate(&y, e - added);
+        let output = |feel: [S; 2]| {
+            let output = law.output(&estimate, &y, feel, None);
+            if effects.surroundings { self.control.trimmed(output, neutral, 0.0) } else { output }
         };
         let feel = &self.control.feel;
         let period = self.control.period(shared);
         let [further, faster] = self.control.given_way([law.per_delta(), law.per_rate()], period);
         // Where the command is the limit and no more.
-        let asks_for_all = quotient(e - added - says([zero, zero]).command, law.per_delta());
+        let asks_for_all = quotient(e - added - output([zero, zero]).command, law.per_delta());
         let centre = self.control.delta_at(base) - asks_for_all;
         let reach = feel.per_angle.times(SEARCH_RAD);
         let (delta, delta_rate) = bisect((centre - reach, centre + reach), (zero, zero), |excess| {
@@ -62,16 +62,16 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let rate = gained / period - quicker.times(0.5);
             let delta = asks_for_all + excess - quotient(law.per_rate(), law.per_delta()) * rate;
             let middle = (delta + gained.times(0.5), gained / period);
-            let around = Surroundings::at_rest(neutral, stiffness_factor, middle.0);
-            let torque = says([delta, rate]).torque;
+            let around = FeelConditions::at_rest(neutral, stiffness_factor, middle.0);
+            let torque = output([delta, rate]).torque;
             let acceleration = feel.acceleration(effects, shared.curve.as_ref(), middle, torque, &around);
             (quicker - acceleration * period, (delta, rate))
         });
-        let command = says([delta, delta_rate]).command + added;
+        let command = output([delta, delta_rate]).command + added;
         let asks = cut & !((command - e) * e).less(zero);
         let pilot_force = self.holding_force(effects, base, effort);
         Equilibrium { base, position, delta, neutral, effort, delta_rate, command, estimate, pilot_force }
-            .or(&found, asks)
+            .or(&equilibrium, asks)
     }
 
     /// Position and effort of the drive at rest under a command, the column held at a base.
@@ -83,7 +83,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let reach = self.drive.effort_of_stretch(rigid.abs() + travel);
         bisect((-reach, reach), (rigid, base.zero()), |effort| {
             let at = (rigid + self.drive.stretch_at_rest(effort), effort);
-            (self.drive.left_over(effects, e, at), at)
+            (self.drive.residual(effects, e, at), at)
         })
     }
 }

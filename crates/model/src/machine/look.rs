@@ -1,7 +1,7 @@
 //! What there is at one instant.
 
 use super::slow::Slow;
-use super::{Machine, Now, State};
+use super::{Machine, Snapshot, State};
 use crate::Scalar;
 use crate::drive::{self, Drive};
 use crate::effects::Effects;
@@ -17,7 +17,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         slow: &Slow<S>,
         state: &State<S, D>,
         (pilot_force, left): (S, S),
-    ) -> Now<S, D> {
+    ) -> Snapshot<S, D> {
         let [.., x_b, w] = slow.plant;
         let [delta, u] = slow.feel;
         let balance = self.drive.balance(effects, side, self.drive.touches(&state.slow.plant), &slow.plant);
@@ -29,7 +29,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             let rate = self.drive.feel_velocity(u, &balance);
             if effects.feel_friction { S::select(state.feel.stuck, u.zero(), rate) } else { rate }
         };
-        let drive::Seen { position, force, signals } = self.drive.seen(&slow.plant, &balance, left);
-        Now { base: x_b, base_rate, delta, delta_rate, position, force, signals, pilot_force, balance }
+        let drive::DriveSignals { position, force, signals } = self.drive.seen(&slow.plant, &balance, left);
+        Snapshot { base: x_b, base_rate, delta, delta_rate, position, force, signals, pilot_force, balance }
     }
 }

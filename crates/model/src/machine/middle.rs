@@ -1,22 +1,28 @@
 //! What there was half-way through a step, from what there is at its start and at the next one's.
 
-use super::inputs::{Inputs, Moment};
+use super::inputs::{Inputs, StepFraction};
 use super::slow::{self, Slow};
-use super::{Begun, Machine, Now, Shared};
+use super::{Machine, Shared, Snapshot, StepStart};
 use crate::Scalar;
 use crate::drive::{self, Drive};
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Displacement of the base half-way between the starts of two steps.
     #[inline(always)]
-    pub fn middle_base(&self, before: &Begun<S, D>, after: &Begun<S, D>) -> S {
+    pub fn middle_base(&self, before: &StepStart<S, D>, after: &StepStart<S, D>) -> S {
         let (a, b) = (&before.now, &after.now);
         slow::cubic((a.base, a.base_rate), (b.base, b.base_rate), self.step.times(0.125))
     }
 
     /// What there was half-way between the starts of two steps: of the third order where nothing was switched between them.
     #[inline(always)]
-    pub fn middle(&self, shared: &Shared, inputs: &Inputs, before: &Begun<S, D>, after: &Begun<S, D>) -> Now<S, D> {
+    pub fn middle(
+        &self,
+        shared: &Shared,
+        inputs: &Inputs,
+        before: &StepStart<S, D>,
+        after: &StepStart<S, D>,
+    ) -> Snapshot<S, D> {
         let (a, b) = (&before.now, &after.now);
         let eighth = self.step.times(0.125);
         // The rate of the same cubic.
@@ -28,9 +34,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let balance = self.drive.balance(&shared.effects, &before.side, touches, &slow.plant);
         let digital = shared.timing.is_some();
         let seen = self.drive.seen_between(&slow.plant, &balance, (a, b), digital);
-        let drive::Seen { position, force: on_load_cell, signals } = seen;
-        let force = Moment::Half.of(inputs.force) - inputs.force[0];
-        Now {
+        let drive::DriveSignals { position, force: on_load_cell, signals } = seen;
+        let force = StepFraction::Half.of(inputs.force) - inputs.force[0];
+        Snapshot {
             base: self.middle_base(before, after),
             base_rate: rate(a.base, b.base, a.base_rate, b.base_rate),
             delta: if digital {

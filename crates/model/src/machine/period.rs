@@ -3,14 +3,14 @@
 //! A period is a function of these numbers, of the pilot's force and of signals on the command and at the amplifier, so dual numbers
 //! give the matrices of the sampled loop, its delay and its sensors' lags included, from the very step that runs it.
 
-use super::{Begun, Equilibrium, Inputs, Machine, Memory, Now, Shared, State};
+use super::{Equilibrium, Inputs, Machine, Memory, Shared, Snapshot, State, StepStart};
 use crate::Scalar;
 use crate::controller::{MOST_UNDER_WAY, Timing};
 use crate::drive::Drive;
 use crate::drive::hydraulic::Hydraulic;
 use crate::machine::slow::Slow;
 use crate::observer::MOST_STATES;
-use crate::transducers::{SENSORS, Seen};
+use crate::transducers::{SENSORS, SensorReading};
 
 /// Numbers of the state between two periods: `z, q_i, q_i', x_b, w`, `delta, u`, the command held, those under way, the youngest
 /// first, the base as sampled last, the slaved load pressure and by how much the true one is behind it, what the sensors measured and showed, the observer.
@@ -69,13 +69,13 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
     }
 
     /// What there is at the start of the period, its command on the way, under a test signal of its first step.
-    pub fn now(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> Now<S, D> {
+    pub fn now(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> Snapshot<S, D> {
         let (mut state, mut memory) = self.put(numbers, drives);
         state.test_signal = drives.test_signal.0;
         self.begin(&mut state, &mut memory).now
     }
 
-    fn begin(&self, state: &mut State<S, D>, memory: &mut Memory<S>) -> Begun<S, D> {
+    fn begin(&self, state: &mut State<S, D>, memory: &mut Memory<S>) -> StepStart<S, D> {
         let none = [memory.command_signal.zero(); SENSORS];
         self.machine.begin(self.shared, state, memory, &Inputs::NONE, || none)
     }
@@ -99,7 +99,8 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
         }
         memory.control.base = take();
         D::remember(&mut state.drive, [take(), take()]);
-        state.seen = Seen { measured: [take(), take(), take(), take()], shown: [take(), take(), take(), take()] };
+        state.seen =
+            SensorReading { measured: [take(), take(), take(), take()], shown: [take(), take(), take(), take()] };
         for entry in &mut memory.control.estimate {
             *entry = take();
         }

@@ -1,8 +1,8 @@
 //! What sensors measure and show in a step under the analog law, and what the feel computer hears of it.
 
-use super::inputs::Moment;
+use super::inputs::StepFraction;
 use super::step::Stage;
-use super::{Machine, Now, State};
+use super::{Machine, Snapshot, State};
 use crate::Scalar;
 use crate::drive::Drive;
 use crate::effects::Effects;
@@ -10,13 +10,18 @@ use crate::transducers::SENSORS;
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     #[inline(always)]
-    pub(super) fn measured(now: &Now<S, D>) -> [S; SENSORS] {
+    pub(super) fn measured(now: &Snapshot<S, D>) -> [S; SENSORS] {
         [now.force, now.position, now.base, now.force.zero()]
     }
 
     /// The same with the force at the grip, of which only a digital controller hears.
     #[inline(always)]
-    pub(super) fn measured_at_grip(&self, effects: &Effects, state: &State<S, D>, now: &Now<S, D>) -> [S; SENSORS] {
+    pub(super) fn measured_at_grip(
+        &self,
+        effects: &Effects,
+        state: &State<S, D>,
+        now: &Snapshot<S, D>,
+    ) -> [S; SENSORS] {
         let mut measured = Self::measured(now);
         if effects.grip_sensor {
             let mut a = self.column.per_link_force * now.force
@@ -33,15 +38,15 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// What the sensors show under the analog law.
     #[inline(always)]
-    pub(super) fn shown(&self, stage: &Stage<'_, S, D>, now: &Now<S, D>) -> ([S; SENSORS], S) {
+    pub(super) fn shown(&self, stage: &Stage<'_, S, D>, now: &Snapshot<S, D>) -> ([S; SENSORS], S) {
         let effects = &stage.shared.effects;
         let mut shown = Self::measured(now);
         let mut base_rate = now.base_rate;
         if effects.lags {
             shown = match stage.moment {
-                Moment::Start => stage.state.seen.shown,
-                Moment::Half => self.transducers.after_half(&stage.state.seen, shown),
-                Moment::End => self.transducers.after_whole(&stage.state.seen, shown, now.base.zero()),
+                StepFraction::Start => stage.state.seen.shown,
+                StepFraction::Half => self.transducers.after_half(&stage.state.seen, shown),
+                StepFraction::End => self.transducers.after_whole(&stage.state.seen, shown, now.base.zero()),
             };
             base_rate = self.transducers.column_rate(now.base, base_rate, shown[2]);
         }
@@ -54,7 +59,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// Torque that an analog feel computer hears where the load cell shows `force`.
     #[inline(always)]
-    pub(super) fn heard_torque(&self, force: S, now: &Now<S, D>) -> S {
+    pub(super) fn heard_torque(&self, force: S, now: &Snapshot<S, D>) -> S {
         self.control.law.feel_torque(self.drive.heard(force, now))
     }
 }

@@ -1,20 +1,20 @@
 //! One step in time: its start, where it looks about and settles, then the Runge-Kutta stages.
 
 use super::digital::Memory;
-use super::inputs::{Inputs, Moment};
+use super::inputs::{Inputs, StepFraction};
 use super::slow::Slow;
-use super::{Arrived, Begun, Machine, Now, Shared, State};
+use super::{Machine, SamplingPoint, Shared, Snapshot, State, StepStart};
 use crate::Scalar;
 use crate::drive::Drive;
 use crate::effects::Effects;
-use crate::transducers::{SENSORS, Seen};
+use crate::transducers::{SENSORS, SensorReading};
 
 /// What a step needs at every stage.
 pub(super) struct Stage<'a, S: Scalar, D: Drive<S>> {
     pub(super) shared: &'a Shared,
     pub(super) inputs: &'a Inputs,
     pub(super) state: &'a State<S, D>,
-    pub(super) moment: Moment,
+    pub(super) moment: StepFraction,
 }
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
@@ -29,7 +29,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         memory: &mut Memory<S>,
         inputs: &Inputs,
         normal: impl FnOnce() -> [S; SENSORS],
-    ) -> Begun<S, D> {
+    ) -> StepStart<S, D> {
         let arrived = self.arrive(shared, state, inputs);
         if let Some(timing) = shared.timing {
             self.act(shared, timing, (state, memory), inputs, &arrived.now, normal);
@@ -39,11 +39,11 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// The start of a step up to where a controller samples: what friction did in the last one, what there is, what sensors show.
     #[inline(always)]
-    pub fn arrive(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs) -> Arrived<S, D> {
+    pub fn arrive(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs) -> SamplingPoint<S, D> {
         let effects = &shared.effects;
         let side =
             if effects.column_friction { self.drive.side(effects, state.column.stuck) } else { self.drive.moving() };
-        let force = self.pilot_force(state, inputs, Moment::Start);
+        let force = self.pilot_force(state, inputs, StepFraction::Start);
         let mut now = self.look(effects, &side, &state.slow, state, (force, force.zero()));
         if state.steps > 0 {
             D::catch_up(self, effects, &side, state, &mut now);
@@ -51,9 +51,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         if effects.lags || shared.timing.is_some() {
             let measured = self.measured_at_grip(effects, state, &now);
             let shown = self.transducers.after_whole(&state.seen, measured, state.late);
-            state.seen = Seen { measured, shown };
+            state.seen = SensorReading { measured, shown };
         }
-        Arrived { now, side }
+        SamplingPoint { now, side }
     }
 
     /// The start of a step from there on, under the command that is held by now.
@@ -63,30 +63,30 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         shared: &Shared,
         state: &mut State<S, D>,
         inputs: &Inputs,
-        Arrived { mut now, side }: Arrived<S, D>,
-    ) -> Begun<S, D> {
+        SamplingPoint { mut now, side }: SamplingPoint<S, D>,
+    ) -> StepStart<S, D> {
         let effects = &shared.effects;
-        let stage = Stage { shared, inputs, state, moment: Moment::Start };
+        let stage = Stage { shared, inputs, state, moment: StepFraction::Start };
         if effects.feel_limits && shared.timing.is_none() {
             let limited = self.control.feel.held_within((now.delta, now.delta_rate), (now.delta, now.delta_rate));
             (now.delta, now.delta_rate) = limited;
         }
         let mut rates = self.rates(&stage, &state.slow, &mut now);
         let side = self.settle(shared, state, inputs, &mut now, &mut rates, side);
-        Begun { now, slow: state.slow, rates, side }
+        StepStart { now, slow: state.slow, rates, side }
     }
 
     /// The rest of a step.
     #[inline(always)]
-    pub fn advance(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs, begun: &Begun<S, D>) {
+    pub fn advance(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs, begun: &StepStart<S, D>) {
         let analog = shared.timing.is_none();
         let (h, half) = (self.step, self.step.times(0.5));
         let start = state.slow;
         // Not in a loop: what the stages share would go through memory, and a batch take half as long again.
         let k_1 = begun.rates;
-        let k_2 = self.stage(shared, state, inputs, begun, &start.moved(&k_1, half, analog), Moment::Half);
-        let k_3 = self.stage(shared, state, inputs, begun, &start.moved(&k_2, half, analog), Moment::Half);
-        let k_4 = self.stage(shared, state, inputs, begun, &start.moved(&k_3, h, analog), Moment::End);
+        let k_2 = self.stage(shared, state, inputs, begun, &start.moved(&k_1, half, analog), StepFraction::Half);
+        let k_3 = self.stage(shared, state, inputs, begun, &start.moved(&k_2, half, analog), StepFraction::Half);
+        let k_4 = self.stage(shared, state, inputs, begun, &start.moved(&k_3, h, analog), StepFraction::End);
         let total = Slow::weighted(&[k_1, k_2, k_3, k_4]);
         state.slow = start.moved(&total, self.step.times(1.0 / 6.0), analog);
         self.touch(shared, state, inputs, &start, begun);
@@ -97,7 +97,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
                 state.neutral = self.control.feel.trimmed(state.neutral, h.constant(inputs.trim[1]), h);
             }
         }
-        state.pilot_force = self.pilot_force(state, inputs, Moment::End);
+        state.pilot_force = self.pilot_force(state, inputs, StepFraction::End);
         state.steps += 1;
     }
 
@@ -107,9 +107,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         shared: &Shared,
         state: &State<S, D>,
         inputs: &Inputs,
-        begun: &Begun<S, D>,
+        begun: &StepStart<S, D>,
         slow: &Slow<S>,
-        moment: Moment,
+        moment: StepFraction,
     ) -> Slow<S> {
         // The lag hardly changes in a step.
         let force = self.pilot_force(state, inputs, moment);
@@ -126,7 +126,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// Time derivatives, dry friction left out.
     #[inline(always)]
-    pub(super) fn rates(&self, stage: &Stage<'_, S, D>, slow: &Slow<S>, now: &mut Now<S, D>) -> Slow<S> {
+    pub(super) fn rates(&self, stage: &Stage<'_, S, D>, slow: &Slow<S>, now: &mut Snapshot<S, D>) -> Slow<S> {
         let effects = &stage.shared.effects;
         let mut feel = slow.feel;
         let mut e = if stage.shared.timing.is_some() {
@@ -160,7 +160,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// Acceleration of the base, dry friction left out, that begins its step at `start`.
     #[inline(always)]
-    pub(crate) fn pull(&self, effects: &Effects, (start, x_b): (S, S), now: &Now<S, D>) -> S {
+    pub(crate) fn pull(&self, effects: &Effects, (start, x_b): (S, S), now: &Snapshot<S, D>) -> S {
         self.drive.pull(self.column.per_link_force, &now.balance)
             + self.column.per_pilot_force * now.pilot_force
             + self.column.loads(effects, start, x_b, now.base_rate)

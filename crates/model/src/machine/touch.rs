@@ -2,10 +2,10 @@
 //!
 //! See `contact.rs`; what the link does at the end of its play is the drive's, see its `play.rs`.
 
-use super::inputs::{Inputs, Moment};
+use super::inputs::{Inputs, StepFraction};
 use super::slow::Slow;
 use super::step::Stage;
-use super::{Begun, Machine, Shared, State};
+use super::{Machine, Shared, State, StepStart};
 use crate::Scalar;
 use crate::contact::since_touch;
 use crate::drive::Drive;
@@ -19,7 +19,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         state: &mut State<S, D>,
         inputs: &Inputs,
         start: &Slow<S>,
-        begun: &Begun<S, D>,
+        begun: &StepStart<S, D>,
     ) {
         let effects = &shared.effects;
         if effects.column_stops {
@@ -37,7 +37,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     }
 
     #[inline(always)]
-    fn meet_end_stop(&self, state: &mut State<S, D>, start: &Slow<S>, begun: &Begun<S, D>) {
+    fn meet_end_stop(&self, state: &mut State<S, D>, start: &Slow<S>, begun: &StepStart<S, D>) {
         // What the drive takes of it is a thousandth of the velocity.
         let v = self.drive.base_velocity(state.slow.plant[4], &begun.now.balance);
         let way = (start.plant[3], state.slow.plant[3]);
@@ -53,7 +53,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         state: &mut State<S, D>,
         inputs: &Inputs,
         start: &Slow<S>,
-        begun: &Begun<S, D>,
+        begun: &StepStart<S, D>,
     ) {
         let rate = self.drive.feel_velocity(state.slow.feel[1], &begun.now.balance);
         let way = (start.feel[0], state.slow.feel[0]);
@@ -64,7 +64,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// Hard stops and velocity limit of the feel.
     #[inline(always)]
-    fn meet_hard_stop(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs, begun: &Begun<S, D>) {
+    fn meet_hard_stop(&self, shared: &Shared, state: &mut State<S, D>, inputs: &Inputs, begun: &StepStart<S, D>) {
         let effects = &shared.effects;
         let before = (begun.now.delta, begun.now.delta_rate);
         let [delta, u] = state.slow.feel;
@@ -76,8 +76,8 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         if S::any(met) {
             let (time, at_stop) = since_touch(met, (depth, delta - before.0), free.1, self.step);
             // The servo was told of a velocity that the control no longer had.
-            let told = self.control.law.gains[3] * (at_stop + free.1).times(-0.5);
-            let jump = self.drive.command_jump(effects, &begun.now, told) * time;
+            let moved = self.control.law.gains[3] * (at_stop + free.1).times(-0.5);
+            let jump = self.drive.command_jump(effects, &begun.now, moved) * time;
             state.slow.plant[2] = state.slow.plant[2] + S::select(met, jump, zero);
             // From rest at the stop it goes back at once, if it is drawn back.
             let mut back = self.pull_at_rest(shared, state, inputs, begun, held);
@@ -93,12 +93,19 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
 
     /// Acceleration of the feel, dry friction left out, at rest at `delta` at the end of the step.
     #[inline(always)]
-    fn pull_at_rest(&self, shared: &Shared, state: &State<S, D>, inputs: &Inputs, begun: &Begun<S, D>, delta: S) -> S {
-        let stage = Stage { shared, inputs, state, moment: Moment::End };
-        let pilot_force = self.pilot_force(state, inputs, Moment::End);
+    fn pull_at_rest(
+        &self,
+        shared: &Shared,
+        state: &State<S, D>,
+        inputs: &Inputs,
+        begun: &StepStart<S, D>,
+        delta: S,
+    ) -> S {
+        let stage = Stage { shared, inputs, state, moment: StepFraction::End };
+        let pilot_force = self.pilot_force(state, inputs, StepFraction::End);
         let end = self.look(&shared.effects, &begun.side, &state.slow, state, (pilot_force, delta.zero()));
         let ([force, ..], _) = self.shown(&stage, &end);
-        let around = self.around(&shared.effects, state, inputs, Moment::End);
+        let around = self.around(&shared.effects, state, inputs, StepFraction::End);
         let torque = self.heard_torque(force, &end);
         self.feel_computer(shared, inputs.fade[1]).acceleration((delta, delta.zero()), torque, &around)
     }

@@ -5,8 +5,8 @@
 //! While the feel comes, the command has `s_0 + (1 - s_0) s` of its limit: a valve that much of its speed, a motor that much of its torque.
 
 use super::below;
+use super::debounce::Debounce;
 use super::function::{Function, Functions};
-use super::lasting::Lasting;
 use super::limits::Limits;
 use super::sensors::finite;
 use crate::Scalar;
@@ -18,13 +18,13 @@ const AT_LIMIT: f64 = 0.99;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Command<S> {
     pub(super) last: S,
-    saturated: Lasting,
+    saturated: Debounce,
 }
 
 impl<S: Scalar> Command<S> {
     #[inline(always)]
     pub(super) fn new(like: S) -> Self {
-        Self { last: like.zero(), saturated: Lasting::default() }
+        Self { last: like.zero(), saturated: Debounce::default() }
     }
 
     /// Whether the command that was given last has been at its limit for too long; while the feel comes it may be.
@@ -36,14 +36,14 @@ impl<S: Scalar> Command<S> {
 
     /// The law's command as far as it is allowed.
     #[inline(always)]
-    pub(super) fn follow(&mut self, limits: &Limits<S>, e: S, share: S, found: &mut Functions) -> S {
+    pub(super) fn follow(&mut self, limits: &Limits<S>, e: S, share: S, functions: &mut Functions) -> S {
         let most = Self::largest(limits, share);
         let e = if finite(e) { e } else { self.last };
         let held = e.within(most);
         let slowed = self.last + (held - self.last).within(limits.command_step);
         let differs = |a: S, b: S| below(a.zero(), (a - b).abs());
-        *found =
-            found.with(Function::CommandLimit, differs(held, e)).with(Function::CommandRate, differs(slowed, held));
+        *functions =
+            functions.with(Function::CommandLimit, differs(held, e)).with(Function::CommandRate, differs(slowed, held));
         // The limit comes first: it may shrink faster than the command may change.
         self.last = slowed.within(most);
         self.last

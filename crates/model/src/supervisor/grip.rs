@@ -17,15 +17,15 @@
 //! Estimate by the momentum, without the acceleration: De Luca and Mattone, ICRA 2005, 999-1004.
 
 use super::below;
+use super::debounce::Debounce;
 use super::function::{CONFIRMED, Function, Functions};
-use super::lasting::Lasting;
 use super::limits::{ESTIMATE_BANDWIDTH, Limits};
 use super::sensors::Fresh;
 use crate::Scalar;
 
 /// What is known of the grip.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grip<S> {
+pub struct GripEstimate<S> {
     /// Force of the drive at the grip in N; a hand that rests feels it.
     pub force: S,
     /// Force of the hand at the grip in N, estimated.
@@ -36,21 +36,21 @@ pub struct Grip<S> {
 
 /// What is remembered of it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Watch<S> {
+pub(super) struct GripMonitor<S> {
     last: Option<(S, S)>,
     /// `int (alpha R_b F + tau) dt`.
     impulse: S,
     torque: S,
     /// `v`, `alpha R_b F` and `a_f`, lagged as the hand's torque is.
     lagged: [S; 3],
-    pub(super) grip: Grip<S>,
-    lasting: [Lasting; 4],
-    force: Lasting,
-    hand: Lasting,
-    runaway: Lasting,
+    pub(super) grip: GripEstimate<S>,
+    lasting: [Debounce; 4],
+    force: Debounce,
+    hand: Debounce,
+    runaway: Debounce,
 }
 
-impl<S: Scalar> Watch<S> {
+impl<S: Scalar> GripMonitor<S> {
     #[inline(always)]
     pub(super) fn new(like: S) -> Self {
         let zero = like.zero();
@@ -59,11 +59,11 @@ impl<S: Scalar> Watch<S> {
             impulse: zero,
             torque: zero,
             lagged: [zero; 3],
-            grip: Grip { force: zero, hand_force: zero, rate: zero },
-            lasting: [Lasting::default(); 4],
-            force: Lasting::default(),
-            hand: Lasting::default(),
-            runaway: Lasting::default(),
+            grip: GripEstimate { force: zero, hand_force: zero, rate: zero },
+            lasting: [Debounce::default(); 4],
+            force: Debounce::default(),
+            hand: Debounce::default(),
+            runaway: Debounce::default(),
         }
     }
 
@@ -74,7 +74,7 @@ impl<S: Scalar> Watch<S> {
         limits: &Limits<S>,
         Fresh { sensed: [force, _, angle], periods }: Fresh<S>,
         (follows, feel_acceleration): (bool, S),
-        found: &mut Functions,
+        functions: &mut Functions,
     ) {
         let one = force.constant(1.0);
         let drive_torque = force * limits.lever;
@@ -85,7 +85,7 @@ impl<S: Scalar> Watch<S> {
         let (moved, changed) = ((angle - last_angle) * per_periods, (grip_force - last_force) * per_periods);
         let rate = moved * (one / limits.period);
         self.estimate(limits, [rate, drive_torque, feel_acceleration], limits.period * periods);
-        self.grip = Grip { force: grip_force, hand_force: self.torque * (one / limits.grip_arm), rate };
+        self.grip = GripEstimate { force: grip_force, hand_force: self.torque * (one / limits.grip_arm), rate };
         let above = |value: S, limit: S| below(limit, value.abs());
         let [low, high] = limits.travel;
         let beyond = below(angle, low) || below(high, angle);
@@ -96,13 +96,13 @@ impl<S: Scalar> Watch<S> {
             (Function::Travel, beyond),
         ];
         for (lasting, (function, condition)) in self.lasting.iter_mut().zip(now) {
-            *found = found.with(function, lasting.holds(condition, CONFIRMED));
+            *functions = functions.with(function, lasting.holds(condition, CONFIRMED));
         }
         let lasts = self.force.holds(above(grip_force, limits.force_limit), limits.force);
         // The sensors' noise may look like a hand for a sample, once in a hundred thousand; a hand stays for two.
         let hand = self.hand.holds(!below(self.torque.abs(), limits.hand_torque), CONFIRMED);
         let runs = self.runaway.holds(follows && !hand && self.runs_away(limits), limits.runaway_condition);
-        *found = found.with(Function::Force, lasts).with(Function::Runaway, runs);
+        *functions = functions.with(Function::Force, lasts).with(Function::Runaway, runs);
     }
 
     #[inline(always)]

@@ -6,7 +6,7 @@
 //! drive presses the grip with the search force; if the column's stops are known, it must be one of them.
 
 use super::below;
-use super::lasting::Lasting;
+use super::debounce::Debounce;
 use super::limits::Limits;
 use super::sensors::finite;
 use crate::Scalar;
@@ -28,7 +28,7 @@ pub(super) enum Found {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Leg {
+enum SearchPhase {
     Low,
     High,
     Back,
@@ -37,17 +37,17 @@ enum Leg {
 /// A search under way.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Search<S> {
-    leg: Leg,
+    leg: SearchPhase,
     pub(super) neutral: S,
     pub(super) stops: [S; 2],
-    pressed: Lasting,
+    pressed: Debounce,
 }
 
 impl<S: Scalar> Search<S> {
     /// From where the column is.
     #[inline(always)]
     pub(super) fn from(angle: S) -> Self {
-        Self { leg: Leg::Low, neutral: angle, stops: [angle; 2], pressed: Lasting::default() }
+        Self { leg: SearchPhase::Low, neutral: angle, stops: [angle; 2], pressed: Debounce::default() }
     }
 
     /// A sample further.
@@ -55,9 +55,9 @@ impl<S: Scalar> Search<S> {
     pub(super) fn step(&mut self, limits: &Limits<S>, angle: S, grip_force: S) -> Found {
         let step = limits.search_step;
         let (end, way) = match self.leg {
-            Leg::Low => (0, -step),
-            Leg::High => (1, step),
-            Leg::Back => {
+            SearchPhase::Low => (0, -step),
+            SearchPhase::High => (1, step),
+            SearchPhase::Back => {
                 let home = angle.zero().clamp(self.stops[0], self.stops[1]);
                 let left = home - self.neutral;
                 self.neutral = self.neutral + left.within(step);
@@ -72,9 +72,9 @@ impl<S: Scalar> Search<S> {
                 return Found::Other;
             }
             self.stops[end] = angle;
-            self.pressed = Lasting::default();
+            self.pressed = Debounce::default();
             self.neutral = angle;
-            self.leg = if self.leg == Leg::Low { Leg::High } else { Leg::Back };
+            self.leg = if self.leg == SearchPhase::Low { SearchPhase::High } else { SearchPhase::Back };
         }
         let from = if finite(limits.stops[end]) { limits.stops[end].abs() } else { angle.zero() };
         if below(from + angle.constant(FARTHEST_RAD), self.neutral.abs()) { Found::Other } else { Found::Searching }

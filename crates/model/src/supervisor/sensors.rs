@@ -7,10 +7,10 @@
 //! `r = s + (c / k) s' - F / k`, within the play, needs no observer and no law, so it judges them too. It is as sharp as the link is soft:
 //! an error of the load cell shows once `F / k` comes to the allowed angle.
 
+use super::debounce::Debounce;
 use super::function::{Function, Functions};
-use super::lasting::Lasting;
 use super::limits::Limits;
-use super::{Told, below};
+use super::{SupervisorInput, below};
 use crate::Scalar;
 use crate::transducers::SENSORS;
 
@@ -25,7 +25,7 @@ pub(super) struct Sensors<S> {
     /// Periods up to samples since `last` that could not be used.
     unused: S,
     still: [Still<S>; OF_LINK],
-    disagree: Lasting,
+    disagree: Debounce,
 }
 
 /// A sensor that shows the same number.
@@ -48,44 +48,49 @@ impl<S: Scalar> Sensors<S> {
     pub(super) fn new(like: S) -> Self {
         let zero = like.zero();
         let still = Still { expected: zero, samples: 0 };
-        Self { last: None, stretch: zero, unused: zero, still: [still; OF_LINK], disagree: Lasting::default() }
+        Self { last: None, stretch: zero, unused: zero, still: [still; OF_LINK], disagree: Debounce::default() }
     }
 
     /// What is wrong with a sample, and the sample if it can be used.
     #[inline(always)]
-    pub(super) fn watch(&mut self, limits: &Limits<S>, told: &Told<S>, found: &mut Functions) -> Option<Fresh<S>> {
-        if told.missed > 0 {
-            *found = found.with(Function::Silence, told.missed >= limits.silence);
+    pub(super) fn watch(
+        &mut self,
+        limits: &Limits<S>,
+        input: &SupervisorInput<S>,
+        functions: &mut Functions,
+    ) -> Option<Fresh<S>> {
+        if input.missed > 0 {
+            *functions = functions.with(Function::Silence, input.missed >= limits.silence);
             return None;
         }
-        let [force, position, base, _]: [S; SENSORS] = told.sensed;
+        let [force, position, base, _]: [S; SENSORS] = input.sensed;
         let y = [force, position, base * (base.constant(1.0) / limits.base_arm)];
         // The sensor at the grip measures a hand, which may do anything; it must be a number.
-        if !told.sensed.iter().all(|&value| finite(value)) {
-            *found = found.with(Function::NotANumber, true);
-            self.unused = self.unused + told.periods;
+        if !input.sensed.iter().all(|&value| finite(value)) {
+            *functions = functions.with(Function::NotANumber, true);
+            self.unused = self.unused + input.periods;
             return None;
         }
         let beyond = |k: usize| below(limits.range[k], y[k].abs());
-        *found = found.with(Function::OutOfRange, beyond(0) || beyond(1) || beyond(2));
-        let periods = self.unused + told.periods;
+        *functions = functions.with(Function::OutOfRange, beyond(0) || beyond(1) || beyond(2));
+        let periods = self.unused + input.periods;
         self.unused = base.zero();
-        self.jump(limits, &y, periods, found);
-        self.agree(limits, &y, periods, found);
+        self.jump(limits, &y, periods, functions);
+        self.agree(limits, &y, periods, functions);
         self.last = Some(y);
         Some(Fresh { sensed: y, periods })
     }
 
     #[inline(always)]
-    fn jump(&self, limits: &Limits<S>, y: &[S; OF_LINK], periods: S, found: &mut Functions) {
+    fn jump(&self, limits: &Limits<S>, y: &[S; OF_LINK], periods: S, functions: &mut Functions) {
         let Some(last) = &self.last else { return };
         let jumped = |k: usize| below(limits.jump[k] * periods, (y[k] - last[k]).abs());
-        *found = found.with(Function::Jump, jumped(0) || jumped(1) || jumped(2));
+        *functions = functions.with(Function::Jump, jumped(0) || jumped(1) || jumped(2));
     }
 
     /// Eq. (9) against the three sensors, and each against what the other two make of it.
     #[inline(always)]
-    fn agree(&mut self, limits: &Limits<S>, y: &[S; OF_LINK], periods: S, found: &mut Functions) {
+    fn agree(&mut self, limits: &Limits<S>, y: &[S; OF_LINK], periods: S, functions: &mut Functions) {
         let [per_stiffness, half_play, damping_time] = limits.link;
         let [force, position, angle] = *y;
         let (pulled, base) = (force * per_stiffness, angle * limits.lever);
@@ -112,7 +117,7 @@ impl<S: Scalar> Sensors<S> {
                 self.still[k] = Still { expected: expected[k], samples: 0 };
             }
         }
-        *found = found.with(Function::Disagreement, disagree).with(Function::Stuck, stuck);
+        *functions = functions.with(Function::Disagreement, disagree).with(Function::Stuck, stuck);
     }
 }
 

@@ -11,12 +11,12 @@
 use super::function::{Action, Function, Functions};
 use super::limits::Limits;
 use super::search::{Found, Search};
-use super::{Told, below};
+use super::{SupervisorInput, below};
 use crate::Scalar;
 
 /// State of a loader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
+pub enum SupervisorState {
     /// Without power.
     Off,
     /// Sensors are watched before there is power; then the travel is found, if that is asked for.
@@ -31,7 +31,7 @@ pub enum State {
     Tripped,
 }
 
-impl State {
+impl SupervisorState {
     /// Its name.
     pub const fn name(self) -> &'static str {
         match self {
@@ -47,7 +47,7 @@ impl State {
 
 /// What the person wants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wish {
+pub enum RequestedMode {
     /// No power.
     Off,
     /// Power without feel.
@@ -60,7 +60,7 @@ pub enum Wish {
 #[derive(Debug, Clone, Copy)]
 #[expect(clippy::struct_excessive_bools, reason = "each holds by itself, in any of the states")]
 pub(super) struct Sequence<S> {
-    pub(super) state: State,
+    pub(super) state: SupervisorState,
     /// Share of the feel.
     pub(super) share: S,
     /// Column's angle where the feel began to come or to go.
@@ -83,7 +83,7 @@ pub(super) struct Sequence<S> {
 impl<S: Scalar> Sequence<S> {
     pub(super) fn new(like: S) -> Self {
         Self {
-            state: State::Off,
+            state: SupervisorState::Off,
             share: like.zero(),
             anchor: like.zero(),
             comes: false,
@@ -103,7 +103,7 @@ impl<S: Scalar> Sequence<S> {
     /// Whether the law moves the column.
     #[inline(always)]
     pub(super) fn follows(&self) -> bool {
-        matches!(self.state, State::Active | State::Fading) || self.search.is_some()
+        matches!(self.state, SupervisorState::Active | SupervisorState::Fading) || self.search.is_some()
     }
 
     #[inline(always)]
@@ -121,7 +121,7 @@ impl<S: Scalar> Sequence<S> {
     #[inline(always)]
     pub(super) fn stopped(&mut self) {
         self.at_zero = true;
-        if matches!(self.state, State::Tripped | State::Off) {
+        if matches!(self.state, SupervisorState::Tripped | SupervisorState::Off) {
             self.enable = false;
         }
     }
@@ -140,61 +140,69 @@ impl<S: Scalar> Sequence<S> {
     pub(super) fn step(
         &mut self,
         limits: &Limits<S>,
-        told: &Told<S>,
+        input: &SupervisorInput<S>,
         (angle, grip_force): (S, S),
-        found: &mut Functions,
+        functions: &mut Functions,
     ) -> bool {
-        let newly = told.acknowledge && !self.acknowledged;
-        self.acknowledged = told.acknowledge;
+        let newly = input.acknowledge && !self.acknowledged;
+        self.acknowledged = input.acknowledge;
         let asked = self.state;
         if let Some(search) = &mut self.search {
             let outcome = search.step(limits, angle, grip_force);
-            *found = found.with(Function::TravelSearch, outcome == Found::Other);
+            *functions = functions.with(Function::TravelSearch, outcome == Found::Other);
             if outcome == Found::Both {
-                (self.stops, self.search, self.state) = (Some(search.stops), None, State::Passive);
+                (self.stops, self.search, self.state) = (Some(search.stops), None, SupervisorState::Passive);
             }
         }
-        if told.wish == Wish::Off && matches!(self.state, State::Initialising | State::Passive) {
+        if input.requested == RequestedMode::Off
+            && matches!(self.state, SupervisorState::Initialising | SupervisorState::Passive)
+        {
             self.off(true);
         }
-        if !matches!(self.state, State::Off) && !found.stopping().is_empty() {
-            self.trip(*found);
+        if !matches!(self.state, SupervisorState::Off) && !functions.stopping().is_empty() {
+            self.trip(*functions);
         }
         match self.state {
-            State::Off => {
-                self.armed |= told.wish == Wish::Off;
-                if self.armed && told.wish != Wish::Off && found.stopping().is_empty() && self.at_zero {
-                    (self.state, self.watched, self.share) = (State::Initialising, 0, angle.zero());
+            SupervisorState::Off => {
+                self.armed |= input.requested == RequestedMode::Off;
+                if self.armed
+                    && input.requested != RequestedMode::Off
+                    && functions.stopping().is_empty()
+                    && self.at_zero
+                {
+                    (self.state, self.watched, self.share) = (SupervisorState::Initialising, 0, angle.zero());
                 }
             }
-            State::Initialising => self.initialise(limits, angle),
-            State::Passive if told.wish == Wish::Active && self.at_zero => {
-                (self.state, self.at_zero, self.share) = (State::Fading, false, angle.zero());
+            SupervisorState::Initialising => self.initialise(limits, angle),
+            SupervisorState::Passive if input.requested == RequestedMode::Active && self.at_zero => {
+                (self.state, self.at_zero, self.share) = (SupervisorState::Fading, false, angle.zero());
                 (self.anchor, self.comes) = (angle, true);
             }
-            State::Active | State::Fading => self.fade(limits, told.wish == Wish::Active, angle),
-            State::Tripped if newly && self.at_zero && !self.enable && found.stopping().is_empty() => {
-                (self.tripped, self.cause, self.cut) = (Functions::NONE, None, false);
-                self.off(told.wish == Wish::Off);
+            SupervisorState::Active | SupervisorState::Fading => {
+                self.fade(limits, input.requested == RequestedMode::Active, angle)
             }
-            State::Passive | State::Tripped => {}
+            SupervisorState::Tripped if newly && self.at_zero && !self.enable && functions.stopping().is_empty() => {
+                (self.tripped, self.cause, self.cut) = (Functions::NONE, None, false);
+                self.off(input.requested == RequestedMode::Off);
+            }
+            SupervisorState::Passive | SupervisorState::Tripped => {}
         }
-        asked == State::Off && self.state == State::Initialising
+        asked == SupervisorState::Off && self.state == SupervisorState::Initialising
     }
 
     #[inline(always)]
     fn off(&mut self, armed: bool) {
-        (self.state, self.search, self.armed) = (State::Off, None, armed);
+        (self.state, self.search, self.armed) = (SupervisorState::Off, None, armed);
     }
 
     #[inline(always)]
-    fn trip(&mut self, found: Functions) {
-        if self.state != State::Tripped {
-            self.cause = found.stopping().first();
+    fn trip(&mut self, functions: Functions) {
+        if self.state != SupervisorState::Tripped {
+            self.cause = functions.stopping().first();
         }
-        self.tripped = self.tripped.and(found.stopping());
-        self.cut |= !found.that(Action::Cut).is_empty();
-        (self.state, self.search) = (State::Tripped, None);
+        self.tripped = self.tripped.and(functions.stopping());
+        self.cut |= !functions.that(Action::Cut).is_empty();
+        (self.state, self.search) = (SupervisorState::Tripped, None);
     }
 
     /// Sensors are watched for as long as one may be stuck, without power; then there is power.
@@ -211,7 +219,7 @@ impl<S: Scalar> Sequence<S> {
         if limits.travel_search {
             (self.search, self.at_zero) = (Some(Search::from(angle)), false);
         } else {
-            self.state = State::Passive;
+            self.state = SupervisorState::Passive;
         }
     }
 
@@ -227,9 +235,9 @@ impl<S: Scalar> Sequence<S> {
         let (zero, one) = (step.zero(), step.constant(1.0));
         self.share = (if comes { self.share + step } else { self.share - step }).clamp(zero, one);
         self.state = match (comes, below(self.share, one), below(zero, self.share)) {
-            (true, false, _) => State::Active,
-            (false, _, false) => State::Passive,
-            _ => State::Fading,
+            (true, false, _) => SupervisorState::Active,
+            (false, _, false) => SupervisorState::Passive,
+            _ => SupervisorState::Fading,
         };
     }
 }

@@ -9,7 +9,7 @@
 
 use crate::Scalar;
 use crate::effects::Effects;
-use crate::machine::Moment;
+use crate::machine::StepFraction;
 use crate::parameters::Parameters;
 
 /// Winding and current loop in a run.
@@ -79,7 +79,7 @@ fn at_half<S: Scalar>(start: S, mean: S, end: S) -> S {
 /// The current through one step.
 #[derive(Debug, Clone, Copy)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Course<S> {
+pub struct CurrentTrajectory<S> {
     /// What is asked of the winding at the start.
     asked: S,
     /// Half-way under that, where Simpson's rule gives the mean.
@@ -90,7 +90,7 @@ pub struct Course<S> {
     followed: [S; 2],
 }
 
-impl<S: Scalar> Course<S> {
+impl<S: Scalar> CurrentTrajectory<S> {
     /// A current that stays.
     #[inline(always)]
     pub fn constant(i: S) -> Self {
@@ -161,7 +161,7 @@ impl<S: Scalar> Current<S> {
 
     /// The current from `i` on through a step in which `asked` stays asked of the winding, at the speed `omega` half-way.
     #[inline(always)]
-    pub fn course(&self, effects: &Effects, warm: &Warm<S>, (i, omega): (S, S), asked: S) -> Course<S> {
+    pub fn course(&self, effects: &Effects, warm: &Warm<S>, (i, omega): (S, S), asked: S) -> CurrentTrajectory<S> {
         let [left, left_half] = self.lag.left;
         let off = i - asked;
         let (mut end, mut half) = (asked + off * left, asked + off * left_half);
@@ -177,7 +177,7 @@ impl<S: Scalar> Current<S> {
                 followed = followed.map(|share| S::select(limited, share.zero(), share));
             }
         }
-        Course { asked, half, rate: (end - i) * self.per_step, followed }
+        CurrentTrajectory { asked, half, rate: (end - i) * self.per_step, followed }
     }
 
     /// End and middle of a step of which the voltage is at its limit for a part at least; `free`: middle and end if it were not.
@@ -209,12 +209,12 @@ impl<S: Scalar> Current<S> {
     /// Current and its rate at a moment of a step that carries `i`, where `asked` is asked of the winding. At the start the course is
     /// not known yet; `asked` stands for its rate.
     #[inline(always)]
-    pub fn at(&self, moment: Moment, course: &Course<S>, i: S, asked: S) -> (S, S) {
+    pub fn at(&self, moment: StepFraction, course: &CurrentTrajectory<S>, i: S, asked: S) -> (S, S) {
         let change = asked - course.asked;
         match moment {
-            Moment::Start => (i, asked),
-            Moment::Half => (course.half + course.followed[1] * change, course.rate),
-            Moment::End => {
+            StepFraction::Start => (i, asked),
+            StepFraction::Half => (course.half + course.followed[1] * change, course.rate),
+            StepFraction::End => {
                 let more = course.followed[0] * change;
                 // A step carries the sum of its rates, of which the last counts a sixth.
                 (i + more, course.rate + more.times(6.0) * self.per_step)

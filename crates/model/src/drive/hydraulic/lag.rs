@@ -1,10 +1,10 @@
 //! How far load pressure and flow are behind their balance, and what that did in the last step.
 
-use super::pressure::{Side, Yielding};
+use super::pressure::{PressureSensitivity, Side};
 use super::{FLOW, Hydraulic, PRESSURE};
 use crate::Scalar;
 use crate::effects::Effects;
-use crate::machine::{Machine, Now, State};
+use crate::machine::{Machine, Snapshot, State};
 
 impl<S: Scalar> Hydraulic<S> {
     /// At the start of a step: makes good what the lag did in the last one, and shows pressure and flow behind their balance.
@@ -15,7 +15,7 @@ impl<S: Scalar> Hydraulic<S> {
         effects: &Effects,
         side: &Side<S>,
         state: &mut State<S, Self>,
-        now: &mut Now<S, Self>,
+        now: &mut Snapshot<S, Self>,
     ) {
         let yielding = self.balance.yielding(effects, side, state.slow.plant[1], &now.balance);
         self.catch(effects, &yielding, state, now);
@@ -24,7 +24,13 @@ impl<S: Scalar> Hydraulic<S> {
 
     /// Makes good what the pressure's lag behind its slaved value did in the last step.
     #[inline(always)]
-    fn catch(&self, effects: &Effects, yielding: &Yielding<S>, state: &mut State<S, Self>, now: &mut Now<S, Self>) {
+    fn catch(
+        &self,
+        effects: &Effects,
+        yielding: &PressureSensitivity<S>,
+        state: &mut State<S, Self>,
+        now: &mut Snapshot<S, Self>,
+    ) {
         let lagging = self.balance.lagging(yielding, now.balance.pressure - state.drive.pressure);
         let (base, feel) = (self.base_impulse * lagging.pressure, -self.feel_impulse * lagging.pressure);
         state.slow.plant[0] = state.slow.plant[0] + lagging.piston;
@@ -46,20 +52,20 @@ impl<S: Scalar> Hydraulic<S> {
         &self,
         machine: &Machine<S, Self>,
         effects: &Effects,
-        (side, yielding): (&Side<S>, &Yielding<S>),
+        (side, yielding): (&Side<S>, &PressureSensitivity<S>),
         state: &mut State<S, Self>,
-        now: &mut Now<S, Self>,
+        now: &mut Snapshot<S, Self>,
     ) {
         let [z, q_i, q_i_rate, x_b, _] = state.slow.plant;
         // Up to here there was the force of before.
-        let mut accelerated = machine.pull(effects, (x_b, x_b), &Now { pilot_force: state.pilot_force, ..*now });
+        let mut accelerated = machine.pull(effects, (x_b, x_b), &Snapshot { pilot_force: state.pilot_force, ..*now });
         if effects.column_friction {
             accelerated = accelerated + state.column.drag;
         }
         let rates = [now.balance.flow * self.per_area, q_i_rate, q_i.zero(), now.base_rate, accelerated];
         let rate = self.balance.slaved_rate(side, yielding, (q_i, &now.balance), &rates);
-        let slaved = now.balance.pressure;
-        let mut change = slaved - state.drive.pressure;
+        let quasi_steady = now.balance.pressure;
+        let mut change = quasi_steady - state.drive.pressure;
         if effects.backlash {
             // Where the link met the end of its play the pressure came with a jump, which is no rate.
             change = S::select(self.balance.holds(state.drive.pressure), change, rate * machine.step);
@@ -67,12 +73,12 @@ impl<S: Scalar> Hydraulic<S> {
         let change = (state.drive.lag, change, rate);
         let mut oil = self.balance.behind(yielding, &now.balance, change, (machine.step, machine.per_step));
         if effects.backlash {
-            let holds = self.balance.holds(slaved);
-            oil.pressure = S::select(holds, oil.pressure, slaved);
+            let holds = self.balance.holds(quasi_steady);
+            oil.pressure = S::select(holds, oil.pressure, quasi_steady);
             oil.flow = S::select(holds, oil.flow, now.balance.flow);
         }
         (now.signals[PRESSURE], now.signals[FLOW]) = (oil.pressure, oil.flow);
         (now.position, now.force) = (self.balance.piston(z, oil.pressure), self.balance.area * oil.pressure);
-        (state.drive.pressure, state.drive.lag) = (slaved, slaved - oil.pressure);
+        (state.drive.pressure, state.drive.lag) = (quasi_steady, quasi_steady - oil.pressure);
     }
 }

@@ -6,7 +6,7 @@ use super::Hydraulic;
 use crate::Scalar;
 use crate::contact::since_touch;
 use crate::drive::Drive;
-use crate::machine::{Begun, Machine, Shared, State};
+use crate::machine::{Machine, Shared, State, StepStart};
 
 impl<S: Scalar> Hydraulic<S> {
     #[inline(always)]
@@ -16,7 +16,7 @@ impl<S: Scalar> Hydraulic<S> {
         shared: &Shared,
         state: &mut State<S, Self>,
         start: &[S; 5],
-        begun: &Begun<S, Self>,
+        begun: &StepStart<S, Self>,
     ) {
         let (effects, balance, h) = (&shared.effects, &self.balance, machine.step);
         let [z, q_i, _, x_b, w] = state.slow.plant;
@@ -52,10 +52,10 @@ impl<S: Scalar> Hydraulic<S> {
         let jump = self.command_jump(effects, &begun.now, machine.control.law.gains[1] * p);
         state.slow.plant[2] = state.slow.plant[2] + only(jump) * time;
         // What a load cell with a lag lets through: a straight line over the whole step is what it takes the pressure for.
-        let heard = machine.transducers.load_cell_share(time);
+        let share = machine.transducers.load_cell_share(time);
         let by = machine.control.law.feel_torque(balance.area)
             * machine.control.feel.per_torque
-            * S::select(met, heard, zero);
+            * S::select(met, share, zero);
         let stuck = state.feel.stuck;
         state.slow.feel[0] = state.slow.feel[0] + moving(stuck, effects.feel_friction, by * travel.times(1.0 / 6.0));
         state.slow.feel[1] = state.slow.feel[1] + moving(stuck, effects.feel_friction, by * impulse);

@@ -115,7 +115,7 @@ pub struct Flow<S> {
 
 /// How the slaved pressure answers to its change: `a_eff` as shares.
 #[derive(Debug, Clone, Copy)]
-pub struct Yielding<S> {
+pub struct PressureSensitivity<S> {
     /// `A / a_eff`.
     kept: S,
     /// `(c / A) s_q / a_eff`, with `s_q = -dq / dp` through valve and relief.
@@ -197,15 +197,15 @@ impl<S: Scalar> Balance<S> {
     /// `touches`: where the link may push or pull at all.
     #[inline(always)]
     pub fn solve(&self, effects: &Effects, side: &Side<S>, touches: S::Mask, [z, q_i, _, x_b, w]: [S; 5]) -> Flow<S> {
-        let found = self.linked(effects, side, z, q_i, x_b, w);
+        let linked = self.linked(effects, side, z, q_i, x_b, w);
         if !effects.backlash {
-            return found;
+            return linked;
         }
         // The link pushes at one end of its play, pulls at the other, and does neither between.
         let (zero, stretch) = (z.zero(), self.stretch(z, x_b));
-        let holds = self.half_play.less(stretch.abs()) & zero.less(found.pressure * stretch);
+        let holds = self.half_play.less(stretch.abs()) & zero.less(linked.pressure * stretch);
         let holds = touches & (holds | self.without_play());
-        Flow { pressure: S::select(holds, found.pressure, zero), flow: S::select(holds, found.flow, q_i), ..found }
+        Flow { pressure: S::select(holds, linked.pressure, zero), flow: S::select(holds, linked.flow, q_i), ..linked }
     }
 
     /// The same for a link at the end of its play that is nearer.
@@ -260,13 +260,19 @@ impl<S: Scalar> Balance<S> {
 
     /// How the slaved pressure yields.
     #[inline(always)]
-    pub fn yielding(&self, effects: &Effects, side: &Side<S>, q_i: S, slaved: &Flow<S>) -> Yielding<S> {
+    pub fn yielding(
+        &self,
+        effects: &Effects,
+        side: &Side<S>,
+        q_i: S,
+        quasi_steady: &Flow<S>,
+    ) -> PressureSensitivity<S> {
         let one = q_i.constant(1.0);
-        let over = slaved.pressure - slaved.pressure.within(self.relief_pressure);
+        let over = quasi_steady.pressure - quasi_steady.pressure.within(self.relief_pressure);
         let open = one.zero().less(over.abs());
         let gains = if effects.relief { Gains::select(open, &side.relieved, &side.closed) } else { side.closed };
         let mut share = if effects.orifice {
-            let through = if effects.relief { slaved.flow + self.relief_gain * over } else { slaved.flow };
+            let through = if effects.relief { quasi_steady.flow + self.relief_gain * over } else { quasi_steady.flow };
             let slope = q_i.abs() * gains.orifice * q_i.abs();
             slope / (through.abs() + slope).max(one.constant(f64::MIN_POSITIVE))
         } else {
@@ -276,12 +282,12 @@ impl<S: Scalar> Balance<S> {
         if effects.relief {
             share = S::select(open, one - kept / side.closed.area, share);
         }
-        Yielding { kept, share }
+        PressureSensitivity { kept, share }
     }
 
     /// What the lag `p - p_s = -T p_s'` adds up to over a change of pressure: see [`Lagging`].
     #[inline(always)]
-    pub fn lagging(&self, &Yielding { kept, share }: &Yielding<S>, change: S) -> Lagging<S> {
+    pub fn lagging(&self, &PressureSensitivity { kept, share }: &PressureSensitivity<S>, change: S) -> Lagging<S> {
         Lagging { piston: self.compressibility * share * change, pressure: (change.constant(1.0) - kept) * change }
     }
 
@@ -290,22 +296,22 @@ impl<S: Scalar> Balance<S> {
     pub fn slaved_rate(
         &self,
         side: &Side<S>,
-        yielding: &Yielding<S>,
-        (q_i, slaved): (S, &Flow<S>),
+        yielding: &PressureSensitivity<S>,
+        (q_i, quasi_steady): (S, &Flow<S>),
         &[z_rate, q_i_rate, _, x_b_rate, w_rate]: &[S; 5],
     ) -> S {
         // a_eff p_s' = k (z' - alpha x_b') - c alpha w' + (c / A) (q / q_i) q_i'
         let link = self.stiffness * (z_rate - self.ratio * x_b_rate) - side.base * w_rate;
         // Where nothing flows yet, the side to which the valve will open is not known.
         let one = q_i.constant(1.0);
-        let opening = S::select(q_i.zero().less(q_i.abs()), slaved.opening, one);
+        let opening = S::select(q_i.zero().less(q_i.abs()), quasi_steady.opening, one);
         (link + self.damping_per_area * opening * q_i_rate) * yielding.kept * self.per_area
     }
 
     /// Whether there is a link for the slaved pressure to push on: within the play there is none, and no pressure.
     #[inline(always)]
-    pub fn holds(&self, slaved: S) -> S::Mask {
-        slaved.zero().less(slaved.abs()) | self.without_play()
+    pub fn holds(&self, quasi_steady: S) -> S::Mask {
+        quasi_steady.zero().less(quasi_steady.abs()) | self.without_play()
     }
 
     /// Pressure and flow at the end of a step `h`, behind the slaved ones by a lag `L`, `L' = p_s' - L / T`, that was `before` at its
@@ -314,8 +320,8 @@ impl<S: Scalar> Balance<S> {
     #[inline(always)]
     pub fn behind(
         &self,
-        &Yielding { kept, share }: &Yielding<S>,
-        slaved: &Flow<S>,
+        &PressureSensitivity { kept, share }: &PressureSensitivity<S>,
+        quasi_steady: &Flow<S>,
         (before, change, rate): (S, S, S),
         (h, per_h): (S, S),
     ) -> Flow<S> {
@@ -327,10 +333,10 @@ impl<S: Scalar> Balance<S> {
         let whole = ((t + h) * t + (h * h).times(0.5)) * t + (h * h * h).times(1.0 / 6.0);
         let per_time = at_end + (before - t * at_start) * (t * t / whole); // L / T
         Flow {
-            pressure: slaved.pressure - t * per_time,
+            pressure: quasi_steady.pressure - t * per_time,
             // What the valve lets by the more: s_q L
-            flow: slaved.flow + self.area * self.compressibility * share * per_time,
-            opening: slaved.opening,
+            flow: quasi_steady.flow + self.area * self.compressibility * share * per_time,
+            opening: quasi_steady.opening,
         }
     }
 

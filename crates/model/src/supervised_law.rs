@@ -3,15 +3,15 @@
 //! The live loop, a target board and the faults in virtual time take each of their samples through this.
 
 use crate::Scalar;
-use crate::control::{Answer, Control, Feeling, Remembered, Sample};
+use crate::control::{Control, ControlOutput, FeelState, LawState, Sample};
 use crate::machine::{Inputs, Shared};
 use crate::observer::Estimate;
-use crate::supervisor::{Allowed, finite};
+use crate::supervisor::{SupervisorOutput, finite};
 use crate::transducers::SENSORS;
 
 /// What passes of a law's command.
 #[derive(Debug, Clone, Copy)]
-pub struct Passed<S> {
+pub struct LimitedCommand<S> {
     /// The command that may go out.
     pub command: S,
     /// Whether the drive is to be powered.
@@ -20,38 +20,38 @@ pub struct Passed<S> {
     pub follows: bool,
 }
 
-impl<S: Scalar> From<&Allowed<S>> for Passed<S> {
+impl<S: Scalar> From<&SupervisorOutput<S>> for LimitedCommand<S> {
     #[inline(always)]
-    fn from(allowed: &Allowed<S>) -> Self {
+    fn from(allowed: &SupervisorOutput<S>) -> Self {
         Self { command: allowed.command, enable: allowed.enable, follows: allowed.follows }
     }
 }
 
 /// Law and feel of a loader under a supervisor.
 #[derive(Debug, Clone)]
-pub struct Followed<S: Scalar> {
-    remembered: Remembered<S>,
-    feeling: Feeling<S>,
+pub struct SupervisedLaw<S: Scalar> {
+    remembered: LawState<S>,
+    feeling: FeelState<S>,
     /// Whether law and feel know where the column stands.
     placed: bool,
     /// What the sensors show with the column at rest at zero and at another angle: [`Machine::sensors_at_rest`].
     ///
     /// [`Machine::sensors_at_rest`]: crate::machine::Machine::sensors_at_rest
     at_rest: [[S; SENSORS]; 2],
-    answer: Answer<S>,
+    answer: ControlOutput<S>,
     command: S,
 }
 
-impl<S: Scalar> Followed<S> {
+impl<S: Scalar> SupervisedLaw<S> {
     /// They find out at the first sample where the column stands.
     pub fn new(control: &Control<S>, at_rest: [[S; SENSORS]; 2]) -> Self {
         let zero = at_rest[0][0].zero();
         Self {
-            remembered: control.looking_on(at_rest[0]),
+            remembered: control.initial_estimate(at_rest[0]),
             feeling: control.resting(zero, zero),
             placed: false,
             at_rest,
-            answer: Answer { command: zero, torque: zero, base_rate: zero },
+            answer: ControlOutput { command: zero, torque: zero, base_rate: zero },
             command: zero,
         }
     }
@@ -60,19 +60,19 @@ impl<S: Scalar> Followed<S> {
     pub fn begun(
         control: &Control<S>,
         at_rest: [[S; SENSORS]; 2],
-        (sensors, estimate, feeling): ([S; SENSORS], Estimate<S>, Feeling<S>),
+        (sensors, estimate, feeling): ([S; SENSORS], Estimate<S>, FeelState<S>),
     ) -> Self {
         let remembered = control.remember(sensors, estimate, feeling.motion.at);
         Self { remembered, feeling, placed: true, ..Self::new(control, at_rest) }
     }
 
     /// The programmed feel.
-    pub fn feeling(&self) -> &Feeling<S> {
+    pub fn feeling(&self) -> &FeelState<S> {
         &self.feeling
     }
 
     /// What the law answered last.
-    pub fn answer(&self) -> &Answer<S> {
+    pub fn answer(&self) -> &ControlOutput<S> {
         &self.answer
     }
 
@@ -84,12 +84,12 @@ impl<S: Scalar> Followed<S> {
         (shared, control): (&Shared, &Control<S>),
         inputs: &Inputs,
         sample: Option<&Sample<S>>,
-        pass: impl FnOnce(&Answer<S>) -> Passed<S>,
+        pass: impl FnOnce(&ControlOutput<S>) -> LimitedCommand<S>,
     ) -> S {
         let sample = sample.filter(|sample| sample.sensors.iter().all(|&value| finite(value)));
         self.command = match sample {
             Some(sample) => self.act((shared, control), inputs, sample, pass),
-            None => pass(&Answer { command: self.command, ..self.answer }).command,
+            None => pass(&ControlOutput { command: self.command, ..self.answer }).command,
         };
         self.command
     }
@@ -100,17 +100,17 @@ impl<S: Scalar> Followed<S> {
         (shared, control): (&Shared, &Control<S>),
         inputs: &Inputs,
         sample: &Sample<S>,
-        pass: impl FnOnce(&Answer<S>) -> Passed<S>,
+        pass: impl FnOnce(&ControlOutput<S>) -> LimitedCommand<S>,
     ) -> S {
         self.place(control, &sample.sensors);
         let (answer, mut passed) = (&mut self.answer, None);
         let law = (&mut self.feeling, &mut self.remembered);
-        let written = control.command(shared, law, inputs, sample, |found| {
-            *answer = *found;
-            let now = pass(found);
+        let written = control.command(shared, law, inputs, sample, |output| {
+            *answer = *output;
+            let now = pass(output);
             passed = Some(now);
             // Where nothing is changed, the law goes on to the very bit.
-            differ(now.command, found.command).then_some(now.command)
+            differ(now.command, output.command).then_some(now.command)
         });
         // The model asks once, always.
         let Some(passed) = passed else { return written.zero() };
@@ -137,7 +137,7 @@ impl<S: Scalar> Followed<S> {
         let [zero, there] = &self.at_rest;
         let share = (sensors[2] - zero[2]) / (there[2] - zero[2]);
         let sensors_there = core::array::from_fn(|k| zero[k] + (there[k] - zero[k]) * share);
-        self.remembered = control.looking_on(sensors_there);
+        self.remembered = control.initial_estimate(sensors_there);
         self.rest(control, sensors[2]);
     }
 

@@ -4,11 +4,11 @@ use crate::feel::{Feel, Programmed, count};
 use crate::resources::Resources;
 use crate::variables::{Kind, MOST_OUTPUTS, shown};
 use forcefeel_model::Scalar;
-use forcefeel_model::control::{Feeling, Remembered, Sample};
-use forcefeel_model::controller::{Timing, UnderWay};
+use forcefeel_model::control::{FeelState, LawState, Sample};
+use forcefeel_model::controller::{CommandDelay, Timing};
 use forcefeel_model::drive::Drive;
 use forcefeel_model::effects::Effects;
-use forcefeel_model::machine::{Begun, Equilibrium, Inputs, Machine, Memory, Shared, State};
+use forcefeel_model::machine::{Equilibrium, Inputs, Machine, Memory, Shared, State, StepStart};
 use forcefeel_model::observer::Observer;
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
@@ -38,7 +38,7 @@ pub(crate) struct Given<S> {
 
 /// A loader's numbers, worked out: what does not change from step to step but with the feel.
 #[derive(Debug, Clone)]
-pub(crate) struct Made<S: Scalar, D: Drive<S>> {
+pub(crate) struct StepConstants<S: Scalar, D: Drive<S>> {
     kind: Kind,
     parameters: Parameters<S>,
     timing: Timing,
@@ -54,15 +54,15 @@ pub(crate) struct Made<S: Scalar, D: Drive<S>> {
     serialize = "S: Serialize, S::Mask: Serialize, D::Memory: Serialize",
     deserialize = "S: Deserialize<'de>, S::Mask: Deserialize<'de>, D::Memory: Deserialize<'de>"
 ))]
-pub(crate) struct Course<S: Scalar, D: Drive<S>> {
+pub(crate) struct StepState<S: Scalar, D: Drive<S>> {
     /// Loader and machine: the machine, with law and feel of a loader.
     state: State<S, D>,
     memory: Memory<S>,
     /// Machine: commands on their way.
-    under_way: UnderWay<S>,
+    under_way: CommandDelay<S>,
     /// Law: feel, and what the law remembers.
-    feeling: Feeling<S>,
-    remembered: Remembered<S>,
+    feeling: FeelState<S>,
+    remembered: LawState<S>,
     /// Force of a hand that holds the column in N, and the step at which it lets go.
     hand: f64,
     held_until: usize,
@@ -75,7 +75,7 @@ pub(crate) struct Course<S: Scalar, D: Drive<S>> {
     step: usize,
 }
 
-impl<S: Scalar, D: Drive<S>> Made<S, D> {
+impl<S: Scalar, D: Drive<S>> StepConstants<S, D> {
     /// The loader with these values under the feel and the law of now, `like` a number of its kind.
     pub fn new(resources: &Resources, values: &[f64; COUNT], feel: &Feel, like: S) -> Self {
         let setup = &resources.setup;
@@ -117,7 +117,7 @@ impl<S: Scalar, D: Drive<S>> Made<S, D> {
     pub fn go(
         &mut self,
         resources: &Resources,
-        (course, feel): (&mut Course<S, D>, &mut Feel),
+        (course, feel): (&mut StepState<S, D>, &mut Feel),
         given: &Given<S>,
         (steps, change_steps): (usize, usize),
     ) {
@@ -157,7 +157,7 @@ impl<S: Scalar, D: Drive<S>> Made<S, D> {
     }
 
     /// The hand that holds the column, with the slope of the pilot's force.
-    fn hold(course: &mut Course<S, D>, given: &Given<S>) {
+    fn hold(course: &mut StepState<S, D>, given: &Given<S>) {
         if !S::HAS_SLOPE {
             return;
         }
@@ -171,8 +171,8 @@ impl<S: Scalar, D: Drive<S>> Made<S, D> {
     }
 
     /// The start of a step up to what is seen.
-    fn begin(&self, course: &mut Course<S, D>, inputs: &Inputs, given: &Given<S>) -> Begun<S, D> {
-        let Course { state, memory, noise, .. } = course;
+    fn begin(&self, course: &mut StepState<S, D>, inputs: &Inputs, given: &Given<S>) -> StepStart<S, D> {
+        let StepState { state, memory, noise, .. } = course;
         let like = given.command;
         let mut normal = || {
             let [column, grip] = noise;
@@ -194,7 +194,7 @@ impl<S: Scalar, D: Drive<S>> Made<S, D> {
     }
 
     /// A step.
-    fn step(&self, course: &mut Course<S, D>, feel: &Feel, given: &Given<S>) {
+    fn step(&self, course: &mut StepState<S, D>, feel: &Feel, given: &Given<S>) {
         let inputs = self.inputs(given, feel, course.step);
         if self.kind == Kind::Law {
             self.act(course, &inputs, given);
@@ -210,7 +210,7 @@ impl<S: Scalar, D: Drive<S>> Made<S, D> {
     }
 
     /// A period of the law alone.
-    fn act(&self, course: &mut Course<S, D>, inputs: &Inputs, given: &Given<S>) {
+    fn act(&self, course: &mut StepState<S, D>, inputs: &Inputs, given: &Given<S>) {
         let zero = given.command.zero();
         let sample = Sample { sensors: given.sensed, pilot_force: zero };
         let (torque, law) = (&mut course.torque, (&mut course.feeling, &mut course.remembered));
@@ -225,17 +225,17 @@ impl<S: Scalar, D: Drive<S>> Made<S, D> {
     }
 
     /// What is seen at the start of the step that comes next, under what is given.
-    pub fn look(&self, course: &Course<S, D>, feel: &Feel, given: &Given<S>) -> [S; MOST_OUTPUTS] {
-        let mut found = [given.command.zero(); MOST_OUTPUTS];
+    pub fn look(&self, course: &StepState<S, D>, feel: &Feel, given: &Given<S>) -> [S; MOST_OUTPUTS] {
+        let mut outputs = [given.command.zero(); MOST_OUTPUTS];
         let mut next = 0;
         let mut put = |value: S| {
-            found[next.min(MOST_OUTPUTS - 1)] = value;
+            outputs[next.min(MOST_OUTPUTS - 1)] = value;
             next += 1;
         };
         if self.kind == Kind::Law {
             let [delta, rate] = course.feeling.motion.at;
             [delta, rate, course.command, course.torque].into_iter().for_each(put);
-            return found;
+            return outputs;
         }
         let mut course = course.clone();
         let inputs = self.inputs(given, feel, course.step);
@@ -245,13 +245,13 @@ impl<S: Scalar, D: Drive<S>> Made<S, D> {
         if self.kind == Kind::Machine {
             course.sensed.into_iter().for_each(put);
         }
-        found
+        outputs
     }
 }
 
-impl<D: Drive<f64>> Made<f64, D> {
+impl<D: Drive<f64>> StepConstants<f64, D> {
     /// Where a run begins.
-    pub fn start(&self, start: Start, seed: u64, given: &Given<f64>) -> Course<f64, D> {
+    pub fn start(&self, start: Start, seed: u64, given: &Given<f64>) -> StepState<f64, D> {
         let around = Inputs { trim: [given.trim; 2], stiffness_factor: [given.stiffness_factor; 2], ..Inputs::NONE };
         let beginning = start.of(&self.machine, &self.shared, &[around]);
         let equilibrium = &beginning.equilibrium;
@@ -267,9 +267,9 @@ impl<D: Drive<f64>> Made<f64, D> {
             noise.set_stream(stream);
             noise
         });
-        Course {
+        StepState {
             state,
-            under_way: UnderWay::holding(equilibrium.command()),
+            under_way: CommandDelay::holding(equilibrium.command()),
             feeling,
             remembered: *memory.control(),
             memory,
@@ -284,7 +284,7 @@ impl<D: Drive<f64>> Made<f64, D> {
     }
 }
 
-impl<S: Scalar, D: Drive<S>> Course<S, D> {
+impl<S: Scalar, D: Drive<S>> StepState<S, D> {
     /// Steps since the start.
     pub fn steps(&self) -> usize {
         self.step

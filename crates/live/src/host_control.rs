@@ -10,12 +10,12 @@ use crate::setup::Setup;
 use forcefeel_model::curve::Curve;
 use forcefeel_model::host::effects::Held;
 use forcefeel_model::host::packet::switches;
-use forcefeel_model::host::{Effects, FromHost, Stream, ToHost};
-use forcefeel_model::supervisor::{Allowed, Function};
+use forcefeel_model::host::{FromHost, HostEffects, Stream, ToHost};
+use forcefeel_model::supervisor::{Function, SupervisorOutput};
 
 /// What a host wants of a cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct OfHost {
+pub struct HostRequest {
     /// Neutral in rad, beside the person's.
     pub neutral: f64,
     /// Factor on the spring.
@@ -30,7 +30,7 @@ pub struct OfHost {
     pub holds_back: bool,
 }
 
-impl OfHost {
+impl HostRequest {
     /// No host.
     pub const NONE: Self =
         Self { neutral: 0.0, stiffness_factor: 1.0, added_force: 0.0, shaker: 0.0, age: None, holds_back: false };
@@ -38,19 +38,19 @@ impl OfHost {
 
 /// A host's packets and what they do.
 #[derive(Debug, Clone)]
-pub struct Guided {
+pub struct HostControl {
     stream: Stream,
-    effects: Effects,
+    effects: HostEffects,
     grip_arm: f64,
     factor: Option<(Curve, [f64; 2])>,
     host_share: f64,
     /// The programmed control's angle.
     angle: f64,
     answers: u32,
-    heard: bool,
+    received: bool,
 }
 
-impl Guided {
+impl HostControl {
     /// Nothing has come yet.
     pub fn new(setup: &Setup) -> Self {
         let (parameters, period_s) = (setup.parameters(), setup.period_s());
@@ -60,20 +60,20 @@ impl Guided {
         });
         Self {
             stream: Stream::new(period_s),
-            effects: Effects::new(period_s, grip_arm),
+            effects: HostEffects::new(period_s, grip_arm),
             grip_arm,
             factor,
             host_share: 0.0,
             angle: 0.0,
             answers: 0,
-            heard: false,
+            received: false,
         }
     }
 
     /// A packet has come.
     pub fn take(&mut self, packet: &FromHost) {
         self.stream.take(packet);
-        self.heard = true;
+        self.received = true;
     }
 
     /// Share of the host's values in the last cycle.
@@ -82,7 +82,11 @@ impl Guided {
     }
 
     /// One sample on, of a control that is held so but for the pressure's factor.
-    pub fn step<F: Fn(f64, f64) -> f64>(&mut self, held: &Held<F>, allowed: Option<&Allowed<f64>>) -> OfHost {
+    pub fn step<F: Fn(f64, f64) -> f64>(
+        &mut self,
+        held: &Held<F>,
+        allowed: Option<&SupervisorOutput<f64>>,
+    ) -> HostRequest {
         self.stream.step();
         // A feel that gives no number is the supervisor's matter; nothing is to remember it.
         self.angle = if held.angle.is_finite() { held.angle } else { self.angle };
@@ -98,20 +102,20 @@ impl Guided {
             .map_or(1.0, |(curve, [low, high])| 1.0 + self.host_share * (curve.at(pressure.clamp(*low, *high)) - 1.0));
         let force = |angle, factor| (held.force)(angle, factor * of_pressure);
         let held = Held { angle: self.angle, spring: held.spring, force };
-        let told = self.effects.step(&held, &values, on, share);
-        OfHost {
-            neutral: told.neutral,
-            stiffness_factor: told.stiffness_factor * of_pressure,
-            added_force: told.torque / self.grip_arm,
-            shaker: told.shaker,
+        let command = self.effects.step(&held, &values, on, share);
+        HostRequest {
+            neutral: command.neutral,
+            stiffness_factor: command.stiffness_factor * of_pressure,
+            added_force: command.torque / self.grip_arm,
+            shaker: command.shaker,
             age: Some(age.unwrap_or(u32::MAX)),
             holds_back: self.host_share > 0.0 && on & switches::ACTIVE == 0,
         }
     }
 
     /// What it is told of a cycle, once for each that brought a packet.
-    pub fn answer(&mut self, row: &Row, allowed: Option<&Allowed<f64>>) -> Option<ToHost> {
-        if !core::mem::take(&mut self.heard) {
+    pub fn answer(&mut self, row: &Row, allowed: Option<&SupervisorOutput<f64>>) -> Option<ToHost> {
+        if !core::mem::take(&mut self.received) {
             return None;
         }
         let allowed = allowed?;

@@ -2,9 +2,9 @@
 
 /// Samples in a row in which a condition held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Lasting(u32);
+pub struct Debounce(u32);
 
-impl Lasting {
+impl Debounce {
     /// One sample more; whether it has now lasted for so many.
     #[inline(always)]
     pub fn holds(&mut self, condition: bool, samples: u32) -> bool {

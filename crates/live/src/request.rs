@@ -1,19 +1,19 @@
 //! What is asked of a running loop. Wishes go through a ring, by value, and into the record with the cycle that took them.
 
-pub use forcefeel_model::around::Around;
 use forcefeel_model::host::FromHost;
 use forcefeel_model::host::packet::HOST_NUMBERS;
+pub use forcefeel_model::modifiers::FeelModifiers;
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::COUNT;
 
 /// A wish.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "a ring holds values: nothing is to be freed in the loop")]
-pub enum Wish {
+pub enum LoopRequest {
     /// Another feel, and the law that goes with it.
-    Feel(FeelWish),
+    Feel(FeelRequest),
     /// Where trim, dynamic pressure and shaker are to go.
-    Around(Around),
+    FeelModifiers(FeelModifiers),
     /// The feel is to come.
     On,
     /// Power without feel.
@@ -30,7 +30,7 @@ pub enum Wish {
 
 /// Another feel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FeelWish {
+pub struct FeelRequest {
     /// Values of the parameter table, of which those of the feel count.
     pub values: [f64; COUNT],
     /// The law with an observer that goes with it; the one of before if there is none.
@@ -39,15 +39,15 @@ pub struct FeelWish {
     pub cycles: u32,
 }
 
-impl Wish {
+impl LoopRequest {
     /// The wish as a name and numbers.
     pub fn numbers(&self) -> (&'static str, Vec<f64>) {
         match self {
-            Self::Feel(FeelWish { values, observer, cycles }) => {
+            Self::Feel(FeelRequest { values, observer, cycles }) => {
                 let law = observer.iter().flatten();
                 ("feel", [f64::from(*cycles)].iter().chain(values).chain(law).copied().collect())
             }
-            Self::Around(Around { trim_rad, stiffness_factor, shaker }) => {
+            Self::FeelModifiers(FeelModifiers { trim_rad, stiffness_factor, shaker }) => {
                 ("around", vec![*trim_rad, *stiffness_factor, *shaker])
             }
             Self::On => ("on", vec![]),
@@ -70,10 +70,10 @@ impl Wish {
                 let observer = if law.is_empty() { None } else { Some(law.try_into().ok()?) };
                 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it was a u32")]
                 let cycles = *cycles as u32;
-                Self::Feel(FeelWish { values: *values, observer, cycles })
+                Self::Feel(FeelRequest { values: *values, observer, cycles })
             }
             ("around", &[trim_rad, stiffness_factor, shaker]) => {
-                Self::Around(Around { trim_rad, stiffness_factor, shaker })
+                Self::FeelModifiers(FeelModifiers { trim_rad, stiffness_factor, shaker })
             }
             ("on", []) => Self::On,
             ("passive", []) => Self::Passive,

@@ -1,8 +1,8 @@
 //! What makes out an instance, as numbers: kept, taken back, written down.
 
-use crate::course::Course;
 use crate::feel::{Feel, Programmed};
 use crate::resources::Resources;
+use crate::step_state::StepState;
 use crate::values::Variables;
 use crate::variables::{MOST_INPUTS, OPTIONS};
 use forcefeel_model::drive::electric::Electric;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 /// What makes out an instance: a plain copy, with nothing but numbers in it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Kept {
+pub struct InstanceState {
     pub(crate) values: Vec<f64>,
     pub(crate) options: [f64; OPTIONS.len()],
     pub(crate) inputs: [f64; MOST_INPUTS],
@@ -27,12 +27,12 @@ pub struct Kept {
     pub(crate) feel: Feel,
     pub(crate) course: Option<AnyCourse>,
     /// The last communication step, for derivatives.
-    pub(crate) before: Option<Before>,
+    pub(crate) before: Option<StepRestorePoint>,
 }
 
 /// Where a communication step began, and what was given for it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct Before {
+pub(crate) struct StepRestorePoint {
     pub feel: Feel,
     pub course: AnyCourse,
     pub inputs: [f64; MOST_INPUTS],
@@ -42,11 +42,11 @@ pub(crate) struct Before {
 /// The course of a loader with either drive.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) enum AnyCourse {
-    Hydraulic(Box<Course<f64, Hydraulic<f64>>>),
-    Electric(Box<Course<f64, Electric<f64>>>),
+    Hydraulic(Box<StepState<f64, Hydraulic<f64>>>),
+    Electric(Box<StepState<f64, Electric<f64>>>),
 }
 
-impl Kept {
+impl InstanceState {
     /// Before anything is set.
     pub(crate) fn new(resources: &Resources, variables: &Variables) -> Self {
         let values = resources.setup.values.to_vec();

@@ -16,7 +16,7 @@ const SHAKER_RATE: f64 = 5.0;
 
 /// What the feel is told from outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Around<S = f64> {
+pub struct FeelModifiers<S = f64> {
     /// Commanded neutral in rad.
     pub trim_rad: S,
     /// Factor on the feel's spring.
@@ -25,14 +25,14 @@ pub struct Around<S = f64> {
     pub shaker: S,
 }
 
-impl Around {
+impl FeelModifiers {
     /// Nothing: the spring as it is.
     pub const NONE: Self = Self { trim_rad: 0.0, stiffness_factor: 1.0, shaker: 0.0 };
 }
 
 /// What a feel says of how it is led.
 #[derive(Debug, Clone, Copy)]
-pub struct Pace<S> {
+pub struct ModifierRates<S> {
     /// Its own limit of the trim's rate, in rad/s.
     pub trim_rate: S,
     /// Of its shaker, in rad/s.
@@ -43,30 +43,30 @@ pub struct Pace<S> {
 
 /// What is led to where it is wanted.
 #[derive(Debug, Clone, Copy)]
-pub struct Led<S> {
-    now: Around<S>,
+pub struct ModifierRamp<S> {
+    now: FeelModifiers<S>,
     /// Turns of the shaker since the last whole one.
     turns: S,
 }
 
-impl<S: Scalar> Led<S> {
+impl<S: Scalar> ModifierRamp<S> {
     /// From the spring as it is, its neutral at an angle.
     #[inline(always)]
     pub fn at(trim_rad: S) -> Self {
         let zero = trim_rad.zero();
-        let now = Around { trim_rad, stiffness_factor: zero.constant(1.0), shaker: zero };
+        let now = FeelModifiers { trim_rad, stiffness_factor: zero.constant(1.0), shaker: zero };
         Self { now, turns: zero }
     }
 
     /// A period nearer to what is wanted.
     #[inline(always)]
-    pub fn step(&mut self, wanted: &Around<S>, pace: &Pace<S>) -> Around<S> {
+    pub fn step(&mut self, wanted: &FeelModifiers<S>, pace: &ModifierRates<S>) -> FeelModifiers<S> {
         let towards = |now: S, wanted: S, rate: S| {
             if finite(wanted) { now + (wanted - now).within(rate * pace.period) } else { now }
         };
         let (now, like) = (self.now, pace.period);
         let trim_rate = pace.trim_rate.min(like.constant(TRIM_RATE));
-        self.now = Around {
+        self.now = FeelModifiers {
             trim_rad: towards(now.trim_rad, wanted.trim_rad, trim_rate),
             stiffness_factor: towards(
                 now.stiffness_factor,
@@ -80,7 +80,7 @@ impl<S: Scalar> Led<S> {
 
     /// The swing of a shaker that is on so far, -1 to 1, in this period; once in each.
     #[inline(always)]
-    pub fn swing(&mut self, shaker: S, pace: &Pace<S>) -> S {
+    pub fn swing(&mut self, shaker: S, pace: &ModifierRates<S>) -> S {
         let (turns, one) = (self.turns, shaker.constant(1.0));
         let next = turns + pace.shaker_frequency.times(1.0 / core::f64::consts::TAU) * pace.period;
         self.turns = S::select(next.less(one), next, next - one);

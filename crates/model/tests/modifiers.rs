@@ -2,23 +2,24 @@
 
 use core::f64::consts::TAU;
 use forcefeel_model::Scalar;
-use forcefeel_model::around::{Around, Led, Pace};
+use forcefeel_model::modifiers::{FeelModifiers, ModifierRamp, ModifierRates};
 
 const PERIOD_S: f64 = 1e-3;
 const FREQUENCY: f64 = 20.0 * TAU;
 
-fn pace<S: Scalar>(like: S, trim_rate: f64) -> Pace<S> {
+fn pace<S: Scalar>(like: S, trim_rate: f64) -> ModifierRates<S> {
     let [trim_rate, shaker_frequency, period] = [trim_rate, FREQUENCY, PERIOD_S].map(|value| like.constant(value));
-    Pace { trim_rate, shaker_frequency, period }
+    ModifierRates { trim_rate, shaker_frequency, period }
 }
 
 #[test]
 fn each_goes_at_its_rate_and_arrives() {
-    let (wanted, pace) = (Around { trim_rad: 0.05, stiffness_factor: 1.5, shaker: 1.0 }, pace(0.0, f64::INFINITY));
-    let mut led = Led::at(0.0);
+    let (wanted, pace) =
+        (FeelModifiers { trim_rad: 0.05, stiffness_factor: 1.5, shaker: 1.0 }, pace(0.0, f64::INFINITY));
+    let mut led = ModifierRamp::at(0.0);
     let first = led.step(&wanted, &pace);
     // 0.1 rad/s, 1 and 5 a second, in a millisecond
-    assert_eq!(first, Around { trim_rad: 1e-4, stiffness_factor: 1.001, shaker: 0.005 });
+    assert_eq!(first, FeelModifiers { trim_rad: 1e-4, stiffness_factor: 1.001, shaker: 0.005 });
     for _ in 0..501 {
         led.step(&wanted, &pace);
     }
@@ -27,21 +28,21 @@ fn each_goes_at_its_rate_and_arrives() {
 
 #[test]
 fn a_feel_that_is_trimmed_slower_is_led_slower() {
-    let wanted = Around { trim_rad: -1.0, ..Around::NONE };
-    assert!((Led::at(0.0).step(&wanted, &pace(0.0, 0.04)).trim_rad + 4e-5).abs() < 1e-18); // rounding
+    let wanted = FeelModifiers { trim_rad: -1.0, ..FeelModifiers::NONE };
+    assert!((ModifierRamp::at(0.0).step(&wanted, &pace(0.0, 0.04)).trim_rad + 4e-5).abs() < 1e-18); // rounding
 }
 
 #[test]
 fn what_is_no_number_changes_nothing() {
-    let mut led = Led::at(0.25);
-    let nothing = Around { trim_rad: f64::NAN, stiffness_factor: f64::INFINITY, shaker: f64::NAN };
-    assert_eq!(led.step(&nothing, &pace(0.0, 1.0)), Around { trim_rad: 0.25, ..Around::NONE });
+    let mut led = ModifierRamp::at(0.25);
+    let nothing = FeelModifiers { trim_rad: f64::NAN, stiffness_factor: f64::INFINITY, shaker: f64::NAN };
+    assert_eq!(led.step(&nothing, &pace(0.0, 1.0)), FeelModifiers { trim_rad: 0.25, ..FeelModifiers::NONE });
 }
 
 #[test]
 fn the_shaker_swings_as_a_sine_of_the_time_also_after_an_hour() {
     let (pace, single) = (pace(0.0, 1.0), pace(0.0_f32, 1.0));
-    let (mut led, mut led_single) = (Led::at(0.0), Led::at(0.0_f32));
+    let (mut led, mut led_single) = (ModifierRamp::at(0.0), ModifierRamp::at(0.0_f32));
     for k in 0..3_600_000_u32 {
         let (swing, of_single) = (led.swing(0.5, &pace), led_single.swing(0.5, &single));
         if k % 1000 < 50 {
