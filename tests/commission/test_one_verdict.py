@@ -56,7 +56,7 @@ def test_an_error_of_one_percent_is_not_taken_for_noise():
     found = identify(ff.load("examples/bench-2khz/loader.toml"), data, "k,c,J,alpha,R_p", law="original", starts=1)
     conclusions = identification_conclusions(found, UnitSystem.US)
     assert 0.005 < max(map(unexplained, found.fitted)) < 0.03
-    assert not conclusions.good
+    assert not conclusions.ok
     assert "misses more of shaken, column angle and shaken, piston position than noise" in conclusions.verdict
 
 
