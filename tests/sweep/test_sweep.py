@@ -126,7 +126,7 @@ def test_a_run_of_a_sweep_is_that_loader_s_run():
     for run in (0, 7, 39):
         loader = sweep.loader.with_tolerances(dict.fromkeys(sweep.varied))
         loader = loader.replace({key: float(found[key][run]) for key in sweep.varied}, si=True)
-        alone = simulate(loader, PUSH)
+        alone = simulate(loader, PUSH, "original")
         assert str(found["status"].values[run]) == alone.status
         for name in MEASURES:
             want = getattr(alone.measures, name)

@@ -1,4 +1,4 @@
-"""Methods that were tried, for machines: every number with its unit, and the law that is taken."""
+"""Laws that were tried, for machines: every number with its unit, and the law that is taken."""
 
 from importlib.metadata import version
 
@@ -20,8 +20,8 @@ def choice_json(scored: LawScores, choice: Choice | None, units: UnitSystem) -> 
     """What was tried, what is taken, and why.
 
     Args:
-        scored: The methods.
-        choice: The choice; ``None`` for one method that was asked for by name.
+        scored: The laws.
+        choice: The choice; ``None`` for one law that was asked for by name.
         units: Of every number but those of the law, which are SI.
     """
     plan, loader = scored.plan, scored.plan.loader

@@ -1,6 +1,6 @@
-"""How a method is chosen, in words that can be argued with.
+"""How a law is chosen, in words that can be argued with.
 
-A method is eligible if, with the nominal plant and hands off,
+A law is eligible if, with the nominal plant and hands off,
 
 1. it is stable at the loader's own setting and at every setting of the grid;
 2. at the loader's own setting its loop bears twice and half the gain (``LEAST_GAIN``, 6 dB), ``LEAST_PHASE_RAD`` of lag or lead,
@@ -57,10 +57,10 @@ CLOSE = 0.01
 
 @dataclass(frozen=True)
 class Remark:
-    """Why a method is chosen, or not.
+    """Why a law is chosen, or not.
 
     Attributes:
-        name: The method.
+        name: The law.
         eligible: Whether it may be chosen.
         sentence: Why it is chosen, or why not.
     """
@@ -72,11 +72,11 @@ class Remark:
 
 @dataclass(frozen=True)
 class Choice:
-    """The method that is chosen, and why.
+    """The law that is chosen, and why.
 
     Attributes:
         chosen: Its name; ``None`` where none is eligible.
-        remarks: One for each method, the chosen one first.
+        remarks: One for each law, the chosen one first.
 
     Example:
         >>> import forcefeel as ff
@@ -89,10 +89,10 @@ class Choice:
 
 
 def choose(scored: LawScores, least: float = 0.0, reserve: Reserve = USUAL) -> Choice:
-    """Chooses among methods that were scored over the envelope, by the rule of this file.
+    """Chooses among laws that were scored over the envelope, by the rule of this file.
 
     Args:
-        scored: The methods.
+        scored: The laws.
         least: The nominal share that is asked for; none if not given.
         reserve: What the loop at the own setting is to bear.
 
@@ -118,7 +118,7 @@ def choose(scored: LawScores, least: float = 0.0, reserve: Reserve = USUAL) -> C
 
 
 def obstacles(score: Score, period_s: float, reserve: Reserve = USUAL) -> list[str]:
-    """What keeps a method from being chosen; empty for one that is eligible."""
+    """What keeps a law from being chosen; empty for one that is eligible."""
     own, margins = score.own, score.own.margins
     if not own.stable:
         return ["it is unstable at the loader's own setting"]
@@ -167,12 +167,12 @@ def _why(best: Score, eligible: int) -> str:
         f"{share_text(shares.nominal_share)} with the nominal plant"
     )
     if eligible == 1:
-        return f"{what}; no other method is eligible."
-    return f"{what}: the best of the {eligible} methods that are eligible."
+        return f"{what}; no other law is eligible."
+    return f"{what}: the best of the {eligible} laws that are eligible."
 
 
 def _behind(score: Score, best: Score, least: float) -> str:
-    """The first figure of the rule in which an eligible method falls behind."""
+    """The first figure of the rule in which an eligible law falls behind."""
     name = capital(score.name)
     mine, its = _share(score, "nominal_share"), _share(best, "nominal_share")
     if mine < min(least, its):

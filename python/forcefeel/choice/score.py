@@ -1,4 +1,4 @@
-"""Methods tried on one loader, and what each is worth: over the envelope, on the drive, on noise and on margins."""
+"""Laws tried on one loader, and what each is worth: over the envelope, on the drive, on noise and on margins."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -28,7 +28,7 @@ from forcefeel.units import show
 COARSE: Mapping[str, str] = MappingProxyType(
     {"stiffness": "1..100 %:6:log", "frequency": "0.5..4 Hz:4:log", "damping": "0.1, 0.3, 0.7, 1.5"}
 )
-"""Some hundred settings: enough to tell methods apart in a minute."""
+"""Some hundred settings: enough to tell laws apart in a minute."""
 
 _OF_THE_REPORT = MappingProxyType(
     {
@@ -41,7 +41,7 @@ _OF_THE_REPORT = MappingProxyType(
 
 @dataclass(frozen=True, eq=False)
 class OverEnvelope:
-    """What a method does over the settings of a grid.
+    """What a law does over the settings of a grid.
 
     Attributes:
         shares: Stable, and within tolerance: nominally and in every case.
@@ -58,7 +58,7 @@ class OverEnvelope:
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """What one method is worth.
+    """What one law is worth.
 
     Attributes:
         name: Its name.
@@ -81,11 +81,11 @@ class Score:
 
 @dataclass(frozen=True, eq=False)
 class LawScores:
-    """Methods and what they were tried on.
+    """Laws and what they were tried on.
 
     Attributes:
         plan: Loader, settings, rule and cases.
-        scores: One for each method.
+        scores: One for each law.
 
     Example:
         >>> import forcefeel as ff
@@ -113,11 +113,11 @@ def score_laws(
     progress: Progress = lambda done, total: None,
     **options: Unpack[PlanOptions],
 ) -> LawScores:
-    """Designs with each method and scores it.
+    """Scores each law.
 
     Args:
         loader: The loader. Its own setting is where single laws are looked at; optional rows of the feel and an arm are left out.
-        names: Methods, names of ``law.NAMED_LAWS``; all that the loader can run if not given.
+        names: Laws, names of ``law.NAMED_LAWS``; all that the loader can run if not given.
         grid: Settings, as ``envelope`` takes them.
         over_envelope: Whether to try each over the grid too, which takes most of the time.
         threads: How many; all cores if not given.
@@ -128,7 +128,7 @@ def score_laws(
         A score for each, in the order of their names.
 
     Raises:
-        InputError: If an argument is bad, or a method needs a digital controller that the loader has not.
+        InputError: If an argument is bad, or a law needs a digital controller that the loader has not.
 
     Example:
         >>> import forcefeel as ff
@@ -148,7 +148,7 @@ def score_laws(
 
 
 def check_names(loader: Loader, names: Sequence[str]) -> None:
-    """Refuses a method that is not there, or that the loader cannot run.
+    """Refuses a law that is not there, or that the loader cannot run.
 
     Raises:
         InputError: If so.
@@ -158,26 +158,26 @@ def check_names(loader: Loader, names: Sequence[str]) -> None:
         if name in NAMED_LAWS and loader.drive not in drives_of(name):
             raise of_another_drive(name, loader)
         if name == GRIP and name not in able and loader["controller.period"]:
-            raise InputError(f"method: {no_sensor(loader)}")
+            raise InputError(f"law: {no_sensor(loader)}")
         if name in NAMED_LAWS and name not in able:
             raise InputError(
-                f"method: {name} is made for a digital controller, and the loader is analog; give controller.period and "
+                f"law: {name} is made for a digital controller, and the loader is analog; give controller.period and "
                 f"controller.delay, for example 0.5 ms each, or take the built-in loader elevator-2khz; without them there are "
                 f"{', '.join(able)}"
             )
         if name not in able and not name.endswith(LAW_FILE):
-            raise InputError(f"method: expected {', '.join(able)}, got {show(name)}")
+            raise InputError(f"law: expected {', '.join(able)}, got {show(name)}")
 
 
 def summary_of(name: str) -> str:
-    """What a method is, in a line."""
+    """What a law is, in a line."""
     if name.endswith(LAW_FILE):
         return "the law of a file, as it is"
     return LAW_DESIGNS[name].summary if name in LAW_DESIGNS else _OF_THE_REPORT[name]
 
 
 def score_over(plan: Plan, score: Score, found: Envelope) -> Score:
-    """A method's score, with what it does over an envelope of the plan."""
+    """A law's score, with what it does over an envelope of the plan."""
     name = score.name
     feel = plan.settings.feel(plan.loader)
     laws = Law.of(plan.laws[name], plan.loader, feel, name)

@@ -1,6 +1,6 @@
 """A flight schedule: a feel and its sampled law at every knot, and by interpolation between them.
 
-``I``, ``B``, ``G`` and every number of the law are linear along each axis between two knots. The laws of a loader by one method
+``I``, ``B``, ``G`` and every number of the law are linear along each axis between two knots. The laws of a loader by one design
 share the coordinates of their observers, so a law between two says what lies between what the two say.
 """
 
@@ -47,7 +47,7 @@ class FlightSchedule:
 
     Attributes:
         loader: What the laws were designed for.
-        law: By which method.
+        law: Name of the law.
         axes: One to three axes.
         feel: I, B, G in SI units at the knots, (values of each axis ..., 3).
         laws: The law of each knot, the last axis running fastest.
@@ -161,7 +161,7 @@ def design_schedule(
 
     Raises:
         InputError: If the loader has no period, the feel has another shape or leaves the range of a loader's I, B, G, or the
-            method is unknown.
+            law is unknown.
 
     Example:
         >>> import forcefeel as ff

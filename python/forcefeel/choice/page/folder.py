@@ -1,4 +1,4 @@
-"""The folder of methods that were tried: the page and the results, whole or not at all."""
+"""The folder of laws that were tried: the page and the results, whole or not at all."""
 
 from pathlib import Path
 
@@ -9,23 +9,23 @@ from forcefeel.json_values import json_text
 from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
-PAGE, RESULTS = "compensate.html", "results.json"
+PAGE, RESULTS = "law.html", "results.json"
 """Names in the folder."""
 
-FOLDER = OutputFolder("the methods", (PAGE, RESULTS))
+FOLDER = OutputFolder("the laws", (PAGE, RESULTS))
 """Checked before the work, written after it."""
 
 
 def write_choice(
     scored: LawScores, choice: Choice | None, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
 ) -> Path:
-    """Writes ``results.json`` and ``compensate.html``, the page last.
+    """Writes ``results.json`` and ``law.html``, the page last.
 
     What is there stays until the new files are complete; other files in the folder are left alone.
 
     Args:
-        scored: The methods.
-        choice: The choice among them; ``None`` for one method that was asked for by name.
+        scored: The laws.
+        choice: The choice among them; ``None`` for one law that was asked for by name.
         out: The folder; made if it is not there.
         units: The units of every number but those of the law in ``results.json``, which are SI.
         replace: Whether the new files may take the place of others.

@@ -1,4 +1,4 @@
-"""The page of methods that were tried: the template filled with pictures, tables and words."""
+"""The page of laws that were tried: the template filled with pictures, tables and words."""
 
 from forcefeel.choice import Choice, LawScores, Score
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
@@ -14,7 +14,7 @@ from forcefeel.units import ANGLE, UnitSystem
 
 
 def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, command: str = "") -> str:
-    """The whole page, numbers in ``units``; ``choice`` is ``None`` for one method that was asked for by name."""
+    """The whole page, numbers in ``units``; ``choice`` is ``None`` for one law that was asked for by name."""
     plan = scored.plan
     shown = _shown(scored, choice)
     over = any(score.over for score in scored.scores)

@@ -1,4 +1,4 @@
-"""The pictures of methods that were tried: the trade-off of their shares, margins and noise as bars, the release."""
+"""The pictures of laws that were tried: the trade-off of their shares, margins and noise as bars, the release."""
 
 from dataclasses import dataclass
 from math import degrees, isfinite
@@ -20,7 +20,7 @@ _SHOWN_PERIODS = 6
 
 
 def trade_off(scored: LawScores, choice: Choice | None) -> go.Figure:
-    """Share within tolerance in every case over the nominal one, a point for each method."""
+    """Share within tolerance in every case over the nominal one, a point for each law."""
     picture = go.Figure()
     points = [(score, *_percent(score)) for score in scored.scores if score.over]
     for (score, x, y), rise in zip(points, _rises(points), strict=True):
@@ -93,7 +93,7 @@ _PIXELS = 3.0
 
 @dataclass(frozen=True)
 class _Row:
-    """One row of bars: a title, a value for each method, and what is asked for, if anything is."""
+    """One row of bars: a title, a value for each law, and what is asked for, if anything is."""
 
     title: str
     values: list[float]
@@ -101,7 +101,7 @@ class _Row:
 
 
 def bars(scored: LawScores, units: UnitSystem) -> go.Figure:
-    """Margins, noise and current of each method at the loader's own setting, a row each."""
+    """Margins, noise and current of each law at the loader's own setting, a row each."""
     rows = _rows(scored, units)
     names = [score.name for score in scored.scores]
     picture = make_subplots(rows=len(rows), cols=1, shared_xaxes=True, vertical_spacing=0.055)

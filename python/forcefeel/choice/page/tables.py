@@ -1,4 +1,4 @@
-"""The tables of methods that were tried: shares, margins, noise and demand, poles, the settings."""
+"""The tables of laws that were tried: shares, margins, noise and demand, poles, the settings."""
 
 from math import degrees, inf, isfinite
 
@@ -17,7 +17,7 @@ _MOST_HZ = 1000.0
 
 
 def shares(scored: LawScores, choice: Choice | None) -> Table:
-    """The shares of the settings that each method renders, and what costs most."""
+    """The shares of the settings that each law renders, and what costs most."""
     rows = []
     for score in scored.scores:
         if score.over is None:
@@ -28,14 +28,14 @@ def shares(scored: LawScores, choice: Choice | None) -> Table:
         most = f"{lost.case}, {share_text(lost.lost)}" if lost else NONE
         name = words(f"{capital(score.name)}{', chosen' if taken else ''}")
         rows.append((name, *(number(share_text(share)) for share in numbers), words(prose_html(most))))
-    head = heads("Method", "Passes in every case", "Passes", "Stable in every case", "Stable")
+    head = heads("Law", "Passes in every case", "Passes", "Stable in every case", "Stable")
     return Table((*head, Cell("Most of what passes is lost with")), tuple(rows))
 
 
 def laws(scored: LawScores) -> Table:
-    """What each method is."""
+    """What each law is."""
     rows = tuple((words(capital(score.name)), words(prose_html(score.summary))) for score in scored.scores)
-    return Table((Cell("Method"), Cell("What it is")), rows)
+    return Table((Cell("Law"), Cell("What it is")), rows)
 
 
 def margins(scored: LawScores) -> Table:
@@ -46,7 +46,7 @@ def margins(scored: LawScores) -> Table:
         if score.over is not None:
             rows.append((words(""), *_margins(score.over.margins, "least")))
     head = (
-        "Method",
+        "Law",
         "At",
         "Gain may fall to",
         "Gain may grow",
@@ -93,7 +93,7 @@ def demands(scored: LawScores, system: UnitSystem) -> Table:
             rows.append((words(""), Cell("largest"), *_demand(score.over.demand), *empty))
     noise = ("Noise, angle, 0.001 deg", heading_text("Noise, on a hand", FORCE, system)) if scored.sampled else ()
     head = (*(f"Peak {name}" for name in demand_shares(scored.scores[0].own.demand)), *noise)
-    return Table((Cell("Method"), Cell("At"), *(Cell(one, "number") for one in head)), tuple(rows))
+    return Table((Cell("Law"), Cell("At"), *(Cell(one, "number") for one in head)), tuple(rows))
 
 
 def _demand(one: AnyDemand) -> tuple[Cell, ...]:
