@@ -1,4 +1,4 @@
-"""``forcefeel law --law`` as a user types it, and the folder that it writes."""
+"""``forcefeel law`` as a user types it, and the folder that it writes."""
 
 import json
 import re
@@ -8,7 +8,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.choice import score as scoring
 from forcefeel.choice.page.folder import PAGE, RESULTS
-from tests.command_line import runner
+from tests.command_line import on_the_report_loader, runner
 
 SMALL = ("--grid", "stiffness=10, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
 FOLDER = "forcefeel-law"
@@ -17,10 +17,11 @@ FOLDER = "forcefeel-law"
 @pytest.fixture
 def run(monkeypatch, capsys, tmp_path):
     """Runs ``forcefeel law ...``; gives exit status, output and error output."""
-    return runner(monkeypatch, capsys, tmp_path, "law", columns=100)
+    call = runner(monkeypatch, capsys, tmp_path, "law", columns=100)
+    return lambda *words: call(*on_the_report_loader(words))
 
 
-def test_one_method_at_the_own_setting(run, tmp_path):
+def test_one_law_at_the_own_setting(run, tmp_path):
     status, out, err = run("elevator-2khz", "--law", "robust")
     assert (status, err) == (0, "")
     assert "Robust is stable" in out
@@ -31,7 +32,7 @@ def test_one_method_at_the_own_setting(run, tmp_path):
     assert "envelope" not in stored["laws"]["robust"]
 
 
-def test_one_method_over_the_envelope(run):
+def test_one_law_over_the_envelope(run):
     status, out, _ = run("--law", "converged", "--envelope", *SMALL, "--json", "--units", "si")
     assert status == 0
     found = json.loads(out)
@@ -58,7 +59,7 @@ def test_none_is_eligible(run):
     grid = ("--grid", "stiffness=1, 100 %", "--grid", "frequency=1, 3 Hz", "--grid", "damping=0.2, 1")
     status, out, _ = run("--law", "auto", *grid)
     assert status == 1
-    assert "None of the 3 methods is eligible" in out
+    assert "None of the 3 laws is eligible" in out
     assert "elevator-2khz" in out
 
 
@@ -72,7 +73,7 @@ def test_an_unstable_law_ends_with_one(run, tmp_path):
     assert "unstable" in out
 
 
-def test_without_a_method_it_is_recursion_22(run, tmp_path):
+def test_default_of_an_analog_loader_is_recursion_22(run, tmp_path):
     status, out, _ = run("--json")
     assert status == 0
     assert set(json.loads(out)) == {"loader", "compensation", "assessment", "peaks"}
@@ -110,14 +111,14 @@ def test_interrupted_writes_nothing(run, tmp_path, monkeypatch):
         (("--law", "auto", "--horizon", "0.05"), "--horizon: is for recursion (22)"),
         (("--law", "best"), "original, published, converged"),
         (("--law", "robust"), "elevator-2khz"),
-        (("--law", "auto", "--envelope"), "--envelope: is for one method"),
+        (("--law", "auto", "--envelope"), "--envelope: is for one law"),
         (("--law", "published", *SMALL), "--grid: is for the envelope"),
         (("--law", "auto", "--grid", "mass=1..2:3"), "unknown axis"),
         (("--law", "auto", "--rule", "part61"), "part60-a-2014"),
-        (("--out", "here"), "--out: is for --law"),
-        (("--replace",), "--replace: is for --law"),
-        (("--envelope",), "--envelope: is for --law"),
-        (SMALL, "--grid: is for --law"),
+        (("--out", "here"), "--out: does not go with --law report"),
+        (("--replace",), "--replace: does not go with --law report"),
+        (("--envelope",), "--envelope: does not go with --law report"),
+        (SMALL, "--grid: does not go with --law report"),
         (("there-is-none.toml", "--law", "auto"), "there-is-none.toml"),
     ],
 )
@@ -127,3 +128,9 @@ def test_bad_input_ends_with_two_and_a_remedy(run, tmp_path, words, message):
     assert message in err
     assert "Traceback" not in err
     assert not list(tmp_path.iterdir())
+
+
+def test_default_of_a_digital_loader_is_robust(run, tmp_path):
+    status, _, _ = run("elevator-2khz", "--out", "laws")
+    assert status == 0
+    assert json.loads((tmp_path / "laws" / RESULTS).read_text())["chosen"] == "robust"

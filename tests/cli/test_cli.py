@@ -9,6 +9,7 @@ import pytest
 import forcefeel as ff
 from forcefeel.cli import main
 from forcefeel.laws.analog import recursion
+from tests.command_line import on_the_report_loader
 
 WHOLE = 0.5
 """lb in/rad: the report's reproduction prints the boundary as a whole number."""
@@ -25,13 +26,18 @@ def run(monkeypatch, capsys, tmp_path):
     monkeypatch.setenv("COLUMNS", "100")
 
     def call(*words):
-        monkeypatch.setattr(sys, "argv", ["forcefeel", *map(str, words)])
+        monkeypatch.setattr(sys, "argv", ["forcefeel", *_words(*map(str, words))])
         with pytest.raises(SystemExit) as ended:
             main()
         printed = capsys.readouterr()
         return ended.value.code or 0, printed.out, printed.err
 
     return call
+
+
+def _words(command, *words):
+    """A command on the report's loader where it names none."""
+    return [command, *(on_the_report_loader(words) if command in ("analyze", "law", "design") else words)]
 
 
 UNSTABLE = {"feel.inertia": "0.6 lb in s^2/rad", "feel.damping": "3.04 lb in s/rad", "feel.stiffness": "96 lb in/rad"}
@@ -81,7 +87,7 @@ def test_every_command_has_help_with_an_example(run, command):
 @pytest.mark.parametrize("units", ["us", "si"])
 def test_new_writes_a_file_that_loads(run, tmp_path, units):
     status, out, _ = run("new", "my.toml", "--units", units)
-    assert (status, out) == (0, "wrote my.toml\n")
+    assert (status, out) == (0, "wrote my.toml; next: forcefeel qualify my.toml, forcefeel law my.toml --law auto\n")
     assert ff.load(tmp_path / "my.toml")["linkage.stiffness"] == pytest.approx(ff.elevator()["linkage.stiffness"])
 
 
@@ -262,9 +268,9 @@ def test_a_law_of_another_rate_is_refused_by_the_option_that_gave_it(run, tmp_pa
         assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("words", ["compensate --law grip", "envelope --law grip", "frontier --law grip"])
+@pytest.mark.parametrize("words", ["law elevator-2khz", "envelope elevator-2khz", "frontier elevator-2khz"])
 def test_the_law_for_the_grips_sensor_is_refused_without_one(run, words):
-    status, _, err = run(*words.split(), "elevator-2khz", "--out", "out")
+    status, _, err = run(*words.split(), "--law", "grip", "--out", "out")
     assert status == 2
     assert "grip needs a force sensor at the grip, and elevator-2khz has none; give grip_sensor.gain" in err
     assert "compensator:" not in err

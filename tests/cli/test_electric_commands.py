@@ -18,15 +18,15 @@ OF_A_VALVE = set(parts(HYDRAULIC)) - set(parts("electric"))
 @pytest.mark.parametrize(
     ("command", "more"),
     [
-        ("law", ()),
-        ("law", ("--converge",)),
+        ("law", ("--law", "report")),
+        ("law", ("--law", "report", "--converge")),
     ],
 )
 def test_what_is_made_for_a_valve_says_what_there_is(monkeypatch, capsys, tmp_path, command, more):
     status, out, error = runner(monkeypatch, capsys, tmp_path, command)(LOADER, *more)
     assert (status, out) == (BAD_INPUT, "")
     assert "has an electric drive" in error
-    assert "compensate --law auto" in error
+    assert "design, law, simulate" in error
 
 
 def test_analyze_tells_what_moves(monkeypatch, capsys, tmp_path):

@@ -174,7 +174,9 @@ def test_a_record_of_any_legal_name_is_read(run, tmp_path, option):
     name = "r" * 240 + ".csv"
     rows = "".join(f"{k / 100},{8 * 2.718 ** (-k / 30) if k > 20 else 8}\n" for k in range(400))
     (tmp_path / name).write_text("time (s),position (deg)\n" + rows)
-    status, _, err = run("qualify", "elevator-1974", option, f"release-25-positive={name}", "--test", "release-25-positive")
+    status, _, err = run(
+        "qualify", "elevator-1974", option, f"release-25-positive={name}", "--test", "release-25-positive"
+    )
     assert status in {0, 1}, err
     status, _, err = run("qualify", "elevator-1974", option, f"wheel={name}", "--replace")
     assert (status, "unknown test 'wheel'" in err) == (2, True)

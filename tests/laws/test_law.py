@@ -238,7 +238,7 @@ def test_bad_names_of_law_files(run, tmp_path):
     for command in (["simulate"], ["qualify"], ["identify", "--data", "x.csv", "--fit", "k"]):
         status, _, err = run(*command, "--law", "best")
         assert status == 2
-        assert "or the file of a law" in err
+        assert "or a law file" in err
     status, _, err = run("law", "elevator-1974", "--save-law", "law.txt")
     assert (status, "whose name ends with .json" in err) == (2, True)
     status, _, err = run("law", "elevator-1974", "--save-law", "none/law.json")

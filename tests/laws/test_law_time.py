@@ -58,8 +58,7 @@ def test_commands_refuse_its_file(monkeypatch, capsys, tmp_path, command):
     path = tmp_path / "law.json"
     ff.Law.of("robust", FAST).save(path)
     call = runner(monkeypatch, capsys, tmp_path, command[0])
-    option = "--law" if command[0] == "law" else "--law"
-    status, _, error = call("elevator-2khz", "--set", "controller.period=1 ms", option, str(path), *command[1:])
+    status, _, error = call("elevator-2khz", "--set", "controller.period=1 ms", "--law", str(path), *command[1:])
     assert status == 2
     assert "made for a controller.period of 0.5 ms, the loader has 1 ms; design it for this loader" in error
 

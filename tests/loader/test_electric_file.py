@@ -305,7 +305,7 @@ def test_a_file_that_only_says_electric_is_told_what_it_needs(path: Path) -> Non
         (
             elevator(),
             "motor.inertia",
-            "motor.inertia: is of a loader with an electric drive; elevator has a hydraulic drive",
+            "motor.inertia: is of a loader with an electric drive; elevator-1974 has a hydraulic drive",
         ),
     ],
     ids=["electric", "hydraulic"],

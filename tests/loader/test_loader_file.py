@@ -474,9 +474,9 @@ def test_zero_and_less_are_refused_where_the_physics_forbids_them(path: Path, ke
                 "load_cell, potentiometer, column_sensor, grip_sensor, controller, feel, pilot, safety, tolerances"
             ],
         ),
-        ([('name = "elevator-1974"', "")], ['name: missing value; add name = "elevator-1974"']),
-        ([('name = "elevator-1974"', "name = 5")], ['name: expected text such as name = "elevator-1974", got 5']),
-        ([('name = "elevator-1974"', 'name = ["a"]')], ['name: expected text such as name = "elevator-1974", got an array']),
+        ([('name = "elevator-1974"', "")], ['name: missing value; add name = "elevator"']),
+        ([('name = "elevator-1974"', "name = 5")], ['name: expected text such as name = "elevator", got 5']),
+        ([('name = "elevator-1974"', 'name = ["a"]')], ['name: expected text such as name = "elevator", got an array']),
         (
             [('name = "elevator-1974"', f'name = "elevator-1974"\n{AREA}')],
             ["area: unknown key; it belongs in the table [actuator]"],
@@ -505,7 +505,7 @@ def test_several_mistakes_give_a_line_each(path: Path) -> None:
 
 def test_an_empty_file_is_answered_with_all_that_it_needs(path: Path) -> None:
     assert complaints(path, "") == [
-        'name: missing value; add name = "elevator-1974"',
+        'name: missing value; add name = "elevator"',
         *(
             f"{part}: missing value; add the table [{part}]"
             for part in {row.part: None for row in required(HYDRAULIC).values()}

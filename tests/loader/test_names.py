@@ -19,7 +19,7 @@ NAMES = ["elevator v1.2", "rig [/2]", "[bold]rig[/] :smile:", "Höhenruder 昇�
 KNOTS = "flaps (deg),stiffness (lb in/rad),frequency (Hz),damping ratio\n0,9600,2,0.2\n1,9000,2,0.2\n"
 COMMANDS = {
     "analyze": (),
-    "law": ("--horizon", "0.05"),
+    "law": ("--law", "report", "--horizon", "0.05"),
     "simulate": ("--duration", "0.5", "--out", "out"),
     "sweep": ("--runs", "4", "--duration", "0.5", "--replace"),
     "excite": ("--fit", "k,c", "--time", "5", "--replace"),

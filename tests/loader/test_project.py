@@ -65,7 +65,8 @@ def test_a_byte_order_mark_is_no_part_of_a_project(cockpit):
         ('[axes]\npitch = "cockpit.toml"\n', "axes.pitch: {folder}/cockpit.toml: is a project"),
         (
             '[axes]\npitch = "sidestick-pitch"\n',
-            "axes.pitch: sidestick-pitch is the name of a built-in loader of stick-pitch; expected one of pitch, such as elevator-1974",
+            "axes.pitch: sidestick-pitch is the name of a built-in loader of stick-pitch; expected one of pitch, such as "
+            "elevator-2khz",
         ),
         ('[axes]\nroll = "own.toml"\n', "axes.roll: elevator-2khz is the name of a built-in loader of pitch"),
         (

@@ -22,7 +22,7 @@ class DesignOptions(LoaderOptions, RecursionOptions, FolderOptions, OutputOption
 
 
 def run(path: LoaderFile = None, /, *, options: DesignOptions = DesignOptions()) -> None:
-    """Analyse a loader, compensate it, and write the report.
+    """Analyze a loader, design its law, and write the report.
 
     On a loader with a digital controller the laws made since the report are tried too, and the best stands beside the report's. An
     electric loader has the best alone: the report's laws, and the options of recursion (22), are for a valve.

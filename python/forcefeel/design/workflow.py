@@ -167,7 +167,7 @@ def design_loader(
     Example:
         >>> import forcefeel as ff
         >>> found = ff.design_loader(ff.elevator())
-        >>> ff.design.conclusions(found, ff.UnitSystem.US).good
+        >>> ff.design.conclusions(found, ff.UnitSystem.US).ok
         True
     """
     from forcefeel.design.motor_design import design_motor  # noqa: PLC0415  python-control, for which analyze need not wait
@@ -198,7 +198,7 @@ def design_servo(
     Example:
         >>> import forcefeel as ff
         >>> found = ff.design.design_servo(ff.elevator())
-        >>> ff.design.conclusions(found, ff.UnitSystem.US).good
+        >>> ff.design.conclusions(found, ff.UnitSystem.US).ok
         True
     """
     check_hydraulic(loader, "the design of the report", "design_loader takes either")
