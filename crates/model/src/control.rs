@@ -13,9 +13,10 @@ use crate::effects::Effects;
 use crate::feel::{FeelConditions, FeelLaw};
 use crate::feel_computer::{FeelComputer, FeelMotion};
 use crate::known_friction::FrictionState;
-use crate::machine::{Inputs, Shared, StepFraction};
-use crate::observer::{Estimate, LawOutput, MOST_STATES, Observer, SAMPLED, quotient};
+use crate::law_vector::{Estimate, MOST_STATES, SAMPLED, quotient};
+use crate::observer::{LawOutput, Observer};
 use crate::parameters::Parameters;
+use crate::run::{Inputs, Shared, StepFraction};
 use crate::transducers::SENSORS;
 
 /// Law, feel and converters of one loader.

@@ -33,7 +33,7 @@
 //! the rate, goes back to B. Friedland and Y.-J. Park (1991, as later papers cite them).
 
 use crate::Scalar;
-use crate::observer::{Estimate, KNOWN, MOST_STATES, SAMPLED, product};
+use crate::law_vector::{Estimate, KNOWN, MOST_STATES, SAMPLED, product};
 
 /// Numbers of it, in the order of [`KnownFriction::take`]: `r`, `b`, then `F`, `M` in N m, `v_s` in rad/s, `l`, `g_-`, `g_+` in N m,
 /// `a`, `q` in N m, `c`, `d`.

@@ -1,12 +1,13 @@
 //! The digital controller's share of a step: when it samples, and when its command arrives.
 
-use super::inputs::Inputs;
 use super::{Equilibrium, Machine, Shared, Snapshot, State};
 use crate::Scalar;
 use crate::control::{FeelState, LawState, Sample};
 use crate::controller::{CommandDelay, Timing};
 use crate::drive::Drive;
 use crate::feel_computer::FeelMotion;
+use crate::run;
+use crate::run::Inputs;
 use crate::transducers::SENSORS;
 
 /// What a digital controller remembers from sample to sample, and its commands on their way.
@@ -65,7 +66,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     }
 }
 
-impl<S: Scalar, D: Drive<S>> State<S, D> {
+impl<S: Scalar, M> run::State<S, M> {
     /// The programmed feel as it stands.
     #[inline(always)]
     pub fn feeling(&self) -> FeelState<S> {

@@ -8,8 +8,8 @@ use crate::Scalar;
 use crate::controller::{MOST_UNDER_WAY, Timing};
 use crate::drive::Drive;
 use crate::drive::hydraulic::Hydraulic;
-use crate::machine::slow::Slow;
 use crate::observer::MOST_STATES;
+use crate::run::Slow;
 use crate::transducers::{SENSORS, SensorReading};
 
 /// Numbers of the state between two periods: `z, q_i, q_i', x_b, w`, `delta, u`, the command held, those under way, the youngest

@@ -9,9 +9,10 @@
 //! To acknowledge does not start anything: after it the person must have wished for off before the loader starts (ISO 13850, 4.1.4).
 
 use super::function::{Action, Function, Functions};
+use super::input::{RequestedMode, SupervisorInput};
 use super::limits::Limits;
+use super::numbers::below;
 use super::search::{Found, Search};
-use super::{SupervisorInput, below};
 use crate::Scalar;
 
 /// State of a loader.
@@ -43,17 +44,6 @@ impl SupervisorState {
             Self::Tripped => "tripped",
         }
     }
-}
-
-/// What the person wants.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RequestedMode {
-    /// No power.
-    Off,
-    /// Power without feel.
-    Passive,
-    /// Feel.
-    Active,
 }
 
 /// Where a loader is in it.
