@@ -94,7 +94,7 @@ def test_it_is_safe_in_time_and_starts_by_itself_no_more(run):
     stop = round(loader["safety.stop_time"] / period)
     silent = [(begin, end) for begin, end in runs(~sampled) if end - begin >= samples]  # a busy machine is late by less
     assert len(silent) == len(CUTS_MS)  # an old sample that came within, taken for one, would have made two of a cut
-    on = [cycle for cycle, name, _ in record.wishes if name == "on"]
+    on = [cycle for cycle, name, _ in record.requests if name == "on"]
     off, active, tripped = (ff.live.STATES.index(name) for name in ("off", "active", "tripped"))
     for lasts_ms, (begin, end), started in zip(CUTS_MS, silent, [*on[1:], len(state)], strict=True):
         assert times[end] - times[begin] > lasts_ms / 1e3 - PASSING * period  # cycles that were missed have no row

@@ -16,7 +16,7 @@ from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
 from forcefeel.qualification.plan.plan import RuleTestCase, rule_plan, trials
 from forcefeel.qualification.plan.records_given import Given, Recognition, given_files
 from forcefeel.qualification.plan.result import Qualification, Section
-from forcefeel.qualification.plan.test_bench import Task, TestBench
+from forcefeel.qualification.plan.bench import Task, TestBench
 from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualification.throw import Throw
