@@ -2,7 +2,7 @@
 
 use crate::blocks::{Blocks, MadeOf};
 use crate::body::Body;
-use crate::controller::{INPUTS, Job, Program, name_of};
+use crate::controller::{INPUTS, Job, Program, is_flag, name_of, place_of};
 use crate::made::made_of;
 use crate::trace::Node;
 use crate::writer::{Numbers, Writer};
@@ -31,7 +31,7 @@ pub struct Source {
 }
 
 /// Displacement and rate of the feel, which are given out.
-const GIVEN: [usize; 2] = [INPUTS.len() + 7, INPUTS.len() + 8];
+const GIVEN: [&str; 2] = ["delta", "delta_rate"];
 
 impl Source {
     /// The law of a job; the names of C begin with `name`.
@@ -42,11 +42,11 @@ impl Source {
         let (step_text, operations) = program(&mut writer, &step, &states, true);
         let (reset_text, _) = program(&mut writer, &reset, &states, false);
         let (same, own) = writer.data(job.values.len());
-        let name = |&place: &usize| (name_of(place), name_of(place).ends_with("stuck"));
+        let name = |&place: &usize| (name_of(place).to_owned(), is_flag(place));
         let ranges = job.ranges();
         Self {
             states: states.iter().map(name).collect(),
-            inputs: writer.inputs.iter().map(|&place| (name_of(place), ranges[place])).collect(),
+            inputs: writer.inputs.iter().map(|&place| (name_of(place).to_owned(), ranges[place])).collect(),
             functions: writer.functions.iter().map(ToString::to_string).collect(),
             step: step_text,
             reset: reset_text,
@@ -62,7 +62,7 @@ fn needed(program: &Program) -> BTreeSet<usize> {
     let graph = &program.graph;
     let of = (0..graph.nodes.len()).map(|place| made_of(graph, place)).collect();
     let made = MadeOf { of, ..MadeOf::default() };
-    let mut states = BTreeSet::from(GIVEN);
+    let mut states: BTreeSet<usize> = GIVEN.iter().filter_map(|name| place_of(name)).collect();
     loop {
         let mut more = states.clone();
         // Placed, since a choice within an arm of its own mask reads nothing of its other arm.

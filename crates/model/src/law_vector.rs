@@ -7,6 +7,9 @@ use crate::Scalar;
 /// Most states; a law with fewer leaves the others at zero.
 pub const MOST_STATES: usize = 9;
 
+/// Names of the states.
+pub const STATE_NAMES: [&str; MOST_STATES] = ["xi_0", "xi_1", "xi_2", "xi_3", "xi_4", "xi_5", "xi_6", "xi_7", "xi_8"];
+
 /// What is sampled: load cell force (N), piston displacement (m), column angle (rad), force at the grip (N).
 pub const SAMPLED: usize = 4;
 

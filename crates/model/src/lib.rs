@@ -66,6 +66,7 @@ pub mod linkage;
 pub mod load_cell;
 pub mod loader;
 pub mod machine;
+pub mod memory;
 pub mod modifiers;
 pub mod observer;
 pub mod parameters;

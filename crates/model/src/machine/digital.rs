@@ -76,7 +76,7 @@ impl<S: Scalar, M> run::State<S, M> {
 
     /// The programmed feel stands so.
     #[inline(always)]
-    fn feels(&mut self, feeling: &FeelState<S>) {
+    pub(super) fn feels(&mut self, feeling: &FeelState<S>) {
         let &FeelState { motion: FeelMotion { at, grip, slider }, neutral } = feeling;
         (self.slow.feel, self.feel, self.slider, self.neutral) = (at, grip, slider, neutral);
     }
