@@ -190,7 +190,7 @@ pub trait Drive<S: Scalar>: Copy + Debug {
         &self,
         plant: &[S; 5],
         balance: &Self::Balance,
-        between: (&Snapshot<S, Self::Balance>, &Snapshot<S, Self::Balance>),
+        between: [&Snapshot<S, Self::Balance>; 2],
         digital: bool,
     ) -> DriveSignals<S>;
     /// At the end of a step: the link met the end of its play on the way.

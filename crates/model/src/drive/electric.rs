@@ -353,13 +353,7 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn seen_between(
-        &self,
-        plant: &[S; 5],
-        balance: &S,
-        (a, b): (&Snapshot<S, S>, &Snapshot<S, S>),
-        _: bool,
-    ) -> DriveSignals<S> {
+    fn seen_between(&self, plant: &[S; 5], balance: &S, [a, b]: [&Snapshot<S, S>; 2], _: bool) -> DriveSignals<S> {
         let mut seen = self.seen(plant, balance, balance.zero());
         seen.signals[WINDING] = (a.signals[WINDING] + b.signals[WINDING]).times(0.5);
         seen.signals[VOLTAGE] = (a.signals[VOLTAGE] + b.signals[VOLTAGE]).times(0.5);

@@ -237,13 +237,16 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         &self,
         plant: &[S; 5],
         balance: &Flow<S>,
-        (a, b): (&Snapshot<S, Flow<S>>, &Snapshot<S, Flow<S>>),
+        [a, b]: [&Snapshot<S, Flow<S>>; 2],
         digital: bool,
     ) -> DriveSignals<S> {
         // The lag itself changes so little over a step that a straight line will do.
-        let between = |lag: &dyn Fn(&Snapshot<S, Flow<S>>) -> S| (lag(a) + lag(b)).times(0.5);
-        let pressure = balance.pressure + between(&|now| now.signals[PRESSURE] - now.balance.pressure);
-        let flow = balance.flow + between(&|now| now.signals[FLOW] - now.balance.flow);
+        let lag = |now: &Snapshot<S, Flow<S>>| {
+            (now.signals[PRESSURE] - now.balance.pressure, now.signals[FLOW] - now.balance.flow)
+        };
+        let (from, to) = (lag(a), lag(b));
+        let pressure = balance.pressure + (from.0 + to.0).times(0.5);
+        let flow = balance.flow + (from.1 + to.1).times(0.5);
         let [from, to] = [a, b].map(|now| now.signals[CURRENT]);
         self.shown(plant[0], pressure, flow, if digital { from } else { (from + to).times(0.5) })
     }

@@ -169,7 +169,7 @@ impl<S: Scalar> Sequence<S> {
                 (self.anchor, self.comes) = (angle, true);
             }
             SupervisorState::Active | SupervisorState::Fading => {
-                self.fade(limits, input.requested == RequestedMode::Active, angle)
+                self.fade(limits, input.requested == RequestedMode::Active, angle);
             }
             SupervisorState::Tripped if newly && self.at_zero && !self.enable && functions.stopping().is_empty() => {
                 (self.tripped, self.cause, self.cut) = (Functions::NONE, None, false);
