@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from .rust_files import CRATES, uses
+
 DOCS = Path(__file__).parents[1] / "docs"
 
 MOST_FLOORS = 14
@@ -27,6 +29,38 @@ def house():
 
 def test_no_modules_import_one_another_in_a_circle(house):
     assert house.circles(house.House.of().imports) == []
+
+
+@pytest.mark.parametrize("crate", sorted(path.parents[1].name for path in CRATES.glob("*/src/lib.rs")))
+def test_no_files_of_a_crate_use_one_another_in_a_circle(house, crate):
+    assert house.circles(uses(CRATES / crate / "src")) == []
+
+
+RUST = {
+    "lib.rs": "mod base; mod drive; mod machine; pub use base::Number;",
+    "base.rs": "pub struct Number; // crate::machine::Machine is no use in a comment",
+    "drive.rs": "pub mod hydraulic; mod kind; pub use kind::Kind; trait Drive { fn run(settings: crate::machine::Settings); }",
+    "drive/hydraulic.rs": "use super::{Drive, Kind as Sort}; use crate::Number;",
+    "drive/kind.rs": "pub enum Kind { A }",
+    "machine.rs": "mod settings; pub use settings::{Settings, Unused}; use crate::drive::{self, Drive};"
+    'const NAME: &str = "crate::Number"; fn new(settings: Settings) { drive::hydraulic::Hydraulic::new() }',
+    "machine/settings.rs": "pub struct Settings; pub struct Unused;",
+}
+
+
+def test_a_path_leads_to_the_file_that_declares_the_name(tmp_path):
+    for name, text in RUST.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    assert uses(tmp_path) == {
+        "lib.rs": set(),
+        "base.rs": set(),
+        "drive.rs": {"machine/settings.rs"},
+        "drive/hydraulic.rs": {"drive.rs", "drive/kind.rs", "base.rs"},
+        "drive/kind.rs": set(),
+        "machine.rs": {"machine/settings.rs", "drive.rs", "drive/hydraulic.rs"},
+        "machine/settings.rs": set(),
+    }
 
 
 def test_rooms_stand_on_floors(house):
@@ -57,7 +91,7 @@ def test_the_picture_is_the_one_that_the_imports_give(house):
 
 
 def test_circles_are_found(house):
-    assert house.circles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
+    assert house.circles({"a": {"b"}, "b": {"c", "e"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
 
 
 def test_a_floor_is_above_all_that_it_imports(house):
