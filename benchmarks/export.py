@@ -75,7 +75,7 @@ int main(void)
     return 0;
 }}
 """
-SETTINGS = "in.share = g[7]; in.from = golden_settings[k][0]; in.to = golden_settings[k][1];"
+SETTINGS = "in.blend = g[7]; in.from = golden_settings[k][0]; in.to = golden_settings[k][1];"
 
 BY_HAND = """
 static const float A[9][9] = {A}, B[9][5] = {B}, C[2][15] = {C};
@@ -161,7 +161,7 @@ def of_firmware(exported: ff.export.Exported, folder: Path) -> tuple[float, int,
     call = "(void)forcefeel_step(&axis, law_settings, 1U, &in, &out);"
     begin = (
         "static forcefeel_axis axis; forcefeel_input in = { 0 }; forcefeel_output out; in.stiffness_factor = 1.0F; "
-        f"(void)forcefeel_init(&axis, sizeof axis, &law_loader, law_settings, 1U); {call} in.wish = 2U; "
+        f"(void)forcefeel_init(&axis, sizeof axis, &law_loader, law_settings, 1U); {call} in.request = 2U; "
         f"for (int k = 0; k < 3000; ++k) {call}"
     )
     before = '#define FORCEFEEL_SINGLE\n#include "law_data.h"'

@@ -29,7 +29,7 @@ int main(void)
     }
     for (int period = 0; period < 4000; ++period) {
         for (int k = 0; k < 2; ++k) {
-            in.wish = ((k == 0) && (period > 0)) ? FORCEFEEL_ACTIVE : FORCEFEEL_OFF;
+            in.request = ((k == 0) && (period > 0)) ? FORCEFEEL_ACTIVE : FORCEFEEL_OFF;
             if (forcefeel_step(&axes[k], roll_settings, roll_SETTINGS, &in, &out[k]) != FORCEFEEL_OK) {
                 return 1;
             }

@@ -1,4 +1,4 @@
-"""Runs in virtual time of which each wish and each force has its cycle: the same on any machine, however busy."""
+"""Runs in virtual time of which each request and each force has its cycle: the same on any machine, however busy."""
 
 import time
 
@@ -10,8 +10,8 @@ from forcefeel.live.setup import live_law, made_of
 from forcefeel.live.starting import MOST_RECORD_BYTES, about_run
 
 
-def planned(loader, force_n, wishes, *, law="robust", host=None, record=None):
-    """Columns of a run under a law, a force of the hand for each cycle, wishes with theirs; recorded where a path is given."""
+def planned(loader, force_n, requests, *, law="robust", host=None, record=None):
+    """Columns of a run under a law, a force of the hand for each cycle, requests with theirs; recorded where a path is given."""
     driven_by = live_law(law, loader)
     setup, steps = made_of(loader, driven_by)
     period, _ = steps.timing
@@ -24,7 +24,7 @@ def planned(loader, force_n, wishes, *, law="robust", host=None, record=None):
         host=host,
         real_time=False,
         cycles=cycles,
-        wishes=wishes,
+        requests=requests,
         record=record and (record, MOST_RECORD_BYTES, cycles, about),
         history=cycles,
     )

@@ -33,14 +33,14 @@ FOLLOWS_RAD = 1.5e-3
 
 def guided(loader, parts, hand=()):
     """Columns of a run under ``robust``: the host's switches and values from a cycle on each, the hand's force likewise."""
-    wishes, ends = [(0, "on", [])], [begin for begin, *_ in parts[1:]] + [parts[-1][0] + 14_000]
+    requests, ends = [(0, "on", [])], [begin for begin, *_ in parts[1:]] + [parts[-1][0] + 14_000]
     for (begin, switches, values), end in zip(parts, ends, strict=True):
         numbers = [*({**NONE, **values}.values())]
-        wishes += [(cycle, "host", [float(cycle), float(switches), *numbers]) for cycle in range(begin, end, APART)]
+        requests += [(cycle, "host", [float(cycle), float(switches), *numbers]) for cycle in range(begin, end, APART)]
     force = np.zeros(ends[-1])
     for begin, newtons in hand:
         force[begin:] = newtons
-    return planned(loader, force, wishes, host="127.0.0.1:0")
+    return planned(loader, force, requests, host="127.0.0.1:0")
 
 
 @pytest.mark.parametrize("name", LOADERS)

@@ -78,7 +78,7 @@ def test_a_simulator_guides_a_running_loop_and_its_silence_gives_the_feel_back(
         taken = running.host.packets
         assert taken >= answer.sequence
     record = ff.live.read_live_record(path)
-    packets = [numbers for _, name, numbers in record.wishes if name == "host"]
+    packets = [numbers for _, name, numbers in record.requests if name == "host"]
     assert len(packets) == taken
     assert np.float32(TRIM_RAD) == packets[0][4]
     assert record.column("neutral_rad").max() == pytest.approx(TRIM_RAD, abs=1e-6)  # of single precision

@@ -69,7 +69,7 @@ def test_a_record_of_it_gives_them_again(tmp_path):
     record = ff.live.read_live_record(tmp_path / "run.mcap")
     assert not record.broken
     assert record.about["law"] == "robust"
-    assert record.wishes[0][:2] == (200, "feel")
+    assert record.requests[0][:2] == (200, "feel")
     for name, values in columns.items():
         assert np.array_equal(record.column(name), values, equal_nan=True), name
     replayed = ff.live.replay(tmp_path / "run.mcap")

@@ -89,12 +89,12 @@ def test_it_is_safe_in_time_and_starts_by_itself_no_more(run):
     times = record.column("time_s")
     sampled, state = record.column("sampled") == 1, record.column("state")
     safe = (record.column("enable") == 0) & (record.column("command") == 0)
-    functions = _core.safety_functions(loader.values, loader.drive, period)
+    functions = _core.safety_functions(loader.si_values, loader.drive, period)
     samples = next(count for name, _, count, *_ in functions if name == "sensors silent")
     stop = round(loader["safety.stop_time"] / period)
     silent = [(begin, end) for begin, end in runs(~sampled) if end - begin >= samples]  # a busy machine is late by less
     assert len(silent) == len(CUTS_MS)  # an old sample that came within, taken for one, would have made two of a cut
-    on = [cycle for cycle, name, _ in record.wishes if name == "on"]
+    on = [cycle for cycle, name, _ in record.requests if name == "on"]
     off, active, tripped = (ff.live.STATES.index(name) for name in ("off", "active", "tripped"))
     for lasts_ms, (begin, end), started in zip(CUTS_MS, silent, [*on[1:], len(state)], strict=True):
         assert times[end] - times[begin] > lasts_ms / 1e3 - PASSING * period  # cycles that were missed have no row

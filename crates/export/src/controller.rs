@@ -17,8 +17,8 @@ use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 
-/// What a controller is given in a period, in this order; `share` is how far the feel has been changed.
-pub const INPUTS: [&str; 8] = ["force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "share"];
+/// What a controller is given in a period, in this order; `blend` is how far the feel has been changed.
+pub const INPUTS: [&str; 8] = ["force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "blend"];
 
 const FORCE: usize = 0;
 const BASE: usize = 2;

@@ -24,7 +24,7 @@ pub struct Input<S> {
     /// How far the stick shaker is to be on, 0 to 1.
     pub shaker: S,
     /// How far the feel has been changed.
-    pub share: S,
+    pub blend: S,
     /// Force at the grip in N that a host adds beside the hand's.
     pub added_force: S,
     /// The setting that is left, or stays.
@@ -130,7 +130,7 @@ impl<S: Scalar> Axis<S> {
             feel_acceleration: self.control.free_acceleration(&self.shared, self.followed.feeling(), &inputs),
             emergency_stop: given.flags & EMERGENCY_STOP != 0,
             drive_fault: given.flags & DRIVE_FAULT != 0,
-            request: match given.request {
+            requested: match given.request {
                 1 => RequestedMode::Passive,
                 2 => RequestedMode::Active,
                 _ => RequestedMode::Off,
@@ -192,12 +192,12 @@ impl<S: Scalar> Axis<S> {
     where
         S: Into<f64>,
     {
-        let Input { trim, stiffness_factor, shaker, share, added_force, .. } = *given;
+        let Input { trim, stiffness_factor, shaker, blend, added_force, .. } = *given;
         let around = self.led.step(&FeelModifiers { trim_rad: trim, stiffness_factor, shaker }, &self.pace);
         let swing = self.led.swing(around.shaker, &self.pace);
         let trim = self.last.map_or(around.trim_rad, |allowed| allowed.neutral(around.trim_rad));
         let [trim, stiffness_factor, shaker, fade, added_force] =
-            [trim, around.stiffness_factor, swing, share, added_force].map(|number| [number.into(); 2]);
+            [trim, around.stiffness_factor, swing, blend, added_force].map(|number| [number.into(); 2]);
         Inputs { trim, stiffness_factor, shaker, fade, added_force, ..Inputs::NONE }
     }
 }

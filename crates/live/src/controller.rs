@@ -1,4 +1,4 @@
-//! A period without a clock: what a sample and the wishes before it come to. Live, in virtual time and in a replay it is this.
+//! A period without a clock: what a sample and the requests before it come to. Live, in virtual time and in a replay it is this.
 //!
 //! `s` share of a change of the feel that is over · its fade is `3 s^2 - 2 s^3`, so that neither the force nor its rate jumps
 
@@ -31,7 +31,7 @@ pub struct Controller {
     sensors: [f64; SENSORS],
     supervision: Supervision,
     asked: Asked,
-    /// What is wished for once the supervisor has been asked for off.
+    /// What is requested once the supervisor has been asked for off.
     after_off: Option<RequestedMode>,
     led: ModifierRamp<f64>,
     wanted: FeelModifiers,
@@ -97,7 +97,7 @@ impl Controller {
         self.cycle
     }
 
-    /// Takes a wish, which counts from the next cycle on. Of two feels that wait, the newer stays.
+    /// Takes a request, which counts from the next cycle on. Of two feels that wait, the newer stays.
     pub fn take(&mut self, request: &LoopRequest) {
         match request {
             LoopRequest::Feel(feel) => self.waiting = Some(*feel),

@@ -28,11 +28,11 @@ pub struct Cycles {
     pub disturbances: Consumer<Disturbance>,
     /// A row each cycle.
     pub rows: Producer<Row>,
-    /// The wishes that were taken, each with the number of the cycle from which it counts.
+    /// The requests that were taken, each with the number of the cycle from which it counts.
     pub taken: Producer<(u64, LoopRequest)>,
     /// What is seen of it at once.
     pub status: Arc<Status>,
-    /// How many wishes of the plan have been taken.
+    /// How many requests of the plan have been taken.
     pub planned: usize,
     /// Whether what looks on is waited for where its ring is full: in virtual time nothing is to be lost.
     pub patient: bool,

@@ -5,14 +5,14 @@
 //! | what is at the other end: the machine simulated, or over the network | [`input_output`], [`simulated`], [`udp`] |
 //! | a period, without a clock: law, feel, changes of the feel, supervisor | [`controller`], [`supervision`] |
 //! | an aircraft simulator as host: what it does to the feel, its socket | [`guided`], [`host_link`] |
-//! | what is asked of a running loop | [`wish`] |
+//! | what is asked of a running loop | [`request`] |
 //! | the thread: waits, counts, never catches up | [`cycle`], [`clock`], [`priority`] |
 //! | what the rest of the process sees of it | [`row`], [`status`], [`running`] |
 //! | records that stay whole, room for them, their reader, their replay | [`record`], [`room`], [`mcap_reader`], [`replay`] |
 //!
-//! The thread makes no allocation, takes no lock and calls the system for the wait, the input and the output alone; rings carry wishes to
+//! The thread makes no allocation, takes no lock and calls the system for the wait, the input and the output alone; rings carry requests to
 //! it and rows from it. The same [`controller::Controller`] runs live, in virtual time and in a replay: the same samples and
-//! wishes give the same bits.
+//! requests give the same bits.
 #![forbid(unsafe_code)]
 
 pub mod clock;

@@ -1,6 +1,6 @@
 //! A record on the disk: an MCAP file that is whole whenever the process ends, and bounded.
 //!
-//! Rows and wishes are messages in the common data representation of ROS 2, so that Foxglove and `PlotJuggler` open them: a row is its
+//! Rows and requests are messages in the common data representation of ROS 2, so that Foxglove and `PlotJuggler` open them: a row is its
 //! numbers one after the other. What the file ends with stands behind each chunk, and is overwritten by the next once that is there.
 
 use crate::room::reserve;
@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Topic of the rows.
 pub const ROWS: &str = "/cycle";
-/// Topic of lists of numbers: what the loop is made of, and wishes.
+/// Topic of lists of numbers: what the loop is made of, and requests.
 pub const LISTS: &str = "/list";
 /// Name of the metadata.
 pub const ABOUT: &str = "forcefeel";

@@ -145,7 +145,7 @@ pub struct Replayed {
 /// Columns that the clock wrote.
 const OF_CLOCK: [&str; 2] = ["late_s", "work_s"];
 
-/// Runs a record's samples and wishes through the controller again, and compares every bit of what came of them.
+/// Runs a record's samples and requests through the controller again, and compares every bit of what came of them.
 ///
 /// # Errors
 /// If the record is of another version.

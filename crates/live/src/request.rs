@@ -6,7 +6,7 @@ pub use forcefeel_model::modifiers::FeelModifiers;
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::COUNT;
 
-/// A wish.
+/// A request.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "a ring holds values: nothing is to be freed in the loop")]
 pub enum LoopRequest {
@@ -40,7 +40,7 @@ pub struct FeelRequest {
 }
 
 impl LoopRequest {
-    /// The wish as a name and numbers.
+    /// The request as a name and numbers.
     pub fn numbers(&self) -> (&'static str, Vec<f64>) {
         match self {
             Self::Feel(FeelRequest { values, observer, cycles }) => {
@@ -62,7 +62,7 @@ impl LoopRequest {
         }
     }
 
-    /// The wish that a name and numbers make out, if they make one.
+    /// The request that a name and numbers make out, if they make one.
     pub fn of(name: &str, numbers: &[f64]) -> Option<Self> {
         Some(match (name, numbers) {
             ("feel", [cycles, rest @ ..]) => {

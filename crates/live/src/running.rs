@@ -252,7 +252,7 @@ impl Keeper {
     }
 
     fn take(&mut self) {
-        // A wish stands in the record before the row that it counts from: that row is told after it.
+        // A request stands in the record before the row that it counts from: that row is told after it.
         let rows: usize = self.rows.slots();
         while let Ok((cycle, request)) = self.requests.pop() {
             let (name, numbers) = request.numbers();

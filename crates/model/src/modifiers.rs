@@ -1,6 +1,6 @@
 //! What a person sets around a feel while it runs, and how evenly it comes: trim, the factor on the spring, the stick shaker.
 //!
-//! `T` period · `x+ = x + sat(w - x)` within `r T`: what goes from `x` to the wish `w` at the rate `r`
+//! `T` period · `x+ = x + sat(w - x)` within `r T`: what goes from `x` to the request `w` at the rate `r`
 //!
 //! The real-time loop and a target board lead these alike. What is no number changes nothing.
 

@@ -202,7 +202,7 @@ fn to_acknowledge_starts_nothing() {
     supervisor.step(&input);
     input.acknowledge = true;
     for _ in 0..100 {
-        assert_eq!(supervisor.step(&input).state, SupervisorState::Off, "the wish stands, and nothing starts");
+        assert_eq!(supervisor.step(&input).state, SupervisorState::Off, "the request stands, and nothing starts");
     }
     input.requested = RequestedMode::Off;
     supervisor.step(&input);

@@ -84,7 +84,7 @@ impl BoardAxis {
     }
 
     /// Command, torque, angle and rate of the feel (samples, 4), and enable, state, acting, tripped (samples, 4), for sensors, trim, factor,
-    /// shaker, share, added force (samples, 9) and from, to, wish, missed, late, flags (samples, 6), from an axis that is off.
+    /// shaker, blend, added force (samples, 9) and from, to, request, missed, late, flags (samples, 6), from an axis that is off.
     #[pyo3(signature = (inputs, words, *, single))]
     fn answers<'py>(
         &self,
@@ -122,7 +122,7 @@ impl BoardAxis {
             .iter()
             .zip(words)
             .map(|(numbers, &[from, to, request, missed, late, flags])| {
-                let [force, drive, base, grip, trim, stiffness_factor, shaker, share, added_force] =
+                let [force, drive, base, grip, trim, stiffness_factor, shaker, blend, added_force] =
                     numbers.map(|number| like.constant(number));
                 let sensors = [force, drive, base, grip];
                 let given = Input {
@@ -130,7 +130,7 @@ impl BoardAxis {
                     trim,
                     stiffness_factor,
                     shaker,
-                    share,
+                    blend,
                     added_force,
                     from,
                     to,

@@ -268,7 +268,7 @@ impl LiveMachine {
 
 fn request_of(name: &str, numbers: &[f64]) -> PyResult<LoopRequest> {
     LoopRequest::of(name, numbers)
-        .ok_or_else(|| refused(format!("wish: {name:?} with {} numbers is none", numbers.len())))
+        .ok_or_else(|| refused(format!("request: {name:?} with {} numbers is none", numbers.len())))
 }
 
 fn disturbance_of(name: &str, sensor: usize, number: Option<f64>) -> PyResult<Disturbance> {
@@ -310,7 +310,7 @@ pub fn live_trips() -> Vec<(&'static str, &'static str)> {
     trips()
 }
 
-/// A record: what was written about it, its columns, its rows, its wishes, why the file breaks off if it does, why it ended if it says so.
+/// A record: what was written about it, its columns, its rows, its requests, why the file breaks off if it does, why it ended if it says so.
 #[pyfunction]
 #[expect(clippy::type_complexity, reason = "a tuple for Python, which takes it apart at once")]
 pub fn live_record<'py>(

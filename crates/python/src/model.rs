@@ -189,13 +189,13 @@ fn matrices<'py, const X: usize, const U: usize, const Y: usize>(
 /// Matrices of the loader with a rigid link, eq. (15).
 #[pyfunction]
 pub fn rigid<'py>(py: Python<'py>, values: Values<'py>, law: &GainLaw) -> PyResult<Matrices<'py>> {
-    matrices(py, &Rigid { parameters: loader(&values)?.map(Dual::constant), compensator: compensator.dual() })
+    matrices(py, &Rigid { parameters: loader(&values)?.map(Dual::constant), compensator: law.dual() })
 }
 
 /// Matrices of the loader with a compliant link, eq. (17).
 #[pyfunction]
 pub fn compliant<'py>(py: Python<'py>, values: Values<'py>, law: &GainLaw) -> PyResult<Matrices<'py>> {
-    matrices(py, &Compliant { parameters: loader(&values)?.map(Dual::constant), compensator: compensator.dual() })
+    matrices(py, &Compliant { parameters: loader(&values)?.map(Dual::constant), compensator: law.dual() })
 }
 
 /// Matrices of the plant for the design, eq. (19).

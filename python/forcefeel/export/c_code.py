@@ -32,7 +32,7 @@ _RELEASED_RAD = 0.1
 _SHARES = (1.0, 0.1, 0.01)
 """Of release and sweep: a feel that is heavy for the drive lets go of the column after a large one."""
 
-INPUTS = ("force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "share")
+INPUTS = ("force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "blend")
 """What the law is given each period; the columns of the golden vectors."""
 
 _FILES = {

@@ -78,23 +78,23 @@ class LiveSession:
 
     def on(self) -> None:
         """Asks for power and feel; the supervisor brings the feel up."""
-        self._wish("on")
+        self._request("on")
 
     def passive(self) -> None:
         """Asks for power without feel: a command of zero."""
-        self._wish("passive")
+        self._request("passive")
 
     def off(self) -> None:
         """Asks for no power. After a trip it must be asked for once before anything starts again."""
-        self._wish("off")
+        self._request("off")
 
     def stop(self) -> None:
         """Stops, now, as an emergency stop does; ``acknowledge``, ``off`` and ``on`` start again."""
-        self._wish("stop")
+        self._request("stop")
 
     def acknowledge(self) -> None:
         """Clears what is latched, if it is over."""
-        self._wish("acknowledge")
+        self._request("acknowledge")
 
     @property
     def loader(self) -> Loader:
@@ -127,7 +127,7 @@ class LiveSession:
                         f"feel: its law has {came} states, the one of before {had}; start anew with this feel"
                     )
             observer = None if law is None or law.sampled is None else law.sampled.rows()[0]
-            self._wish("feel", feel_numbers(loader.values, observer, max(1, round(self.fade_s / self.period_s))))
+            self._request("feel", feel_numbers(loader.si_values, observer, max(1, round(self.fade_s / self.period_s))))
             self.law = law or self.law
 
     @property
@@ -163,7 +163,7 @@ class LiveSession:
         if not low <= value <= high:
             raise InputError(f"{name}: expected {low:g} to {high:g}, got {value:g}")
         with self._lock:
-            self._wish("around", list({**self.asked.around, name: float(value)}.values()))
+            self._request("around", list({**self.asked.around, name: float(value)}.values()))
 
     # What is done to a simulated machine.
 
@@ -228,10 +228,10 @@ class LiveSession:
 
     # What was asked for, here or by a console in another process.
 
-    def take_wish(self, name: str, numbers: list[float]) -> bool:
-        """Hands a wish on, by its name and numbers, and remembers it; whether the loop had room for it."""
+    def take_request(self, name: str, numbers: list[float]) -> bool:
+        """Passes a request to the loop by name and numbers; whether the loop had room for it."""
         with self._lock:
-            taken = self.loop.wish(name, numbers)
+            taken = self.loop.request(name, numbers)
             if taken and name == "feel":
                 self.asked = replace(self.asked, loader=self.loader.replace(feel_rows(numbers, self.loader), si=True))
             elif taken and name == "around":
@@ -277,9 +277,9 @@ class LiveSession:
     @property
     def host(self) -> HostState | None:
         """The aircraft simulator as it is heard; ``None`` where none is listened to."""
-        if (heard := self.loop.heard()) is None:
+        if (status := self.loop.host_status()) is None:
             return None
-        listens, packets, refused, last = heard
+        listens, packets, refused, last = status
         newest = self.loop.history(-1.0, 1)
         share = float(newest[0, COLUMNS.index("host_share")]) if len(newest) else 0.0
         address, silent_s = last or ("", None)
@@ -330,10 +330,10 @@ class LiveSession:
         newest = self.loop.history(-1.0, 1)
         return int(newest[0, COLUMNS.index("cycle")]) if len(newest) else -1
 
-    def _wish(self, name: str, numbers: list[float] | None = None) -> None:
-        if not self.take_wish(name, numbers or []):
+    def _request(self, name: str, numbers: list[float] | None = None) -> None:
+        if not self.take_request(name, numbers or []):
             raise InputError(
-                "the loop takes no wishes: its ring is full; the loop has ended, or 64 came within a cycle"
+                "the loop takes no requests: its ring is full; the loop has ended, or 64 came within a cycle"
             )
 
     def _disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None:

@@ -35,7 +35,7 @@ class LoopSettings:
 class Loop(Protocol):
     """What a loop under way offers: ``_core.LiveLoop``, or one of another process."""
 
-    def wish(self, name: str, numbers: list[float]) -> bool:
+    def request(self, name: str, numbers: list[float]) -> bool:
         """Asks something of it; whether there was room for that."""
         ...
 
@@ -51,8 +51,8 @@ class Loop(Protocol):
         """Bytes of the record, rows that it lacks because it ended before the loop, and why it did."""
         ...
 
-    def heard(self) -> tuple[str, int, int, tuple[str, float] | None] | None:
-        """What was heard of an aircraft simulator."""
+    def host_status(self) -> tuple[str, int, int, tuple[str, float] | None] | None:
+        """Status of the aircraft simulator."""
         ...
 
     def history(self, since: float, most: int) -> NDArray[np.float64]:

@@ -24,7 +24,7 @@ class LiveRecord:
         about: What was written about it: loader, law, versions.
         columns: Names of the columns with their SI units at the end.
         rows: A row for each cycle.
-        wishes: Cycle from which each counts, name, numbers.
+        requests: Cycle from which each counts, name, numbers.
         broken: Where and why the file breaks off, empty if it does not; what was there before is here.
         ended: Why the record ended: "with the run", or before it, as on a full disk; empty if the process that wrote it was killed.
 
@@ -39,7 +39,7 @@ class LiveRecord:
     about: Mapping[str, str]
     columns: tuple[str, ...]
     rows: NDArray[np.float64] = field(repr=False)
-    wishes: tuple[tuple[int, str, list[float]], ...] = field(repr=False)
+    requests: tuple[tuple[int, str, list[float]], ...] = field(repr=False)
     broken: str
     ended: str
 
@@ -98,12 +98,12 @@ def read_live_record(path: str | Path) -> LiveRecord:
         >>> len(record.column("column_angle_rad")) >= 100
         True
     """
-    about, columns, rows, wishes, broken, ended = _asked(path, _core.live_record)
-    return LiveRecord(about, tuple(columns), rows, tuple(wishes), broken or "", ended or "")
+    about, columns, rows, requests, broken, ended = _asked(path, _core.live_record)
+    return LiveRecord(about, tuple(columns), rows, tuple(requests), broken or "", ended or "")
 
 
 def replay(path: str | Path) -> Replayed:
-    """Runs a record's samples and wishes through law, feel and supervisor again, and compares every bit of what they made.
+    """Runs a record's samples and requests through law, feel and supervisor again, and compares every bit of what they made.
 
     Raises:
         InputError: If it cannot be read, or is of another version.

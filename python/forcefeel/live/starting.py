@@ -75,7 +75,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
     scenario = endpoint.scenario if isinstance(endpoint, Simulated) else None
     setup, steps = made_of(loader, driven_by, supervised=supervised, scenario=scenario)
     period, _ = steps.timing or (1, 0)
-    script, cycles, wishes = None, None, []
+    script, cycles, requests = None, None, []
     if scenario is not None:
         # The first changes of the feel are planned; what is asked for later comes by the ring.
         for begin, end, values, observer in engine_changes(loader, scenario, steps, driven_by):
@@ -83,7 +83,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
                 raise InputError(
                     "feel change: a live loop changes its feel at samples; give times that are whole periods"
                 )
-            wishes.append((begin // period, "feel", feel_numbers(values, observer, (end - begin) // period)))
+            requests.append((begin // period, "feel", feel_numbers(values, observer, (end - begin) // period)))
         script = script_of(steps, scenario)
         samples = -(-len(steps.inputs["force"]) // period)
         cycles = None if real_time else samples
@@ -95,7 +95,7 @@ def start(  # noqa: PLR0913  keywords of the one call that makes a loop
             host=listens,
             real_time=real_time,
             cycles=cycles,
-            wishes=wishes,
+            requests=requests,
             record=None
             if record is None
             else (*_file(record, most_bytes), _cycles(expected_s, loader), about_run(loader, driven_by.name, endpoint)),

@@ -6,7 +6,7 @@
 //!  +-- acknowledged ------ tripped <---+----------+
 //! ```
 //!
-//! To acknowledge does not start anything: after it the person must have wished for off before the loader starts (ISO 13850, 4.1.4).
+//! To acknowledge does not start anything: after it the person must have requested off before the loader starts (ISO 13850, 4.1.4).
 
 use super::function::{Action, Function, Functions};
 use super::limits::Limits;
@@ -70,7 +70,7 @@ pub(super) struct Sequence<S> {
     pub(super) tripped: Functions,
     pub(super) cause: Option<Function>,
     cut: bool,
-    /// Off has been wished for since the loader was off.
+    /// Off has been requested since the loader was off.
     armed: bool,
     /// The command has come to zero.
     at_zero: bool,

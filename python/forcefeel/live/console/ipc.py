@@ -32,7 +32,7 @@ _LARGEST_BYTES = 1 << 17
 _HAND = {"hold_at": None, "force": 0.0}
 """What the simulated hand may do, with the number by which it does so no more."""
 
-_LOOKED_AT = ("status", "recorded", "heard", "timing", "refused")
+_LOOKED_AT = ("status", "recorded", "host_status", "timing", "refused")
 """What is asked for without arguments, and changes nothing."""
 
 
@@ -53,9 +53,9 @@ class LoopProxy:
     def __init__(self, wire: socket.socket) -> None:
         self._wire, self._lock = wire, Lock()
 
-    def wish(self, name: str, numbers: list[float]) -> bool:
+    def request(self, name: str, numbers: list[float]) -> bool:
         """Asks something of the loop; whether there was room for it."""
-        return bool(self._asked("wish", name, numbers))
+        return bool(self._asked("request", name, numbers))
 
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> bool:
         """Does something to a simulated machine; whether there was room for it."""
@@ -69,9 +69,9 @@ class LoopProxy:
         """See there."""
         return self._asked("recorded")
 
-    def heard(self) -> Any:
+    def host_status(self) -> Any:
         """See there."""
-        return self._asked("heard")
+        return self._asked("host_status")
 
     def timing(self) -> Any:
         """See there."""
@@ -152,8 +152,8 @@ class LoopServer:
             return json.dumps({"refused": str(error)}).encode()
 
     def _found(self, name: str, arguments: list[Any]) -> object:
-        if name == "wish":
-            return self._running.take_wish(*arguments)
+        if name == "request":
+            return self._running.take_request(*arguments)
         if name == "disturb":
             what, _, number = arguments
             if what in _HAND and number != _HAND[what]:
@@ -161,7 +161,7 @@ class LoopServer:
             return self._running.take_disturbance(*arguments)
         if name in _LOOKED_AT:
             return getattr(self._running.loop, name)()
-        raise InputError(f"request: expected wish, disturb, history or {', '.join(_LOOKED_AT)}, got {name!r}")
+        raise InputError(f"request: expected request, disturb, history or {', '.join(_LOOKED_AT)}, got {name!r}")
 
     def _part(self, since: float, most: int) -> bytes:
         rows = self._running.loop.history(since, most)

@@ -10,13 +10,13 @@ from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.axes import rule_axis, usual_axis
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
+from forcefeel.qualification.plan.bench import Task, TestBench
 from forcefeel.qualification.plan.feel_alone import FeelAlone
 from forcefeel.qualification.plan.law_names import LAW_TEXTS, named_laws
 from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
 from forcefeel.qualification.plan.plan import RuleTestCase, rule_plan, trials
 from forcefeel.qualification.plan.records_given import Given, Recognition, given_files
 from forcefeel.qualification.plan.result import Qualification, Section
-from forcefeel.qualification.plan.test_bench import Task, TestBench
 from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualification.throw import Throw
