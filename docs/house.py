@@ -74,7 +74,7 @@ def cycles(arrows: Arrows) -> list[list[str]]:
     while ends := [node for node in left if not left[node] & left.keys()]:
         for node in ends:
             del left[node]
-    reach = {node: _reached(node, left) for node in left}
+    reach = {node: _reached(node, left) & left.keys() for node in left}
     groups = {frozenset(other for other in reach[node] if node in reach[other]) for node in left if node in reach[node]}
     return sorted(sorted(group) for group in groups)
 

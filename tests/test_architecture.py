@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from .rust_files import CRATES, uses
+
 DOCS = Path(__file__).parents[1] / "docs"
 
 MOST_LAYERS = 14
@@ -29,11 +31,51 @@ def test_modules_have_no_import_cycle(house):
     assert house.cycles(house.Package.of().imports) == []
 
 
+<<<<<<< HEAD
 def test_subpackages_form_layers(house):
     package = house.Package.of()
     assert house.cycles(package.arrows) == []
     assert len(package.layers) <= MOST_LAYERS
     assert [] not in package.layers
+=======
+@pytest.mark.parametrize("crate", sorted(path.parents[1].name for path in CRATES.glob("*/src/lib.rs")))
+def test_no_files_of_a_crate_use_one_another_in_a_circle(house, crate):
+    assert house.circles(uses(CRATES / crate / "src")) == []
+
+
+RUST = {
+    "lib.rs": "mod base; mod drive; mod machine; pub use base::Number;",
+    "base.rs": "pub struct Number; // crate::machine::Machine is no use in a comment",
+    "drive.rs": "pub mod hydraulic; mod kind; pub use kind::Kind; trait Drive { fn run(settings: crate::machine::Settings); }",
+    "drive/hydraulic.rs": "use super::{Drive, Kind as Sort}; use crate::Number;",
+    "drive/kind.rs": "pub enum Kind { A }",
+    "machine.rs": "mod settings; pub use settings::{Settings, Unused}; use crate::drive::{self, Drive};"
+    'const NAME: &str = "crate::Number"; fn new(settings: Settings) { drive::hydraulic::Hydraulic::new() }',
+    "machine/settings.rs": "pub struct Settings; pub struct Unused;",
+}
+
+
+def test_a_path_leads_to_the_file_that_declares_the_name(tmp_path):
+    for name, text in RUST.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    assert uses(tmp_path) == {
+        "lib.rs": set(),
+        "base.rs": set(),
+        "drive.rs": {"machine/settings.rs"},
+        "drive/hydraulic.rs": {"drive.rs", "drive/kind.rs", "base.rs"},
+        "drive/kind.rs": set(),
+        "machine.rs": {"machine/settings.rs", "drive.rs", "drive/hydraulic.rs"},
+        "machine/settings.rs": set(),
+    }
+
+
+def test_rooms_stand_on_floors(house):
+    found = house.House.of()
+    assert house.circles(found.arrows) == []
+    assert len(found.floors) <= MOST_FLOORS
+    assert [] not in found.floors
+>>>>>>> main
 
 
 def test_package_has_few_top_level_modules(house):
@@ -56,8 +98,13 @@ def test_picture_matches_imports(house):
     assert house.PICTURE.read_text(encoding="utf-8") == house.drawing(house.Package.of()), "make docs draws it anew"
 
 
+<<<<<<< HEAD
 def test_cycles_are_found(house):
     assert house.cycles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
+=======
+def test_circles_are_found(house):
+    assert house.circles({"a": {"b"}, "b": {"c", "e"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
+>>>>>>> main
 
 
 def test_layer_is_above_its_imports(house):

@@ -3,9 +3,9 @@
 use crate::blocks::{ALWAYS, Blocks, MadeOf, choice};
 use crate::controller::{INPUTS, name_of};
 use crate::dots::{Product, products};
-use crate::emit::{Bits, Writer};
 use crate::made::{held, made_of, of_few_steps, reached, within};
 use crate::trace::{Bank, BinaryOp, Graph, Node, UnaryOp};
+use crate::writer::{Bits, Writer};
 use std::collections::{HashMap, HashSet};
 
 /// Operations in the arms of a select from which on they are worth a branch.
@@ -320,9 +320,9 @@ impl<'a> Body<'a> {
         let gives = if roots.len() == 1 { real.clone() } else { "void".to_owned() };
         let results = (roots.len() > 1).then(|| format!("{real} *r"));
         let parameters = pointers.chain(results).chain(numbers).chain(kept).collect::<Vec<_>>().join(", ");
-        let known = self.writer.functions();
+        let known = self.writer.functions.len();
         let name = self.writer.function(gives, parameters, lines);
-        if self.writer.functions() > known {
+        if self.writer.functions.len() > known {
             self.operations.0 += operations.0;
         }
         let settings: Vec<String> = banks.into_iter().map(|bank| self.setting(bank)).collect();

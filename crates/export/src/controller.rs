@@ -14,8 +14,10 @@ use forcefeel_model::feel_computer::FeelMotion;
 use forcefeel_model::known_friction::{FrictionState, LEVEL_FROM_END};
 use forcefeel_model::law_inputs::{SHAKER_SWING, STIFFNESS_FACTOR, TRIM as TRIM_RANGE, sensed};
 use forcefeel_model::machine::{Inputs, Machine, Shared};
+use forcefeel_model::memory::MemoryVisitor;
 use forcefeel_model::observer::{MOST_STATES, NUMBERS, Observer, SAMPLED};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
+use std::sync::OnceLock;
 
 /// What a controller is given in a period, in this order; `blend` is how far the feel has been changed.
 pub const INPUTS: [&str; 8] = ["force", "position", "base", "grip", "trim", "stiffness_factor", "shaker", "blend"];
@@ -25,40 +27,19 @@ const BASE: usize = 2;
 const TRIM: usize = SAMPLED;
 const SHARE: usize = 7;
 
-/// What a controller remembers, in this order; estimates are `xi_0 ..`.
-const REMEMBERED: [&str; 15] = [
-    "base",
-    "position",
-    "heard",
-    "learnt",
-    "trusted",
-    "push",
-    "way",
-    "delta",
-    "delta_rate",
-    "neutral",
-    "slider",
-    "grip_drag",
-    "grip_velocity",
-    "grip_pull",
-    "grip_stuck",
-];
+/// The name of a place: of an input, then of a number that a controller remembers.
+pub fn name_of(place: usize) -> &'static str {
+    INPUTS.get(place).copied().unwrap_or_else(|| remembered()[place - INPUTS.len()].0)
+}
 
-const STUCK: usize = INPUTS.len() + REMEMBERED.len() - 1;
-const FIRST_XI: usize = INPUTS.len() + REMEMBERED.len();
+/// The place of a number that a controller remembers.
+pub fn place_of(name: &str) -> Option<usize> {
+    remembered().iter().position(|&(known, _)| known == name).map(|k| INPUTS.len() + k)
+}
 
-/// How many places there are: inputs, then states.
-pub const PLACES: usize = FIRST_XI + MOST_STATES;
-
-/// The name of a place.
-pub fn name_of(place: usize) -> String {
-    if place < INPUTS.len() {
-        INPUTS[place].to_owned()
-    } else if place < FIRST_XI {
-        REMEMBERED[place - INPUTS.len()].to_owned()
-    } else {
-        format!("xi_{}", place - FIRST_XI)
-    }
+/// Whether a place holds a flag.
+pub fn is_flag(place: usize) -> bool {
+    place.checked_sub(INPUTS.len()).is_some_and(|k| remembered()[k].1)
 }
 
 /// A law with its feel, for one setting or many.
@@ -314,44 +295,90 @@ fn resting<S: Scalar>(control: &Control<S>, still: &Still<S>, shown: [S; SHOWN])
     (feeling, LawState { base, position, estimate, friction_state: FrictionState::initial(feel_torque) })
 }
 
+/// Name of each number that a controller remembers, and whether it is a flag.
+fn remembered() -> &'static [(&'static str, bool)] {
+    static NAMES: OnceLock<Vec<(&str, bool)>> = OnceLock::new();
+    NAMES.get_or_init(|| {
+        let mut names = Names(Vec::new());
+        visit(&mut nothing(0.0, false), &mut names);
+        names.0
+    })
+}
+
+/// A memory of nothing.
+fn nothing<S: Scalar>(zero: S, stuck: S::Mask) -> (FeelState<S>, LawState<S>) {
+    let grip = StickState { stuck, drag: zero, velocity: zero, pull: zero };
+    let motion = FeelMotion { at: [zero; 2], grip, slider: zero };
+    let law = LawState {
+        base: zero,
+        position: zero,
+        estimate: [zero; MOST_STATES],
+        friction_state: FrictionState::initial(zero),
+    };
+    (FeelState { motion, neutral: zero }, law)
+}
+
+/// Visits each number that a controller remembers, in the order of the places.
+fn visit<S: Scalar>((feeling, remembered): &mut (FeelState<S>, LawState<S>), visitor: &mut impl MemoryVisitor<S>) {
+    remembered.visit_samples(visitor);
+    feeling.visit(visitor);
+    remembered.visit_estimate(visitor);
+}
+
+/// Notes names.
+struct Names(Vec<(&'static str, bool)>);
+
+impl<S: Scalar> MemoryVisitor<S> for Names {
+    fn number(&mut self, name: &'static str, _: &mut S) {
+        self.0.push((name, false));
+    }
+
+    fn flag(&mut self, name: &'static str, _: &mut S::Mask) {
+        self.0.push((name, true));
+    }
+}
+
+/// Replaces each number by the input of the next place.
+struct ToInputs(usize);
+
+impl MemoryVisitor<Trace> for ToInputs {
+    fn number(&mut self, _: &'static str, number: &mut Trace) {
+        *number = Trace::input(self.0);
+        self.0 += 1;
+    }
+
+    fn flag(&mut self, _: &'static str, flag: &mut Mask) {
+        *flag = Mask::flag(self.0);
+        self.0 += 1;
+    }
+}
+
+/// Notes the node of each number.
+struct Nodes(Vec<u32>);
+
+impl MemoryVisitor<Trace> for Nodes {
+    fn number(&mut self, _: &'static str, number: &mut Trace) {
+        self.0.push(number.0);
+    }
+
+    fn flag(&mut self, _: &'static str, flag: &mut Mask) {
+        self.0.push(flag.0);
+    }
+}
+
 /// The state, as inputs.
 fn state() -> (FeelState<Trace>, LawState<Trace>) {
-    let one = |k: usize| Trace::input(INPUTS.len() + k);
-    let grip = StickState { stuck: Mask::flag(STUCK), drag: one(11), velocity: one(12), pull: one(13) };
-    let motion = FeelMotion { at: [one(7), one(8)], grip, slider: one(10) };
-    let estimate = core::array::from_fn(|k| Trace::input(FIRST_XI + k));
-    let friction_state =
-        FrictionState { feel_torque: one(2), learnt: one(3), trusted: one(4), push: one(5), way: one(6) };
-    (FeelState { motion, neutral: one(9) }, LawState { base: one(0), position: one(1), estimate, friction_state })
+    let first = INPUTS.len();
+    let mut state = nothing(Trace::input(first), Mask::flag(first));
+    visit(&mut state, &mut ToInputs(first));
+    state
 }
 
 /// The state by places.
 fn next(feeling: &FeelState<Trace>, remembered: &LawState<Trace>) -> Vec<(usize, u32)> {
-    let FeelState { motion: FeelMotion { at, grip, slider }, neutral } = feeling;
-    let LawState { base, position, estimate, friction_state } = remembered;
-    let FrictionState { feel_torque, learnt, trusted, push, way } = friction_state;
-    let numbers = [
-        base,
-        position,
-        feel_torque,
-        learnt,
-        trusted,
-        push,
-        way,
-        &at[0],
-        &at[1],
-        neutral,
-        slider,
-        &grip.drag,
-        &grip.velocity,
-        &grip.pull,
-    ];
-    let numbers = numbers.into_iter().map(|number| number.0).chain([grip.stuck.0]);
-    numbers
-        .chain(estimate.iter().map(|number| number.0))
-        .enumerate()
-        .map(|(k, node)| (INPUTS.len() + k, node))
-        .collect()
+    let mut nodes = Nodes(Vec::new());
+    visit(&mut (*feeling, *remembered), &mut nodes);
+    nodes.0.into_iter().enumerate().map(|(k, node)| (INPUTS.len() + k, node)).collect()
 }
 
 /// What a controller answers sample by sample, from rest at the first sample's sensors: command, torque, displacement, rate.

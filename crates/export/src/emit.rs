@@ -2,9 +2,10 @@
 
 use crate::blocks::{Blocks, MadeOf};
 use crate::body::Body;
-use crate::controller::{INPUTS, Job, Program, name_of};
+use crate::controller::{INPUTS, Job, Program, is_flag, name_of, place_of};
 use crate::made::made_of;
-use crate::trace::{Bank, Graph, Node};
+use crate::trace::Node;
+use crate::writer::{Numbers, Writer};
 use core::fmt::Write;
 use std::collections::BTreeSet;
 
@@ -29,17 +30,8 @@ pub struct Source {
     pub operations: (usize, usize),
 }
 
-/// Numbers of a law as members of a structure of C.
-#[derive(Debug, Clone, Default)]
-pub struct Numbers {
-    /// The members.
-    pub members: String,
-    /// What they hold: a setting each, or of what is the same in all, a table each.
-    pub values: Vec<String>,
-}
-
 /// Displacement and rate of the feel, which are given out.
-const GIVEN: [usize; 2] = [INPUTS.len() + 7, INPUTS.len() + 8];
+const GIVEN: [&str; 2] = ["delta", "delta_rate"];
 
 impl Source {
     /// The law of a job; the names of C begin with `name`.
@@ -47,14 +39,14 @@ impl Source {
         let (step, reset) = (job.period(), job.reset());
         let states = needed(&step);
         let mut writer = Writer::new(name, job.single);
-        let (step_text, operations) = writer.program(&step, &states, true);
-        let (reset_text, _) = writer.program(&reset, &states, false);
+        let (step_text, operations) = program(&mut writer, &step, &states, true);
+        let (reset_text, _) = program(&mut writer, &reset, &states, false);
         let (same, own) = writer.data(job.values.len());
-        let name = |&place: &usize| (name_of(place), name_of(place).ends_with("stuck"));
+        let name = |&place: &usize| (name_of(place).to_owned(), is_flag(place));
         let ranges = job.ranges();
         Self {
             states: states.iter().map(name).collect(),
-            inputs: writer.inputs.iter().map(|&place| (name_of(place), ranges[place])).collect(),
+            inputs: writer.inputs.iter().map(|&place| (name_of(place).to_owned(), ranges[place])).collect(),
             functions: writer.functions.iter().map(ToString::to_string).collect(),
             step: step_text,
             reset: reset_text,
@@ -70,7 +62,7 @@ fn needed(program: &Program) -> BTreeSet<usize> {
     let graph = &program.graph;
     let of = (0..graph.nodes.len()).map(|place| made_of(graph, place)).collect();
     let made = MadeOf { of, ..MadeOf::default() };
-    let mut states = BTreeSet::from(GIVEN);
+    let mut states: BTreeSet<usize> = GIVEN.iter().filter_map(|name| place_of(name)).collect();
     loop {
         let mut more = states.clone();
         // Placed, since a choice within an arm of its own mask reads nothing of its other arm.
@@ -92,204 +84,35 @@ fn wanted(program: &Program, states: &BTreeSet<usize>) -> Vec<u32> {
     program.outputs.iter().map(|&(_, node)| node).chain(next).collect()
 }
 
-/// Bits of a number in each setting.
-pub type Bits = Vec<u64>;
-
-/// A function of C.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Function {
-    name: String,
-    gives: String,
-    parameters: String,
-    lines: String,
-}
-
-impl core::fmt::Display for Function {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "static {} {}({})\n{{\n{}}}\n", self.gives, self.name, self.parameters, self.lines)
-    }
-}
-
-/// Some columns of a matrix: where they are, and which they are.
-#[derive(Debug, Clone)]
-pub struct Table {
-    /// Among the tables.
-    pub place: usize,
-    /// Of the matrix.
-    pub columns: Vec<usize>,
-}
-
-/// Rows and columns of matrices, row by row, each once.
-#[derive(Debug, Default)]
-struct Tables(Vec<Vec<Vec<Bits>>>);
-
-impl Tables {
-    fn table(&mut self, rows: &[Vec<Bits>], columns: Vec<usize>) -> Table {
-        let of = |row: &Vec<Bits>| columns.iter().map(|&column| row[column].clone()).collect();
-        let rows: Vec<Vec<Bits>> = rows.iter().map(of).collect();
-        let place = self.0.iter().position(|known| *known == rows).unwrap_or_else(|| {
-            if !columns.is_empty() {
-                self.0.push(rows);
-            }
-            self.0.len().saturating_sub(1)
-        });
-        Table { place, columns }
-    }
-}
-
-/// What all bodies of a law share: its numbers and functions.
-#[derive(Debug, Default)]
-pub struct Writer {
-    /// With which the names of C begin.
-    pub name: String,
-    single: bool,
-    own: Tables,
-    same: Tables,
-    numbers: Vec<Bits>,
-    functions: Vec<Function>,
-    inputs: BTreeSet<usize>,
-}
-
-impl Writer {
-    fn new(name: &str, single: bool) -> Self {
-        Self { name: name.to_owned(), single, ..Self::default() }
-    }
-
-    /// The type of its numbers.
-    pub fn real(&self) -> String {
-        format!("{}_real", self.name)
-    }
-
-    /// A table that is the same in all settings.
-    pub fn same_table(&self, place: usize) -> String {
-        format!("{}_numbers.same_{place}", self.name)
-    }
-
-    /// The lines of a program, and its operations: as written, and in loops. If `checked`, nothing is given out or kept of what is no number.
-    fn program(&mut self, program: &Program, states: &BTreeSet<usize>, checked: bool) -> (String, (usize, usize)) {
-        let graph = &program.graph;
-        let mut body = Body::of(self, graph, &wanted(program, states));
-        body.write_all();
-        let results = program.outputs.iter().map(|&(what, node)| format!("out->{what} = {};", body.spelled(node)));
-        let mut results: Vec<String> = results.collect();
-        for &(place, node) in program.next.iter().filter(|(place, _)| states.contains(place)) {
-            if !matches!(graph.nodes[node as usize], Node::Input(same) | Node::Flag(same) if same == place) {
-                results.push(format!("state->{} = {};", name_of(place), body.spelled(node)));
-            }
+/// The lines of a program, and its operations: as written, and in loops. If `checked`, nothing is given out or kept of what is no number.
+fn program(
+    writer: &mut Writer,
+    program: &Program,
+    states: &BTreeSet<usize>,
+    checked: bool,
+) -> (String, (usize, usize)) {
+    let graph = &program.graph;
+    let mut body = Body::of(writer, graph, &wanted(program, states));
+    body.write_all();
+    let results = program.outputs.iter().map(|&(what, node)| format!("out->{what} = {};", body.spelled(node)));
+    let mut results: Vec<String> = results.collect();
+    for &(place, node) in program.next.iter().filter(|(place, _)| states.contains(place)) {
+        if !matches!(graph.nodes[node as usize], Node::Input(same) | Node::Flag(same) if same == place) {
+            results.push(format!("state->{} = {};", name_of(place), body.spelled(node)));
         }
-        let asked: Vec<String> = program.numbers.iter().map(|&node| body.spelled(node)).collect();
-        let asked = asked.join(" + ");
-        let (mut text, operations) = body.text();
-        if checked {
-            let _ = writeln!(text, "    const bool good = {}_is_number({asked});\n    if (good) {{", self.name);
-        }
-        let indent = if checked { "        " } else { "    " };
-        for line in results {
-            let _ = writeln!(text, "{indent}{line}");
-        }
-        if checked {
-            text += "    }\n    return good;\n";
-        }
-        (text, operations)
     }
-
-    /// Notes that an input is read.
-    pub fn reads(&mut self, input: usize) {
-        self.inputs.insert(input);
+    let asked: Vec<String> = program.numbers.iter().map(|&node| body.spelled(node)).collect();
+    let asked = asked.join(" + ");
+    let (mut text, operations) = body.text();
+    if checked {
+        let _ = writeln!(text, "    const bool good = {}_is_number({asked});\n    if (good) {{", writer.name);
     }
-
-    /// How many functions there are.
-    pub fn functions(&self) -> usize {
-        self.functions.len()
+    let indent = if checked { "        " } else { "    " };
+    for line in results {
+        let _ = writeln!(text, "{indent}{line}");
     }
-
-    /// The name of a function, new or there already.
-    pub fn function(&mut self, gives: String, parameters: String, lines: String) -> String {
-        let same = |known: &&Function| known.parameters == parameters && known.lines == lines;
-        if let Some(known) = self.functions.iter().find(same) {
-            return known.name.clone();
-        }
-        let name = format!("{}_part_{}", self.name, self.functions.len());
-        self.functions.push(Function { name: name.clone(), gives, parameters, lines });
-        name
+    if checked {
+        text += "    }\n    return good;\n";
     }
-
-    /// A matrix as two tables: the columns that are a setting's own, and those that are the same in all.
-    pub fn tables(&mut self, rows: &[Vec<Bits>]) -> (Table, Table) {
-        let alike = |bits: &Bits| bits.len() > 1 && bits.iter().all(|one| *one == bits[0]);
-        let columns = 0..rows.first().map_or(0, Vec::len);
-        let (same, own) = columns.partition(|&column| rows.iter().all(|row| alike(&row[column])));
-        (self.own.table(rows, own), self.same.table(rows, same))
-    }
-
-    /// What is known, as it is spelled in C; `setting` names where the numbers of a bank are. None of what is not known.
-    pub fn known(&mut self, graph: &Graph, node: u32, setting: impl Fn(Bank) -> String) -> Option<String> {
-        Some(match &graph.nodes[node as usize] {
-            Node::Known(bits, Bank::All) => literal(f64::from_bits(bits[0]), self.single),
-            Node::Known(bits, bank) | Node::Data(bits, bank) => self.number(bits.clone(), &setting(*bank)),
-            Node::Holds(values, Bank::All) => values[0].to_string(),
-            Node::Holds(values, bank) => {
-                let bits = values.iter().map(|&value| f64::from(u8::from(value)).to_bits()).collect();
-                format!("({} > {})", self.number(bits, &setting(*bank)), literal(0.5, self.single))
-            }
-            _ => return None,
-        })
-    }
-
-    /// One of a setting's numbers.
-    fn number(&mut self, bits: Bits, setting: &str) -> String {
-        let place = self.numbers.iter().position(|known| *known == bits).unwrap_or_else(|| {
-            self.numbers.push(bits);
-            self.numbers.len() - 1
-        });
-        format!("{setting}->n[{place}]")
-    }
-
-    /// What is the same in all settings, and a setting's own numbers.
-    fn data(&self, settings: usize) -> (Numbers, Numbers) {
-        let real = self.real();
-        let size = |table: &Vec<Vec<Bits>>| format!("[{}][{}]", table.len(), table[0].len());
-        let (mut same, mut members) = (Numbers::default(), String::new());
-        for (k, table) in self.same.0.iter().enumerate() {
-            let _ = writeln!(same.members, "    {real} same_{k}{};", size(table));
-            same.values.push(self.rows(table, 0));
-        }
-        for (k, table) in self.own.0.iter().enumerate() {
-            let _ = writeln!(members, "    {real} m{k}{};", size(table));
-        }
-        if !self.numbers.is_empty() {
-            let _ = writeln!(members, "    {real} n[{}];", self.numbers.len());
-        }
-        let setting = |k: usize| {
-            let mut parts: Vec<String> = self.own.0.iter().map(|table| self.rows(table, k)).collect();
-            if !self.numbers.is_empty() {
-                parts.push(self.row(&self.numbers, k));
-            }
-            format!("    {{\n        {}\n    }}", parts.join(",\n        "))
-        };
-        (same, Numbers { members, values: (0..settings).map(setting).collect() })
-    }
-
-    /// The numbers of a table in a setting.
-    fn rows(&self, table: &[Vec<Bits>], setting: usize) -> String {
-        let rows = table.iter().map(|row| self.row(row, setting)).collect::<Vec<_>>();
-        format!("{{{}}}", rows.join(",\n         "))
-    }
-
-    fn row(&self, row: &[Bits], setting: usize) -> String {
-        let spelled = row.iter().map(|bits| literal(f64::from_bits(bits[setting]), self.single));
-        format!("{{{}}}", spelled.collect::<Vec<_>>().join(", "))
-    }
-}
-
-/// A number that C reads back to the last bit.
-fn literal(value: f64, single: bool) -> String {
-    #[expect(clippy::cast_possible_truncation, reason = "a number of single precision, held in double")]
-    let text = if single { format!("{:?}F", value as f32) } else { format!("{value:?}") };
-    match (value.is_infinite(), value < 0.0) {
-        (true, false) => "REAL_INFINITY".to_owned(),
-        (true, true) => "(-REAL_INFINITY)".to_owned(),
-        (false, true) => format!("({text})"),
-        (false, false) => text,
-    }
+    (text, operations)
 }

@@ -12,6 +12,7 @@
 //! | [`blocks`] | where each operation is done: always, or in a branch |
 //! | [`made`] | what each is made of as C writes it |
 //! | [`body`] | the lines of a function of C |
+//! | [`writer`] | numbers, tables and functions that all of them share |
 //! | [`emit`] | the parts of the files: functions, states, a setting's numbers |
 #![forbid(unsafe_code)]
 
@@ -22,3 +23,4 @@ pub mod dots;
 pub mod emit;
 pub mod made;
 pub mod trace;
+pub mod writer;

@@ -1,12 +1,9 @@
 //! FMI 2.0 for co-simulation.
 
-use crate::component::{
-    Component, DISCARD, Log, Status, c_text, cannot, derivative, free, get, instantiate, keep, needed, none_of_type,
-    read, restore, set, size, with, write,
-};
+use crate::both::{debug_logging, directional_derivative, itself, variables, whole};
+use crate::component::{Component, DISCARD, Log, Status, c_text, cannot, instantiate, needed, none_of_type, with};
 use crate::raw::{self, Logger2};
 use core::ffi::{c_char, c_int, c_void};
-use forcefeel_fmu::instance_state::InstanceState;
 use std::path::PathBuf;
 
 /// A yes or a no of FMI 2.0.
@@ -39,16 +36,7 @@ extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-#[unsafe(no_mangle)]
-extern "C" fn fmi2SetDebugLogging(
-    component: *mut Component,
-    _on: Boolean,
-    _count: usize,
-    _categories: *const *const c_char,
-) -> Status {
-    // There are messages of errors alone, and those are told always.
-    with(component, |_| Ok(()))
-}
+debug_logging!(fmi2SetDebugLogging: Boolean);
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi2Instantiate(
@@ -88,11 +76,6 @@ fn path_of(uri: &str) -> PathBuf {
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi2FreeInstance(component: *mut Component) {
-    raw::take_back(component);
-}
-
-#[unsafe(no_mangle)]
 extern "C" fn fmi2SetupExperiment(
     component: *mut Component,
     _tolerance_defined: Boolean,
@@ -109,37 +92,10 @@ extern "C" fn fmi2EnterInitializationMode(component: *mut Component) -> Status {
     with(component, |_| Ok(()))
 }
 
-#[unsafe(no_mangle)]
-extern "C" fn fmi2ExitInitializationMode(component: *mut Component) -> Status {
-    with(component, forcefeel_fmu::instance::Instance::start)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2Terminate(component: *mut Component) -> Status {
-    with(component, |_| Ok(()))
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2Reset(component: *mut Component) -> Status {
-    with(component, |instance| {
-        instance.reset();
-        Ok(())
-    })
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2GetReal(component: *mut Component, of: *const u32, count: usize, values: *mut f64) -> Status {
-    get(component, (of, count), (values, count), |value| value)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2GetInteger(component: *mut Component, of: *const u32, count: usize, values: *mut c_int) -> Status {
-    get(component, (of, count), (values, count), whole)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2GetBoolean(component: *mut Component, of: *const u32, count: usize, values: *mut Boolean) -> Status {
-    get(component, (of, count), (values, count), |value| Boolean::from(value != 0.0))
+variables! {
+    fmi2GetReal, fmi2SetReal(): f64, itself, itself;
+    fmi2GetInteger, fmi2SetInteger(): c_int, whole, f64::from;
+    fmi2GetBoolean, fmi2SetBoolean(): Boolean, |value| Boolean::from(value != 0.0), |value| f64::from(u8::from(value != 0));
 }
 
 #[unsafe(no_mangle)]
@@ -148,87 +104,11 @@ extern "C" fn fmi2GetString(component: *mut Component, _: *const u32, count: usi
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi2SetReal(component: *mut Component, of: *const u32, count: usize, values: *const f64) -> Status {
-    set(component, (of, count), (values, count), |value| value)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2SetInteger(component: *mut Component, of: *const u32, count: usize, values: *const c_int) -> Status {
-    set(component, (of, count), (values, count), f64::from)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2SetBoolean(
-    component: *mut Component,
-    of: *const u32,
-    count: usize,
-    values: *const Boolean,
-) -> Status {
-    set(component, (of, count), (values, count), |value| f64::from(u8::from(value != 0)))
-}
-
-#[unsafe(no_mangle)]
 extern "C" fn fmi2SetString(component: *mut Component, _: *const u32, count: usize, _: *const *const c_char) -> Status {
     none_of_type(component, count, "String")
 }
 
-#[unsafe(no_mangle)]
-extern "C" fn fmi2GetFMUstate(component: *mut Component, state: *mut *mut InstanceState) -> Status {
-    keep(component, state)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2SetFMUstate(component: *mut Component, state: *const InstanceState) -> Status {
-    restore(component, state)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2FreeFMUstate(component: *mut Component, state: *mut *mut InstanceState) -> Status {
-    free(component, state)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2SerializedFMUstateSize(
-    component: *mut Component,
-    state: *const InstanceState,
-    bytes: *mut usize,
-) -> Status {
-    size(component, state, bytes)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2SerializeFMUstate(
-    component: *mut Component,
-    state: *const InstanceState,
-    bytes: *mut u8,
-    count: usize,
-) -> Status {
-    write(component, state, (bytes, count))
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2DeSerializeFMUstate(
-    component: *mut Component,
-    bytes: *const u8,
-    count: usize,
-    state: *mut *mut InstanceState,
-) -> Status {
-    read(component, (bytes, count), state)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi2GetDirectionalDerivative(
-    component: *mut Component,
-    unknowns: *const u32,
-    unknown_count: usize,
-    knowns: *const u32,
-    known_count: usize,
-    seed: *const f64,
-    sensitivity: *mut f64,
-) -> Status {
-    let (unknowns, knowns) = ((unknowns, unknown_count), (knowns, known_count));
-    derivative(component, unknowns, knowns, (seed, known_count), (sensitivity, unknown_count))
-}
+directional_derivative!(fmi2GetDirectionalDerivative());
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi2SetRealInputDerivatives(
@@ -297,9 +177,4 @@ extern "C" fn fmi2GetBooleanStatus(component: *mut Component, of: c_int, value: 
 #[unsafe(no_mangle)]
 extern "C" fn fmi2GetStringStatus(_: *mut Component, _: c_int, _: *mut *const c_char) -> Status {
     DISCARD
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "whole numbers are set within the range of the type")]
-pub(crate) fn whole(value: f64) -> c_int {
-    value as c_int
 }

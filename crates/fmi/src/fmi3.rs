@@ -1,14 +1,10 @@
 //! FMI 3.0 for co-simulation.
 
-use crate::component::{
-    Component, Log, Status, cannot, derivative, free, get, instantiate, keep, needed, none_of_type, read, restore, set,
-    size, with, write,
-};
-use crate::fmi2::whole;
+use crate::both::{debug_logging, directional_derivative, itself, variables, whole};
+use crate::component::{Component, Log, Status, cannot, instantiate, needed, none_of_type, with};
 use crate::raw::{self, Logger3};
 use core::ffi::{c_char, c_void};
 use forcefeel_fmu::instance::Instance;
-use forcefeel_fmu::instance_state::InstanceState;
 use forcefeel_fmu::variables::CLOCK;
 use std::path::Path;
 
@@ -17,16 +13,7 @@ extern "C" fn fmi3GetVersion() -> *const c_char {
     c"3.0".as_ptr()
 }
 
-#[unsafe(no_mangle)]
-extern "C" fn fmi3SetDebugLogging(
-    component: *mut Component,
-    _on: bool,
-    _count: usize,
-    _categories: *const *const c_char,
-) -> Status {
-    // There are messages of errors alone, and those are told always.
-    with(component, |_| Ok(()))
-}
+debug_logging!(fmi3SetDebugLogging: bool);
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi3InstantiateCoSimulation(
@@ -76,11 +63,6 @@ extern "C" fn fmi3InstantiateScheduledExecution(
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn fmi3FreeInstance(component: *mut Component) {
-    raw::take_back(component);
-}
-
-#[unsafe(no_mangle)]
 extern "C" fn fmi3EnterInitializationMode(
     component: *mut Component,
     _tolerance_defined: bool,
@@ -92,88 +74,10 @@ extern "C" fn fmi3EnterInitializationMode(
     with(component, |instance| instance.start_at(start))
 }
 
-#[unsafe(no_mangle)]
-extern "C" fn fmi3ExitInitializationMode(component: *mut Component) -> Status {
-    with(component, Instance::start)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3Terminate(component: *mut Component) -> Status {
-    with(component, |_| Ok(()))
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3Reset(component: *mut Component) -> Status {
-    with(component, |instance| {
-        instance.reset();
-        Ok(())
-    })
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3GetFloat64(
-    component: *mut Component,
-    of: *const u32,
-    count: usize,
-    values: *mut f64,
-    value_count: usize,
-) -> Status {
-    get(component, (of, count), (values, value_count), |value| value)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3SetFloat64(
-    component: *mut Component,
-    of: *const u32,
-    count: usize,
-    values: *const f64,
-    value_count: usize,
-) -> Status {
-    set(component, (of, count), (values, value_count), |value| value)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3GetInt32(
-    component: *mut Component,
-    of: *const u32,
-    count: usize,
-    values: *mut i32,
-    value_count: usize,
-) -> Status {
-    get(component, (of, count), (values, value_count), whole)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3SetInt32(
-    component: *mut Component,
-    of: *const u32,
-    count: usize,
-    values: *const i32,
-    value_count: usize,
-) -> Status {
-    set(component, (of, count), (values, value_count), f64::from)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3GetBoolean(
-    component: *mut Component,
-    of: *const u32,
-    count: usize,
-    values: *mut bool,
-    value_count: usize,
-) -> Status {
-    get(component, (of, count), (values, value_count), |value| value != 0.0)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3SetBoolean(
-    component: *mut Component,
-    of: *const u32,
-    count: usize,
-    values: *const bool,
-    value_count: usize,
-) -> Status {
-    set(component, (of, count), (values, value_count), |value| f64::from(u8::from(value)))
+variables! {
+    fmi3GetFloat64, fmi3SetFloat64(value_count): f64, itself, itself;
+    fmi3GetInt32, fmi3SetInt32(value_count): i32, whole, f64::from;
+    fmi3GetBoolean, fmi3SetBoolean(value_count): bool, |value| value != 0.0, |value| f64::from(u8::from(value));
 }
 
 /// Types of which there are no variables.
@@ -338,65 +242,7 @@ extern "C" fn fmi3GetVariableDependencies(
     cannot(component, "dependencies element by element")
 }
 
-#[unsafe(no_mangle)]
-extern "C" fn fmi3GetFMUState(component: *mut Component, state: *mut *mut InstanceState) -> Status {
-    keep(component, state)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3SetFMUState(component: *mut Component, state: *const InstanceState) -> Status {
-    restore(component, state)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3FreeFMUState(component: *mut Component, state: *mut *mut InstanceState) -> Status {
-    free(component, state)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3SerializedFMUStateSize(
-    component: *mut Component,
-    state: *const InstanceState,
-    bytes: *mut usize,
-) -> Status {
-    size(component, state, bytes)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3SerializeFMUState(
-    component: *mut Component,
-    state: *const InstanceState,
-    bytes: *mut u8,
-    count: usize,
-) -> Status {
-    write(component, state, (bytes, count))
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3DeserializeFMUState(
-    component: *mut Component,
-    bytes: *const u8,
-    count: usize,
-    state: *mut *mut InstanceState,
-) -> Status {
-    read(component, (bytes, count), state)
-}
-
-#[unsafe(no_mangle)]
-extern "C" fn fmi3GetDirectionalDerivative(
-    component: *mut Component,
-    unknowns: *const u32,
-    unknown_count: usize,
-    knowns: *const u32,
-    known_count: usize,
-    seed: *const f64,
-    seed_count: usize,
-    sensitivity: *mut f64,
-    sensitivity_count: usize,
-) -> Status {
-    let (unknowns, knowns) = ((unknowns, unknown_count), (knowns, known_count));
-    derivative(component, unknowns, knowns, (seed, seed_count), (sensitivity, sensitivity_count))
-}
+directional_derivative!(fmi3GetDirectionalDerivative(seed_count, sensitivity_count));
 
 #[unsafe(no_mangle)]
 extern "C" fn fmi3GetAdjointDerivative(

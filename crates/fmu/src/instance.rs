@@ -4,9 +4,9 @@ use crate::feel::count;
 use crate::instance_state::{AnyCourse, InstanceState, StepRestorePoint};
 use crate::resources::Resources;
 use crate::step_state::{StepConstants, stride};
-use crate::values::Variables;
 use crate::variables::{
-    FEEL_CHANGE_TIME, HELD_UNTIL, Kind, MOST_OUTPUTS, SEED, START_ANGLE, START_FORCE, inputs, options, rows, seen,
+    FEEL_CHANGE_TIME, HELD_UNTIL, Kind, MOST_OUTPUTS, SEED, START_ANGLE, START_FORCE, Variables, inputs, options, rows,
+    seen,
 };
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;

@@ -3,8 +3,7 @@
 use crate::feel::{Feel, Programmed};
 use crate::resources::Resources;
 use crate::step_state::StepState;
-use crate::values::Variables;
-use crate::variables::{MOST_INPUTS, OPTIONS};
+use crate::variables::{MOST_INPUTS, OPTIONS, Variables};
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::host::packet::crc32;

@@ -7,10 +7,10 @@
 //! |---|---|
 //! | which variables there are | [`variables`] |
 //! | what an FMU's resources hold | [`resources`] |
-//! | what an importer does with an instance; its variables | [`instance`], [`values`] |
-//! | its state, derivatives | [`kept`], [`derivatives`] |
-//! | a step of each kind of FMU, what is seen of it | [`course`] |
-//! | changes of the feel while it runs | [`feel`] |
+//! | what an importer does with an instance; its variables | [`instance`], `values` |
+//! | its state, derivatives | [`instance_state`], [`derivatives`] |
+//! | a step of each kind of FMU, what is seen of it | `step_state` |
+//! | changes of the feel while it runs | `feel` |
 #![forbid(unsafe_code)]
 
 pub mod derivatives;

@@ -12,15 +12,6 @@ use forcefeel_model::parameters::{COUNT, TABLE};
 /// Rows of I, B and G.
 const FEEL: [(&str, &str); 3] = [("feel", "inertia"), ("feel", "damping"), ("feel", "stiffness")];
 
-/// The variables of an FMU.
-#[derive(Debug)]
-pub(crate) struct Variables {
-    pub inputs: Vec<Signal>,
-    pub outputs: usize,
-    pub options: Vec<usize>,
-    pub rows: Vec<usize>,
-}
-
 impl Instance {
     /// Sets a variable.
     ///

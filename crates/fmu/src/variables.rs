@@ -281,3 +281,12 @@ pub(crate) fn within((low, high): (f64, f64), value: f64) -> bool {
 
 /// Relative: a limit that was stated with ten digits, perhaps in another unit, is still the limit.
 const ROUNDING: f64 = 1e-9;
+
+/// The variables of an FMU.
+#[derive(Debug)]
+pub(crate) struct Variables {
+    pub inputs: Vec<Signal>,
+    pub outputs: usize,
+    pub options: Vec<usize>,
+    pub rows: Vec<usize>,
+}

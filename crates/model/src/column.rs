@@ -98,6 +98,12 @@ impl<S: Scalar> ColumnMotion<S> {
         }
     }
 
+    /// Acceleration of the base, dry friction left out, in a step that began at `start`; `by_link`: what the link gives of it.
+    #[inline(always)]
+    pub fn acceleration(&self, effects: &Effects, (by_link, pilot_force): (S, S), (start, x_b): (S, S), v: S) -> S {
+        by_link + self.per_pilot_force * pilot_force + self.loads(effects, start, x_b, v)
+    }
+
     /// Acceleration by all but the link, the pilot's force and dry friction, in a step that began at `start`.
     #[inline(always)]
     pub fn loads(&self, effects: &Effects, start: S, x_b: S, v: S) -> S {

@@ -13,9 +13,11 @@ use crate::effects::Effects;
 use crate::feel::{FeelConditions, FeelLaw};
 use crate::feel_computer::{FeelComputer, FeelMotion};
 use crate::known_friction::FrictionState;
-use crate::machine::{Inputs, Shared, StepFraction};
-use crate::observer::{Estimate, LawOutput, MOST_STATES, Observer, SAMPLED, quotient};
+use crate::law_vector::{Estimate, MOST_STATES, SAMPLED, STATE_NAMES, quotient};
+use crate::memory::MemoryVisitor;
+use crate::observer::{LawOutput, Observer};
 use crate::parameters::Parameters;
+use crate::run::{Inputs, Shared, StepFraction};
 use crate::transducers::SENSORS;
 
 /// Law, feel and converters of one loader.
@@ -61,6 +63,41 @@ pub struct FeelState<S: Scalar> {
     pub motion: FeelMotion<S>,
     /// Trimmed neutral in the unit of `delta`.
     pub neutral: S,
+}
+
+impl<S: Scalar> LawState<S> {
+    /// Visits each number but those of the estimate.
+    #[inline(always)]
+    pub fn visit_samples(&mut self, visitor: &mut impl MemoryVisitor<S>) {
+        visitor.number("base", &mut self.base);
+        // Only what is added against a known disturbance depends on it.
+        visitor.nonlinear("position", &mut self.position);
+        self.friction_state.visit(visitor);
+    }
+
+    /// Visits each number of the estimate.
+    #[inline(always)]
+    pub fn visit_estimate(&mut self, visitor: &mut impl MemoryVisitor<S>) {
+        for (name, state) in STATE_NAMES.into_iter().zip(&mut self.estimate) {
+            visitor.number(name, state);
+        }
+    }
+}
+
+impl<S: Scalar> FeelState<S> {
+    /// Visits each number.
+    #[inline(always)]
+    pub fn visit(&mut self, visitor: &mut impl MemoryVisitor<S>) {
+        let Self { motion: FeelMotion { at: [delta, delta_rate], grip, slider }, neutral } = self;
+        visitor.number("delta", delta);
+        visitor.number("delta_rate", delta_rate);
+        visitor.nonlinear("neutral", neutral);
+        visitor.nonlinear("slider", slider);
+        visitor.nonlinear("grip_drag", &mut grip.drag);
+        visitor.nonlinear("grip_velocity", &mut grip.velocity);
+        visitor.nonlinear("grip_pull", &mut grip.pull);
+        visitor.flag("grip_stuck", &mut grip.stuck);
+    }
 }
 
 /// What is sampled.

@@ -140,6 +140,12 @@ impl<S: Scalar> CommandDelay<S> {
         self.commands[sample % MOST_UNDER_WAY] = e;
     }
 
+    /// The command of sample number `sample`, to be replaced.
+    #[inline(always)]
+    pub fn command_mut(&mut self, sample: usize) -> &mut S {
+        &mut self.commands[sample % MOST_UNDER_WAY]
+    }
+
     /// The command of sample number `sample`, which arrives now.
     #[inline(always)]
     pub fn arriving(&self, sample: usize) -> S {

@@ -13,38 +13,22 @@
 
 pub mod electric;
 pub mod hydraulic;
+mod kind;
+
+pub use crate::run::SIGNALS;
+pub use kind::{Kind, OfElectric, OfHydraulic};
 
 use core::fmt::Debug;
 
 use crate::Scalar;
 use crate::channels;
+use crate::column::ColumnMotion;
+use crate::compensator::Compensator;
 use crate::controller::Converters;
 use crate::effects::Effects;
-use crate::machine::slow::Slow;
-use crate::machine::{Machine, Shared, Snapshot, State, StepFraction, StepStart};
 use crate::parameters::Parameters;
-
-/// A kind of drive, whatever the numbers are made of.
-pub trait Kind: Copy {
-    /// The drive.
-    type Of<S: Scalar>: Drive<S>;
-}
-
-/// Valve and piston.
-#[derive(Debug, Clone, Copy)]
-pub struct OfHydraulic;
-
-impl Kind for OfHydraulic {
-    type Of<S: Scalar> = hydraulic::Hydraulic<S>;
-}
-
-/// Motor and transmission.
-#[derive(Debug, Clone, Copy)]
-pub struct OfElectric;
-
-impl Kind for OfElectric {
-    type Of<S: Scalar> = electric::Electric<S>;
-}
+use crate::run::{Shared, Slow, Snapshot, State, StepFraction, StepStart};
+use crate::transducers::Transducers;
 
 /// What a drive, the column and the feel are to one another.
 #[derive(Debug, Clone, Copy)]
@@ -79,8 +63,22 @@ pub struct DriveSignals<S> {
     pub signals: [S; SIGNALS],
 }
 
-/// Quantities of a drive's own, at most.
-pub const SIGNALS: usize = 4;
+/// The rest of a loader, which a drive moves: column, sensors, law and feel.
+#[derive(Debug, Clone, Copy)]
+pub struct Neighbors<'a, S: Scalar> {
+    /// The column.
+    pub column: &'a ColumnMotion<S>,
+    /// The sensors.
+    pub transducers: &'a Transducers<S>,
+    /// The law's gains.
+    pub law: &'a Compensator<S>,
+    /// Acceleration of the feel per torque.
+    pub feel_per_torque: S,
+    /// Length of a step in s.
+    pub step: S,
+    /// One over it.
+    pub per_step: S,
+}
 
 /// A drive in time. `plant` is what a step carries: three numbers of the drive, `x_b`, `w`.
 pub trait Drive<S: Scalar>: Copy + Debug {
@@ -142,12 +140,12 @@ pub trait Drive<S: Scalar>: Copy + Debug {
         memory: &Self::Memory,
         plant: (&[S; 5], StepFraction),
         e: S,
-        now: &mut Snapshot<S, Self>,
+        now: &mut Snapshot<S, Self::Balance>,
     ) -> [S; 3];
     /// By how much the rate of the third changes with the command.
-    fn command_jump(&self, effects: &Effects, now: &Snapshot<S, Self>, e_change: S) -> S;
+    fn command_jump(&self, effects: &Effects, now: &Snapshot<S, Self::Balance>, e_change: S) -> S;
     /// Force that a feel which hears the load cell directly is moved by.
-    fn heard(&self, force: S, now: &Snapshot<S, Self>) -> S;
+    fn heard(&self, force: S, now: &Snapshot<S, Self::Balance>) -> S;
 
     /// Effort of a force, in equilibrium.
     fn effort(&self, force: S) -> S;
@@ -162,41 +160,51 @@ pub trait Drive<S: Scalar>: Copy + Debug {
 
     /// At the start of a step: what it was behind by the end of the last one.
     fn catch_up(
-        machine: &Machine<S, Self>,
+        &self,
+        neighbors: &Neighbors<'_, S>,
         effects: &Effects,
         side: &Self::Side,
-        state: &mut State<S, Self>,
-        now: &mut Snapshot<S, Self>,
+        state: &mut State<S, Self::Memory>,
+        now: &mut Snapshot<S, Self::Balance>,
     );
     /// At the start of a step: its own dry friction, first what it did inside the last one; and what of it goes by itself through
     /// the step.
     #[inline(always)]
-    fn settle(_: &Machine<S, Self>, _: &Effects, _: &mut State<S, Self>, _: &mut Snapshot<S, Self>, _: &mut Slow<S>) {}
+    fn settle(
+        &self,
+        _: &Neighbors<'_, S>,
+        _: &Effects,
+        _: &mut State<S, Self::Memory>,
+        _: &mut Snapshot<S, Self::Balance>,
+        _: &mut Slow<S>,
+    ) {
+    }
     /// Adds its own dry friction to the rates.
     #[inline(always)]
     fn resist(_: &Effects, _: &Self::Memory, _: &mut Slow<S>) {}
     /// At the end of a step: what changes slowly.
     #[inline(always)]
-    fn end_step(_: &Machine<S, Self>, _: &Effects, _: &mut State<S, Self>, _: &StepStart<S, Self>) {}
+    fn end_step(&self, _: &Effects, _: &mut State<S, Self::Memory>, _: &StepStart<S, Self::Balance, Self::Side>) {}
     /// What is seen half-way between the starts of two steps.
     fn seen_between(
         &self,
         plant: &[S; 5],
         balance: &Self::Balance,
-        between: (&Snapshot<S, Self>, &Snapshot<S, Self>),
+        between: [&Snapshot<S, Self::Balance>; 2],
         digital: bool,
     ) -> DriveSignals<S>;
     /// At the end of a step: the link met the end of its play on the way.
     fn close_play(
-        machine: &Machine<S, Self>,
+        &self,
+        neighbors: &Neighbors<'_, S>,
         shared: &Shared,
-        state: &mut State<S, Self>,
+        state: &mut State<S, Self::Memory>,
         start: &[S; 5],
-        begun: &StepStart<S, Self>,
+        begun: &StepStart<S, Self::Balance, Self::Side>,
     );
 
     /// What is measured on a bench, in the order of [`CHANNELS`](Self::CHANNELS).
-    fn channels(now: &Snapshot<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT];
+    fn channels(now: &Snapshot<S, Self::Balance>, parameters: &Parameters<S>) -> [S; channels::COUNT];
 
     /// Its memory as numbers.
     fn remembered(memory: &Self::Memory) -> [S; REMEMBERED];

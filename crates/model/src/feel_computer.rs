@@ -12,7 +12,7 @@ use crate::curve::Curve;
 use crate::dry_friction::{DryFriction, StickState, at_rest};
 use crate::effects::Effects;
 use crate::feel::{FeelConditions, FeelLaw};
-use crate::machine::SEARCH_RAD;
+use crate::run::SEARCH_RAD;
 
 /// A feel, or two while the one is changed into the other.
 #[derive(Debug, Clone, Copy)]

@@ -33,7 +33,8 @@
 //! the rate, goes back to B. Friedland and Y.-J. Park (1991, as later papers cite them).
 
 use crate::Scalar;
-use crate::observer::{Estimate, KNOWN, MOST_STATES, SAMPLED, product};
+use crate::law_vector::{Estimate, KNOWN, MOST_STATES, SAMPLED, product};
+use crate::memory::MemoryVisitor;
 
 /// Numbers of it, in the order of [`KnownFriction::take`]: `r`, `b`, then `F`, `M` in N m, `v_s` in rad/s, `l`, `g_-`, `g_+` in N m,
 /// `a`, `q` in N m, `c`, `d`.
@@ -92,6 +93,17 @@ impl<S: Scalar> FrictionState<S> {
             push: feel_torque,
             way: feel_torque.zero(),
         }
+    }
+
+    /// Visits each number.
+    #[inline(always)]
+    pub fn visit(&mut self, visitor: &mut impl MemoryVisitor<S>) {
+        let Self { feel_torque, learnt, trusted, push, way } = self;
+        visitor.nonlinear("feel_torque", feel_torque);
+        visitor.nonlinear("learnt", learnt);
+        visitor.nonlinear("trusted", trusted);
+        visitor.nonlinear("push", push);
+        visitor.nonlinear("way", way);
     }
 
     /// Between what two laws recall.

@@ -13,52 +13,31 @@ mod digital;
 mod equilibrium;
 mod feel;
 mod friction;
-mod inputs;
 mod limited;
 mod look;
 mod middle;
 pub mod period;
+mod pilot;
 mod sensors;
-pub(crate) mod slow;
 mod step;
 mod touch;
 
+pub use crate::run::{Inputs, SEARCH_RAD, Shared, StepFraction};
 pub use digital::Memory;
-pub use equilibrium::{EQUILIBRIUM_NUMBERS, Equilibrium, SEARCH_RAD};
-pub use inputs::{Inputs, StepFraction};
+pub use equilibrium::{EQUILIBRIUM_NUMBERS, Equilibrium};
 
 use crate::Scalar;
-use crate::cancellation::Cancellation;
 use crate::column::ColumnMotion;
 use crate::compensator::Compensator;
 use crate::control::Control;
-use crate::controller::Timing;
-use crate::curve::Curve;
 use crate::drive::hydraulic::Hydraulic;
-use crate::drive::{Coupling, Drive, SIGNALS};
-use crate::dry_friction::StickState;
-use crate::effects::Effects;
+use crate::drive::{Coupling, Drive, Neighbors};
 use crate::feel::FeelLaw;
 use crate::grip_sensor::GripForce;
 use crate::observer::Observer;
 use crate::parameters::Parameters;
-use crate::transducers::{SensorReading, Transducers};
-use slow::Slow;
-
-/// What all runs of a batch share.
-#[derive(Debug, Clone)]
-pub struct Shared {
-    /// Effects in play.
-    pub effects: Effects,
-    /// Length of a step in s.
-    pub step_s: f64,
-    /// When a digital controller acts; an analog law otherwise.
-    pub timing: Option<Timing>,
-    /// Force over angle of the feel, in place of its straight spring.
-    pub curve: Option<Curve>,
-    /// What a digital controller adds to its command.
-    pub cancellation: Option<Cancellation>,
-}
+use crate::run;
+use crate::transducers::Transducers;
 
 /// One loader, ready to run: its coefficients worked out.
 #[derive(Debug, Clone, Copy)]
@@ -73,61 +52,14 @@ pub struct Machine<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     pub(crate) per_step: S,
 }
 
-/// State between two steps.
-#[derive(Debug, Clone, Copy)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(bound(
-        serialize = "S: serde::Serialize, S::Mask: serde::Serialize, D::Memory: serde::Serialize",
-        deserialize = "S: serde::Deserialize<'de>, S::Mask: serde::Deserialize<'de>, D::Memory: serde::Deserialize<'de>"
-    ))
-)]
-pub struct State<S: Scalar, D: Drive<S> = Hydraulic<S>> {
-    pub(crate) slow: Slow<S>,
-    pub(crate) column: StickState<S>,
-    pub(crate) feel: StickState<S>,
-    /// What the drive remembers.
-    pub(crate) drive: D::Memory,
-    seen: SensorReading<S>,
-    neutral: S,
-    slider: S,
-    /// Command that the amplifier holds under a digital controller.
-    held: S,
-    /// Pilot force at the end of the last step.
-    pub(crate) pilot_force: S,
-    /// Force of a hand that holds the grip until it lets go, in N.
-    hand: S,
-    /// What is added to the command that it holds, in V.
-    test_signal: S,
-    /// Share of the last step by which a force on the load cell came later than a straight line.
-    pub(crate) late: S,
-    /// Steps since the start.
-    steps: usize,
-}
+/// State of a machine with this drive between two steps.
+pub type State<S, D = Hydraulic<S>> = run::State<S, <D as Drive<S>>::Memory>;
 
-/// What there is at one instant.
-#[derive(Debug, Clone, Copy)]
-pub struct Snapshot<S: Scalar, D: Drive<S> = Hydraulic<S>> {
-    /// Displacement of the column's base in m.
-    pub base: S,
-    /// Its velocity in m/s.
-    pub base_rate: S,
-    /// Programmed displacement, in its unit.
-    pub delta: S,
-    /// Its rate.
-    pub delta_rate: S,
-    /// Displacement of the drive's end in m.
-    pub position: S,
-    /// Force of the load cell in N.
-    pub force: S,
-    /// The drive's own quantities.
-    pub signals: [S; SIGNALS],
-    /// Pilot force in N.
-    pub pilot_force: S,
-    /// What the drive does in balance, which the motions see; what is seen of it above may be behind.
-    pub(crate) balance: D::Balance,
-}
+/// Quantities of a machine with this drive at one instant.
+pub type Snapshot<S, D = Hydraulic<S>> = run::Snapshot<S, <D as Drive<S>>::Balance>;
+
+/// Start of a step of a machine with this drive.
+pub type StepStart<S, D = Hydraulic<S>> = run::StepStart<S, <D as Drive<S>>::Balance, <D as Drive<S>>::Side>;
 
 /// What there is where a controller may sample.
 #[derive(Debug, Clone, Copy)]
@@ -135,16 +67,6 @@ pub struct SamplingPoint<S: Scalar, D: Drive<S> = Hydraulic<S>> {
     /// What there is now.
     pub now: Snapshot<S, D>,
     side: D::Side,
-}
-
-/// What the start of a step leaves for the rest of it.
-#[derive(Debug, Clone, Copy)]
-pub struct StepStart<S: Scalar, D: Drive<S> = Hydraulic<S>> {
-    /// What there is now.
-    pub now: Snapshot<S, D>,
-    slow: Slow<S>,
-    rates: Slow<S>,
-    pub(crate) side: D::Side,
 }
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
@@ -181,6 +103,19 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             force_scale: one,
             step: one.constant(shared.step_s),
             per_step: one.constant(1.0 / shared.step_s),
+        }
+    }
+
+    /// The loader around its drive.
+    #[inline(always)]
+    fn neighbors(&self) -> Neighbors<'_, S> {
+        Neighbors {
+            column: &self.column,
+            transducers: &self.transducers,
+            law: &self.control.law,
+            feel_per_torque: self.control.feel.per_torque,
+            step: self.step,
+            per_step: self.per_step,
         }
     }
 

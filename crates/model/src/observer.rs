@@ -15,23 +15,14 @@
 //! so the step need not know which it runs. Coordinates of `xi` are the law's own. What a law knows of the column's dry friction stands
 //! in [`crate::known_friction`].
 
+pub use crate::law_vector::{Estimate, MOST_STATES, SAMPLED};
+
 use crate::Scalar;
 use crate::known_friction::{FRICTION_NUMBERS, FrictionState, KnownFriction};
-
-/// Most states; a law with fewer leaves the others at zero.
-pub const MOST_STATES: usize = 9;
-
-/// What is sampled: load cell force (N), piston displacement (m), column angle (rad), force at the grip (N).
-pub const SAMPLED: usize = 4;
+use crate::law_vector::{KNOWN, product, quotient};
 
 /// Numbers of a law, in the order of [`Observer::from_numbers`].
 pub const NUMBERS: usize = MOST_STATES * (MOST_STATES + 2 * (SAMPLED + 1)) + 2 * KNOWN + 2 + FRICTION_NUMBERS;
-
-/// What command and torque are made of: `[xi; y; delta; delta']`.
-pub(crate) const KNOWN: usize = MOST_STATES + SAMPLED + 2;
-
-/// State of the law.
-pub type Estimate<S> = [S; MOST_STATES];
 
 /// One law.
 #[derive(Debug, Clone, Copy)]
@@ -256,23 +247,4 @@ impl<S: Scalar> LawOutput<S> {
             friction_state: self.friction_state.lerp(next.friction_state, share),
         }
     }
-}
-
-/// `a / b`; zero where there is nothing to divide by, as of a state that keeps what it has.
-#[inline(always)]
-pub(crate) fn quotient<S: Scalar>(a: S, b: S) -> S {
-    S::select(b.zero().less(b.abs()), a / b, b.zero())
-}
-
-/// What a row of numbers makes of `[xi; y; delta; delta']`.
-#[inline(always)]
-pub(crate) fn product<S: Scalar>(row: &[S; KNOWN], xi: &Estimate<S>, y: &[S; SAMPLED], feel: [S; 2]) -> S {
-    let mut sum = row[MOST_STATES + SAMPLED] * feel[0] + row[MOST_STATES + SAMPLED + 1] * feel[1];
-    for k in 0..MOST_STATES {
-        sum = sum + row[k] * xi[k];
-    }
-    for k in 0..SAMPLED {
-        sum = sum + row[MOST_STATES + k] * y[k];
-    }
-    sum
 }

@@ -4,8 +4,8 @@
 
 use crate::Scalar;
 use crate::control::{Control, ControlOutput, FeelState, LawState, Sample};
-use crate::machine::{Inputs, Shared};
 use crate::observer::Estimate;
+use crate::run::{Inputs, Shared};
 use crate::supervisor::{SupervisorOutput, finite};
 use crate::transducers::SENSORS;
 

@@ -32,51 +32,25 @@ mod command;
 mod debounce;
 pub mod function;
 pub mod grip;
+mod input;
 pub mod limits;
+mod numbers;
 mod search;
 mod sensors;
 pub mod sequence;
 
 pub use function::{Action, Function, Functions};
 pub use grip::GripEstimate;
+pub use input::{RequestedMode, SupervisorInput};
 pub use limits::{Limits, Refusal};
-pub use sequence::{RequestedMode, SupervisorState};
+pub use sequence::SupervisorState;
 
 use crate::Scalar;
-use crate::transducers::SENSORS;
 use command::Command;
 use grip::GripMonitor;
+pub(crate) use numbers::finite;
 use sensors::Sensors;
-pub(crate) use sensors::finite;
 use sequence::Sequence;
-
-/// What the supervisor is told at a sample.
-#[derive(Debug, Clone, Copy)]
-pub struct SupervisorInput<S> {
-    /// Load cell (N), position of the drive's end (m), displacement of the column's base (m), as the law gets them.
-    pub sensed: [S; SENSORS],
-    /// Samples in a row, this one included, for which the drive or a sensor gave nothing; `sensed` is then not looked at.
-    pub missed: u32,
-    /// Periods between this sample and the one before it that came, as far as time went on for the machine; at least one.
-    pub periods: S,
-    /// Cycles in a row, this one included, that the loop was late.
-    pub late: u32,
-    /// Samples since the host's last packet; nothing where there is no host.
-    pub host_age: Option<u32>,
-    /// The law's command, in V or A.
-    pub command: S,
-    /// Acceleration that the feel would give the programmed control now if no hand were on it, in rad/s²: see
-    /// [`Control::free_acceleration`](crate::control::Control::free_acceleration).
-    pub feel_acceleration: S,
-    /// The emergency stop is pressed.
-    pub emergency_stop: bool,
-    /// The drive reports a fault.
-    pub drive_fault: bool,
-    /// What the person wants.
-    pub requested: RequestedMode,
-    /// The person has read the sentence.
-    pub acknowledge: bool,
-}
 
 /// What a loop may do in this period.
 #[derive(Debug, Clone, Copy)]
@@ -219,10 +193,4 @@ impl<S: Scalar> Supervisor<S> {
         let moved = if silent { self.host_share - step } else { self.host_share + step };
         self.host_share = moved.clamp(step.zero(), step.constant(1.0));
     }
-}
-
-/// Whether one number is below another.
-#[inline(always)]
-fn below<S: Scalar>(a: S, b: S) -> bool {
-    S::any(a.less(b))
 }

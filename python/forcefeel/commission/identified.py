@@ -16,6 +16,7 @@ from forcefeel.bench.identification.result import Identification
 from forcefeel.bench.identification.unknowns import parameter_keys
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
+from forcefeel.commission.curve import curve_of
 from forcefeel.commission.fits import Fits, fit_what_is_seen
 from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
@@ -102,6 +103,7 @@ def identify_loader(
         wanting=wanting,
         advice=(*(one.sentence for one in found.advice), *remedy, *grip.advice),
         noticed=grip.said,
+        curve=curve_of(found.fitted) if identified and found.fitted else None,
     )
     return IdentifiedLoader(outcome, replace(found, loader=identified), identified)
 

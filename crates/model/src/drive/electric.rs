@@ -24,6 +24,7 @@
 //! | motor, linkage and column as a linear system | [`plant`] |
 //! | what motor and transmission give at the grip | [`statics`] |
 
+mod channels;
 pub mod current_loop;
 pub mod motor;
 pub mod plant;
@@ -31,15 +32,15 @@ pub mod statics;
 pub mod thermal;
 pub mod transmission;
 
-use super::{Coupling, Drive, DriveSignals, Link, REMEMBERED, SIGNALS};
+use super::{Coupling, Drive, DriveSignals, Link, Neighbors, REMEMBERED, SIGNALS};
 use crate::Scalar;
-use crate::channels;
+use crate::channels::COUNT;
 use crate::controller::Converters;
 use crate::dry_friction::StickState;
 use crate::effects::Effects;
-use crate::machine::slow::Slow;
-use crate::machine::{Machine, Shared, Snapshot, State, StepFraction, StepStart};
 use crate::parameters::Parameters;
+use crate::run::{Shared, Slow, Snapshot, State, StepFraction, StepStart};
+use channels::CHANNELS;
 use current_loop::{Current, CurrentTrajectory, Warm};
 use motor::Rotor;
 use thermal::Warming;
@@ -103,15 +104,15 @@ impl<S: Scalar> Electric<S> {
     #[inline(always)]
     fn stick(
         &self,
-        machine: &Machine<S, Self>,
-        state: &mut State<S, Self>,
-        now: &mut Snapshot<S, Self>,
+        neighbors: &Neighbors<'_, S>,
+        state: &mut State<S, Motion<S>>,
+        now: &mut Snapshot<S, S>,
         rates: &mut Slow<S>,
     ) {
         let (v, pull) = (state.slow.plant[1], rates.plant[1]);
         let moves = v.zero().less(v.abs());
         let friction = self.friction(now.balance, S::select(moves, v, pull));
-        let settled = friction.settled(&state.drive.grip, v, pull, (machine.step, machine.per_step));
+        let settled = friction.settled(&state.drive.grip, v, pull, (neighbors.step, neighbors.per_step));
         state.drive.grip = friction.grip(settled.velocity, pull);
         state.slow.plant[0] = state.slow.plant[0] + settled.displacement;
         state.slow.plant[1] = S::select(settled.settled, settled.velocity, v);
@@ -137,7 +138,7 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     ];
     const PEAKS: [usize; 3] = [CURRENT, VOLTAGE, SPEED];
     const COMMAND_HOLDS: bool = true;
-    const CHANNELS: &'static [(&'static str, &'static str)] = plant::CHANNELS;
+    const CHANNELS: &'static [(&'static str, &'static str)] = CHANNELS;
 
     /// `alpha c` while the base moves, zero while it sticks.
     type Side = S;
@@ -243,7 +244,7 @@ impl<S: Scalar> Drive<S> for Electric<S> {
         memory: &Motion<S>,
         (&[x_m, v_m, carried, ..], moment): (&[S; 5], StepFraction),
         e: S,
-        now: &mut Snapshot<S, Self>,
+        now: &mut Snapshot<S, S>,
     ) -> [S; 3] {
         let asked = self.current.commanded(effects, &memory.warm, e);
         let (i, i_rate) = self.current.at(moment, &memory.course, carried, asked);
@@ -254,12 +255,12 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn command_jump(&self, _: &Effects, _: &Snapshot<S, Self>, e_change: S) -> S {
+    fn command_jump(&self, _: &Effects, _: &Snapshot<S, S>, e_change: S) -> S {
         self.current.bandwidth * e_change
     }
 
     #[inline(always)]
-    fn heard(&self, force: S, _: &Snapshot<S, Self>) -> S {
+    fn heard(&self, force: S, _: &Snapshot<S, S>) -> S {
         force
     }
 
@@ -299,20 +300,21 @@ impl<S: Scalar> Drive<S> for Electric<S> {
 
     #[inline(always)]
     fn settle(
-        machine: &Machine<S, Self>,
+        &self,
+        neighbors: &Neighbors<'_, S>,
         effects: &Effects,
-        state: &mut State<S, Self>,
-        now: &mut Snapshot<S, Self>,
+        state: &mut State<S, Motion<S>>,
+        now: &mut Snapshot<S, S>,
         rates: &mut Slow<S>,
     ) {
-        let drive = &machine.drive;
+        let drive = self;
         if effects.drive_friction {
-            drive.stick(machine, state, now, rates);
+            drive.stick(neighbors, state, now, rates);
         }
         let asked = rates.plant[2];
         let mut resisted = *rates;
         Self::resist(effects, &state.drive, &mut resisted);
-        let speed = (state.slow.plant[1] + resisted.plant[1] * machine.step.times(0.5)) * drive.per_travel;
+        let speed = (state.slow.plant[1] + resisted.plant[1] * neighbors.step.times(0.5)) * drive.per_travel;
         state.drive.course = drive.current.course(effects, &state.drive.warm, (state.slow.plant[2], speed), asked);
         rates.plant[2] = state.drive.course.rate;
     }
@@ -327,21 +329,22 @@ impl<S: Scalar> Drive<S> for Electric<S> {
 
     #[inline(always)]
     fn catch_up(
-        machine: &Machine<S, Self>,
+        &self,
+        _: &Neighbors<'_, S>,
         effects: &Effects,
         _: &S,
-        state: &mut State<S, Self>,
-        now: &mut Snapshot<S, Self>,
+        state: &mut State<S, Motion<S>>,
+        now: &mut Snapshot<S, S>,
     ) {
         if effects.heating {
-            now.signals[WINDING] = machine.drive.warming.ambient + state.drive.warmth[0];
+            now.signals[WINDING] = self.warming.ambient + state.drive.warmth[0];
         }
     }
 
     #[inline(always)]
-    fn end_step(machine: &Machine<S, Self>, effects: &Effects, state: &mut State<S, Self>, begun: &StepStart<S, Self>) {
+    fn end_step(&self, effects: &Effects, state: &mut State<S, Motion<S>>, begun: &StepStart<S, S, S>) {
         if effects.heating {
-            let drive = &machine.drive;
+            let drive = self;
             let squared = state.drive.course.mean_square(begun.now.signals[CURRENT], state.slow.plant[2]);
             let power = drive.current.heat(&state.drive.warm, squared);
             state.drive.warmth = drive.warming.after(state.drive.warmth, power);
@@ -350,13 +353,7 @@ impl<S: Scalar> Drive<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn seen_between(
-        &self,
-        plant: &[S; 5],
-        balance: &S,
-        (a, b): (&Snapshot<S, Self>, &Snapshot<S, Self>),
-        _: bool,
-    ) -> DriveSignals<S> {
+    fn seen_between(&self, plant: &[S; 5], balance: &S, [a, b]: [&Snapshot<S, S>; 2], _: bool) -> DriveSignals<S> {
         let mut seen = self.seen(plant, balance, balance.zero());
         seen.signals[WINDING] = (a.signals[WINDING] + b.signals[WINDING]).times(0.5);
         seen.signals[VOLTAGE] = (a.signals[VOLTAGE] + b.signals[VOLTAGE]).times(0.5);
@@ -365,12 +362,19 @@ impl<S: Scalar> Drive<S> for Electric<S> {
 
     /// Nothing to make good: the rotor has mass, so the force comes in with the damper's part alone.
     #[inline(always)]
-    fn close_play(_: &Machine<S, Self>, _: &Shared, state: &mut State<S, Self>, _: &[S; 5], _: &StepStart<S, Self>) {
+    fn close_play(
+        &self,
+        _: &Neighbors<'_, S>,
+        _: &Shared,
+        state: &mut State<S, Motion<S>>,
+        _: &[S; 5],
+        _: &StepStart<S, S, S>,
+    ) {
         state.late = state.late.zero();
     }
 
     #[inline(always)]
-    fn channels(now: &Snapshot<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
+    fn channels(now: &Snapshot<S, S>, parameters: &Parameters<S>) -> [S; COUNT] {
         let angle = |x: S| parameters.column.angle(x);
         let [i, voltage, speed, winding] = now.signals;
         let turned = now.position / parameters.transmission.travel;

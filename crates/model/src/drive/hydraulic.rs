@@ -19,13 +19,13 @@ pub mod pressure;
 pub mod statics;
 pub mod valve;
 
-use super::{Coupling, Drive, DriveSignals, Link, REMEMBERED, SIGNALS};
+use super::{Coupling, Drive, DriveSignals, Link, Neighbors, REMEMBERED, SIGNALS};
 use crate::Scalar;
 use crate::channels::{self, Bench, CHANNELS};
 use crate::controller::Converters;
 use crate::effects::Effects;
-use crate::machine::{Machine, Shared, Snapshot, State, StepFraction, StepStart};
 use crate::parameters::Parameters;
+use crate::run::{Shared, Snapshot, State, StepFraction, StepStart};
 use pressure::{Balance, Flow, Side};
 use valve::ValveMotion;
 
@@ -170,7 +170,7 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         _: &Oil<S>,
         (plant, _): (&[S; 5], StepFraction),
         e: S,
-        now: &mut Snapshot<S, Self>,
+        now: &mut Snapshot<S, Flow<S>>,
     ) -> [S; 3] {
         let &[_, q_i, q_i_rate, ..] = plant;
         let current = self.valve.current(effects, e);
@@ -180,13 +180,13 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
     }
 
     #[inline(always)]
-    fn command_jump(&self, effects: &Effects, now: &Snapshot<S, Self>, e_change: S) -> S {
+    fn command_jump(&self, effects: &Effects, now: &Snapshot<S, Flow<S>>, e_change: S) -> S {
         self.valve.flow_jump(effects, now.signals[CURRENT], e_change)
     }
 
     /// Where the feel hears the load cell directly, it is a motion like the column's, whose `u` knows of the lag.
     #[inline(always)]
-    fn heard(&self, force: S, now: &Snapshot<S, Self>) -> S {
+    fn heard(&self, force: S, now: &Snapshot<S, Flow<S>>) -> S {
         force + self.direct * (now.balance.pressure - now.signals[PRESSURE])
     }
 
@@ -222,13 +222,14 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
 
     #[inline(always)]
     fn catch_up(
-        machine: &Machine<S, Self>,
+        &self,
+        neighbors: &Neighbors<'_, S>,
         effects: &Effects,
         side: &Side<S>,
-        state: &mut State<S, Self>,
-        now: &mut Snapshot<S, Self>,
+        state: &mut State<S, Oil<S>>,
+        now: &mut Snapshot<S, Flow<S>>,
     ) {
-        machine.drive.made_good(machine, effects, side, state, now);
+        self.made_good(neighbors, effects, side, state, now);
     }
 
     #[inline(always)]
@@ -236,30 +237,34 @@ impl<S: Scalar> Drive<S> for Hydraulic<S> {
         &self,
         plant: &[S; 5],
         balance: &Flow<S>,
-        (a, b): (&Snapshot<S, Self>, &Snapshot<S, Self>),
+        [a, b]: [&Snapshot<S, Flow<S>>; 2],
         digital: bool,
     ) -> DriveSignals<S> {
         // The lag itself changes so little over a step that a straight line will do.
-        let between = |lag: &dyn Fn(&Snapshot<S, Self>) -> S| (lag(a) + lag(b)).times(0.5);
-        let pressure = balance.pressure + between(&|now| now.signals[PRESSURE] - now.balance.pressure);
-        let flow = balance.flow + between(&|now| now.signals[FLOW] - now.balance.flow);
+        let lag = |now: &Snapshot<S, Flow<S>>| {
+            (now.signals[PRESSURE] - now.balance.pressure, now.signals[FLOW] - now.balance.flow)
+        };
+        let (from, to) = (lag(a), lag(b));
+        let pressure = balance.pressure + (from.0 + to.0).times(0.5);
+        let flow = balance.flow + (from.1 + to.1).times(0.5);
         let [from, to] = [a, b].map(|now| now.signals[CURRENT]);
         self.shown(plant[0], pressure, flow, if digital { from } else { (from + to).times(0.5) })
     }
 
     #[inline(always)]
     fn close_play(
-        machine: &Machine<S, Self>,
+        &self,
+        neighbors: &Neighbors<'_, S>,
         shared: &Shared,
-        state: &mut State<S, Self>,
+        state: &mut State<S, Oil<S>>,
         start: &[S; 5],
-        begun: &StepStart<S, Self>,
+        begun: &StepStart<S, Flow<S>, Side<S>>,
     ) {
-        machine.drive.met(machine, shared, state, start, begun);
+        self.met(neighbors, shared, state, start, begun);
     }
 
     #[inline(always)]
-    fn channels(now: &Snapshot<S, Self>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
+    fn channels(now: &Snapshot<S, Flow<S>>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
         let &Snapshot { base, base_rate, position, signals, .. } = now;
         let [pressure, flow, current] = [PRESSURE, FLOW, CURRENT].map(|k| signals[k]);
         Bench { base, base_rate, piston: position, pressure, flow, current }.channels(parameters)

@@ -1,12 +1,13 @@
 //! The digital controller's share of a step: when it samples, and when its command arrives.
 
-use super::inputs::Inputs;
 use super::{Equilibrium, Machine, Shared, Snapshot, State};
 use crate::Scalar;
 use crate::control::{FeelState, LawState, Sample};
 use crate::controller::{CommandDelay, Timing};
 use crate::drive::Drive;
 use crate::feel_computer::FeelMotion;
+use crate::run;
+use crate::run::Inputs;
 use crate::transducers::SENSORS;
 
 /// What a digital controller remembers from sample to sample, and its commands on their way.
@@ -65,7 +66,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     }
 }
 
-impl<S: Scalar, D: Drive<S>> State<S, D> {
+impl<S: Scalar, M> run::State<S, M> {
     /// The programmed feel as it stands.
     #[inline(always)]
     pub fn feeling(&self) -> FeelState<S> {
@@ -75,7 +76,7 @@ impl<S: Scalar, D: Drive<S>> State<S, D> {
 
     /// The programmed feel stands so.
     #[inline(always)]
-    fn feels(&mut self, feeling: &FeelState<S>) {
+    pub(super) fn feels(&mut self, feeling: &FeelState<S>) {
         let &FeelState { motion: FeelMotion { at, grip, slider }, neutral } = feeling;
         (self.slow.feel, self.feel, self.slider, self.neutral) = (at, grip, slider, neutral);
     }

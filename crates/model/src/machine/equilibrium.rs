@@ -19,8 +19,8 @@ use crate::drive::Drive;
 use crate::dry_friction::StickState;
 use crate::effects::Effects;
 use crate::feel::FeelConditions;
-use crate::machine::slow::Slow;
 use crate::observer::{Estimate, MOST_STATES, SAMPLED};
+use crate::run::{SEARCH_RAD, Slow};
 use crate::transducers::{SENSORS, SensorReading};
 
 /// Numbers of a [`Equilibrium`].
@@ -310,7 +310,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let u = if shared.timing.is_some() { delta_rate } else { u };
         let force = self.drive.force_per_effort() * effort;
         let measured = [force, position, base, self.grip_at_rest(&shared.effects, base, force)];
-        State {
+        State::<S, D> {
             slow: Slow { plant: [first, second, third, base, w], feel: [delta, u] },
             column: StickState::resting(&self.column.friction),
             feel: StickState::resting(&self.control.feel.friction),
@@ -335,6 +335,3 @@ fn trimmed<S: Scalar>(effects: &Effects, neutral: S) -> S {
 
 /// An angle that is not zero.
 const ELSEWHERE_RAD: f64 = 0.1;
-
-/// Angle to either side within which an equilibrium is looked for.
-pub const SEARCH_RAD: f64 = 1.5;

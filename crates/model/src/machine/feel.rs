@@ -1,6 +1,5 @@
 //! The feel computer's share of a step.
 
-use super::inputs::{Inputs, StepFraction};
 use super::{Machine, Shared, State};
 use crate::Scalar;
 use crate::drive::Drive;
@@ -9,6 +8,7 @@ use crate::feel::FeelConditions;
 use crate::feel_computer::FeelComputer;
 use crate::observer::Observer;
 use crate::parameters::Parameters;
+use crate::run::{Inputs, StepFraction};
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Begins to change the feel to that of `parameters`, and the law to `observer` where there is one; how far it is, the inputs'

@@ -1,11 +1,11 @@
 //! Dry friction's share of a step, of column and feel.
 
-use super::inputs::Inputs;
-use super::slow::Slow;
 use super::{Machine, Shared, Snapshot, State};
 use crate::Scalar;
 use crate::drive::Drive;
 use crate::effects::Effects;
+use crate::run::Inputs;
+use crate::run::Slow;
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Dry friction at the start of a step: first what it did inside the last step, then what it does in this one.
@@ -48,7 +48,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             now.delta_rate = settled.velocity;
             rates.feel[0] = settled.velocity;
         }
-        D::settle(self, effects, state, now, rates);
+        self.drive.settle(&self.neighbors(), effects, state, now, rates);
         Self::resist(effects, state, rates);
         side
     }

@@ -21,8 +21,8 @@ use crate::bisect::bisect;
 use crate::drive::Drive;
 use crate::effects::Effects;
 use crate::feel::FeelConditions;
-use crate::machine::SEARCH_RAD;
-use crate::observer::quotient;
+use crate::law_vector::quotient;
+use crate::run::SEARCH_RAD;
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// The loader held as in `equilibrium`, its law told of the command that the amplifier answers; `equilibrium` where it answers all of it, or

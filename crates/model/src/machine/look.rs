@@ -1,10 +1,10 @@
 //! What there is at one instant.
 
-use super::slow::Slow;
 use super::{Machine, Snapshot, State};
 use crate::Scalar;
 use crate::drive::{self, Drive};
 use crate::effects::Effects;
+use crate::run::Slow;
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// What follows from the slow states: the drive in balance, velocities and forces, and what sensors measure of a drive that is
@@ -30,6 +30,6 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             if effects.feel_friction { S::select(state.feel.stuck, u.zero(), rate) } else { rate }
         };
         let drive::DriveSignals { position, force, signals } = self.drive.seen(&slow.plant, &balance, left);
-        Snapshot { base: x_b, base_rate, delta, delta_rate, position, force, signals, pilot_force, balance }
+        Snapshot::<S, D> { base: x_b, base_rate, delta, delta_rate, position, force, signals, pilot_force, balance }
     }
 }

@@ -1,17 +1,17 @@
 //! What there was half-way through a step, from what there is at its start and at the next one's.
 
-use super::inputs::{Inputs, StepFraction};
-use super::slow::{self, Slow};
 use super::{Machine, Shared, Snapshot, StepStart};
 use crate::Scalar;
 use crate::drive::{self, Drive};
+use crate::run::{Inputs, StepFraction};
+use crate::run::{Slow, cubic};
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Displacement of the base half-way between the starts of two steps.
     #[inline(always)]
     pub fn middle_base(&self, before: &StepStart<S, D>, after: &StepStart<S, D>) -> S {
         let (a, b) = (&before.now, &after.now);
-        slow::cubic((a.base, a.base_rate), (b.base, b.base_rate), self.step.times(0.125))
+        cubic((a.base, a.base_rate), (b.base, b.base_rate), self.step.times(0.125))
     }
 
     /// What there was half-way between the starts of two steps: of the third order where nothing was switched between them.
@@ -33,17 +33,13 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let touches = self.drive.touches(&before.slow.plant) | self.drive.touches(&after.slow.plant);
         let balance = self.drive.balance(&shared.effects, &before.side, touches, &slow.plant);
         let digital = shared.timing.is_some();
-        let seen = self.drive.seen_between(&slow.plant, &balance, (a, b), digital);
+        let seen = self.drive.seen_between(&slow.plant, &balance, [a, b], digital);
         let drive::DriveSignals { position, force: on_load_cell, signals } = seen;
         let force = StepFraction::Half.of(inputs.force) - inputs.force[0];
-        Snapshot {
+        Snapshot::<S, D> {
             base: self.middle_base(before, after),
             base_rate: rate(a.base, b.base, a.base_rate, b.base_rate),
-            delta: if digital {
-                a.delta
-            } else {
-                slow::cubic((a.delta, a.delta_rate), (b.delta, b.delta_rate), eighth)
-            },
+            delta: if digital { a.delta } else { cubic((a.delta, a.delta_rate), (b.delta, b.delta_rate), eighth) },
             delta_rate: if digital { a.delta_rate } else { rate(a.delta, b.delta, a.delta_rate, b.delta_rate) },
             position,
             force: on_load_cell,

@@ -8,9 +8,10 @@ use crate::Scalar;
 use crate::controller::{MOST_UNDER_WAY, Timing};
 use crate::drive::Drive;
 use crate::drive::hydraulic::Hydraulic;
-use crate::machine::slow::Slow;
+use crate::memory::MemoryVisitor;
 use crate::observer::MOST_STATES;
 use crate::transducers::{SENSORS, SensorReading};
+use core::slice::{Iter, IterMut};
 
 /// Numbers of the state between two periods: `z, q_i, q_i', x_b, w`, `delta, u`, the command held, those under way, the youngest
 /// first, the base as sampled last, the slaved load pressure and by how much the true one is behind it, what the sensors measured and showed, the observer.
@@ -65,7 +66,7 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
             // Nothing moves it and nothing asks for it.
             memory.control.estimate = [zero; MOST_STATES];
         }
-        Self::read(&state, &memory)
+        Self::read(state, memory)
     }
 
     /// What there is at the start of the period, its command on the way, under a test signal of its first step.
@@ -81,51 +82,88 @@ impl<S: Scalar, D: Drive<S>> Period<'_, S, D> {
     }
 
     fn put(&self, numbers: &[S; PERIOD_STATES], drives: &Drives<S>) -> (State<S, D>, Memory<S>) {
-        let zero = numbers[0].zero();
-        let mut next = 0;
-        let mut take = || {
-            next += 1;
-            numbers[next - 1]
-        };
-        let equilibrium = Equilibrium::neutral(zero);
+        let equilibrium = Equilibrium::neutral(numbers[0].zero());
         let (mut state, mut memory) =
             (self.machine.start(self.shared, &equilibrium), self.machine.remember(self.shared, &equilibrium));
-        let plant = [take(), take(), take(), take(), take()];
-        state.slow = Slow { plant, feel: [take(), take()] };
-        state.held = take();
-        // Sample number MOST_UNDER_WAY is the first of this period.
-        for age in 1..=UNDER_WAY {
-            memory.under_way.send(MOST_UNDER_WAY - age, take());
-        }
-        memory.control.base = take();
-        D::remember(&mut state.drive, [take(), take()]);
-        state.seen =
-            SensorReading { measured: [take(), take(), take(), take()], shown: [take(), take(), take(), take()] };
-        for entry in &mut memory.control.estimate {
-            *entry = take();
-        }
-        state.steps = MOST_UNDER_WAY * self.timing.period;
+        visit::<S, D>((&mut state, &mut memory), FIRST_SAMPLE, &mut Put(numbers.iter()));
+        state.steps = FIRST_SAMPLE * self.timing.period;
         (state.hand, state.pilot_force) = (drives.force, drives.force_before);
         memory.command_signal = drives.command_signal;
         (state, memory)
     }
 
-    fn read(state: &State<S, D>, memory: &Memory<S>) -> [S; PERIOD_STATES] {
+    fn read(mut state: State<S, D>, mut memory: Memory<S>) -> [S; PERIOD_STATES] {
         let mut numbers = [state.held; PERIOD_STATES];
-        let mut next = 0;
-        let mut write = |value: S| {
-            numbers[next] = value;
-            next += 1;
-        };
-        state.slow.plant.into_iter().chain(state.slow.feel).for_each(&mut write);
-        write(state.held);
-        for age in 1..=UNDER_WAY {
-            write(memory.under_way.arriving(MOST_UNDER_WAY + 1 - age));
-        }
-        write(memory.control.base);
-        D::remembered(&state.drive).into_iter().for_each(&mut write);
-        state.seen.measured.into_iter().chain(state.seen.shown).for_each(&mut write);
-        memory.control.estimate.into_iter().for_each(&mut write);
+        visit::<S, D>((&mut state, &mut memory), FIRST_SAMPLE + 1, &mut Read(numbers.iter_mut()));
         numbers
     }
+}
+
+/// Number of the first sample of a period: the commands of those before may be under way.
+const FIRST_SAMPLE: usize = MOST_UNDER_WAY;
+
+/// Visits each number of the state between two periods of which the next is sample number `sample`; the one list of them.
+#[inline(always)]
+fn visit<S: Scalar, D: Drive<S>>(
+    (state, memory): (&mut State<S, D>, &mut Memory<S>),
+    sample: usize,
+    visitor: &mut impl MemoryVisitor<S>,
+) {
+    for number in &mut state.slow.plant {
+        visitor.number("plant", number);
+    }
+    let mut feeling = state.feeling();
+    feeling.visit(visitor);
+    state.feels(&feeling);
+    visitor.number("held", &mut state.held);
+    for age in 1..=UNDER_WAY {
+        visitor.number("under_way", memory.under_way.command_mut(sample - age));
+    }
+    memory.control.visit_samples(visitor);
+    let mut drive = D::remembered(&state.drive);
+    for number in &mut drive {
+        visitor.number("drive", number);
+    }
+    D::remember(&mut state.drive, drive);
+    let SensorReading { measured, shown } = &mut state.seen;
+    for number in measured.iter_mut().chain(shown) {
+        visitor.number("sensor", number);
+    }
+    memory.control.visit_estimate(visitor);
+}
+
+/// Replaces numbers by those of a list.
+struct Put<'a, S>(Iter<'a, S>);
+
+impl<S: Scalar> MemoryVisitor<S> for Put<'_, S> {
+    #[inline(always)]
+    fn number(&mut self, _: &'static str, number: &mut S) {
+        if let Some(&value) = self.0.next() {
+            *number = value;
+        }
+    }
+
+    #[inline(always)]
+    fn nonlinear(&mut self, _: &'static str, _: &mut S) {}
+
+    #[inline(always)]
+    fn flag(&mut self, _: &'static str, _: &mut S::Mask) {}
+}
+
+/// Writes numbers to a list.
+struct Read<'a, S>(IterMut<'a, S>);
+
+impl<S: Scalar> MemoryVisitor<S> for Read<'_, S> {
+    #[inline(always)]
+    fn number(&mut self, _: &'static str, number: &mut S) {
+        if let Some(place) = self.0.next() {
+            *place = *number;
+        }
+    }
+
+    #[inline(always)]
+    fn nonlinear(&mut self, _: &'static str, _: &mut S) {}
+
+    #[inline(always)]
+    fn flag(&mut self, _: &'static str, _: &mut S::Mask) {}
 }

@@ -1,11 +1,11 @@
 //! What sensors measure and show in a step under the analog law, and what the feel computer hears of it.
 
-use super::inputs::StepFraction;
 use super::step::Stage;
 use super::{Machine, Snapshot, State};
 use crate::Scalar;
 use crate::drive::Drive;
 use crate::effects::Effects;
+use crate::run::StepFraction;
 use crate::transducers::SENSORS;
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {

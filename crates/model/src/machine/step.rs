@@ -1,12 +1,11 @@
 //! One step in time: its start, where it looks about and settles, then the Runge-Kutta stages.
 
 use super::digital::Memory;
-use super::inputs::{Inputs, StepFraction};
-use super::slow::Slow;
 use super::{Machine, SamplingPoint, Shared, Snapshot, State, StepStart};
 use crate::Scalar;
 use crate::drive::Drive;
-use crate::effects::Effects;
+use crate::run::Slow;
+use crate::run::{Inputs, StepFraction};
 use crate::transducers::{SENSORS, SensorReading};
 
 /// What a step needs at every stage.
@@ -46,7 +45,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let force = self.pilot_force(state, inputs, StepFraction::Start);
         let mut now = self.look(effects, &side, &state.slow, state, (force, force.zero()));
         if state.steps > 0 {
-            D::catch_up(self, effects, &side, state, &mut now);
+            self.drive.catch_up(&self.neighbors(), effects, &side, state, &mut now);
         }
         if effects.lags || shared.timing.is_some() {
             let measured = self.measured_at_grip(effects, state, &now);
@@ -73,7 +72,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         }
         let mut rates = self.rates(&stage, &state.slow, &mut now);
         let side = self.settle(shared, state, inputs, &mut now, &mut rates, side);
-        StepStart { now, slow: state.slow, rates, side }
+        StepStart::<S, D> { now, slow: state.slow, rates, side }
     }
 
     /// The rest of a step.
@@ -90,7 +89,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
         let total = Slow::weighted(&[k_1, k_2, k_3, k_4]);
         state.slow = start.moved(&total, self.step.times(1.0 / 6.0), analog);
         self.touch(shared, state, inputs, &start, begun);
-        D::end_step(self, &shared.effects, state, begun);
+        self.drive.end_step(&shared.effects, state, begun);
         if analog {
             state.slider = self.dragged(&shared.effects, state);
             if shared.effects.surroundings {
@@ -154,15 +153,9 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             e = e + e.constant(stage.moment.of(stage.inputs.test_signal));
         }
         let [first, second, third] = self.drive.rates(effects, &stage.state.drive, (&slow.plant, stage.moment), e, now);
-        let pull = self.pull(effects, (stage.state.slow.plant[3], slow.plant[3]), now);
+        let by_link = self.drive.pull(self.column.per_link_force, &now.balance);
+        let way = (stage.state.slow.plant[3], slow.plant[3]);
+        let pull = self.column.acceleration(effects, (by_link, now.pilot_force), way, now.base_rate);
         Slow { plant: [first, second, third, now.base_rate, pull], feel }
-    }
-
-    /// Acceleration of the base, dry friction left out, that begins its step at `start`.
-    #[inline(always)]
-    pub(crate) fn pull(&self, effects: &Effects, (start, x_b): (S, S), now: &Snapshot<S, D>) -> S {
-        self.drive.pull(self.column.per_link_force, &now.balance)
-            + self.column.per_pilot_force * now.pilot_force
-            + self.column.loads(effects, start, x_b, now.base_rate)
     }
 }

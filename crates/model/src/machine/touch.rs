@@ -2,13 +2,13 @@
 //!
 //! See `contact.rs`; what the link does at the end of its play is the drive's, see its `play.rs`.
 
-use super::inputs::{Inputs, StepFraction};
-use super::slow::Slow;
 use super::step::Stage;
 use super::{Machine, Shared, State, StepStart};
 use crate::Scalar;
 use crate::contact::since_touch;
 use crate::drive::Drive;
+use crate::run::Slow;
+use crate::run::{Inputs, StepFraction};
 
 impl<S: Scalar, D: Drive<S>> Machine<S, D> {
     /// Makes good what touched inside the step that began with `begun` and `start`.
@@ -32,7 +32,7 @@ impl<S: Scalar, D: Drive<S>> Machine<S, D> {
             self.meet_hard_stop(shared, state, inputs, begun);
         }
         if effects.backlash {
-            D::close_play(self, shared, state, &start.plant, begun);
+            self.drive.close_play(&self.neighbors(), shared, state, &start.plant, begun);
         }
     }
 

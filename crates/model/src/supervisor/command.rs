@@ -4,11 +4,11 @@
 //!
 //! While the feel comes, the command has `s_0 + (1 - s_0) s` of its limit: a valve that much of its speed, a motor that much of its torque.
 
-use super::below;
 use super::debounce::Debounce;
 use super::function::{Function, Functions};
 use super::limits::Limits;
-use super::sensors::finite;
+use super::numbers::below;
+use super::numbers::finite;
 use crate::Scalar;
 
 /// Share of the limit at which a command is at it.

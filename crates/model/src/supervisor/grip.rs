@@ -16,10 +16,10 @@
 //!
 //! Estimate by the momentum, without the acceleration: De Luca and Mattone, ICRA 2005, 999-1004.
 
-use super::below;
 use super::debounce::Debounce;
 use super::function::{CONFIRMED, Function, Functions};
 use super::limits::{ESTIMATE_BANDWIDTH, Limits};
+use super::numbers::below;
 use super::sensors::Fresh;
 use crate::Scalar;
 

@@ -5,10 +5,10 @@
 //! The law is what moves the column, with the share of its command that it starts with, so this serves every drive. A stop is where the
 //! drive presses the grip with the search force; if the column's stops are known, it must be one of them.
 
-use super::below;
 use super::debounce::Debounce;
 use super::limits::Limits;
-use super::sensors::finite;
+use super::numbers::below;
+use super::numbers::finite;
 use crate::Scalar;
 
 /// Samples for which a stop must be pressed.

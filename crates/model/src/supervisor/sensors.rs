@@ -9,8 +9,9 @@
 
 use super::debounce::Debounce;
 use super::function::{Function, Functions};
+use super::input::SupervisorInput;
 use super::limits::Limits;
-use super::{SupervisorInput, below};
+use super::numbers::{below, finite};
 use crate::Scalar;
 use crate::transducers::SENSORS;
 
@@ -119,10 +120,4 @@ impl<S: Scalar> Sensors<S> {
         }
         *functions = functions.with(Function::Disagreement, disagree).with(Function::Stuck, stuck);
     }
-}
-
-/// Whether a number is one, and finite.
-#[inline(always)]
-pub(crate) fn finite<S: Scalar>(value: S) -> bool {
-    below(value.abs(), value.constant(f64::INFINITY))
 }

@@ -9,9 +9,10 @@
 //! To acknowledge does not start anything: after it the person must have requested off before the loader starts (ISO 13850, 4.1.4).
 
 use super::function::{Action, Function, Functions};
+use super::input::{RequestedMode, SupervisorInput};
 use super::limits::Limits;
+use super::numbers::below;
 use super::search::{Found, Search};
-use super::{SupervisorInput, below};
 use crate::Scalar;
 
 /// State of a loader.
@@ -43,17 +44,6 @@ impl SupervisorState {
             Self::Tripped => "tripped",
         }
     }
-}
-
-/// What the person wants.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RequestedMode {
-    /// No power.
-    Off,
-    /// Power without feel.
-    Passive,
-    /// Feel.
-    Active,
 }
 
 /// Where a loader is in it.
@@ -179,7 +169,7 @@ impl<S: Scalar> Sequence<S> {
                 (self.anchor, self.comes) = (angle, true);
             }
             SupervisorState::Active | SupervisorState::Fading => {
-                self.fade(limits, input.requested == RequestedMode::Active, angle)
+                self.fade(limits, input.requested == RequestedMode::Active, angle);
             }
             SupervisorState::Tripped if newly && self.at_zero && !self.enable && functions.stopping().is_empty() => {
                 (self.tripped, self.cause, self.cut) = (Functions::NONE, None, false);

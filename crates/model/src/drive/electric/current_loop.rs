@@ -9,8 +9,8 @@
 
 use crate::Scalar;
 use crate::effects::Effects;
-use crate::machine::StepFraction;
 use crate::parameters::Parameters;
+use crate::run::StepFraction;
 
 /// Winding and current loop in a run.
 #[derive(Debug, Clone, Copy)]

@@ -4,28 +4,12 @@
 
 use super::Electric;
 use crate::Scalar;
-use crate::channels;
 use crate::column::ColumnMotion;
 use crate::drive::{Coupling, Drive};
 use crate::effects::Effects;
 use crate::loader::System;
-use crate::machine::Shared;
 use crate::parameters::Parameters;
-
-/// Name and SI unit of each channel of a bench.
-pub const CHANNELS: &[(&str, &str)] = &[
-    ("column_angle", "rad"),
-    ("column_velocity", "rad/s"),
-    ("drive_position", "m"),
-    ("load_cell_force", "N"),
-    ("motor_current", "A"),
-    ("motor_voltage", "V"),
-    ("motor_speed", "rad/s"),
-    ("motor_angle", "rad"),
-    ("winding_temperature", "degC"),
-];
-
-const _: () = assert!(CHANNELS.len() == channels::COUNT, "as many channels as of a hydraulic drive");
+use crate::run::Shared;
 
 /// Outputs of the plant: `theta` (rad), `x_m` (m), `F_c` (N), `i` (A), `u` (V), `omega` (rad/s).
 pub const OUTPUTS: usize = 6;

@@ -11,8 +11,8 @@ use crate::Scalar;
 use crate::drive::{Coupling, Drive};
 use crate::effects::Effects;
 use crate::loader::System;
-use crate::machine::Shared;
 use crate::parameters::Parameters;
+use crate::run::Shared;
 
 /// Motor and transmission of one loader, seen from the grip.
 #[derive(Debug, Clone, Copy)]

@@ -1,25 +1,26 @@
 //! How far load pressure and flow are behind their balance, and what that did in the last step.
 
-use super::pressure::{PressureSensitivity, Side};
-use super::{FLOW, Hydraulic, PRESSURE};
+use super::pressure::{Flow, PressureSensitivity, Side};
+use super::{FLOW, Hydraulic, Oil, PRESSURE};
 use crate::Scalar;
+use crate::drive::{Drive, Neighbors};
 use crate::effects::Effects;
-use crate::machine::{Machine, Snapshot, State};
+use crate::run::{Snapshot, State};
 
 impl<S: Scalar> Hydraulic<S> {
     /// At the start of a step: makes good what the lag did in the last one, and shows pressure and flow behind their balance.
     #[inline(always)]
     pub(super) fn made_good(
         &self,
-        machine: &Machine<S, Self>,
+        neighbors: &Neighbors<'_, S>,
         effects: &Effects,
         side: &Side<S>,
-        state: &mut State<S, Self>,
-        now: &mut Snapshot<S, Self>,
+        state: &mut State<S, Oil<S>>,
+        now: &mut Snapshot<S, Flow<S>>,
     ) {
         let yielding = self.balance.yielding(effects, side, state.slow.plant[1], &now.balance);
         self.catch(effects, &yielding, state, now);
-        self.follow(machine, effects, (side, &yielding), state, now);
+        self.follow(neighbors, effects, (side, &yielding), state, now);
     }
 
     /// Makes good what the pressure's lag behind its slaved value did in the last step.
@@ -28,8 +29,8 @@ impl<S: Scalar> Hydraulic<S> {
         &self,
         effects: &Effects,
         yielding: &PressureSensitivity<S>,
-        state: &mut State<S, Self>,
-        now: &mut Snapshot<S, Self>,
+        state: &mut State<S, Oil<S>>,
+        now: &mut Snapshot<S, Flow<S>>,
     ) {
         let lagging = self.balance.lagging(yielding, now.balance.pressure - state.drive.pressure);
         let (base, feel) = (self.base_impulse * lagging.pressure, -self.feel_impulse * lagging.pressure);
@@ -50,15 +51,17 @@ impl<S: Scalar> Hydraulic<S> {
     #[inline(always)]
     fn follow(
         &self,
-        machine: &Machine<S, Self>,
+        neighbors: &Neighbors<'_, S>,
         effects: &Effects,
         (side, yielding): (&Side<S>, &PressureSensitivity<S>),
-        state: &mut State<S, Self>,
-        now: &mut Snapshot<S, Self>,
+        state: &mut State<S, Oil<S>>,
+        now: &mut Snapshot<S, Flow<S>>,
     ) {
         let [z, q_i, q_i_rate, x_b, _] = state.slow.plant;
         // Up to here there was the force of before.
-        let mut accelerated = machine.pull(effects, (x_b, x_b), &Snapshot { pilot_force: state.pilot_force, ..*now });
+        let column = neighbors.column;
+        let by_link = self.pull(column.per_link_force, &now.balance);
+        let mut accelerated = column.acceleration(effects, (by_link, state.pilot_force), (x_b, x_b), now.base_rate);
         if effects.column_friction {
             accelerated = accelerated + state.column.drag;
         }
@@ -68,10 +71,10 @@ impl<S: Scalar> Hydraulic<S> {
         let mut change = quasi_steady - state.drive.pressure;
         if effects.backlash {
             // Where the link met the end of its play the pressure came with a jump, which is no rate.
-            change = S::select(self.balance.holds(state.drive.pressure), change, rate * machine.step);
+            change = S::select(self.balance.holds(state.drive.pressure), change, rate * neighbors.step);
         }
         let change = (state.drive.lag, change, rate);
-        let mut oil = self.balance.behind(yielding, &now.balance, change, (machine.step, machine.per_step));
+        let mut oil = self.balance.behind(yielding, &now.balance, change, (neighbors.step, neighbors.per_step));
         if effects.backlash {
             let holds = self.balance.holds(quasi_steady);
             oil.pressure = S::select(holds, oil.pressure, quasi_steady);

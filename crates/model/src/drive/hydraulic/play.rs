@@ -2,23 +2,24 @@
 //!
 //! `T` time from the touch to the end of the step · `P` impulse of the pressure over it · see `contact.rs`
 
-use super::Hydraulic;
+use super::pressure::{Flow, Side};
+use super::{Hydraulic, Oil};
 use crate::Scalar;
 use crate::contact::since_touch;
-use crate::drive::Drive;
-use crate::machine::{Machine, Shared, State, StepStart};
+use crate::drive::{Drive, Neighbors};
+use crate::run::{Shared, State, StepStart};
 
 impl<S: Scalar> Hydraulic<S> {
     #[inline(always)]
     pub(super) fn met(
         &self,
-        machine: &Machine<S, Self>,
+        neighbors: &Neighbors<'_, S>,
         shared: &Shared,
-        state: &mut State<S, Self>,
+        state: &mut State<S, Oil<S>>,
         start: &[S; 5],
-        begun: &StepStart<S, Self>,
+        begun: &StepStart<S, Flow<S>, Side<S>>,
     ) {
-        let (effects, balance, h) = (&shared.effects, &self.balance, machine.step);
+        let (effects, balance, h) = (&shared.effects, &self.balance, neighbors.step);
         let [z, q_i, _, x_b, w] = state.slow.plant;
         let zero = z.zero();
         let (before, stretch) = (balance.stretch(start[0], start[3]), balance.stretch(z, x_b));
@@ -41,21 +42,19 @@ impl<S: Scalar> Hydraulic<S> {
         state.slow.plant[0] = z + lost * self.per_area;
 
         let moving = |stuck: S::Mask, there: bool, value: S| if there { S::select(stuck, zero, value) } else { value };
-        let by = machine.column.per_link_force * balance.area;
+        let by = neighbors.column.per_link_force * balance.area;
         let stuck = state.column.stuck;
         state.slow.plant[3] = x_b + moving(stuck, effects.column_friction, by * travel.times(1.0 / 6.0));
         state.slow.plant[4] = w + moving(stuck, effects.column_friction, by * impulse);
-        state.late = only(machine.transducers.load_cell_late(time, first.pressure / last.pressure));
+        state.late = only(neighbors.transducers.load_cell_late(time, first.pressure / last.pressure));
         if shared.timing.is_some() {
             return;
         }
-        let jump = self.command_jump(effects, &begun.now, machine.control.law.gains[1] * p);
+        let jump = self.command_jump(effects, &begun.now, neighbors.law.gains[1] * p);
         state.slow.plant[2] = state.slow.plant[2] + only(jump) * time;
         // What a load cell with a lag lets through: a straight line over the whole step is what it takes the pressure for.
-        let share = machine.transducers.load_cell_share(time);
-        let by = machine.control.law.feel_torque(balance.area)
-            * machine.control.feel.per_torque
-            * S::select(met, share, zero);
+        let share = neighbors.transducers.load_cell_share(time);
+        let by = neighbors.law.feel_torque(balance.area) * neighbors.feel_per_torque * S::select(met, share, zero);
         let stuck = state.feel.stuck;
         state.slow.feel[0] = state.slow.feel[0] + moving(stuck, effects.feel_friction, by * travel.times(1.0 / 6.0));
         state.slow.feel[1] = state.slow.feel[1] + moving(stuck, effects.feel_friction, by * impulse);

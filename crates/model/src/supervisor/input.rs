@@ -1,0 +1,42 @@
+//! Input of the supervisor at a sample.
+
+use crate::transducers::SENSORS;
+
+/// Input of the supervisor at a sample.
+#[derive(Debug, Clone, Copy)]
+pub struct SupervisorInput<S> {
+    /// Load cell (N), position of the drive's end (m), displacement of the column's base (m), as the law gets them.
+    pub sensed: [S; SENSORS],
+    /// Samples in a row, this one included, for which the drive or a sensor gave nothing; `sensed` is then not looked at.
+    pub missed: u32,
+    /// Periods between this sample and the one before it that came, as far as time went on for the machine; at least one.
+    pub periods: S,
+    /// Cycles in a row, this one included, that the loop was late.
+    pub late: u32,
+    /// Samples since the host's last packet; nothing where there is no host.
+    pub host_age: Option<u32>,
+    /// The law's command, in V or A.
+    pub command: S,
+    /// Acceleration that the feel would give the programmed control now if no hand were on it, in rad/s²: see
+    /// [`Control::free_acceleration`](crate::control::Control::free_acceleration).
+    pub feel_acceleration: S,
+    /// The emergency stop is pressed.
+    pub emergency_stop: bool,
+    /// The drive reports a fault.
+    pub drive_fault: bool,
+    /// The requested mode.
+    pub requested: RequestedMode,
+    /// The message of a trip is acknowledged.
+    pub acknowledge: bool,
+}
+
+/// Mode that the user requests.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RequestedMode {
+    /// No power.
+    Off,
+    /// Power without feel.
+    Passive,
+    /// Feel.
+    Active,
+}
