@@ -61,15 +61,15 @@ RECORDED = MappingProxyType({**CHANNELS, GRIP_FORCE: "N"})
 """What a record in time may hold."""
 
 
-def channel(given: str) -> str:
-    """The channel that a header or an option calls ``given``: ``column angle`` is ``column_angle``.
+def channel(text: str) -> str:
+    """The channel that a header or an option calls ``text``: ``column angle`` is ``column_angle``.
 
     Raises:
         InputError: If there is none.
     """
-    name = "_".join(given.strip().lower().split())
+    name = "_".join(text.strip().lower().split())
     if name not in CHANNELS:
-        raise InputError(f"unknown channel {show(given)}; the channels are {', '.join(CHANNELS)}")
+        raise InputError(f"unknown channel {show(text)}; the channels are {', '.join(CHANNELS)}")
     return name
 
 
@@ -79,12 +79,13 @@ def channel_and_unit(text: str) -> tuple[str, str]:
     Raises:
         InputError: If there is no such channel.
     """
-    found = heading(text, CHANNELS)
-    return channel(found.name), found.unit
+    column = heading(text, CHANNELS)
+    return channel(column.name), column.unit
 
 
 _UNITS = {
-    one.si: one for one in (ANGLE, LENGTH, FORCE, PRESSURE, FLOW, CURRENT, ANGULAR_VELOCITY, VOLTAGE, TEMPERATURE)
+    quantity.si: quantity
+    for quantity in (ANGLE, LENGTH, FORCE, PRESSURE, FLOW, CURRENT, ANGULAR_VELOCITY, VOLTAGE, TEMPERATURE)
 }
 _AMPERES = ("motor_current", "test_current", "command_current")
 """Currents that are no valve's: people read them in A."""

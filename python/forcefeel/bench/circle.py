@@ -73,8 +73,8 @@ def _circle(z: NDArray[np.complex128]) -> tuple[complex, float]:
         return np.asarray(np.abs(z - complex(p[0], p[1])) - p[2])
 
     start = [x, y, np.sqrt(max(rest + x**2 + y**2, np.finfo(np.float64).tiny))]
-    found = least_squares(off, start, xtol=1e-15, ftol=1e-15, gtol=1e-15, method="lm").x
-    return complex(found[0], found[1]), abs(float(found[2]))
+    solution = least_squares(off, start, xtol=1e-15, ftol=1e-15, gtol=1e-15, method="lm").x
+    return complex(solution[0], solution[1]), abs(float(solution[2]))
 
 
 def _sweep(f: NDArray[np.float64], angle: NDArray[np.float64], off: float) -> Mode | str:
@@ -90,8 +90,8 @@ def _sweep(f: NDArray[np.float64], angle: NDArray[np.float64], off: float) -> Mo
         return np.asarray(p[0] - 2 * np.arctan((at - 1 / at) / (2 * share)) - angle)
 
     start = [0.5 * float(angle[fastest] + angle[fastest + 1]), 0.0, 0.0]
-    found = least_squares(apart, start, xtol=1e-15, ftol=1e-15, gtol=1e-15, method="lm")
-    frequency, ratio = guess * float(np.exp(found.x[1])), damping * float(np.exp(found.x[2]))
+    solution = least_squares(apart, start, xtol=1e-15, ftol=1e-15, gtol=1e-15, method="lm")
+    frequency, ratio = guess * float(np.exp(solution.x[1])), damping * float(np.exp(solution.x[2]))
     if not (f[0] <= frequency <= f[-1] and 0 < ratio < 1):
         return "the angle about the circle's centre does not sweep as that of one mode does; narrow the band"
     return Mode(frequency, ratio, off)

@@ -49,13 +49,13 @@ def clipped(values: NDArray[np.float64], drive: NDArray[np.float64] | None = Non
         _NORMAL * float(np.median(np.abs(np.diff(values, 3)))) / np.sqrt(_THIRD)
     )  # the median passes over the corners
     least = max(_SMOOTH * noise, _SMOOTH * found_resolution(values))
-    found = []
+    clippings = []
     for extreme in (values.min(), values.max()):
         edges = np.flatnonzero(np.diff(np.concatenate(([0], (values == extreme).astype(np.int8), [0]))))
         for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
             if end - begin >= _CLIPPED and _at_speed(values, begin, least) and not _follows(drive, begin, end):
-                found.append(Clipped(begin, end))
-    return min(found, key=lambda it: it.begin, default=None)
+                clippings.append(Clipped(begin, end))
+    return min(clippings, key=lambda clipping: clipping.begin, default=None)
 
 
 def _at_speed(values: NDArray[np.float64], begin: int, least: float) -> bool:

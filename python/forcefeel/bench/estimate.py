@@ -92,9 +92,9 @@ def estimate_response(
         raise InputError(f"{record.name}: segments: expected a whole number above 0, got {show(segments)}")
     step = _step(record)
     u, y = record.channels[start], record.channels[end]
-    found = _periods(record, drive, step, period_s)
-    spectra = _spectra(record, (u, y), step, found, segments)
-    kept = spectra.uu >= (_DRIVEN if found is None else _DRIVEN_PERIODIC) * np.max(spectra.uu)
+    periods = _periods(record, drive, step, period_s)
+    spectra = _spectra(record, (u, y), step, periods, segments)
+    kept = spectra.uu >= (_DRIVEN if periods is None else _DRIVEN_PERIODIC) * np.max(spectra.uu)
     f = spectra.frequency_hz
     if (lines := int(np.count_nonzero(kept))) < FEWEST_LINES:
         raise InputError(
@@ -133,26 +133,26 @@ def _periods(record: BenchRecord, drive: str, step: float, period_s: float | Non
             f"{record.name}: period_s: expected a whole number of steps of {step:.9g} s, got {period_s:.9g} s, "
             f"which is {samples:.6g} of them; sample at a multiple of the drive's frequency, or leave period_s out"
         )
-    found = None if u is None else find_periods(u, round(samples))
-    if found is None:
+    periods = None if u is None else find_periods(u, round(samples))
+    if periods is None:
         raise InputError(
             f"{record.name}: {drive} does not repeat itself every {period_s:.6g} s for two periods; expected a periodic drive; "
             "correct period_s or leave it out"
         )
-    return found
+    return periods
 
 
 def _spectra(
-    record: BenchRecord, signals: Signals, step: float, found: Periods | None, segments: int | None
+    record: BenchRecord, signals: Signals, step: float, periods: Periods | None, segments: int | None
 ) -> Spectra:
     """Spectra of the periods, or of Hann segments if there are none."""
-    if found is not None:
-        count = settled(found, signals[1]).count if segments is None else segments
-        if count > found.count:
-            came = f"{found.count} at most, as many as there are periods, got {count}"
+    if periods is not None:
+        count = settled(periods, signals[1]).count if segments is None else segments
+        if count > periods.count:
+            came = f"{periods.count} at most, as many as there are periods, got {count}"
             raise InputError(f"{record.name}: segments: expected {came}; take fewer")
-        u, y = (it[found.end - count * found.samples : found.end] for it in signals)
-        return by_periods((u, y), step, found.samples)
+        u, y = (signal[periods.end - count * periods.samples : periods.end] for signal in signals)
+        return by_periods((u, y), step, periods.samples)
     count = SEGMENTS if segments is None else segments
     samples = len(signals[0]) // (count + 1) * 2 if count > 1 else len(signals[0]) // 2 * 2
     if samples < _SHORTEST:

@@ -113,7 +113,7 @@ class Experiment:
         return _MADE_FOR.get(self.loop) or _MADE_FOR.get(self.drive)
 
     @classmethod
-    def read(cls, given: str) -> "Experiment":
+    def read(cls, text: str) -> "Experiment":
         """An experiment from text: ``servo-closed``, ``loader test_signal``, ``servo-closed release``, ``release``, ``sweep``.
 
         A servo alone is driven by the test signal unless something else is said, ``motor-open`` by the test current, the loader by
@@ -123,7 +123,7 @@ class Experiment:
         Raises:
             InputError: If the words are no experiment.
         """
-        words = given.strip().lower().replace(",", " ").split()
+        words = text.strip().lower().replace(",", " ").split()
         match words:
             case ["sweep"]:
                 return cls(Loop.LOADER, Drive.PILOT_FORCE)
@@ -135,7 +135,7 @@ class Experiment:
                 return cls(Loop(loop), Drive(drive))
         raise InputError(
             f"experiment: expected {', '.join(Loop)}, release or sweep, or a loop and what drives it ({', '.join(Drive)}), such as "
-            f"'servo-closed release'; got {show(given)}"
+            f"'servo-closed release'; got {show(text)}"
         )
 
 

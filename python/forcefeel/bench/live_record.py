@@ -3,10 +3,10 @@
 from forcefeel.bench.experiments import Experiment, Loop
 from forcefeel.bench.stated import drive_channel
 from forcefeel.errors import InputError
-from forcefeel.tables.table import Found, Table
+from forcefeel.tables.table import LocatedColumns, Table
 
 
-def check_live_columns(table: Table, found: Found, experiment: Experiment) -> None:
+def check_live_columns(table: Table, located: LocatedColumns, experiment: Experiment) -> None:
     """Refuses an experiment that no live run is.
 
     Raises:
@@ -18,7 +18,7 @@ def check_live_columns(table: Table, found: Found, experiment: Experiment) -> No
             f"{experiment}; expected 'loader pilot_force' or 'release'; leave it out"
         )
     drive = drive_channel(experiment)
-    if drive is not None and drive not in found:
+    if drive is not None and drive not in located:
         raise InputError(
             f"{table.path}: has no {drive}: nothing measured it in this run, whose machine is {table.run.get('machine', 'real')}; "
             "hold the grip, let it go, and give that part as a release, by the argument experiment; or record the force at "

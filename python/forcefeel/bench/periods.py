@@ -88,7 +88,7 @@ def _candidates(x: NDArray[np.float64]) -> list[int]:
     peaks = 1 + np.flatnonzero((inner >= alike[:-2]) & (inner > alike[2:]) & (inner > _ALIKE))
     if alike[-1] > max(_ALIKE, alike[-2]):
         peaks = np.append(peaks, longest)  # two periods and no sample more
-    return [int(it) for it in peaks if it >= _SHORTEST]
+    return [int(peak) for peak in peaks if peak >= _SHORTEST]
 
 
 def _stretch(x: NDArray[np.float64], samples: int) -> tuple[int, int]:

@@ -145,7 +145,7 @@ def _other_phase(g: Complex, predicted: Complex) -> float:
     if turns < _TURNS or np.ptp(phase) * _FLATTER > turns or np.max(np.abs(phase)) > _LARGEST_RAD:
         return np.inf
     read = np.abs(g) * np.exp(1j * np.degrees(phase))
-    before, after = (_rms(_apart(it, predicted).imag) for it in (g, read))
+    before, after = (_rms(_apart(gains, predicted).imag) for gains in (g, read))
     return _rms(_apart(read, predicted)) if after < before else np.inf
 
 
@@ -165,11 +165,11 @@ def _other_gain(g: Complex, gain: NDArray[np.float64], predicted: Complex) -> fl
     """How far another gain is, if it is clearly nearer and alone spans what is predicted."""
     read = gain * g / np.abs(g)
     expected = _span(predicted)
-    before, after = (abs(np.log(_span(it) / expected)) for it in (g, read))
+    before, after = (abs(np.log(_span(gains) / expected)) for gains in (g, read))
     if expected < _LEAST_SPAN or before < np.log(_SPAN_FITS) or after > np.log(_SPAN_FITS):
         return np.inf
     share = LIKELY if before > np.log(_SPANS) else CLEAR
-    off, left = (_rms(_apart(it, predicted).real) for it in (g, read))
+    off, left = (_rms(_apart(gains, predicted).real) for gains in (g, read))
     return _rms(_apart(read, predicted)) if left < share * off else np.inf
 
 
@@ -182,15 +182,15 @@ def _other_frequency(response: Response, predicted: Complex, scale: float) -> fl
 
     def apart(by: float) -> float:
         at = f[inside] + by * np.log(scale)
-        there = np.interp(at, f, np.log(np.abs(predicted))) + 1j * np.interp(at, f, np.unwrap(np.angle(predicted)))
-        return _rms(_apart(response.value[inside], np.exp(there)))
+        reference = np.interp(at, f, np.log(np.abs(predicted))) + 1j * np.interp(at, f, np.unwrap(np.angle(predicted)))
+        return _rms(_apart(response.value[inside], np.exp(reference)))
 
     return apart(1.0) if apart(1.0) < min(LIKELY * apart(0.0), apart(0.5)) else np.inf
 
 
 def _wanders(g: Complex, predicted: Complex) -> bool:
     """Whether the phase was multiplied by 57: whole turns of it are lost, so that no reading can be compared."""
-    turns, expected = (float(np.sum(np.abs(np.angle(it[1:] / it[:-1])))) for it in (g, predicted))
+    turns, expected = (float(np.sum(np.abs(np.angle(gains[1:] / gains[:-1])))) for gains in (g, predicted))
     most = _WANDERS[0] if turns < _TURNS * (len(g) - 1) else _WANDERS[1]
     fits = float(np.median(np.abs(_apart(g, predicted).real))) < _GAIN_FITS
     return fits and turns > most * expected and turns > _TURNS * _WANDERS[0]
@@ -218,7 +218,7 @@ def _span(value: Complex) -> float:
 
 def _correlation(value: Complex, predicted: Complex) -> float:
     """Of two complex logarithms over the lines, -1 to 1."""
-    a, b = (np.log(np.abs(it)) + 1j * np.unwrap(np.angle(it)) for it in (value, predicted))
+    a, b = (np.log(np.abs(gains)) + 1j * np.unwrap(np.angle(gains)) for gains in (value, predicted))
     a, b = a - np.mean(a), b - np.mean(b)
     size = _rms(a) * _rms(b)
     return float(np.mean((a * b.conj()).real) / size) if size > 0 else 0.0

@@ -53,7 +53,7 @@ _SMOOTH = ("column_angle", "piston_position", "potentiometer", "drive_position",
 
 
 @dataclass(frozen=True)
-class Shown:
+class ChannelText:
     """Values of channels as messages have them: in the units of the file."""
 
     units: Mapping[str, str]
@@ -90,31 +90,31 @@ def check_record(
             raise InputError(
                 f"{where}: expected {name} at each of the times, got shapes {np.shape(values)}, {np.shape(record.time_s)}"
             )
-    if found := fault(columns, {"time": "s", **RECORDED}):
-        row, sentence = found
+    if problem := fault(columns, {"time": "s", **RECORDED}):
+        row, sentence = problem
         raise InputError(f"{where}: row {row}: {sentence}" if places is None else f"{places[row]}: {in_file(sentence)}")
     if len(record.time_s) < FEWEST_SAMPLES:
         raise InputError(
             f"{where}: has {len(record.time_s)} samples; expected {FEWEST_SAMPLES} at least; record for longer"
         )
     check_step(record.time_s, where, _LONGEST_STEP_S)
-    shown = Shown(units)
+    text = ChannelText(units)
     measured = {name: values for name, values in record.channels.items() if name in OUTPUTS}
-    drive = _drive(record, where, shown)
+    drive = _drive(record, where, text)
     for name, values in measured.items():
-        _check_moved(name, values, where, shown)
+        _check_moved(name, values, where, text)
         if at := clipped(values, drive):
             raise InputError(
-                f"{where}: {name} is clipped at {shown(name, values[at.begin])} from {record.time_s[at.begin]:.6g} s to "
+                f"{where}: {name} is clipped at {text(name, values[at.begin])} from {record.time_s[at.begin]:.6g} s to "
                 f"{record.time_s[at.end - 1]:.6g} s; expected the whole swing; record with a larger range or drive less"
             )
     if record.experiment.drive is Drive.RELEASE:
-        _check_release(record, where, shown)
+        _check_release(record, where, text)
     elif drive is not None:
         _check_rest(record, drive, measured, where)
 
 
-def _drive(record: BenchRecord, where: str, shown: Shown) -> NDArray[np.float64] | None:
+def _drive(record: BenchRecord, where: str, text: ChannelText) -> NDArray[np.float64] | None:
     """The drive's channel, if the experiment has one."""
     if (name := drive_channel(record.experiment)) is None:
         return None
@@ -126,12 +126,12 @@ def _drive(record: BenchRecord, where: str, shown: Shown) -> NDArray[np.float64]
     reach = float(np.ptp(values))
     if reach <= _ROUNDING * float(np.max(np.abs(values))):
         raise InputError(
-            f"{where}: {name} never moves from {shown(name, values[0])}; expected a drive that moves the loader; record "
+            f"{where}: {name} never moves from {text(name, values[0])}; expected a drive that moves the loader; record "
             "the channel that drives it"
         )
     if _flickers(values):
         raise InputError(
-            f"{where}: {name} moves by {shown(name, reach, 3)}, which is no more than the resolution it is recorded with; "
+            f"{where}: {name} moves by {text(name, reach, 3)}, which is no more than the resolution it is recorded with; "
             "expected a drive of many steps; drive harder"
         )
     return values
@@ -153,17 +153,17 @@ def _flickers(values: NDArray[np.float64]) -> bool:
     return len(hops) > 1 and float(np.median(np.diff(hops))) <= _FLICKER
 
 
-def _check_moved(name: str, values: NDArray[np.float64], where: str, shown: Shown) -> None:
+def _check_moved(name: str, values: NDArray[np.float64], where: str, text: ChannelText) -> None:
     if float(np.ptp(values)) <= _ROUNDING * float(np.max(np.abs(values))) or len(np.unique(values)) == 2:
         raise InputError(
-            f"{where}: {name} never moves from {shown(name, values[0])} by more than one step of its resolution; expected "
+            f"{where}: {name} never moves from {text(name, values[0])} by more than one step of its resolution; expected "
             "a channel that answers the drive; connect its sensor or leave the column out"
         )
 
 
-def _check_release(record: BenchRecord, where: str, shown: Shown) -> None:
+def _check_release(record: BenchRecord, where: str, text: ChannelText) -> None:
     """Refuses a release whose grip is not held and then let go."""
-    angle = Record(record.time_s, record.channels["column_angle"], shown_unit=shown.unit("column_angle"), name=where)
+    angle = Record(record.time_s, record.channels["column_angle"], shown_unit=text.unit("column_angle"), name=where)
     check_rate(angle)
     let_go = find_release(angle, _TAIL, load_rules().release)
     check_clipping(angle, let_go)
@@ -172,7 +172,7 @@ def _check_release(record: BenchRecord, where: str, shown: Shown) -> None:
     if float(np.ptp(held)) > max(noise, _HELD * abs(let_go.displacement)) or _under_way(
         angle.position, let_go.held, noise
     ):
-        came = shown("column_angle", np.ptp(held), 3)
+        came = text("column_angle", np.ptp(held), 3)
         raise InputError(
             f"{where}: column_angle moves before it is let go at {let_go.time_s:.6g} s, by {came}; expected a grip "
             "that is held still; hold it until it rests, then let go"

@@ -11,7 +11,7 @@ from forcefeel.bench.records import HOLDS, BenchRecord, Hold
 from forcefeel.bench.stated import drive_channel, stated, stated_experiment
 from forcefeel.errors import InputError
 from forcefeel.tables.between import ALL, Times, take_between
-from forcefeel.tables.header import by_wanted_name, locate, need
+from forcefeel.tables.header import by_standard_name, locate, need
 from forcefeel.tables.table import Table
 from forcefeel.tables.table_file import open_table
 from forcefeel.units import show
@@ -70,23 +70,23 @@ def record_of(
     Raises:
         InputError: As ``read_bench_record``.
     """
-    wanted = {"time": ("s",), **{name: (unit,) for name, unit in RECORDED.items()}}
-    columns = by_wanted_name(str(table.path), "columns", columns, wanted)
-    units = by_wanted_name(str(table.path), "units", units, (*wanted, *columns.values()))
+    accepted = {"time": ("s",), **{name: (unit,) for name, unit in RECORDED.items()}}
+    columns = by_standard_name(str(table.path), "columns", columns, accepted)
+    units = by_standard_name(str(table.path), "units", units, (*accepted, *columns.values()))
     under = stated_experiment(table, experiment)
     runs = stated(table, "hold", hold, "hold") or "straight"
     if runs not in HOLDS:
         raise InputError(f"{table.path}: hold: expected straight or staircase, got {show(runs)}")
-    found = locate(table, wanted, units, columns)
+    located = locate(table, accepted, units, columns)
     if table.run:
-        check_live_columns(table, found, under)
-    need(table, found, ("time", drive_channel(under) or "column_angle"), EXAMPLE)
-    if not any(name in OUTPUTS for name in found):
+        check_live_columns(table, located, under)
+    need(table, located, ("time", drive_channel(under) or "column_angle"), EXAMPLE)
+    if not any(name in OUTPUTS for name in located):
         raise InputError(
             f"{table.where}: has nothing that was measured; expected one at least of {', '.join(OUTPUTS)}; the file's own name of "
             f"one is given by the argument columns; got {show(','.join(table.header))}"
         )
-    read = take_between(table, found, between_s)
+    read = take_between(table, located, between_s)
     channels = {name: values for name, values in read.values.items() if name != "time"}
     for values in read.values.values():
         values.setflags(write=False)

@@ -165,9 +165,9 @@ def link_from_resonance(loader: Loader, frequency_hz: float, damping_ratio: floa
         >>> f"{k:.4g} N/m, {c:.4g} N s/m"
         '1.07e+06 N/m, 2837 N s/m'
     """
-    for name, given in (("frequency_hz", frequency_hz), ("damping_ratio", damping_ratio)):
-        if not 0 < given < math.inf:
-            raise InputError(f"{name}: expected a number above 0, got {given}")
+    for name, value in (("frequency_hz", frequency_hz), ("damping_ratio", damping_ratio)):
+        if not 0 < value < math.inf:
+            raise InputError(f"{name}: expected a number above 0, got {value}")
     return _core.linkage_from_resonance(loader.si_values, 2 * math.pi * frequency_hz, damping_ratio)
 
 
@@ -220,7 +220,7 @@ def _by_circle(f: NDArray[np.float64], mobility: NDArray[np.complex128], peak: f
 
 def _holds_for(response: Response, kind: Kind) -> str:
     of = "a displacement or a force" if kind == "receptance" else "a velocity or a flow"
-    said = f"{response.output} is read as {of}: the {kind} of one mode by itself, driven by a force"
+    reading = f"{response.output} is read as {of}: the {kind} of one mode by itself, driven by a force"
     if response.input == "pilot_force":
-        return said
-    return f"{said}; {response.input} is none, so that half power is off by the order of the damping ratio; the circle by less"
+        return reading
+    return f"{reading}; {response.input} is none, so that half power is off by the order of the damping ratio; the circle by less"

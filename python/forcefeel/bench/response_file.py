@@ -12,7 +12,7 @@ from forcefeel.bench.response_checks import check_response, fault_of_values
 from forcefeel.bench.responses import Response
 from forcefeel.bench.stated import drive_channel, stated_experiment
 from forcefeel.errors import InputError
-from forcefeel.tables.header import DECIBEL, by_wanted_name, locate, need, same_unit
+from forcefeel.tables.header import DECIBEL, by_standard_name, locate, need, same_unit
 from forcefeel.tables.table import Columns, Table
 from forcefeel.tables.table_file import open_table
 from forcefeel.units import factor, show
@@ -78,8 +78,8 @@ def response_of(
     Raises:
         InputError: As ``read_response``.
     """
-    own = by_wanted_name(str(table.path), "columns", own, _NAMES)
-    units = by_wanted_name(str(table.path), "units", units, (*_NAMES, *CHANNELS, *own.values()))
+    own = by_standard_name(str(table.path), "columns", own, _NAMES)
+    units = by_standard_name(str(table.path), "units", units, (*_NAMES, *CHANNELS, *own.values()))
     under = stated_experiment(table, experiment)
     if (drive := drive_channel(under)) is None:
         raise InputError(f"{table.path}: a release has no frequency response; give its record in time")
@@ -88,16 +88,16 @@ def response_of(
     if start == end:
         raise InputError(f"{table.path}: leads from {start} to itself; expected two channels")
     ratio = f"({CHANNELS[end]})/({CHANNELS[start]})"
-    wanted = {
+    accepted = {
         "frequency": ("Hz",),
         "gain": (DECIBEL, ratio),
         "phase": ("rad",),
         "coherence": ("",),
         "deviation": ("",),
     }
-    found = locate(table, wanted, units, own)
-    need(table, found, _NAMES[:3], EXAMPLE)
-    columns = table.take(found)
+    located = locate(table, accepted, units, own)
+    need(table, located, _NAMES[:3], EXAMPLE)
+    columns = table.take(located)
     if len(columns.values["frequency"]) > _MOST_LINES:
         raise InputError(f"{table.path}: has more than {_MOST_LINES:,} lines; leave out what is not needed")
     if wrong := fault_of_values(columns.values, columns.units, _MOST_PHASE_RAD):
@@ -126,13 +126,15 @@ def _end(table: Table, key: str, argument: str | None, name: str, units: Mapping
     if not ends:
         remedy = f"say so at the top of a CSV file, as in '# {key}: potentiometer (V)', or by the argument {name}"
         raise InputError(f"{table.path}: does not say which channel it leads {key}; {remedy}")
-    found = _agreed(table, {who: end for who, (end, _) in ends.items()}, str.__eq__)
-    stated_units = {who: unit for who, (_, unit) in ends.items()} | {"the argument units": units.get(found, "")}
+    agreed = _agreed(table, {who: end for who, (end, _) in ends.items()}, str.__eq__)
+    stated_units = {who: unit for who, (_, unit) in ends.items()} | {"the argument units": units.get(agreed, "")}
     unit = _agreed(table, {who: unit for who, unit in stated_units.items() if unit}, same_unit)
     try:
-        return found, unit if not unit or factor(unit, CHANNELS[found]) else ""
+        return agreed, unit if not unit or factor(unit, CHANNELS[agreed]) else ""
     except InputError as error:
-        raise InputError(f"{table.path}: {key}: {found}: {error}; expected a unit such as {CHANNELS[found]}") from error
+        raise InputError(
+            f"{table.path}: {key}: {agreed}: {error}; expected a unit such as {CHANNELS[agreed]}"
+        ) from error
 
 
 def _channel(where: str, text: str) -> tuple[str, str]:
@@ -143,10 +145,10 @@ def _channel(where: str, text: str) -> tuple[str, str]:
         raise InputError(f"{where}: {error}") from error
 
 
-def _agreed(table: Table, said: Mapping[str, str], same: Callable[[str, str], bool]) -> str:
+def _agreed(table: Table, statements: Mapping[str, str], same: Callable[[str, str], bool]) -> str:
     """What all of them say; empty if nobody says anything."""
-    who, what = next(iter(said.items()), ("", ""))
-    for other, word in said.items():
+    who, what = next(iter(statements.items()), ("", ""))
+    for other, word in statements.items():
         if not same(what, word):
             came = f"{who} and {other} contradict each other: {show(what)} and {show(word)}"
             raise InputError(f"{table.path}: {came}; leave one of them out")
@@ -155,9 +157,9 @@ def _agreed(table: Table, said: Mapping[str, str], same: Callable[[str, str], bo
 
 def _gain(table: Table, columns: Columns, start: tuple[str, str], end: tuple[str, str]) -> NDArray[np.float64]:
     """The gain as a ratio in SI units."""
-    given = columns.values["gain"]
+    gain = columns.values["gain"]
     if columns.units["gain"] != DECIBEL:
-        return given
+        return gain
     for key, (name, unit) in (("from", start), ("to", end)):
         if not unit:
             raise InputError(
@@ -165,4 +167,4 @@ def _gain(table: Table, columns: Columns, start: tuple[str, str], end: tuple[str
                 f"'# {key}: {name} ({CHANNELS[name]})'"
             )
     scale = factor(end[1], CHANNELS[end[0]]) / factor(start[1], CHANNELS[start[0]])
-    return np.asarray(10 ** (given / 20) * scale, dtype=np.float64)
+    return np.asarray(10 ** (gain / 20) * scale, dtype=np.float64)

@@ -12,12 +12,12 @@ def stated(table: Table, key: str, argument: str | None, name: str) -> str | Non
     Raises:
         InputError: If they contradict each other.
     """
-    said = table.notes.get(key)
-    if said is not None and argument is not None and said.split() != argument.split():
+    note = table.notes.get(key)
+    if note is not None and argument is not None and note.split() != argument.split():
         raise InputError(
-            f"{table.path}: says '{key}: {said}' of itself, and the argument {name} is {show(argument)}; leave one of them out"
+            f"{table.path}: says '{key}: {note}' of itself, and the argument {name} is {show(argument)}; leave one of them out"
         )
-    return argument if said is None else said
+    return argument if note is None else note
 
 
 def stated_experiment(table: Table, argument: Experiment | str | None) -> Experiment:
@@ -26,14 +26,14 @@ def stated_experiment(table: Table, argument: Experiment | str | None) -> Experi
     Raises:
         InputError: If neither does, they contradict each other, or it is none.
     """
-    said = table.notes.get("experiment")
-    in_file = None if said is None else _experiment(f"{table.path}: ", said)
-    given = _experiment(f"{table.path}: the argument ", argument) if isinstance(argument, str) else argument
-    if in_file is not None and given is not None and in_file != given:
+    note = table.notes.get("experiment")
+    in_file = None if note is None else _experiment(f"{table.path}: ", note)
+    from_argument = _experiment(f"{table.path}: the argument ", argument) if isinstance(argument, str) else argument
+    if in_file is not None and from_argument is not None and in_file != from_argument:
         raise InputError(
-            f"{table.path}: says that it is of {in_file}, and the argument experiment is {given}; leave one of them out"
+            f"{table.path}: says that it is of {in_file}, and the argument experiment is {from_argument}; leave one of them out"
         )
-    if (experiment := in_file or given or (OF_A_RUN if table.run else None)) is None:
+    if (experiment := in_file or from_argument or (OF_A_RUN if table.run else None)) is None:
         remedy = "say so at the top of a CSV file, as in '# experiment: servo-closed', or by the argument experiment"
         raise InputError(f"{table.path}: does not say under which experiment it was recorded; {remedy}")
     return experiment

@@ -98,13 +98,16 @@ class Summary:
 
     def share(self, status: str) -> Share:
         """How many ended with ``status``."""
-        return next(one for one in self.shares if one.status == status)
+        return next(share for share in self.shares if share.status == status)
 
     def ranking(self, measure: str) -> list[tuple[str, float]]:
         """The parameters that ``measure`` depends on beyond chance, the most important first, with their correlation."""
         row = self.correlations.sel(measure=measure)
-        found = [(str(key), float(rho)) for key, rho in zip(row["parameter"].values, row.values, strict=True)]
-        return sorted((one for one in found if abs(one[1]) > self.chance), key=lambda one: -abs(one[1]))
+        influences = [(str(key), float(rho)) for key, rho in zip(row["parameter"].values, row.values, strict=True)]
+        return sorted(
+            (influence for influence in influences if abs(influence[1]) > self.chance),
+            key=lambda influence: -abs(influence[1]),
+        )
 
 
 def summarize(result: SweepResult) -> Summary:
@@ -139,8 +142,8 @@ def summarize(result: SweepResult) -> Summary:
 def measure_unit(measure: str, drive: str) -> Unit:
     """The units of a measure of a drive; a share is shown in percent."""
     hint = get_type_hints(KINDS[drive], include_extras=True)[measure]
-    found: Unit = hint.__metadata__[0]
-    return PERCENT if found is RATIO and measure == "overshoot" else found
+    unit: Unit = hint.__metadata__[0]
+    return PERCENT if unit is RATIO and measure == "overshoot" else unit
 
 
 def measure_name(measure: str) -> str:

@@ -40,22 +40,22 @@ def assignment(text: str, example: str) -> tuple[str, str]:
     return key, what
 
 
-def assignments(option: str, given: Sequence[str] | None, example: str) -> dict[str, str]:
+def assignments(option: str, texts: Sequence[str] | None, example: str) -> dict[str, str]:
     """All that an option says that may be given again, by key.
 
     Raises:
         InputError: If one is not of the form of ``example``, or a key stands twice.
     """
-    found: dict[str, str] = {}
-    for one in given or ():
+    values: dict[str, str] = {}
+    for text in texts or ():
         try:
-            key, what = assignment(one, example)
+            key, what = assignment(text, example)
         except InputError as error:
             raise InputError(f"{option}: {error}") from error
-        if key in found:
+        if key in values:
             raise InputError(f"{option}: {key} is given twice; give it once")
-        found[key] = what
-    return found
+        values[key] = what
+    return values
 
 
 def check_key(key: str) -> None:

@@ -71,9 +71,9 @@ def check_step(time_s: NDArray[np.float64], where: str, longest_s: float) -> Non
     step = float(np.median(np.diff(time_s)))
     if _SHORTEST_STEP_S * (1 - _ROUNDING) <= step <= longest_s * (1 + _ROUNDING):
         return
-    unit, asked = ("ms", "ms") if step > longest_s else ("s", "s, not in ms")
+    unit, expected = ("ms", "ms") if step > longest_s else ("s", "s, not in ms")
     raise InputError(
         f"{where}: time: has a median step of {step:.6g} s; expected {_SHORTEST_STEP_S * 1e6:.0f} microseconds to "
-        f"{longest_s:g} s; is the time in {asked}? Say so in the header, 'time ({unit})', or where it has no unit by the "
+        f"{longest_s:g} s; is the time in {expected}? Say so in the header, 'time ({unit})', or where it has no unit by the "
         f"argument units (time={unit})"
     )

@@ -29,7 +29,7 @@ def check_excitation_file(path: Path, *, replace: bool) -> None:
 
 
 def write_excitation(
-    found: Excitation, path: str | Path, units: UnitSystem = UnitSystem.US, *, replace: bool = False
+    excitation: Excitation, path: str | Path, units: UnitSystem = UnitSystem.US, *, replace: bool = False
 ) -> Path:
     """Writes the signal as CSV, whole or not at all.
 
@@ -48,28 +48,33 @@ def write_excitation(
     """
     path = Path(path)
     check_excitation_file(path, replace=replace)
-    write_whole(path, text(found, units))
+    write_whole(path, text(excitation, units))
     return path
 
 
-def text(found: Excitation, units: UnitSystem) -> str:
+def text(excitation: Excitation, units: UnitSystem) -> str:
     """What the file holds."""
-    drive = str(found.experiment.drive)
+    drive = str(excitation.experiment.drive)
     unit = channel_unit(drive)
     about = [
-        f"experiment: {found.experiment}",
-        f"loader: {found.loader.name}",
-        f"signal: {found.words}",
-        *(f"period: {found.period_s:.9g} s" for _ in [0] if found.period_s is not None),
+        f"experiment: {excitation.experiment}",
+        f"loader: {excitation.loader.name}",
+        f"signal: {excitation.words}",
+        *(f"period: {excitation.period_s:.9g} s" for _ in [0] if excitation.period_s is not None),
         *(
-            f"{use.limit.name}: {use.limit.shown(use.peak, units)} predicted of {use.limit.shown(use.limit.value, units)}"
-            for use in found.uses
+            f"{use.limit.name}: {use.limit.text(use.peak, units)} predicted of {use.limit.text(use.limit.value, units)}"
+            for use in excitation.uses
         ),
-        *(f"predicted standard error: {named(key)} {percent(error)}" for key, error in found.standard_errors.items()),
-        *found.findings(units)[-1:],
+        *(
+            f"predicted standard error: {named(key)} {percent(error)}"
+            for key, error in excitation.standard_errors.items()
+        ),
+        *excitation.findings(units)[-1:],
     ]
     rows = io.StringIO()  # adding 0 makes of -0 a 0
-    np.savetxt(rows, np.column_stack([found.time_s, unit.from_si(1.0, units) * found.signal + 0.0]), "%.9g", ",")
+    np.savetxt(
+        rows, np.column_stack([excitation.time_s, unit.from_si(1.0, units) * excitation.signal + 0.0]), "%.9g", ","
+    )
     return (
         "".join(f"# {' '.join(line.split())}\n" for line in about)
         + f"time (s),{drive} ({unit.shown(units)})\n"

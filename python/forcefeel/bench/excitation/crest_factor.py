@@ -62,8 +62,10 @@ def low_crest_phases(problem: PeakProblem) -> NDArray[np.float64]:
     """Phases at which the largest of the peaks is low, rad, (lines,)."""
     phases = min((phase for k in range(len(problem.amplitude)) for phase in _clipped(problem, k)), key=problem.peak)
     for p in _POWERS:
-        found = minimize(problem.norm, phases, args=(p,), jac=True, method="L-BFGS-B", options={"maxiter": _ITERATIONS})
-        phases = min(phases, found.x, key=problem.peak)
+        solution = minimize(
+            problem.norm, phases, args=(p,), jac=True, method="L-BFGS-B", options={"maxiter": _ITERATIONS}
+        )
+        phases = min(phases, solution.x, key=problem.peak)
     return phases
 
 

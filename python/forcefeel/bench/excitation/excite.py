@@ -79,38 +79,38 @@ def excite(
     plan = (plan or ExcitationPlan()).of(loader)
     keys = parameter_keys(fit, loader.drive)
     unknowns_of(loader, keys)
-    asked = experiment if isinstance(experiment, Experiment) else Experiment.read(experiment or USUAL[loader.drive])
-    check_experiment(asked, loader)
-    if asked.loop is Loop.MOTOR_OPEN and plan.from_hz is None:
+    resolved = experiment if isinstance(experiment, Experiment) else Experiment.read(experiment or USUAL[loader.drive])
+    check_experiment(resolved, loader)
+    if resolved.loop is Loop.MOTOR_OPEN and plan.from_hz is None:
         plan = replace(plan, from_hz=_OPEN_FROM_HZ)
-    if asked.drive is Drive.RELEASE:
+    if resolved.drive is Drive.RELEASE:
         raise InputError("experiment: a release is its own excitation; take one with a signal or a pilot_force")
-    if law is not None and asked.loop is not Loop.LOADER:
-        raise InputError(f"law: is the law of the whole loader, and {asked} is of the servo alone; leave it out")
+    if law is not None and resolved.loop is not Loop.LOADER:
+        raise InputError(f"law: is the law of the whole loader, and {resolved} is of the servo alone; leave it out")
     progress("law")
-    if law is not None or (loader.drive == ELECTRIC and asked.loop is Loop.LOADER):
+    if law is not None or (loader.drive == ELECTRIC and resolved.loop is Loop.LOADER):
         law = Law.of(law, loader)  # designed or read once, not for each rehearsal
-    limits = limits_of(loader, asked.drive, plan.limits)
-    found = timing(plan)
+    limits = limits_of(loader, resolved.drive, plan.limits)
+    times = timing(plan)
     progress("information of the lines")
-    lines = lines_of(loader, keys, asked, plan, spectral_lines(plan, found, loader), law, limits)
+    lines = lines_of(loader, keys, resolved, plan, spectral_lines(plan, times, loader), law, limits)
     progress("spectrum")
     best = optimal_power(lines.problem(0.0)).power
-    wave = _best_chirp(lines, found) if plan.signal == "chirp" else _multisine(lines, found)
-    bench = Bench(loader, asked, law, plan.rate_hz)
+    wave = _best_chirp(lines, times) if plan.signal == "chirp" else _multisine(lines, times)
+    bench = Bench(loader, resolved, law, plan.rate_hz)
     progress("runs up to the limits")
     scale, peaks = fit_to_limits(bench, wave.signal, limits)
     power = scale**2 * wave.power
     whole = lines.problem(0.0)
     return Excitation(
         loader=loader,
-        experiment=asked,
+        experiment=resolved,
         fit=keys,
         plan=plan,
         words=wave.words,
-        time_s=found.times_s,
+        time_s=times.times_s,
         signal=scale * wave.signal,
-        period_s=found.period_s if plan.signal == "multisine" else None,
+        period_s=times.period_s if plan.signal == "multisine" else None,
         frequency_hz=lines.frequency_hz,
         power=power,
         noise=dict(zip(plan.channels, lines.sigma.tolist(), strict=True)),
@@ -122,21 +122,21 @@ def excite(
     )
 
 
-def _multisine(lines: Lines, found: Timing) -> Wave:
+def _multisine(lines: Lines, times: Timing) -> Wave:
     problem = lines.problem(EVEN_SHARE)
     power = optimal_power(problem).power
-    return multisine(found, lines.frequency_hz, power, lines.limited / lines.limit[:, np.newaxis], lines.travel)
+    return multisine(times, lines.frequency_hz, power, lines.limited / lines.limit[:, np.newaxis], lines.travel)
 
 
-def _best_chirp(lines: Lines, found: Timing) -> Wave:
+def _best_chirp(lines: Lines, times: Timing) -> Wave:
     """The chirp with the largest ln det M, each as large as a slow sweep of its band may be; scaled to that."""
     problem, height = lines.problem(0.0), np.abs(lines.limited)
     best, most = None, -np.inf
-    for wave in chirps(found, lines.frequency_hz):
+    for wave in chirps(times, lines.frequency_hz):
         scale = float(np.min(lines.limit / np.max(height[:, wave.power > _IN_BAND * wave.power.max()], axis=1)))
-        told = problem.log_det(scale**2 * wave.power)
-        if told > most:
-            best, most = replace(wave, signal=scale * wave.signal, power=scale**2 * wave.power), told
+        information = problem.log_det(scale**2 * wave.power)
+        if information > most:
+            best, most = replace(wave, signal=scale * wave.signal, power=scale**2 * wave.power), information
     if best is None:
         raise InputError("band: no chirp in it determines the parameters; take a wider band or a multisine")
     return best

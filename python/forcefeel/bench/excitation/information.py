@@ -86,9 +86,11 @@ def check_separable(
         NotSeparableError: If several do, but only together.
     """
     scale = sigma[:, np.newaxis]
-    columns = np.array([np.concatenate([it.real.ravel(), it.imag.ravel()]) for it in slopes / scale]).T
+    columns = np.array([np.concatenate([slope.real.ravel(), slope.imag.ravel()]) for slope in slopes / scale]).T
     size = np.linalg.norm(columns, axis=0)
-    unseen = [key for key, it in zip(keys, size <= UNSEEN * float(np.linalg.norm(value / scale)), strict=True) if it]
+    unseen = [
+        key for key, small in zip(keys, size <= UNSEEN * float(np.linalg.norm(value / scale)), strict=True) if small
+    ]
     if unseen:
         follows = loader["valve.orifice"] and set(unseen) & _LINEAR_VALVE
         why = (

@@ -51,7 +51,7 @@ class Limit:
         """Its units."""
         return channel_unit(self.channel)
 
-    def shown(self, value: float, system: UnitSystem) -> str:
+    def text(self, value: float, system: UnitSystem) -> str:
         """A value on its scale, as people read it."""
         return f"{to_text(self.unit.from_si(value, system), 3)} {self.unit.shown(system)}"
 
@@ -70,31 +70,31 @@ KINDS: Mapping[str, Mapping[str, str]] = MappingProxyType(
 )
 """The channel that each limit on a loader with that drive is on; ``drive`` is on what moves it."""
 
-_Told = dict[str, tuple[float, str]]
+_Bounds = dict[str, tuple[float, str]]
 
 
-def limits_of(loader: Loader, drive: Drive, given: Mapping[str, float]) -> tuple[Limit, ...]:
+def limits_of(loader: Loader, drive: Drive, stated: Mapping[str, float]) -> tuple[Limit, ...]:
     """The limits of a loader, with those that are given in their place.
 
     Args:
         loader: The loader.
         drive: What moves it.
-        given: By the names of ``KINDS``, or ``drive``, SI units.
+        stated: By the names of ``KINDS``, or ``drive``, SI units.
 
     Raises:
         InputError: If a name is unknown, a value not above 0, or one beyond what the loader itself stops at; if nobody says what a
             motor may take.
     """
     kinds = {**KINDS[loader.drive], "drive": str(drive)}
-    if unknown := [name for name in given if name not in kinds]:
+    if unknown := [name for name in stated if name not in kinds]:
         raise InputError(f"limits: expected {', '.join(kinds)}, got {show(unknown[0])}")
     electric = loader.drive == ELECTRIC
     bounds = (_motor_bounds if electric else _valve_bounds)(loader, drive) | _travel_bound(loader)
     defaults = (_motor_defaults if electric else _valve_defaults)(loader, drive) | _travel_default(loader)
-    found = []
+    limits = []
     for name, channel in kinds.items():
-        value, reason = (given[name], "as given") if name in given else defaults[name]
-        if name not in given and not isfinite(value):
+        value, reason = (stated[name], "as given") if name in stated else defaults[name]
+        if name not in stated and not isfinite(value):
             raise InputError(
                 f"limits: the loader file gives no {reason}; give a {name}, or put its limit into the file"
             )
@@ -103,14 +103,14 @@ def limits_of(loader: Loader, drive: Drive, given: Mapping[str, float]) -> tuple
         bound, where = bounds[name]
         if value > bound:
             raise InputError(
-                f"limits: expected a {name} of at most {limit.shown(bound, UnitSystem.US)} ({where}), got "
-                f"{limit.shown(value, UnitSystem.US)}; lower it"
+                f"limits: expected a {name} of at most {limit.text(bound, UnitSystem.US)} ({where}), got "
+                f"{limit.text(value, UnitSystem.US)}; lower it"
             )
-        found.append(limit)
-    return tuple(found)
+        limits.append(limit)
+    return tuple(limits)
 
 
-def _valve_defaults(loader: Loader, drive: Drive) -> _Told:
+def _valve_defaults(loader: Loader, drive: Drive) -> _Bounds:
     current, which = min(
         (loader["amplifier.current_limit"], "the amplifier's limit"),
         (loader["valve.rated_current"], "the valve's rating"),
@@ -126,7 +126,7 @@ def _valve_defaults(loader: Loader, drive: Drive) -> _Told:
     }
 
 
-def _valve_bounds(loader: Loader, drive: Drive) -> _Told:
+def _valve_bounds(loader: Loader, drive: Drive) -> _Bounds:
     """What the loader itself stops at."""
     return {
         "current": (loader["amplifier.current_limit"], "the amplifier's limit"),
@@ -135,7 +135,7 @@ def _valve_bounds(loader: Loader, drive: Drive) -> _Told:
     }
 
 
-def _motor_defaults(loader: Loader, drive: Drive) -> _Told:
+def _motor_defaults(loader: Loader, drive: Drive) -> _Bounds:
     shares = {
         name: (OF_LIMIT * value, f"{percent(OF_LIMIT)} of {where}" if isfinite(value) else where)
         for name, (value, where) in _motor_bounds(loader, drive).items()
@@ -145,7 +145,7 @@ def _motor_defaults(loader: Loader, drive: Drive) -> _Told:
     return shares
 
 
-def _motor_bounds(loader: Loader, drive: Drive) -> _Told:
+def _motor_bounds(loader: Loader, drive: Drive) -> _Bounds:
     """What the motor itself stops at: the speed at which its back-EMF is all the voltage that there is; the force that holds it."""
     current, voltage = loader["current_loop.current_limit"], loader["current_loop.voltage_limit"]
     # x_m, x_m', i, .. and x_m, F_c, i, u, omega of the model: u per omega, and F_c per i where x_m'' = 0.
@@ -160,7 +160,7 @@ def _motor_bounds(loader: Loader, drive: Drive) -> _Told:
     return bounds | {"drive": (inf, "") if drive is Drive.PILOT_FORCE else bounds["current"]}
 
 
-def _travel_default(loader: Loader) -> _Told:
+def _travel_default(loader: Loader) -> _Bounds:
     stop, _ = _travel_bound(loader)["travel"]
     return {
         "travel": (OF_LIMIT * stop, f"{percent(OF_LIMIT)} of the nearer end stop")
@@ -169,7 +169,7 @@ def _travel_default(loader: Loader) -> _Told:
     }
 
 
-def _travel_bound(loader: Loader) -> _Told:
+def _travel_bound(loader: Loader) -> _Bounds:
     return {"travel": (min(-loader["column.stop_low"], loader["column.stop_high"]), "the nearer end stop")}
 
 

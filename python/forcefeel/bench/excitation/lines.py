@@ -73,8 +73,8 @@ def lines_of(
         **dict(zip(seen, responses.value[:, drive], strict=True)),
         str(experiment.drive): np.ones(len(frequency_hz)),
     }
-    limited = np.array([channels[it.channel] for it in limits])
-    limit = np.array([it.value for it in limits])
+    limited = np.array([channels[bound.channel] for bound in limits])
+    limit = np.array([bound.value for bound in limits])
     even = float(np.min((limit / CREST) ** 2 / np.sum(np.abs(limited) ** 2, axis=1)))
     sigma = _noise(plan, np.sqrt(even * np.sum(np.abs(value) ** 2, axis=1)))
     check_separable(keys, slopes, value, sigma, loader, str(experiment))

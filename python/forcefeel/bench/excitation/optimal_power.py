@@ -68,16 +68,16 @@ class PowerProblem:
         """
         slope, most = self.sensitivity(power), self.most()
         rows = self.cost / self.budget[:, np.newaxis]
-        found = linprog(
+        solution = linprog(
             -slope * most,
             A_ub=rows * most,
             b_ub=1.0 - rows @ self.floor,
             bounds=(0.0, None),
             method="highs",
         )
-        towards = self.floor + found.x * most
+        towards = self.floor + solution.x * most
         gap = float(slope @ (towards - power))
-        return gap, -found.ineqlin.marginals / self.budget, towards
+        return gap, -solution.ineqlin.marginals / self.budget, towards
 
     def most(self) -> NDArray[np.float64]:
         """The greatest power that each line could have alone, (lines,)."""
@@ -171,7 +171,7 @@ def _solve(problem: PowerProblem, working: NDArray[np.intp], start: NDArray[np.f
             return 1e6, np.zeros(len(x))  # a step out of the domain, which the line search takes back
         return -float(value), -np.einsum("jk,ikj->i", np.linalg.inv(matrix), each)
 
-    found = minimize(
+    solution = minimize(
         loss,
         (start - base)[working] / most,
         jac=True,
@@ -181,6 +181,6 @@ def _solve(problem: PowerProblem, working: NDArray[np.intp], start: NDArray[np.f
         options={"maxiter": 200, "ftol": _LINE_SEARCH},
     )
     power = base
-    power[working] += np.clip(found.x, 0.0, None) * most
+    power[working] += np.clip(solution.x, 0.0, None) * most
     over = float(np.max((problem.cost @ (power - problem.floor)) / (problem.budget - problem.cost @ problem.floor)))
     return problem.floor + (power - problem.floor) / max(over, 1.0)

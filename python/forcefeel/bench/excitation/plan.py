@@ -198,7 +198,7 @@ def _round_period(longest_s: float, rate_hz: float) -> int | None:
     return None
 
 
-def spectral_lines(plan: ExcitationPlan, found: Timing, loader: Loader) -> NDArray[np.float64]:
+def spectral_lines(plan: ExcitationPlan, times: Timing, loader: Loader) -> NDArray[np.float64]:
     """The frequencies to choose from, Hz: whole multiples of one over the period, evenly spread over the logarithm.
 
     Raises:
@@ -217,12 +217,12 @@ def spectral_lines(plan: ExcitationPlan, found: Timing, loader: Loader) -> NDArr
         )
     else:
         to_hz = plan.to_hz
-    first = max(int(np.ceil((plan.from_hz or 0.0) * found.period_s * (1 - WHOLE))), 1)
-    last = floor(to_hz * found.period_s * (1 + WHOLE))
+    first = max(int(np.ceil((plan.from_hz or 0.0) * times.period_s * (1 - WHOLE))), 1)
+    last = floor(to_hz * times.period_s * (1 + WHOLE))
     if last - first + 1 < _FEWEST_LINES:
         raise InputError(
-            f"band: expected {_FEWEST_LINES} lines at least, which are {1 / found.period_s:.6g} Hz apart, got "
-            f"{max(last - first + 1, 0)} from {first / found.period_s:.6g} to {to_hz:.6g} Hz; take a longer time or a wider band"
+            f"band: expected {_FEWEST_LINES} lines at least, which are {1 / times.period_s:.6g} Hz apart, got "
+            f"{max(last - first + 1, 0)} from {first / times.period_s:.6g} to {to_hz:.6g} Hz; take a longer time or a wider band"
         )
     harmonics = np.unique(np.rint(np.geomspace(first, last, _MOST_LINES)).astype(np.int64))
-    return np.asarray(harmonics * plan.rate_hz / found.period)
+    return np.asarray(harmonics * plan.rate_hz / times.period)

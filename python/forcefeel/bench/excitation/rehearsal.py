@@ -127,9 +127,9 @@ def fit_to_limits(
                 f"experiment: {bench.experiment} runs away however small the excitation is; its loop is unstable, so take another "
                 "or give the law that makes it stable"
             )
-        worst = max(zip(peaks, limits, strict=True), key=lambda it: it[0] / it[1].value)
+        worst = max(zip(peaks, limits, strict=True), key=lambda pair: pair[0] / pair[1].value)
         raise InputError(
-            f"limits: {bench.experiment} exceeds the {worst[1].name} of {worst[1].shown(worst[1].value, UnitSystem.US)} however "
-            f"small the excitation is ({worst[1].shown(worst[0], UnitSystem.US)}); raise the limit or take another experiment"
+            f"limits: {bench.experiment} exceeds the {worst[1].name} of {worst[1].text(worst[1].value, UnitSystem.US)} however "
+            f"small the excitation is ({worst[1].text(worst[0], UnitSystem.US)}); raise the limit or take another experiment"
         )
     return best

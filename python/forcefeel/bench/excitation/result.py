@@ -129,7 +129,9 @@ class Excitation:
     def findings(self, units: UnitSystem) -> tuple[str, ...]:
         """What else there is to know, a sentence each."""
         use = self.binding
-        binds = f"The {use.limit.name} binds: {use.limit.shown(use.peak, units)} of {use.limit.shown(use.limit.value, units)}"
+        binds = (
+            f"The {use.limit.name} binds: {use.limit.text(use.peak, units)} of {use.limit.text(use.limit.value, units)}"
+        )
         against = "the best one within the same r.m.s. limits"
         even = f"even lines have {percent(self.even_efficiency)}"
         if self.period_s is None:

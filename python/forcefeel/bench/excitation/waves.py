@@ -59,10 +59,10 @@ def multisine(
     phases = low_crest_phases(PeakProblem(harmonics, amplitude * limited))
     phasors = amplitude * np.exp(1j * phases)
     start = _quiet_start(_period(timing, harmonics, phasors * travel), timing.ramp)
-    one = np.roll(_period(timing, harmonics, phasors), -start)
+    period = np.roll(_period(timing, harmonics, phasors), -start)
     signal = np.zeros(timing.samples)
     end = timing.periods * timing.period + timing.ramp
-    signal[:end] = np.resize(one, end) * envelope(end, timing.ramp)
+    signal[:end] = np.resize(period, end) * envelope(end, timing.ramp)
     words = (
         f"multisine, {len(harmonics)} lines from {frequency_hz[0]:.4g} to {frequency_hz[-1]:.4g} Hz, "
         f"{timing.periods} periods of {timing.period_s:.4g} s"
@@ -74,14 +74,14 @@ def chirps(timing: Timing, frequency_hz: NDArray[np.float64]) -> list[Wave]:
     """Chirps of amplitude 1 over all the time: the whole band or parts of it, evenly over the logarithm or over frequency."""
     low, high = float(frequency_hz[0]), float(frequency_hz[-1])
     spacings: tuple[Spacing, ...] = ("logarithmic", "linear")
-    found = []
+    waves = []
     for below in _SPANS:
         for above in _SPANS:
             if below + above >= 1:
                 continue
             first, last = low * (high / low) ** below, high * (low / high) ** above
-            found += [_chirp(timing, frequency_hz, (first, last), spacing) for spacing in spacings]
-    return found
+            waves += [_chirp(timing, frequency_hz, (first, last), spacing) for spacing in spacings]
+    return waves
 
 
 def _chirp(timing: Timing, frequency_hz: NDArray[np.float64], band: tuple[float, float], spacing: Spacing) -> Wave:

@@ -42,16 +42,18 @@ def advice_of(
         information: Of the data alone, in shares as ``confidence`` has them.
         recorded: Whether there are records in time among the data.
     """
-    scale = np.array([max(abs(loader[it.key]), it.scale) for it in unknowns])
-    candidates = list(_candidates(loader, law, [it.key for it in unknowns], scale))
+    scale = np.array([max(abs(loader[unknown.key]), unknown.scale) for unknown in unknowns])
+    candidates = list(_candidates(loader, law, [unknown.key for unknown in unknowns], scale))
     open_still = _NORMAL * half_widths(information) >= DETERMINED
     if unseen := [
-        it for j, it in enumerate(unknowns) if open_still[j] and all(more[j, j] == 0 for _, more in candidates)
+        unknown
+        for j, unknown in enumerate(unknowns)
+        if open_still[j] and all(more[j, j] == 0 for _, more in candidates)
     ]:
         return (_beyond_the_linear_model(unseen, recorded=recorded),)
     alone = _sufficient([((words,), more) for words, more in candidates], information)
     if not alone:
-        pairs = [((one, other), a + b) for k, (one, a) in enumerate(candidates) for other, b in candidates[k + 1 :]]
+        pairs = [((first, other), a + b) for k, (first, a) in enumerate(candidates) for other, b in candidates[k + 1 :]]
         alone = _sufficient(pairs, information)[:1]
     return tuple(_advice(words, unknowns, shares) for words, shares in alone[:_MOST])
 
@@ -83,19 +85,21 @@ def _sufficient(
     candidates: Sequence[tuple[tuple[str, ...], NDArray[np.float64]]], information: NDArray[np.float64]
 ) -> list[tuple[tuple[str, ...], NDArray[np.float64]]]:
     """Those that determine everything, the surest first, with the half-widths that they lead to."""
-    found = [(words, _NORMAL * half_widths(information + more)) for words, more in candidates]
-    enough = [(words, shares) for words, shares in found if shares.max() < DETERMINED]
-    return sorted(enough, key=lambda it: float(it[1].max()))
+    widths = [(words, _NORMAL * half_widths(information + more)) for words, more in candidates]
+    enough = [(words, shares) for words, shares in widths if shares.max() < DETERMINED]
+    return sorted(enough, key=lambda candidate: float(candidate[1].max()))
 
 
 def _advice(words: Sequence[str], unknowns: Sequence[Unknown], shares: NDArray[np.float64]) -> Advice:
-    known = ", ".join(f"{it.symbol} to ±{100 * share:.2g} %" for it, share in zip(unknowns, shares, strict=True))
+    known = ", ".join(
+        f"{unknown.symbol} to ±{100 * share:.2g} %" for unknown, share in zip(unknowns, shares, strict=True)
+    )
     sentence = f"Measure {' and '.join(words)}: with 1 % of noise a line it would give {known}."
-    return Advice(sentence, {it.key: float(share) for it, share in zip(unknowns, shares, strict=True)})
+    return Advice(sentence, {unknown.key: float(share) for unknown, share in zip(unknowns, shares, strict=True)})
 
 
 def _beyond_the_linear_model(unseen: Sequence[Unknown], *, recorded: bool) -> Advice:
-    symbols = " and ".join(it.symbol for it in unseen)
+    symbols = " and ".join(unknown.symbol for unknown in unseen)
     how = (
         "Record the loader again, slower, through more reversals and over more of its travel, or fit fewer parameters."
         if recorded

@@ -29,12 +29,12 @@ def check_bench(loader: Loader, data: Sequence[Response | BenchRecord]) -> None:
     Raises:
         InputError: If an experiment or a channel is the other drive's, a motor did not break away, or its current was at its limit.
     """
-    for one in data:
-        check_experiment(one.experiment, loader, one.name)
-        _check_channels(loader, one)
-        if loader.drive == ELECTRIC and isinstance(one, BenchRecord):
-            _check_moves(one)
-            _check_current(loader, one)
+    for measurement in data:
+        check_experiment(measurement.experiment, loader, measurement.name)
+        _check_channels(loader, measurement)
+        if loader.drive == ELECTRIC and isinstance(measurement, BenchRecord):
+            _check_moves(measurement)
+            _check_current(loader, measurement)
 
 
 def _check_channels(loader: Loader, data: Response | BenchRecord) -> None:

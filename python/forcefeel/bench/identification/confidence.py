@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from forcefeel.bench.identification.losses import weight_of
-from forcefeel.bench.identification.problem import Place, Problem
+from forcefeel.bench.identification.problem import Optimum, Problem
 
 _CONFIDENCE = 0.95
 
@@ -73,32 +73,34 @@ class Confidence:
             return self.covariance[:count, :count] / np.outer(deviation, deviation)
 
 
-def confidence_of(problem: Problem, place: Place) -> Confidence:
+def confidence_of(problem: Problem, optimum: Optimum) -> Confidence:
     """Confidence in the unknowns at the place where the search ended."""
     count = len(problem.unknowns)
-    weight = weight_of(place.residual, problem.loss)
-    weighted = place.slopes * weight[:, np.newaxis]
-    information = place.slopes.T @ weighted
-    scores = weighted * place.residual[:, np.newaxis]
+    weight = weight_of(optimum.residual, problem.loss)
+    weighted = optimum.slopes * weight[:, np.newaxis]
+    information = optimum.slopes.T @ weighted
+    scores = weighted * optimum.residual[:, np.newaxis]
     clusters = problem.clusters
     pieces = int(clusters.max()) + 1
     sums = np.array([np.bincount(clusters, column, pieces) for column in scores.T]).T
     middle = pieces / (pieces - 1) * sums.T @ sums
-    _, prior = problem.prior_rows(place.x)
+    _, prior = problem.prior_rows(optimum.x)
     outer = _inverse(information + prior.T @ prior)
     covariance = outer @ (middle + prior.T @ prior) @ outer
     # What few pieces speak for is fitted to them, so they seem to agree: independent errors are the least that there is.
-    least, found = np.diag(outer), np.diag(covariance)
-    raised = np.sqrt(np.divide(least, found, out=np.ones_like(found), where=(found > 0) & (found < least)))
+    least, variances = np.diag(outer), np.diag(covariance)
+    raised = np.sqrt(
+        np.divide(least, variances, out=np.ones_like(variances), where=(variances > 0) & (variances < least))
+    )
     covariance = covariance * np.outer(raised, raised)
     inflation = np.sqrt(np.divide(np.diag(covariance), least, out=np.ones_like(least), where=least > 0))[:count]
     # An estimate near zero is no share of itself: of a friction that is not there the file's guess is the measure.
-    estimates = np.abs(place.x[:count])
+    estimates = np.abs(optimum.x[:count])
     sizes = np.maximum(estimates, 1.0)
-    phases = np.array([it.is_phase for it in problem.unknowns], dtype=np.bool_)
+    phases = np.array([unknown.is_phase for unknown in problem.unknowns], dtype=np.bool_)
     estimates, sizes = np.where(phases, 1.0, estimates), np.where(phases, 1.0, sizes)
-    every = np.concatenate([sizes, np.ones(len(place.x) - count)])
-    quantile = float(student.ppf(0.5 + 0.5 * _CONFIDENCE, max(pieces - len(place.x), 1)))
+    every = np.concatenate([sizes, np.ones(len(optimum.x) - count)])
+    quantile = float(student.ppf(0.5 + 0.5 * _CONFIDENCE, max(pieces - len(optimum.x), 1)))
     in_shares = _without_own(information * np.outer(every, every), count) / np.outer(inflation, inflation)
     clear = np.ones(count, dtype=np.bool_)
     return Confidence(covariance / np.outer(every, every), sizes, estimates, quantile, in_shares, inflation, clear)

@@ -19,7 +19,7 @@ from forcefeel.bench.identification.linear import LinearModel, model_response
 from forcefeel.bench.identification.losses import Loss
 from forcefeel.bench.identification.misfit import explained
 from forcefeel.bench.identification.observations import Observation
-from forcefeel.bench.identification.problem import Place, Problem
+from forcefeel.bench.identification.problem import Optimum, Problem
 from forcefeel.bench.identification.record_observation import RecordObservation
 from forcefeel.bench.identification.record_run import RecordRun
 from forcefeel.bench.identification.response_observation import ResponseObservation, relative_error
@@ -80,8 +80,8 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     Example:
         >>> import forcefeel as ff
         >>> data = [ff.read_bench_data("examples/bench/servo-closed.csv")]
-        >>> found = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
-        >>> found["k"].status.value
+        >>> identification = ff.identify(ff.load("examples/bench/loader.toml"), data, "k,c", starts=1)
+        >>> identification["k"].status.value
         'determined'
     """
     check_loader(loader)
@@ -90,8 +90,8 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         raise InputError(
             f"data: expected a list of responses and records, as read_bench_data reads them, got {type_text(data)}"
         )
-    for one in data:
-        expect("data", one, (Response, BenchRecord), "responses and records, as read_bench_data reads them")
+    for measurement in data:
+        expect("data", measurement, (Response, BenchRecord), "responses and records, as read_bench_data reads them")
     keys = parameter_keys(fit, loader.drive)
     unknowns = unknowns_of(loader, keys)
     if not data:
@@ -100,24 +100,33 @@ def identify(  # noqa: PLR0913  keywords of what is asked
         raise InputError(f"starts: expected 1 to {MOST_STARTS}, got {starts}")
     check_bench(loader, data)
     _check_valve(loader, keys, data, as_responses=as_responses)
-    if loader.drive == ELECTRIC and any(one.experiment.loop is Loop.LOADER for one in data):
+    if loader.drive == ELECTRIC and any(measurement.experiment.loop is Loop.LOADER for measurement in data):
         law = Law.of(law, loader)  # designed or read once, for the loader as its file has it
-    used = [it for one in data for it in (_as_responses(one, loader) if as_responses else [one])]
-    seen = [(it, [it] if isinstance(it, Response) else _seen_in(it, loader)) for it in data]
-    for it, responses in seen:
-        _suspect(loader, law, it, responses)
-    problem = Problem(unknowns, [_observe(it, loader, keys, law) for it in used], loss, priors)
+    used = [
+        part for measurement in data for part in (_as_responses(measurement, loader) if as_responses else [measurement])
+    ]
+    seen = [
+        (measurement, [measurement] if isinstance(measurement, Response) else _seen_in(measurement, loader))
+        for measurement in data
+    ]
+    for measurement, responses in seen:
+        _suspect(loader, law, measurement, responses)
+    problem = Problem(unknowns, [_observe(measurement, loader, keys, law) for measurement in used], loss, priors)
     _check_points(problem)
-    place, confidence, ends = search(problem, starts, progress or (lambda done, total: None))
-    estimates = _estimates(unknowns, problem, place, confidence)
-    found = _at_estimates(loader, estimates)
-    compared = [(it, [it]) for it in used if isinstance(it, Response)] if as_responses else seen
-    rigid, notes = _rigid(found, law, unknowns, compared)
+    optimum, confidence, ends = search(problem, starts, progress or (lambda done, total: None))
+    estimates = _estimates(unknowns, problem, optimum, confidence)
+    estimated_loader = _at_estimates(loader, estimates)
+    compared = (
+        [(measurement, [measurement]) for measurement in used if isinstance(measurement, Response)]
+        if as_responses
+        else seen
+    )
+    rigid, notes = _rigid(estimated_loader, law, unknowns, compared)
     identified = Identification(
         before=loader,
         estimates=estimates,
         correlation=confidence.correlation,
-        fitted=_fitted(problem, place),
+        fitted=_fitted(problem, optimum),
         ends=ends,
         inseparable=inseparable_sets(unknowns, confidence),
         advice=(),
@@ -127,8 +136,8 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     if identified.determined:
         sound = explained(identified.fitted) and identified.within_bounds
         return replace(identified, loader=fitted_loader(identified)) if sound else identified
-    recorded = any(isinstance(it, BenchRecord) for it in used)
-    advice = advice_of(found, law, unknowns, confidence.information, recorded=recorded)
+    recorded = any(isinstance(measurement, BenchRecord) for measurement in used)
+    advice = advice_of(estimated_loader, law, unknowns, confidence.information, recorded=recorded)
     return replace(identified, advice=advice)
 
 
@@ -141,16 +150,19 @@ def unseen_from_afar(
     of what may be left out, before ``identify``, whose arguments these are.
     """
     unknowns = unknowns_of(loader, keys)
-    confidence = from_afar(Problem(unknowns, [_observe(it, loader, keys, law) for it in data]))
+    confidence = from_afar(Problem(unknowns, [_observe(measurement, loader, keys, law) for measurement in data]))
     if confidence is None:
         return ()
     shares = confidence.quantile * half_widths(confidence.information)
-    return tuple(one.key for one, share in zip(unknowns, shares, strict=True) if not share < DETERMINED)
+    return tuple(unknown.key for unknown, share in zip(unknowns, shares, strict=True) if not share < DETERMINED)
 
 
 def _beside(data: Sequence[Response | BenchRecord]) -> tuple[str, ...]:
     """What records hold that no parameter is fitted to."""
-    held = any(isinstance(it, BenchRecord) and np.ptp(it.channels.get(GRIP_FORCE, 0.0)) > 0 for it in data)
+    held = any(
+        isinstance(measurement, BenchRecord) and np.ptp(measurement.channels.get(GRIP_FORCE, 0.0)) > 0
+        for measurement in data
+    )
     sentence = (
         f"{GRIP_FORCE} is not compared: it shows the hand. What it tells of the sensor at the grip, commission finds."
     )
@@ -162,7 +174,7 @@ def _check_valve(
 ) -> None:
     """Refuses the valve's gains at an operating point where records are run with its orifice."""
     gains = [key for key in ("valve.current_gain", "valve.pressure_gain") if key in keys]
-    runs = any(isinstance(it, BenchRecord) for it in data) and not as_responses
+    runs = any(isinstance(measurement, BenchRecord) for measurement in data) and not as_responses
     if gains and loader["valve.orifice"] and (runs or loader["controller.period"]):
         raise InputError(
             f"fit: the loader's flow follows the orifice, eq. (1), which has no {' and '.join(gains)}; fit valve.rated_flow (q_r), "
@@ -181,18 +193,20 @@ def _as_responses(data: Response | BenchRecord, loader: Loader) -> list[Response
 
 def _response_of(record: BenchRecord, channel: str, loader: Loader) -> Response:
     """A record's response to a channel, below half the rate of the loader's controller."""
-    found = estimate_response(record, channel)
-    kept = found.frequency_hz * loader["controller.period"] < _HALF_RATE
-    coherence, deviation = (None if it is None else it[kept] for it in (found.coherence, found.deviation))
-    lines, value = found.frequency_hz[kept], found.value[kept]
-    return replace(found, frequency_hz=lines, value=value, coherence=coherence, deviation=deviation)
+    estimate = estimate_response(record, channel)
+    kept = estimate.frequency_hz * loader["controller.period"] < _HALF_RATE
+    coherence, deviation = (
+        None if array is None else array[kept] for array in (estimate.coherence, estimate.deviation)
+    )
+    lines, value = estimate.frequency_hz[kept], estimate.value[kept]
+    return replace(estimate, frequency_hz=lines, value=value, coherence=coherence, deviation=deviation)
 
 
 def _suspect(loader: Loader, law: LawLike, data: Response | BenchRecord, responses: Sequence[Response]) -> None:
     """Refuses data that are not what their responses are said to be, as far as the loader file's model can tell."""
     for response in responses:
-        asked = loader, response.experiment, response.input, response.output, response.frequency_hz
-        predicted = model_response(*asked, law=law)
+        arguments = loader, response.experiment, response.input, response.output, response.frequency_hz
+        predicted = model_response(*arguments, law=law)
         answers = bool(np.all(np.isfinite(predicted) & (predicted != 0)))
         if answers and isinstance(data, BenchRecord):
             _check_polarity(response, predicted)
@@ -214,12 +228,12 @@ def _check_polarity(response: Response, predicted: NDArray[np.complex128]) -> No
 
 def _seen_in(record: BenchRecord, loader: Loader) -> list[Response]:
     """The responses of a record as far as it has any: uneven samples, steps, slow sweeps and releases have none."""
-    found = []
+    responses = []
     for name in record.channels if record.experiment.drive is not Drive.RELEASE else ():
         if name in OUTPUTS:
             with suppress(InputError):
-                found.append(_response_of(record, name, loader))
-    return found
+                responses.append(_response_of(record, name, loader))
+    return responses
 
 
 def _observe(data: Response | BenchRecord, loader: Loader, keys: Sequence[str], law: LawLike) -> Observation:
@@ -238,54 +252,58 @@ def _check_points(problem: Problem) -> None:
 
 
 def _estimates(
-    unknowns: Sequence[Unknown], problem: Problem, place: Place, confidence: Confidence
+    unknowns: Sequence[Unknown], problem: Problem, optimum: Optimum, confidence: Confidence
 ) -> tuple[Estimate, ...]:
-    values = problem.values(place.x)
+    values = problem.values(optimum.x)
     deviation = confidence.deviation[: len(unknowns)] * confidence.sizes * problem.scale
     shares = confidence.quantile * half_widths(confidence.information)
-    found = []
+    estimates = []
     for j, (unknown, value) in enumerate(zip(unknowns, values.tolist(), strict=True)):
         if not shares[j] < DETERMINED:
-            found.append(Estimate(unknown, value, np.inf, -np.inf, np.inf, np.inf, Status.UNDETERMINED))
+            estimates.append(Estimate(unknown, value, np.inf, -np.inf, np.inf, np.inf, Status.UNDETERMINED))
             continue
         half = confidence.quantile * float(deviation[j])
-        status = Status.AT_BOUND if place.at_bound[j] else Status.DETERMINED
-        found.append(
+        status = Status.AT_BOUND if optimum.at_bound[j] else Status.DETERMINED
+        estimates.append(
             Estimate(unknown, value, float(deviation[j]), value - half, value + half, float(shares[j]), status)
         )
-    return tuple(found)
+    return tuple(estimates)
 
 
 def _at_estimates(loader: Loader, estimates: Sequence[Estimate]) -> Loader:
     """The loader at the estimates; an undetermined one stays as the file has it."""
-    told = {it.unknown.key: it.value for it in estimates if it.status is not Status.UNDETERMINED}
+    values = {
+        estimate.unknown.key: estimate.value for estimate in estimates if estimate.status is not Status.UNDETERMINED
+    }
     try:
-        return loader.with_tolerances(dict.fromkeys(set(told) & set(loader.tolerances))).replace(told, si=True)
+        return loader.with_tolerances(dict.fromkeys(set(values) & set(loader.tolerances))).replace(values, si=True)
     except InputError as error:
         raise InputError(
             f"fit: the estimates do not go with the rest of the loader: {error}; fit that parameter too, or correct the loader file"
         ) from error
 
 
-def _fitted(problem: Problem, place: Place) -> tuple[Fitted, ...]:
+def _fitted(problem: Problem, optimum: Optimum) -> tuple[Fitted, ...]:
     """Every curve beside the model, fitted and as the file has it."""
-    groups = iter(place.noise)
-    before = problem.start(np.array([it.nominal for it in problem.unknowns]))
-    found = []
+    groups = iter(optimum.noise)
+    before = problem.start(np.array([unknown.nominal for unknown in problem.unknowns]))
+    fits = []
     own_before = problem.own(before)
-    for it, own, own_at_file in zip(problem.observations, problem.own(place.x), own_before, strict=True):
-        then = it.curves(problem.values(before), own_at_file)
-        simulated_noise = it.simulated_noise(problem.values(place.x))
-        for curve, old, simulated in zip(it.curves(problem.values(place.x), own), then, simulated_noise, strict=True):
+    for observation, own, own_at_file in zip(problem.observations, problem.own(optimum.x), own_before, strict=True):
+        then = observation.curves(problem.values(before), own_at_file)
+        simulated_noise = observation.simulated_noise(problem.values(optimum.x))
+        for curve, old, simulated in zip(
+            observation.curves(problem.values(optimum.x), own), then, simulated_noise, strict=True
+        ):
             rms = (
-                relative_error(it.data, curve.modelled)
-                if isinstance(it.data, Response)
+                relative_error(observation.data, curve.modelled)
+                if isinstance(observation.data, Response)
                 else float(np.sqrt(np.mean(np.square(curve.measured - curve.modelled))))
             )
             noise = float(next(groups)) * curve.expected
             points = (curve.at, curve.measured, curve.modelled, old.modelled)
-            found.append(Fitted(it.data, curve.channel, *points, rms, noise, simulated))
-    return tuple(found)
+            fits.append(Fitted(observation.data, curve.channel, *points, rms, noise, simulated))
+    return tuple(fits)
 
 
 def _made_for_another(law: LawLike, loader: Loader) -> tuple[str, ...]:
@@ -302,9 +320,9 @@ def _rigid(
     """The test of the link on what was given and what was seen in records under a signal; and why there is none."""
     responses = [
         response
-        for it, found in seen
-        if isinstance(it, Response) or it.experiment.drive not in (Drive.PILOT_FORCE, Drive.RELEASE)
-        for response in found
+        for measurement, responses in seen
+        if isinstance(measurement, Response) or measurement.experiment.drive not in (Drive.PILOT_FORCE, Drive.RELEASE)
+        for response in responses
     ]
     if not responses:
         return None, ("Whether the link is compliant was not judged: that takes a frequency response.",)

@@ -17,20 +17,23 @@ _SUREST = 1e-6
 """Smallest standard error that a file states, as a share of the value: data without noise are a model's."""
 
 
-def fitted_loader(found: Identification) -> Loader:
+def fitted_loader(identification: Identification) -> Loader:
     """The loader with the estimates in place of the file's values.
 
     Each has a normal tolerance of its standard error, so that envelopes, sweeps and the next identification know how sure it is.
     The source names the data by their SHA-256.
     """
-    values = {it.unknown.key: it.value for it in found.estimates}
-    without = found.before.with_tolerances(dict.fromkeys(values)).replace(values, si=True)
+    values = {estimate.unknown.key: estimate.value for estimate in identification.estimates}
+    without = identification.before.with_tolerances(dict.fromkeys(values)).replace(values, si=True)
     loader = without.with_tolerances(
-        {it.unknown.key: normal_about(it.unknown.key, it.value, it.deviation) for it in found.estimates}
+        {
+            estimate.unknown.key: normal_about(estimate.unknown.key, estimate.value, estimate.deviation)
+            for estimate in identification.estimates
+        }
     )
-    symbols = ", ".join(it.unknown.symbol for it in found.estimates)
-    data = "; ".join(_named(it) for it in data_of(found.fitted))
-    return replace(loader, source=f"{found.before.source}; {symbols} identified from {data}".lstrip("; "))
+    symbols = ", ".join(estimate.unknown.symbol for estimate in identification.estimates)
+    data = "; ".join(_named(measurement) for measurement in data_of(identification.fitted))
+    return replace(loader, source=f"{identification.before.source}; {symbols} identified from {data}".lstrip("; "))
 
 
 def normal_about(key: str, value: float, deviation: float) -> Tolerance:

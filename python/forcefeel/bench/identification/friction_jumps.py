@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from forcefeel.bench.identification.confidence import Confidence
-from forcefeel.bench.identification.problem import Place, Problem
+from forcefeel.bench.identification.problem import Optimum, Problem
 
 _SIDES = (-1.0, 1.0)
 
@@ -44,34 +44,36 @@ class Surroundings:
     drop: float
 
 
-def surroundings(problem: Problem, place: Place, confidence: Confidence) -> Surroundings:
+def surroundings(problem: Problem, optimum: Optimum, confidence: Confidence) -> Surroundings:
     """Looks at the cost about a place."""
     count = len(problem.unknowns)
-    look = _Look(problem, place)
-    found = [_Direction.of(confidence, j, count) for j in range(count)]
+    look = _Look(problem, optimum)
+    directions = [_Direction.of(confidence, j, count) for j in range(count)]
     alone = np.eye(count) * confidence.sizes
     look.at([share * row for row in alone for share in _ABROAD])
-    look.at([h * step for one in found for h in _SIDES for step in one.steps])
+    look.at([h * step for direction in directions for h in _SIDES for step in direction.steps])
     open_, growth = set(range(count)), np.full(count, np.inf)
     for far in _FAR:
-        look.at([h * far * step for j in open_ for h in _SIDES for step in found[j].steps])
+        look.at([h * far * step for j in open_ for h in _SIDES for step in directions[j].steps])
         for j in list(open_):
-            if (grown := found[j].growth(look, far)) is not None:
+            if (grown := directions[j].growth(look, far)) is not None:
                 growth[j] = grown
                 open_.remove(j)
-    growth = np.where([one.seen for one in found], growth, 1.0)  # without slopes there is no standard error to grow
+    growth = np.where(
+        [direction.seen for direction in directions], growth, 1.0
+    )  # without slopes there is no standard error to grow
     return Surroundings(growth, look.lowest, look.drop)
 
 
 class _Look:
     """Rises of the cost about a place, and the lowest place seen."""
 
-    def __init__(self, problem: Problem, place: Place) -> None:
-        self._problem, self._place = problem, place
-        self._here = problem.cost(place.x, place.noise)
-        self._low, self._high = problem.bounds(len(place.x))
+    def __init__(self, problem: Problem, optimum: Optimum) -> None:
+        self._problem, self._place = problem, optimum
+        self._here = problem.cost(optimum.x, optimum.noise)
+        self._low, self._high = problem.bounds(len(optimum.x))
         self._known: dict[bytes, float] = {}
-        self.lowest, self.drop = place.x, 0.0
+        self.lowest, self.drop = optimum.x, 0.0
 
     def at(self, steps: Sequence[NDArray[np.float64]]) -> None:
         """Looks a step of the loader's unknowns away, several at once; beyond a bound there is nothing to be seen."""
@@ -100,12 +102,12 @@ class _Direction:
     Attributes:
         seen: Whether the slopes see anything of it.
         steps: Steps of one standard error: alone, and along the ridge.
-        told: The parabola that the slopes promise.
+        parabola: The parabola that the slopes promise.
     """
 
     seen: bool
     steps: tuple[NDArray[np.float64], NDArray[np.float64]]
-    told: float
+    parabola: float
 
     @classmethod
     def of(cls, confidence: Confidence, j: int, count: int) -> "_Direction":
@@ -121,10 +123,10 @@ class _Direction:
         def rise(h: float) -> float:
             return min(look.rise(h * step) for step in self.steps)
 
-        outer = [it for h in _SIDES if np.isfinite(it := rise(h * far))]
+        outer = [cost for h in _SIDES if np.isfinite(cost := rise(h * far))]
         if not outer or min(outer) <= 0:
             return None
         curvature = float(np.mean(outer)) / far**2
         nearer = [h * near for near in (1.0, *_FAR) if near < far for h in _SIDES]
-        jags = max((abs(it - curvature * h**2) for h in nearer if np.isfinite(it := rise(h))), default=0.0)
-        return float(np.sqrt(max(self.told / curvature, 1.0) + jags / curvature))
+        jags = max((abs(cost - curvature * h**2) for h in nearer if np.isfinite(cost := rise(h))), default=0.0)
+        return float(np.sqrt(max(self.parabola / curvature, 1.0) + jags / curvature))

@@ -63,25 +63,25 @@ _NOISE_WIDTH = 6.0
 
 
 @dataclass(frozen=True)
-class GripSensorFound:
+class GripSensorEstimate:
     """What became of the sensor.
 
     Attributes:
         rows: Value and standard error of each row that the record determines, SI units.
         noise: What is left of its record, r.m.s., N; ``None`` without a record.
         wrong: Why no law may use it.
-        said: What else is to be known.
+        notes: What else is to be known.
         advice: The experiments that would determine the rest.
     """
 
     rows: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     noise: float | None = None
     wrong: tuple[str, ...] = ()
-    said: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     advice: tuple[str, ...] = ()
 
 
-def find_grip_sensor(loader: Loader, data: Sequence[Response | BenchRecord], law: Law | None) -> GripSensorFound:
+def find_grip_sensor(loader: Loader, data: Sequence[Response | BenchRecord], law: Law | None) -> GripSensorEstimate:
     """What the records tell of the sensor.
 
     Args:
@@ -89,23 +89,23 @@ def find_grip_sensor(loader: Loader, data: Sequence[Response | BenchRecord], law
         data: Records and responses.
         law: Of the bench, where the record is of the whole loader; one that does not use the sensor, which is yet to be tried.
     """
-    records = [one for one in data if isinstance(one, BenchRecord) and GRIP_FORCE in one.channels]
+    records = [record for record in data if isinstance(record, BenchRecord) and GRIP_FORCE in record.channels]
     if not has_grip_sensor(loader):
-        moving = any(np.ptp(one.channels[GRIP_FORCE]) > 0 for one in records)
+        moving = any(np.ptp(record.channels[GRIP_FORCE]) > 0 for record in records)
         sentence = (
             f"The records hold {GRIP_FORCE}, and the loader file has no grip_sensor: it is left out. State grip_sensor.gain, 1 as "
             "calibrated, for a law that measures the hand by it."
         )
-        return GripSensorFound(said=(sentence,) * moving)
-    used = [one for one in records if one.experiment.drive is not Drive.RELEASE]
+        return GripSensorEstimate(notes=(sentence,) * moving)
+    used = [record for record in records if record.experiment.drive is not Drive.RELEASE]
     if not used:
         sentence = (
             f"No record{' but a release' * bool(records)} holds {GRIP_FORCE}: the rows of grip_sensor stand as the file "
             "has them, and nothing was tried of it."
         )
-        return GripSensorFound(said=(sentence,), advice=(_RECORD_IT,))
-    best = max(used, key=lambda one: one.experiment.drive is Drive.PILOT_FORCE)
-    return _Shown.of(best, loader, law).found()
+        return GripSensorEstimate(notes=(sentence,), advice=(_RECORD_IT,))
+    best = max(used, key=lambda record: record.experiment.drive is Drive.PILOT_FORCE)
+    return _SensorRecord.of(best, loader, law).estimate()
 
 
 _RECORD_IT = (
@@ -131,7 +131,7 @@ def grip_force(loader: Loader, at: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Shown:
+class _SensorRecord:
     """A record of the sensor beside what it should show of a hand and of a mass of 1 kg."""
 
     loader: Loader
@@ -142,7 +142,7 @@ class _Shown:
     of_mass: NDArray[np.float64]
 
     @classmethod
-    def of(cls, record: BenchRecord, loader: Loader, law: Law | None) -> "_Shown":
+    def of(cls, record: BenchRecord, loader: Loader, law: Law | None) -> "_SensorRecord":
         at = moments(record, loader, law)
         hand, loaded = (grip_force(loader.replace({GAIN: 1.0, MASS: mass}, si=True), at) for mass in (None, 1.0))
         return cls(loader, record.name, record.channels[GRIP_FORCE], grip_force(loader, at), hand, loaded - hand)
@@ -152,10 +152,10 @@ class _Shown:
         """Noise of a sample by the file, its steps included, r.m.s., N."""
         return float(np.sqrt(sample_variance(self.loader)[sensors_of(self.loader).index(GRIP_SENSOR)]))
 
-    def found(self) -> GripSensorFound:
+    def estimate(self) -> GripSensorEstimate:
         """The sensor by this record."""
         if sentence := self._stopped():
-            return GripSensorFound(wrong=(sentence,))
+            return GripSensorEstimate(wrong=(sentence,))
         by_hand = [GAIN] if np.ptp(self.of_hand) > 0 else []
         columns = np.column_stack([*(self.of_hand for _ in by_hand), self.of_mass, np.ones_like(self.of_mass)])
         value, deviation = _jackknife(columns, self.measured)
@@ -164,19 +164,19 @@ class _Shown:
         numbers = dict(zip((*by_hand, MASS, OFFSET), zip(value.tolist(), deviation.tolist(), strict=True), strict=True))
         tried = [self._contradicts(key, *numbers[key]) for key in (*by_hand, MASS)]
         rows = self._rows(numbers)
-        told = [sentence for sentence in (*tried, self._out_of_range(rows)) if sentence]
-        if wrong := tuple(told or self._unexplained(residual)):
-            return GripSensorFound(noise=left, wrong=wrong)
-        return GripSensorFound(rows, left, (), self._said(left, rows), () if GAIN in rows else (_PULL,))
+        sentences = [sentence for sentence in (*tried, self._out_of_range(rows)) if sentence]
+        if wrong := tuple(sentences or self._unexplained(residual)):
+            return GripSensorEstimate(noise=left, wrong=wrong)
+        return GripSensorEstimate(rows, left, (), self._notes(left, rows), () if GAIN in rows else (_PULL,))
 
     def _rows(self, numbers: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
         """The rows that are determined, of ``K_g``, ``K_g m_o`` and ``F_0``."""
-        told = {key: numbers[key] for key in (GAIN, MASS) if key in numbers and _is_told(*numbers[key])}
-        if MASS in told:
-            gain = told[GAIN][0] if GAIN in told else self.loader[GAIN]
-            told[MASS] = (told[MASS][0] / gain, told[MASS][1] / gain)
+        determined = {key: numbers[key] for key in (GAIN, MASS) if key in numbers and _is_determined(*numbers[key])}
+        if MASS in determined:
+            gain = determined[GAIN][0] if GAIN in determined else self.loader[GAIN]
+            determined[MASS] = (determined[MASS][0] / gain, determined[MASS][1] / gain)
         value, deviation = numbers[OFFSET]
-        return told | ({OFFSET: (value, deviation)} if abs(value) > _SURE * deviation else {})
+        return determined | ({OFFSET: (value, deviation)} if abs(value) > _SURE * deviation else {})
 
     def _out_of_range(self, rows: Mapping[str, tuple[float, float]]) -> str:
         for key, (value, _) in rows.items():
@@ -211,7 +211,7 @@ class _Shown:
         if value < -_CLEAR * deviation:
             return f"{self.name}: {GRIP_FORCE} shows {what} with the wrong sign: turn the sensor's polarity, or that of the channel"
         # Noise alone is beyond two deviations once in twenty times: what is far below the promise is nothing too.
-        low = not _is_told(value, deviation) and value + _SURE * deviation < promised / _FAR[key]
+        low = not _is_determined(value, deviation) and value + _SURE * deviation < promised / _FAR[key]
         if (low or value <= _SURE * deviation) and promised > _CLEAR * deviation:
             swing = float(np.std(promised * (self.of_hand if key == GAIN else self.of_mass)))
             should = value_text(TABLE[OFFSET], swing, 2)
@@ -219,7 +219,7 @@ class _Shown:
                 f"{self.name}: {GRIP_FORCE} shows nothing of {what}, which would be {should} r.m.s. at least: {_LOOK}"
             )
         stated = key == GAIN or self.loader[MASS] > 0
-        if stated and _is_told(value, deviation) and not 1 / _FAR[key] < value / promised < _FAR[key]:
+        if stated and _is_determined(value, deviation) and not 1 / _FAR[key] < value / promised < _FAR[key]:
             return (
                 f"{self.name}: {GRIP_FORCE} shows {value / promised:.2g} times as much of {what} as the file promises: look at its "
                 f"unit, at {GAIN} and {MASS} in the file, and whether it is that sensor's signal"
@@ -238,7 +238,7 @@ class _Shown:
             "signal, or a hand was on the grip"
         ]
 
-    def _said(self, left: float, rows: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
+    def _notes(self, left: float, rows: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
         lines = []
         if self.loader[f"{GRIP_SENSOR}.noise"] and left > _NOISIER * self.declared:
             lines.append(
@@ -260,7 +260,7 @@ _PULL = (
 )
 
 
-def _is_told(value: float, deviation: float) -> bool:
+def _is_determined(value: float, deviation: float) -> bool:
     """Whether the 95 % interval lies within half of the value, as of any parameter that gets a number."""
     return value > 2 * _SURE * deviation
 
@@ -273,9 +273,9 @@ def _jackknife(
     pieces = np.array_split(np.arange(len(measured)), _PIECES)
     square = np.array([columns[at].T @ columns[at] for at in pieces]) / np.outer(scale, scale)
     right = np.array([columns[at].T @ measured[at] for at in pieces]) / scale
-    told = np.linalg.pinv(square.sum(axis=0)) @ right.sum(axis=0)
+    solution = np.linalg.pinv(square.sum(axis=0)) @ right.sum(axis=0)
     others = np.array(
         [np.linalg.pinv(square.sum(axis=0) - a) @ (right.sum(axis=0) - b) for a, b in zip(square, right, strict=True)]
     )
     spread = others - others.mean(axis=0)
-    return told / scale, np.sqrt((_PIECES - 1) / _PIECES * (spread**2).sum(axis=0)) / scale
+    return solution / scale, np.sqrt((_PIECES - 1) / _PIECES * (spread**2).sum(axis=0)) / scale

@@ -31,14 +31,14 @@ def inseparable_sets(unknowns: Sequence[Unknown], confidence: Confidence) -> tup
     directions = weak_directions(confidence.information, DETERMINED / confidence.quantile)
     near_zero = confidence.estimates < _NEAR_ZERO * confidence.sizes
     in_estimates = confidence.sizes / np.where(near_zero, confidence.sizes, confidence.estimates)
-    found = tuple(_inseparable(unknowns, direction * in_estimates, confidence.clear) for direction in directions)
-    named = tuple(dict.fromkeys(key for it in found for key in it.keys))
-    if 1 < len(named) == len(found) and any(len(it.keys) > 1 for it in found):
+    sets = tuple(_inseparable(unknowns, direction * in_estimates, confidence.clear) for direction in directions)
+    named = tuple(dict.fromkeys(key for group in sets for key in group.keys))
+    if 1 < len(named) == len(sets) and any(len(group.keys) > 1 for group in sets):
         # As many directions as parameters: it is not their combination, but none of them.
-        symbols = [it.symbol for it in unknowns if it.key in named]
+        symbols = [unknown.symbol for unknown in unknowns if unknown.key in named]
         of = f"neither {symbols[0]} nor {symbols[1]}" if len(symbols) == 2 else f"none of {_list(symbols)}"
         return (Inseparable(named, (1.0,) * len(named), f"The data determine {of}."),)
-    return found
+    return sets
 
 
 def _inseparable(unknowns: Sequence[Unknown], direction: NDArray[np.float64], clear: NDArray[np.bool_]) -> Inseparable:

@@ -106,17 +106,17 @@ class LinearModel:
             InputError: If a line is at or above half the rate of the loader's controller.
         """
         columns = [INDEX[key] for key in keys]
-        given = self._engine_law
+        engine_law = self._engine_law
         omega = 2 * np.pi * frequency_hz
         if period := self.loader["controller.period"]:
             _below_half_rate(frequency_hz, period)
             step_s, timing = controller_steps(self.loader, LONGEST_STEP_S)
-            matrices = _core.sampled_slopes(values, columns, step_s, timing, **given)
-            found = _responses(_over_a_period(matrices, omega * step_s), np.asarray(np.exp(1j * omega * period)))
+            matrices = _core.sampled_slopes(values, columns, step_s, timing, **engine_law)
+            response = _responses(_over_a_period(matrices, omega * step_s), np.asarray(np.exp(1j * omega * period)))
         else:
-            matrices = _core.linear_slopes(values, columns, linkage=self.linkage.value, **given)
-            found = _responses(_continuous(matrices), np.asarray(1j * omega))
-        return ChannelResponses(self.loader.drive, frequency_hz, *found)
+            matrices = _core.linear_slopes(values, columns, linkage=self.linkage.value, **engine_law)
+            response = _responses(_continuous(matrices), np.asarray(1j * omega))
+        return ChannelResponses(self.loader.drive, frequency_hz, *response)
 
 
 def channel_responses(
@@ -145,8 +145,8 @@ def model_response(
         >>> value.shape
         (2,)
     """
-    found = channel_responses(loader, experiment.loop, (), frequency_hz, law=law)
-    return found.between(source, target, experiment.drive)[0]
+    responses = channel_responses(loader, experiment.loop, (), frequency_hz, law=law)
+    return responses.between(source, target, experiment.drive)[0]
 
 
 def loop_law(loader: Loader, loop: Loop, law: LawLike) -> dict[str, Any]:
@@ -177,7 +177,7 @@ Matrices = Sequence[NDArray[np.float64] | NDArray[np.complex128]]
 def _continuous(matrices: Sequence[NDArray[np.float64]]) -> Matrices:
     """Of an analog loader, whose law adds a signal to its command where the test signal comes in."""
     a, b, c, d, a_slopes, b_slopes, c_slopes, d_slopes = matrices
-    order = [{_TEST: 0, _FORCE: 1, _COMMAND: 0}[it] for it in _INPUTS]
+    order = [{_TEST: 0, _FORCE: 1, _COMMAND: 0}[name] for name in _INPUTS]
     return (
         *(a, b[np.newaxis, :, order], c, d[:, order]),
         *(a_slopes, b_slopes[:, np.newaxis][..., order], c_slopes, d_slopes[..., order]),
@@ -198,9 +198,9 @@ def _over_a_period(matrices: Sequence[NDArray[np.float64]], turned: NDArray[np.f
             _FORCE: b[..., np.newaxis, :, force],
             _COMMAND: b[..., np.newaxis, :, command],
         }
-        return np.stack(np.broadcast_arrays(*(rows[it] for it in _INPUTS)), axis=-1)
+        return np.stack(np.broadcast_arrays(*(rows[name] for name in _INPUTS)), axis=-1)
 
-    order = [{_TEST: steps, _FORCE: force, _COMMAND: command}[it] for it in _INPUTS]
+    order = [{_TEST: steps, _FORCE: force, _COMMAND: command}[name] for name in _INPUTS]
     return a, inputs(b), c, d[:, order], a_slopes, inputs(b_slopes), c_slopes, d_slopes[..., order]
 
 

@@ -72,17 +72,17 @@ class RecordObservation:
 
     def compare(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Compared:
         """Channel by channel."""
-        found = self._modelled(values, own, self.keys)
-        slopes = [*found.slopes, -_LATER_S * found.rate] if self.run.released else list(found.slopes)
+        modelled = self._modelled(values, own, self.keys)
+        slopes = [*modelled.slopes, -_LATER_S * modelled.rate] if self.run.released else list(modelled.slopes)
         weight = 1 / self._expected[:, np.newaxis]
-        residual = self._without_offset(self._measured - found.value) * weight
+        residual = self._without_offset(self._measured - modelled.value) * weight
         by = [-self._without_offset(slope) * weight for slope in slopes]
         return Compared(residual.ravel(), np.array([slope.ravel() for slope in by]).T)
 
     def residual(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> NDArray[np.float64]:
         """Channel by channel, from one run."""
-        found = self._modelled(values, own, ())
-        return self._left(found.value)
+        modelled = self._modelled(values, own, ())
+        return self._left(modelled.value)
 
     def residuals(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> Sequence[NDArray[np.float64]]:
         """The same for several loaders, whose runs stand side by side where the record's samples are the engine's."""
@@ -92,10 +92,10 @@ class RecordObservation:
 
     def curves(self, values: NDArray[np.float64], own: NDArray[np.float64]) -> tuple[Curve, ...]:
         """The channels beside the simulated ones, offsets included."""
-        found = self._modelled(values, own, ()).value
-        offset = (self._measured - found) - self._without_offset(self._measured - found)
+        modelled = self._modelled(values, own, ()).value
+        offset = (self._measured - modelled) - self._without_offset(self._measured - modelled)
         at = self.data.time_s[self.run.used]
-        rows = zip(self.run.channels, self._measured, found + offset, self._expected, strict=True)
+        rows = zip(self.run.channels, self._measured, modelled + offset, self._expected, strict=True)
         return tuple(Curve(name, at, measured, modelled, float(e)) for name, measured, modelled, e in rows)
 
     def simulated_noise(self, values: NDArray[np.float64]) -> Sequence[float]:

@@ -37,7 +37,7 @@ _OF_STABLE = 1 / 3
 a column's inertia off by 0.05 %, five standard errors of a record of 4 s."""
 
 _NOISE_AND_STEPS = [
-    place for key, place in INDEX.items() if key.endswith((".noise", ".resolution", ".input_bits", ".output_bits"))
+    index for key, index in INDEX.items() if key.endswith((".noise", ".resolution", ".input_bits", ".output_bits"))
 ]
 """Places of what sensors and converters add to what they measure."""
 
@@ -146,7 +146,7 @@ class RecordRun:
         if not self.loader["controller.period"]:
             return np.zeros((len(self.channels), len(self.time_s)))
         stand_ins = [_STAND_IN.get(name, name) for name in self.channels]
-        others = {name: it for name, it in self.record.channels.items() if name not in self.channels}
+        others = {name: values for name, values in self.record.channels.items() if name not in self.channels}
         record = replace(self.record, channels=others | {name: np.zeros_like(self.record.time_s) for name in stand_ins})
         exact = replace(self, record=record)
         noisy = replace(exact, longest_step_s=self._step_s / 2, sensors_noisy=True)
@@ -178,7 +178,8 @@ class RecordRun:
         if not self.sensors_noisy:
             exact[:, _NOISE_AND_STEPS] = 0.0  # they have no slopes, and so no part in the others either
         law: dict[str, Any] = {
-            name: np.repeat(it, len(exact), axis=0) if name == "observers" else it for name, it in self._law.items()
+            name: np.repeat(values, len(exact), axis=0) if name == "observers" else values
+            for name, values in self._law.items()
         }
         return self._engine.run(exact, **law, threads=cores())[1]
 
@@ -248,8 +249,8 @@ class RecordRun:
         """Angle in rad at which the grip was held, and when it was let go, s."""
         angle = self.record.channels["column_angle"]
         seen = Record(self.record.time_s, angle, name=self.record.name)
-        found = find_release(seen, _TAIL, load_rules().release)
-        return float(np.mean(angle[: found.held])), found.time_s
+        release = find_release(seen, _TAIL, load_rules().release)
+        return float(np.mean(angle[: release.held])), release.time_s
 
 
 def driven(drive: Drive, signal: Schedule) -> Scenario:

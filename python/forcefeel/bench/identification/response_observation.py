@@ -91,8 +91,8 @@ class ResponseObservation:
         self, values: NDArray[np.float64], keys: Sequence[str]
     ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
         row = self.model.loader.rows(self.keys, values[np.newaxis])[0]
-        found = self.model.responses(row, keys, self.data.frequency_hz)
-        return found.between(self.data.input, self.data.output, self.data.experiment.drive)
+        response = self.model.responses(row, keys, self.data.frequency_hz)
+        return response.between(self.data.input, self.data.output, self.data.experiment.drive)
 
 
 def line_deviation(response: Response) -> NDArray[np.float64]:

@@ -210,16 +210,26 @@ class Identification:
         """
         from forcefeel.plots.draw import intervals  # noqa: PLC0415  Matplotlib, for whoever plots
 
-        def off(one: Estimate, value: float) -> float:
-            return 100 * (value - one.unknown.nominal) / one.unknown.scale
+        def off(estimate: Estimate, value: float) -> float:
+            return 100 * (value - estimate.unknown.nominal) / estimate.unknown.scale
 
-        lost = [it for it in self.estimates if it.status is Status.UNDETERMINED]
-        known = [it for it in self.estimates if it not in lost]
-        bounded = [it for it in self.estimates if it.unknown.tolerance]
+        lost = [estimate for estimate in self.estimates if estimate.status is Status.UNDETERMINED]
+        known = [estimate for estimate in self.estimates if estimate not in lost]
+        bounded = [estimate for estimate in self.estimates if estimate.unknown.tolerance]
         return intervals(
-            {it.unknown.symbol: (off(it, it.value), off(it, it.low), off(it, it.high)) for it in known},
-            {it.unknown.symbol: (off(it, it.unknown.low), off(it, it.unknown.high)) for it in bounded},
-            lost=[it.unknown.symbol for it in lost],
+            {
+                estimate.unknown.symbol: (
+                    off(estimate, estimate.value),
+                    off(estimate, estimate.low),
+                    off(estimate, estimate.high),
+                )
+                for estimate in known
+            },
+            {
+                estimate.unknown.symbol: (off(estimate, estimate.unknown.low), off(estimate, estimate.unknown.high))
+                for estimate in bounded
+            },
+            lost=[estimate.unknown.symbol for estimate in lost],
             x_label="Off the file's value, %",
             title=f"{self.before.name}: identified",
             ax=ax,
@@ -228,17 +238,17 @@ class Identification:
     @property
     def determined(self) -> bool:
         """Whether the data determine every parameter that was asked for."""
-        return all(it.status is not Status.UNDETERMINED for it in self.estimates)
+        return all(estimate.status is not Status.UNDETERMINED for estimate in self.estimates)
 
     @property
     def within_bounds(self) -> bool:
         """Whether no estimate ended at a bound: one that did is the bound's, not the data's."""
-        return all(it.status is not Status.AT_BOUND for it in self.estimates)
+        return all(estimate.status is not Status.AT_BOUND for estimate in self.estimates)
 
     @property
     def keys(self) -> tuple[str, ...]:
         """Rows of the parameters."""
-        return tuple(it.unknown.key for it in self.estimates)
+        return tuple(estimate.unknown.key for estimate in self.estimates)
 
     def __getitem__(self, name: str) -> Estimate:
         """The estimate of a parameter by its row or its symbol.
@@ -246,9 +256,13 @@ class Identification:
         Raises:
             KeyError: If it was not asked for.
         """
-        return next(it for it in self.estimates if name in {it.unknown.key, TABLE[it.unknown.key].symbol})
+        return next(
+            estimate
+            for estimate in self.estimates
+            if name in {estimate.unknown.key, TABLE[estimate.unknown.key].symbol}
+        )
 
 
-def data_of(found: Sequence[Fitted]) -> tuple[Response | BenchRecord, ...]:
+def data_of(fitted: Sequence[Fitted]) -> tuple[Response | BenchRecord, ...]:
     """The sets of data, each once."""
-    return tuple({id(it.data): it.data for it in found}.values())
+    return tuple({id(part.data): part.data for part in fitted}.values())

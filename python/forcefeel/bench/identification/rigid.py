@@ -35,13 +35,13 @@ def rigid_test(loader: Loader, law: LawLike, unknowns: Sequence[Unknown], respon
         unknowns: The unknowns.
         responses: The data.
     """
-    others = [it for it in unknowns if it.key not in _LINK]
+    others = [unknown for unknown in unknowns if unknown.key not in _LINK]
     bent = _problem(loader, law, unknowns, responses, Linkage.COMPLIANT)
     best = bent.search(bent.start(_values(loader, unknowns)))
     stiff = _problem(loader, law, others, responses, Linkage.RIGID)
     # Both in units of the noise that the compliant fit found, or their sums of squares would not compare.
-    left_over = stiff.weighted(stiff.minimum(stiff.start(_values(loader, others)), best.noise), best.noise)
-    compliant, rigid, points = float(best.residual @ best.residual), float(left_over @ left_over), len(left_over)
+    residual = stiff.weighted(stiff.minimum(stiff.start(_values(loader, others)), best.noise), best.noise)
+    compliant, rigid, points = float(best.residual @ best.residual), float(residual @ residual), len(residual)
     # k and c count as two parameters more even where the file gives them: somebody found them before. Then the file's may be
     # worse than none, and F is none.
     fewer, left = len(_LINK), points - len(others) - len(_LINK)
@@ -64,21 +64,23 @@ def _problem(
     loader: Loader, law: LawLike, unknowns: Sequence[Unknown], responses: Sequence[Response], linkage: Linkage
 ) -> Problem:
     """Plain least squares without priors."""
-    keys = [it.key for it in unknowns]
-    models = [LinearModel(loader, it.experiment.loop, law, linkage) for it in responses]
-    observations = [ResponseObservation(it, model, keys) for it, model in zip(responses, models, strict=True)]
+    keys = [unknown.key for unknown in unknowns]
+    models = [LinearModel(loader, response.experiment.loop, law, linkage) for response in responses]
+    observations = [
+        ResponseObservation(response, model, keys) for response, model in zip(responses, models, strict=True)
+    ]
     return Problem(unknowns, observations, "linear", priors=False)
 
 
 def _values(loader: Loader, unknowns: Sequence[Unknown]) -> NDArray[np.float64]:
-    return np.array([loader[it.key] for it in unknowns])
+    return np.array([loader[unknown.key] for unknown in unknowns])
 
 
 def _relative(problem: Problem, noise: NDArray[np.float64]) -> float:
     """Relative error that one unit of noise stands for, as a mean over the points in which each weighs as it is known."""
     lines = [
-        line_deviation(it.data) * size
-        for it, size in zip(problem.observations, noise, strict=True)
-        if isinstance(it.data, Response)
+        line_deviation(observation.data) * size
+        for observation, size in zip(problem.observations, noise, strict=True)
+        if isinstance(observation.data, Response)
     ]
     return float(np.mean(np.concatenate(lines) ** -2.0) ** -0.5)

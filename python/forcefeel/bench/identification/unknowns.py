@@ -73,10 +73,15 @@ class Unknown:
     @property
     def prior(self) -> tuple[float, float] | None:
         """Mean and standard deviation of its prior."""
-        told = self.tolerance
-        if told is None or told.distribution is not Distribution.NORMAL or told.peak is None or told.deviation is None:
+        tolerance = self.tolerance
+        if (
+            tolerance is None
+            or tolerance.distribution is not Distribution.NORMAL
+            or tolerance.peak is None
+            or tolerance.deviation is None
+        ):
             return None
-        return told.peak, told.deviation
+        return tolerance.peak, tolerance.deviation
 
     def at(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values spread as its tolerance says, or within a factor of the nominal; ``share`` from 0 to 1."""
@@ -87,17 +92,17 @@ class Unknown:
         return np.clip(self.nominal * _FARTHEST ** (2 * share - 1), self.low, self.high)
 
 
-def parameter_keys(given: str | Sequence[str], drive: str = HYDRAULIC) -> tuple[str, ...]:
+def parameter_keys(spec: str | Sequence[str], drive: str = HYDRAULIC) -> tuple[str, ...]:
     """Rows of the parameter table from their symbols or names: ``k,c,J,C_i`` or ``linkage.stiffness``.
 
     Args:
-        given: Names, or text in which commas part them.
+        spec: Names as a sequence, or as text separated by commas.
         drive: Of the loader, whose rows the symbols are.
 
     Raises:
         InputError: If there is none, one is unknown or stands twice.
     """
-    names = [name.strip() for name in (given.split(",") if isinstance(given, str) else given)]
+    names = [name.strip() for name in (spec.split(",") if isinstance(spec, str) else spec)]
     names = [name for name in names if name]
     if not names:
         raise InputError("fit: expected symbols or names of parameters, such as k,c,J,C_i, got none")
@@ -134,13 +139,13 @@ def _within(unknown: Unknown, loader: Loader, keys: Sequence[str]) -> Unknown:
 
 def starts(unknowns: Sequence[Unknown], count: int) -> NDArray[np.float64]:
     """Where the search starts, (count, unknowns): at the file's values first, then spread by Sobol's sequence."""
-    found = np.empty((count, len(unknowns)))
-    found[0] = [unknown.nominal for unknown in unknowns]
+    starts = np.empty((count, len(unknowns)))
+    starts[0] = [unknown.nominal for unknown in unknowns]
     if count > 1:
         # Rows of a power of two, as the sequence is balanced; a fixed seed, so that a fit repeats to the bit.
         sequence = qmc.Sobol(len(unknowns), seed=_SEED).random_base2(math.ceil(math.log2(count - 1)))
-        found[1:] = np.column_stack([it.at(sequence[: count - 1, j]) for j, it in enumerate(unknowns)])
-    return found
+        starts[1:] = np.column_stack([unknown.at(sequence[: count - 1, j]) for j, unknown in enumerate(unknowns)])
+    return starts
 
 
 def _unknown(loader: Loader, key: str) -> Unknown:

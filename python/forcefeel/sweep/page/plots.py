@@ -125,7 +125,7 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
     heights = 100 * counts / len(known)
     inside = (middles >= spread.quantile(0.05) * scale) & (middles <= spread.quantile(0.95) * scale)
     picture = go.Figure()
-    shown = unit_text(measured_in.shown(system))
+    unit = unit_text(measured_in.shown(system))
     for which, name, opacity in ((inside, "5 to 95 %", 0.75), (~inside, "beyond", 0.30)):
         picture.add_bar(
             x=middles[which],
@@ -133,7 +133,7 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
             width=width,
             name=name,
             marker={"color": tint(hue, opacity), "line": {"width": 0}},
-            hovertemplate=f"%{{x:.4~g}} {shown}: %{{y:.2~g}} % of the runs<extra></extra>",
+            hovertemplate=f"%{{x:.4~g}} {unit}: %{{y:.2~g}} % of the runs<extra></extra>",
         )
     top = float(heights.max()) * 1.06
     for name, at, style in (
@@ -147,7 +147,7 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
                 mode="lines",
                 name=name,
                 line=line(style),
-                hovertemplate=f"{name} %{{x:.4~g}} {shown}<extra></extra>",
+                hovertemplate=f"{name} %{{x:.4~g}} {unit}<extra></extra>",
             )
     frame(picture, 320, top=34, hover="closest")
     picture.update_layout(bargap=0, barmode="overlay")
@@ -162,16 +162,16 @@ def histogram(values: NDArray[np.float64], spread: Spread, system: UnitSystem, h
 def tornado(measure: str, summary: Summary, system: UnitSystem) -> go.Figure:
     """What a measure goes with: rank correlations, the largest on top, and the size that is chance."""
     row = summary.correlations.sel(measure=measure)
-    found = [
+    ranking = [
         (str(key), float(rho)) for key, rho in zip(row["parameter"].values, row.values, strict=True) if np.isfinite(rho)
     ]
-    found = sorted(found, key=lambda one: -abs(one[1]))[:_RANKED][::-1]
-    rho = np.array([one[1] for one in found])
+    ranking = sorted(ranking, key=lambda row: -abs(row[1]))[:_RANKED][::-1]
+    rho = np.array([row[1] for row in ranking])
     picture = go.Figure()
     for which, name, hue in ((rho >= 0, "rises with it", COMPLIANT), (rho < 0, "falls with it", RIGID)):
         picture.add_bar(
             x=rho[which],
-            y=[two_lines(found[k][0]) for k in np.flatnonzero(which)],
+            y=[two_lines(ranking[k][0]) for k in np.flatnonzero(which)],
             orientation="h",
             name=name,
             marker={"color": hue, "opacity": 0.8},
@@ -179,14 +179,14 @@ def tornado(measure: str, summary: Summary, system: UnitSystem) -> go.Figure:
             showlegend=bool(which.any()),
         )
     picture.add_vrect(-summary.chance, summary.chance, fillcolor="#8A939E", opacity=0.25, line_width=0)
-    frame(picture, 80 + 36 * max(len(found), 2), top=34, hover="closest")
+    frame(picture, 80 + 36 * max(len(ranking), 2), top=34, hover="closest")
     picture.update_layout(barmode="overlay", bargap=0.25)
     picture.update_xaxes(
         title_text="Rank correlation", range=[-1, 1], dtick=0.5, zeroline=True, zerolinecolor="#6B7580"
     )
     picture.update_yaxes(
         categoryorder="array",
-        categoryarray=[two_lines(key) for key, _ in found],
+        categoryarray=[two_lines(key) for key, _ in ranking],
         automargin=True,
         showgrid=False,
         ticks="",
