@@ -25,7 +25,7 @@ def read_bench_data(  # noqa: PLR0913  what options say of a file
     hold: Hold | None = None,
     between_s: Times = ALL,
 ) -> Response | BenchRecord:
-    """Reads a frequency response or a record: a response has a column ``frequency``, a record one ``time``.
+    """Read a frequency response or a record: a response has a column ``frequency``, a record a column ``time``.
 
     Arguments are those of ``read_response`` and ``read_bench_record``. With a response ``hold`` and ``between_s`` are
     refused, with a record ``input`` and ``output``.

@@ -1,4 +1,4 @@
-"""Whether the record of a live run has what an experiment takes."""
+"""Check of the channels of a live record for an experiment."""
 
 from forcefeel.bench.experiments import Experiment, Loop
 from forcefeel.bench.stated import drive_channel
@@ -7,10 +7,10 @@ from forcefeel.tables.table import LocatedColumns, Table
 
 
 def check_live_columns(table: Table, located: LocatedColumns, experiment: Experiment) -> None:
-    """Refuses an experiment that no live run is.
+    """Refuse an experiment that a live record cannot be of.
 
     Raises:
-        InputError: If the servo alone is to be moved, or what moves the loader was not recorded, with the remedy.
+        InputError: If the experiment moves the servo alone, or the drive was not recorded, with the remedy.
     """
     if experiment.loop is not Loop.LOADER:
         raise InputError(

@@ -1,4 +1,4 @@
-"""What a file of bench data says of itself, and its reader's arguments say of it."""
+"""Properties of bench data stated in the file or by the arguments of its reader."""
 
 from forcefeel.bench.experiments import Drive, Experiment, Loop
 from forcefeel.errors import InputError
@@ -7,7 +7,7 @@ from forcefeel.units import show
 
 
 def stated(table: Table, key: str, argument: str | None, name: str) -> str | None:
-    """What a file says of itself or the argument ``name`` says of it.
+    """The property ``key`` from the file or from the argument ``name``.
 
     Raises:
         InputError: If they contradict each other.
@@ -15,7 +15,7 @@ def stated(table: Table, key: str, argument: str | None, name: str) -> str | Non
     note = table.notes.get(key)
     if note is not None and argument is not None and note.split() != argument.split():
         raise InputError(
-            f"{table.path}: says '{key}: {note}' of itself, and the argument {name} is {show(argument)}; leave one of them out"
+            f"{table.path}: states '{key}: {note}', but the argument {name} is {show(argument)}; leave one of them out"
         )
     return argument if note is None else note
 
@@ -31,16 +31,16 @@ def stated_experiment(table: Table, argument: Experiment | str | None) -> Experi
     from_argument = _experiment(f"{table.path}: the argument ", argument) if isinstance(argument, str) else argument
     if in_file is not None and from_argument is not None and in_file != from_argument:
         raise InputError(
-            f"{table.path}: says that it is of {in_file}, and the argument experiment is {from_argument}; leave one of them out"
+            f"{table.path}: states {in_file}, but the argument experiment is {from_argument}; leave one of them out"
         )
     if (experiment := in_file or from_argument or (OF_A_RUN if table.run else None)) is None:
-        remedy = "say so at the top of a CSV file, as in '# experiment: servo-closed', or by the argument experiment"
-        raise InputError(f"{table.path}: does not say under which experiment it was recorded; {remedy}")
+        remedy = "state it at the top of a CSV file, as in '# experiment: servo-closed', or by the argument experiment"
+        raise InputError(f"{table.path}: has no experiment; {remedy}")
     return experiment
 
 
 OF_A_RUN = Experiment(Loop.LOADER, Drive.PILOT_FORCE)
-"""What the record of a live run is taken for: the whole loader under its law, and a hand at the grip."""
+"""Default experiment of a live record: the whole loader under its law, driven by the pilot."""
 
 
 def drive_channel(experiment: Experiment) -> str | None:
@@ -48,8 +48,8 @@ def drive_channel(experiment: Experiment) -> str | None:
     return None if experiment.drive is Drive.RELEASE else str(experiment.drive)
 
 
-def _experiment(before: str, text: str) -> Experiment:
+def _experiment(prefix: str, text: str) -> Experiment:
     try:
         return Experiment.read(text)
     except InputError as error:  # which begins with the word experiment
-        raise InputError(f"{before}{error}") from error
+        raise InputError(f"{prefix}{error}") from error

@@ -31,8 +31,8 @@ def check_law(
         progress: Called with the releases that are done and all there are.
     """
     draws = Draws(plan.draws, seed=_SEED)
-    known = {key: deviation for key, deviation in deviations_of(loader).items() if deviation.size > _EXACT}
-    envelope_plan = make_plan(loader, {name: law}, plan.grid, rule=plan.rule, changes=known, draws=draws)
+    toleranced = {key: deviation for key, deviation in deviations_of(loader).items() if deviation.size > _EXACT}
+    envelope_plan = make_plan(loader, {name: law}, plan.grid, rule=plan.rule, changes=toleranced, draws=draws)
     envelope = compute(envelope_plan, threads=plan.threads, progress=progress)
     even = envelope.even_shares(name)
     drawn = (envelope.data["drawn_outcome"].values[0].reshape(plan.draws, -1) == 0) @ envelope_plan.settings.weights

@@ -37,8 +37,12 @@ def _verdict(commission: Commission) -> str:
     name = commission.before.name
     if commission.loader is None:
         return f"{name} is not set up: {_small(commission.identified.verdict)}"
-    known = [parameter for parameter in commission.identified.parameters if parameter.state == IDENTIFIED]
-    counted = f"{len(known)} parameter of {name} is" if len(known) == 1 else f"{len(known)} parameters of {name} are"
+    identified = [parameter for parameter in commission.identified.parameters if parameter.state == IDENTIFIED]
+    counted = (
+        f"{len(identified)} parameter of {name} is"
+        if len(identified) == 1
+        else f"{len(identified)} parameters of {name} are"
+    )
     text = f"{counted} identified"
     if (
         commission.chosen is None
@@ -119,11 +123,13 @@ def _more(commission: Commission) -> list[str]:
         ]
     most = sorted(commission.checked.what_ifs, key=lambda what_if: -what_if.passes)[:_MOST]
     parts = [f"{what_if.change}: {share_text(what_if.passes)}" for what_if in most]
-    enough = next((what_if for what_if in commission.checked.what_ifs if what_if.passes >= commission.plan.share), None)
+    sufficient = next(
+        (what_if for what_if in commission.checked.what_ifs if what_if.passes >= commission.plan.share), None
+    )
     required = share_text(commission.plan.share)
     least = (
-        f"What asks least of the machine and reaches {required}: {enough.change}, {share_text(enough.passes)}."
-        if enough
+        f"What asks least of the machine and reaches {required}: {sufficient.change}, {share_text(sufficient.passes)}."
+        if sufficient
         else f"None of them alone reaches {required}."
     )
     return [

@@ -59,39 +59,41 @@ def fit_what_is_seen(
         InputError: If the data are not what they are said to be.
     """
     progress("what the data see")
-    begun = with_friction(loader)
-    seen = seen_by(begun, data, candidates(begun), law)
-    keys, friction_open = list(seen.fitted), DRY not in seen.fitted
-    unseen, ended, nothing = list(seen.unseen), list[str](), list[str]()
+    start = with_friction(loader)
+    observed = seen_by(start, data, candidates(start), law)
+    keys, friction_open = list(observed.fitted), DRY not in observed.fitted
+    unseen, ended, nothing = list(observed.unseen), list[str](), list[str]()
     if friction_open:
-        keys, begun = _left_out(DRY, keys, begun)
-    if BREAKAWAY not in keys or BREAKAWAY in unseen_from_afar(begun, data, keys, law):
-        keys, begun = _left_out(BREAKAWAY, keys, begun)
+        keys, start = _left_out(DRY, keys, start)
+    if BREAKAWAY not in keys or BREAKAWAY in unseen_from_afar(start, data, keys, law):
+        keys, start = _left_out(BREAKAWAY, keys, start)
     for _ in range(_ROUNDS):
         progress(f"fit of {len(keys)} parameters")
         try:
-            identification = identify(begun, data, keys, law=law, starts=plan.starts)
+            identification = identify(start, data, keys, law=law, starts=plan.starts)
         except InputError as error:
             # A breakaway that the data do not determine stays where the search began, and may lie below the dry friction.
             if BREAKAWAY not in keys or BREAKAWAY not in str(error):
                 raise
-            keys, begun = _left_out(BREAKAWAY, keys, begun)
-            identification = identify(begun, data, keys, law=law, starts=plan.starts)
+            keys, start = _left_out(BREAKAWAY, keys, start)
+            identification = identify(start, data, keys, law=law, starts=plan.starts)
         status = {estimate.unknown.key: estimate for estimate in identification.estimates}
         none = [key for key, estimate in status.items() if key in (DRY, BREAKAWAY) and _is_none(estimate)]
         weak = [key for key, estimate in status.items() if _is_open(estimate)]
         if BREAKAWAY in weak:
             weak = [BREAKAWAY]  # the jumps that it makes leave others open too, which are determined without it
-        held = [key for key, estimate in status.items() if _at_end(estimate, loader[key])]
-        if not (none or weak or held) or len(none) + len(weak) + len(held) == len(keys):
+        at_end = [key for key, estimate in status.items() if _at_end(estimate, loader[key])]
+        if not (none or weak or at_end) or len(none) + len(weak) + len(at_end) == len(keys):
             break
         friction_open |= DRY in weak and DRY not in none
         unseen += [key for key in weak if key not in (DRY, BREAKAWAY)]
-        ended += held
+        ended += at_end
         nothing += {DRY} & set(none)
-        for key in {*none, *weak, *held}:
-            keys, begun = _left_out(key, keys, begun)
-    return Fits(identification, {CARRIED: seen.carried, AT_END: ended, NOTHING: nothing, UNSEEN: unseen}, friction_open)
+        for key in {*none, *weak, *at_end}:
+            keys, start = _left_out(key, keys, start)
+    return Fits(
+        identification, {CARRIED: observed.carried, AT_END: ended, NOTHING: nothing, UNSEEN: unseen}, friction_open
+    )
 
 
 def _left_out(key: str, keys: Sequence[str], loader: Loader) -> tuple[list[str], Loader]:

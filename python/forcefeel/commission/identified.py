@@ -98,10 +98,10 @@ def identify_loader(
     open_friction, remedy = ((_FRICTION_OPEN,), (_RECORD_FRICTION,)) if fits.friction_open else ((), ())
     missed = _missed(identification, plan) if identified else ()
     wanting = (*open_friction, *missed, *grip.wrong, *_noise_wanting(loader, identification, grip.noise))
-    good = identified is not None and not wanting
+    ok = identified is not None and not wanting
     conclusions = identification_conclusions(replace(identification, loader=identified), plan.units)
     outcome = Identified(
-        good=good,
+        good=ok,
         verdict=" ".join((conclusions.verdict, *_beside_the_fit(grip))),
         findings=conclusions.findings,
         parameters=_parameters(loader, fits, grip) if identified else (),
@@ -117,9 +117,11 @@ def _completed(identified: Loader, loader: Loader, fits: Fits) -> Loader:
     """The loader of a fit, with the tolerances of its file where its value stands and none where the estimates carry them."""
     carried = [*fits.without.get(CARRIED, ()), *fits.without.get(AT_END, ())]
     known = {*fits.identification.keys, *carried, *((DRY, BREAKAWAY) if fits.without.get(NOTHING) else ())}
-    stands = [key for key in loader.tolerances if key not in known and identified[key] == loader[key]]
-    kept = {key: loader.tolerances[key] for key in stands}
-    return identified.with_tolerances({**kept, **{key: normal_about(key, identified[key], 0.0) for key in carried}})
+    unchanged = [key for key in loader.tolerances if key not in known and identified[key] == loader[key]]
+    tolerances = {key: loader.tolerances[key] for key in unchanged}
+    return identified.with_tolerances(
+        {**tolerances, **{key: normal_about(key, identified[key], 0.0) for key in carried}}
+    )
 
 
 def _with_grip_sensor(loader: Loader, grip: GripSensorEstimate) -> Loader:

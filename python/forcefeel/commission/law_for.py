@@ -72,8 +72,8 @@ def _passing(
     """The first choice that passes the rule's tests, of those that render the share; the first of all where none does."""
     first = choice = _choice(scored, plan.share)
     failed: list[str] = []
-    left = scored
-    while choice.chosen and _passes(left, choice) >= plan.share:
+    remaining = scored
+    while choice.chosen and _passes(remaining, choice) >= plan.share:
         progress(f"tests of the rule with {choice.chosen}")
         loader = scored.plan.given
         tested, _ = run_tests(loader, choice.chosen, Law.of(choice.chosen, loader), plan)
@@ -82,19 +82,21 @@ def _passing(
             return Choice(choice.chosen, (choice.remarks[0], *others)), tuple(failed)
         why = f": {tested.reasons[0]}" if tested.reasons else "."
         failed.append(f"{capital(choice.chosen)} renders the share and does not pass the rule's tests{why}")
-        left = replace(left, scores=tuple(score for score in left.scores if score.name != choice.chosen))
-        choice = _choice(left, plan.share)
+        remaining = replace(remaining, scores=tuple(score for score in remaining.scores if score.name != choice.chosen))
+        choice = _choice(remaining, plan.share)
     return first, tuple(failed)
 
 
 def _choice(scored: LawScores, share: float) -> Choice:
     """By the usual reserve, if what it leaves renders the share; else by that of a loader that is measured."""
-    usual = choose(scored, share)
-    if usual.chosen and _passes(scored, usual) >= share:
-        return usual
+    preferred = choose(scored, share)
+    if preferred.chosen and _passes(scored, preferred) >= share:
+        return preferred
     measured = choose(scored, share, MEASURED)
-    better = measured.chosen and (not usual.chosen or _passes(scored, measured) >= _passes(scored, usual) + CLOSE)
-    return measured if better else usual
+    better = measured.chosen and (
+        not preferred.chosen or _passes(scored, measured) >= _passes(scored, preferred) + CLOSE
+    )
+    return measured if better else preferred
 
 
 def _score(scored: LawScores, choice: Choice) -> Score:

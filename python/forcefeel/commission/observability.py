@@ -77,10 +77,10 @@ def with_friction(loader: Loader) -> Loader:
     """
     bounds = [key for key, tolerance in loader.tolerances.items() if tolerance.deviation is None]
     bare = loader.with_tolerances(dict.fromkeys(bounds))
-    known = bool({DRY, BREAKAWAY} & set(bare.tolerances))
-    usual = bare["feel.stiffness"] * _FRICTION_AT_RAD / bare["column.grip_arm"]
-    dry = bare[DRY] if known and bare[DRY] else max(bare[DRY], usual)
-    breakaway = bare[BREAKAWAY] if known and bare[BREAKAWAY] else _BREAKAWAY_SHARE * dry
+    with_tolerance = bool({DRY, BREAKAWAY} & set(bare.tolerances))
+    typical = bare["feel.stiffness"] * _FRICTION_AT_RAD / bare["column.grip_arm"]
+    dry = bare[DRY] if with_tolerance and bare[DRY] else max(bare[DRY], typical)
+    breakaway = bare[BREAKAWAY] if with_tolerance and bare[BREAKAWAY] else _BREAKAWAY_SHARE * dry
     return bare.replace({DRY: dry, BREAKAWAY: breakaway}, si=True)
 
 
@@ -102,16 +102,16 @@ def seen_by(
     sorted_keys: dict[str, list[str]] = {"fitted": [], "carried": [], "unseen": []}
     basis: list[NDArray[np.float64]] = []
     for key, column in zip(keys, slopes, strict=True):
-        left, size = column.copy(), float(np.linalg.norm(column))
+        residual, size = column.copy(), float(np.linalg.norm(column))
         for _ in range(2):  # twice, for rounding
             for vector in basis:
-                left -= (vector @ left) * vector
-        rest = float(np.linalg.norm(left))
+                residual -= (vector @ residual) * vector
+        norm = float(np.linalg.norm(residual))
         if not size > _LEAST_SEEN or (key in (DRY, BREAKAWAY) and one_way):
             sorted_keys["unseen"].append(key)
-        elif rest > max(_LEAST_SEEN, _OWN * size):
+        elif norm > max(_LEAST_SEEN, _OWN * size):
             sorted_keys["fitted"].append(key)
-            basis.append(left / rest)
+            basis.append(residual / norm)
         else:
             sorted_keys["carried"].append(key)
     return Seen(*(tuple(sorted_keys[name]) for name in ("fitted", "carried", "unseen")))

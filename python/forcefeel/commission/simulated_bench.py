@@ -147,10 +147,10 @@ def _shown(
         return values + _INSTRUMENT * float(values.std()) * normal
     sensor = SENSOR_OF[channel]
     noise, step = truth[f"{sensor}.noise"], truth[f"{sensor}.resolution"]
-    at = np.arange((len(values) - 1) * _FINER + 1) / _FINER
-    fine = CubicSpline(np.arange(len(values)), values)(at)
-    seen = lagged(fine, truth[f"{sensor}.bandwidth"] / rate_hz / _FINER)[::_FINER] + noise * normal
-    return np.round(seen / step) * step if step else seen
+    fine_times = np.arange((len(values) - 1) * _FINER + 1) / _FINER
+    fine = CubicSpline(np.arange(len(values)), values)(fine_times)
+    reading = lagged(fine, truth[f"{sensor}.bandwidth"] / rate_hz / _FINER)[::_FINER] + noise * normal
+    return np.round(reading / step) * step if step else reading
 
 
 def lagged(values: NDArray[np.float64], turn: float) -> NDArray[np.float64]:

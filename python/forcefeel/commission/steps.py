@@ -66,10 +66,10 @@ class State:
             make: Makes it: writes its folder, returns the outcome.
         """
         adapter = TypeAdapter(kind)
-        known = self.done.get(name)
-        if isinstance(known, dict) and known.get("inputs") == inputs and known.get("files") == self._files(name):
+        stored = self.done.get(name)
+        if isinstance(stored, dict) and stored.get("inputs") == inputs and stored.get("files") == self._files(name):
             try:
-                outcome = adapter.validate_python(known.get("outcome"))
+                outcome = adapter.validate_python(stored.get("outcome"))
             except ValidationError:
                 pass
             else:

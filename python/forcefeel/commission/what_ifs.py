@@ -60,19 +60,19 @@ def what_ifs(loader: Loader, name: str, plan: CommissionPlan, now: float) -> tup
 def _others(loader: Loader, name: str) -> Iterator[tuple[str, str, Loader]]:
     """What is changed, the law, and the machine."""
     # The law follows how well the rest is known.
-    kept = _without_tolerances(loader, {BREAKAWAY})
-    if kept[DRY]:
-        exact = Tolerance(Distribution.UNIFORM, (1 - _EXACT) * kept[DRY], (1 + _EXACT) * kept[DRY])
-        yield "dry friction known exactly", name, kept.with_tolerances({DRY: exact})
-    for words, rows in _electronics(kept).items():
-        yield words, name, _without_tolerances(kept, rows).replace(rows, si=True)
-    if kept[DRY]:
-        yield "half the dry friction", name, _rubbing(kept, 0.5)
-        yield "no dry friction", name, _rubbing(kept, 0.0)
-    if kept["controller.period"] and not has_grip_sensor(kept):
-        least = _GRIP_SHARE * kept["pilot.force"]
+    reduced = _without_tolerances(loader, {BREAKAWAY})
+    if reduced[DRY]:
+        exact = Tolerance(Distribution.UNIFORM, (1 - _EXACT) * reduced[DRY], (1 + _EXACT) * reduced[DRY])
+        yield "dry friction known exactly", name, reduced.with_tolerances({DRY: exact})
+    for words, rows in _electronics(reduced).items():
+        yield words, name, _without_tolerances(reduced, rows).replace(rows, si=True)
+    if reduced[DRY]:
+        yield "half the dry friction", name, _rubbing(reduced, 0.5)
+        yield "no dry friction", name, _rubbing(reduced, 0.0)
+    if reduced["controller.period"] and not has_grip_sensor(reduced):
+        least = _GRIP_SHARE * reduced["pilot.force"]
         rows = {"grip_sensor.gain": 1.0, "grip_sensor.noise": least, "grip_sensor.resolution": least}
-        yield f"a force sensor at the grip (law {GRIP})", GRIP, kept.replace(rows, si=True)
+        yield f"a force sensor at the grip (law {GRIP})", GRIP, reduced.replace(rows, si=True)
 
 
 def _without_tolerances(loader: Loader, rows: Iterable[str]) -> Loader:
@@ -104,7 +104,7 @@ def _electronics(loader: Loader) -> dict[str, dict[str, float | None]]:
 
 def _rubbing(loader: Loader, share: float) -> Loader:
     """The machine with a share of its dry friction, which is known to the same share of itself."""
-    known = loader.tolerances.get(DRY)
+    tolerance = loader.tolerances.get(DRY)
     bare = _without_tolerances(loader, {DRY, BREAKAWAY})
     if not share:
         return bare.replace({DRY: None, BREAKAWAY: None})
@@ -112,8 +112,8 @@ def _rubbing(loader: Loader, share: float) -> Loader:
     less = bare.replace(
         {DRY: share * bare[DRY], BREAKAWAY: share * breakaway if breakaway != OFF[BREAKAWAY] else None}, si=True
     )
-    if known is None:
+    if tolerance is None:
         return less
-    values = {at: getattr(known, at) for at in ("low", "high", "peak", "deviation", "nominal")}
+    values = {at: getattr(tolerance, at) for at in ("low", "high", "peak", "deviation", "nominal")}
     scaled: dict[str, Any] = {at: None if value is None else share * value for at, value in values.items()}
-    return less.with_tolerances({DRY: replace(known, **scaled)})
+    return less.with_tolerances({DRY: replace(tolerance, **scaled)})

@@ -67,8 +67,8 @@ def sweep_conclusions(result: SweepResult, summary: Summary, units: UnitSystem) 
         words.impossible(),
         result.sweep.nominal_law.made_for_another(result.sweep.loader),
     ]
-    good = bool(result.sweep.axes) or summary.share(RunStatus.DIVERGED).runs == 0
-    return Conclusions(good, words.verdict(measures), tuple(filter(None, sentences)))
+    ok = bool(result.sweep.axes) or summary.share(RunStatus.DIVERGED).runs == 0
+    return Conclusions(ok, words.verdict(measures), tuple(filter(None, sentences)))
 
 
 def value_with_unit(measured_in: Unit, value: float, units: UnitSystem) -> str:
@@ -114,14 +114,18 @@ class _Words:
     def _settling(self) -> str:
         total = self._result.sweep.total
         settled, diverged = (self._summary.share(str(status)) for status in (RunStatus.SETTLED, RunStatus.DIVERGED))
-        what = f"{total:,} {self._noun}"
+        machines = f"{total:,} {self._noun}"
         if keeps_moving(self._result.sweep.scenario.force):
-            moved = total - diverged.runs - self._summary.share(IMPOSSIBLE).runs
-            sentence = f"All {what} stay" if moved == total else f"{share_text(moved / total)} of {what} stay"
+            simulated = total - diverged.runs - self._summary.share(IMPOSSIBLE).runs
+            sentence = (
+                f"All {machines} stay" if simulated == total else f"{share_text(simulated / total)} of {machines} stay"
+            )
             sentence = f"{sentence} within bounds"
         else:
             sentence = (
-                f"All {what} settle" if settled.runs == total else f"{share_text(settled.share)} of {what} settle"
+                f"All {machines} settle"
+                if settled.runs == total
+                else f"{share_text(settled.share)} of {machines} settle"
             )
         return f"{sentence}, {share_text(diverged.share)} diverge" if diverged.runs else sentence
 
@@ -155,8 +159,8 @@ class _Words:
         middle = self._range(name, spread.quantile(0.05), spread.quantile(0.95))
         whole = self._range(name, spread.lowest, spread.highest)
         ranking = [influence for influence in self._summary.ranking(name) if abs(influence[1]) >= _WEAK][:_LISTED]
-        of = ", ".join(f"{key} ({correlation_text(rho)})" for key, rho in ranking)
-        goes = f" It goes with {of.replace('(', '(rank correlation ', 1)}." if of else ""
+        influences = ", ".join(f"{key} ({correlation_text(rho)})" for key, rho in ranking)
+        goes = f" It goes with {influences.replace('(', '(rank correlation ', 1)}." if influences else ""
         spans = f"nominal {nominal}; {middle} for nine of ten, {whole} in all"
         return f"{capital(measure_name(name))}: {spans}.{self._none(name)}{goes}"
 
@@ -172,15 +176,17 @@ class _Words:
         if not np.isfinite(over.values).any():
             return ""
         places, measured_in = [], self._summary.spreads[name].unit
-        for what, find in (("smallest", np.nanargmin), ("largest", np.nanargmax)):
+        for extreme, find in (("smallest", np.nanargmin), ("largest", np.nanargmax)):
             spot = np.unravel_index(int(find(over.values)), over.shape)
-            at = " and ".join(
+            setting = " and ".join(
                 f"{key} = {_setting(key, float(over[key].values[k]), self._units)}"
                 for key, k in zip(self._result.sweep.axes, spot, strict=True)
             )
-            places.append(f"{what} with {value_with_unit(measured_in, float(over.values[spot]), self._units)} at {at}")
-        of = "" if self._result.sweep.machines == 1 else ", median of the machines at a setting"
-        return f"{capital(measure_name(name))}{of}: {', '.join(places)}."
+            places.append(
+                f"{extreme} with {value_with_unit(measured_in, float(over.values[spot]), self._units)} at {setting}"
+            )
+        statistic = "" if self._result.sweep.machines == 1 else ", median of the machines at a setting"
+        return f"{capital(measure_name(name))}{statistic}: {', '.join(places)}."
 
     def demand(self) -> str:
         """How far the drive is used at most."""

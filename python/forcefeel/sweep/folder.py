@@ -93,9 +93,9 @@ class Folder:
             )
         if not resume:
             state = "all" if self.finished else f"{self.kept_runs():,} of"
-            what = f"{state} {self.sweep.total:,} runs of this very sweep"
+            contents = f"{state} {self.sweep.total:,} runs of this very sweep"
             go_on = "write its page anew" if self.finished else "go on with it"
-            raise InputError(f"{self.path}: holds {what}; --resume to {go_on}, --replace to begin anew")
+            raise InputError(f"{self.path}: holds {contents}; --resume to {go_on}, --replace to begin anew")
 
     def _check_empty(self) -> None:
         """Refuses a folder without a plan that holds files of the names that a sweep writes: they may be somebody's."""

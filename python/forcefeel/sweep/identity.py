@@ -59,9 +59,9 @@ def digest(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+def differences(stored: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     """What of two plans differs: ``runs.total: 1000 there, 500 here``."""
-    old_leaves, new_leaves = dict(_leaves(old)), dict(_leaves(new))
+    old_leaves, new_leaves = dict(_leaves(stored)), dict(_leaves(new))
     keys = [
         key
         for key in {**old_leaves, **new_leaves}

@@ -22,8 +22,8 @@ def impossible(values: NDArray[np.float64]) -> dict[str, NDArray[np.bool_]]:
         with np.errstate(invalid="ignore"):  # both ends may be infinite, which is far apart
             close = np.isfinite(low) & np.isfinite(high) & (np.abs(high - low) <= _ROUNDING * np.abs(low))
         ruled_out[f"{low_key} is not below {high_key}"] = ~(low < high) | close
-    for key, least in AT_LEAST:
+    for key, minimum in AT_LEAST:
         value = values[:, INDEX[key]]
         present = value != OFF[key]
-        ruled_out[f"{key} is below {least}"] = present & (value < values[:, INDEX[least]] * (1 - _ROUNDING))
+        ruled_out[f"{key} is below {minimum}"] = present & (value < values[:, INDEX[minimum]] * (1 - _ROUNDING))
     return {sentence: which for sentence, which in ruled_out.items() if which.any()}

@@ -125,8 +125,8 @@ class Sweep:
             same = "no tolerances, so all machines at a point are the same"
             raise InputError(f"runs: {same}; leave --runs out, or add --vary")
         if self.total > MOST_RUNS:
-            most = f"at most {MOST_RUNS:,} in all, got {self.total:,}"
-            raise InputError(f"runs: expected {most}; take fewer at each point")
+            expected = f"at most {MOST_RUNS:,} in all, got {self.total:,}"
+            raise InputError(f"runs: expected {expected}; take fewer at each point")
 
     def _check_design(self) -> None:
         """Refuses to design the law anew where it would come out the same, or not fit the machine's geometry."""
@@ -164,9 +164,9 @@ class Sweep:
         if not isinstance(self.law, DesignSettings):
             return self._one_law
         feel = values[:, [INDEX[key] for key in FEEL_SETTING]]
-        settings, which = np.unique(feel, axis=0, return_inverse=True)
+        settings, index = np.unique(feel, axis=0, return_inverse=True)
         gains = np.zeros((len(values), len(GAIN_SYMBOLS)))
-        gains[:, :-1] = schedule_gains(self.loader, settings, self.law).gains[which]
+        gains[:, :-1] = schedule_gains(self.loader, settings, self.law).gains[index]
         return Law.of(gains, self.loader)
 
     @cached_property

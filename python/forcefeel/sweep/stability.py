@@ -86,8 +86,8 @@ def damping_map(sweep: Sweep) -> xr.DataArray | None:
         return None
     keys, axes = list(sweep.axes), [np.array(axis) for axis in sweep.axes.values()]
     damping = np.empty(int(np.prod(sweep.shape)))
-    for first in range(0, len(damping), _AT_A_TIME):
-        points = slice(first, first + _AT_A_TIME)
+    for start in range(0, len(damping), _AT_A_TIME):
+        points = slice(start, start + _AT_A_TIME)
         places = np.unravel_index(np.arange(len(damping))[points], sweep.shape)
         table = np.column_stack([axis[index] for axis, index in zip(axes, places, strict=True)])
         poles = _poles(sweep, keys, table)

@@ -159,11 +159,11 @@ def _share(status: str, count: int, total: int, random: bool) -> Share:
 
 
 def _spread(name: str, values: NDArray[np.float64], nominal: float, measured_in: Unit) -> Spread:
-    known = values[np.isfinite(values)]
-    if not len(known):
+    finite = values[np.isfinite(values)]
+    if not len(finite):
         return Spread(name, nominal, 0, math.nan, math.nan, (math.nan,) * len(QUANTILES), measured_in)
-    lowest, *quantiles, highest = np.quantile(known, (0.0, *QUANTILES, 1.0)).tolist()
-    return Spread(name, nominal, len(known), lowest, highest, tuple(quantiles), measured_in)
+    lowest, *quantiles, highest = np.quantile(finite, (0.0, *QUANTILES, 1.0)).tolist()
+    return Spread(name, nominal, len(finite), lowest, highest, tuple(quantiles), measured_in)
 
 
 def _correlations(measured: dict[str, NDArray[np.float64]], parameters: dict[str, NDArray[np.float64]]) -> xr.DataArray:
@@ -172,13 +172,13 @@ def _correlations(measured: dict[str, NDArray[np.float64]], parameters: dict[str
     table = np.full((len(measured), len(parameters)), np.nan)
     columns = np.array(list(parameters.values()))
     for row, values in zip(table, measured.values(), strict=True):
-        known = np.isfinite(values)
-        if known.sum() < FEWEST or np.ptp(values[known]) == 0:
+        finite = np.isfinite(values)
+        if finite.sum() < FEWEST or np.ptp(values[finite]) == 0:
             continue
-        same = np.packbits(known).tobytes()
+        same = np.packbits(finite).tobytes()
         if same not in ranks:
-            ranks[same] = _standard(rankdata(columns[:, known], axis=1))
-        row[:] = ranks[same] @ _standard(rankdata(values[known]))
+            ranks[same] = _standard(rankdata(columns[:, finite], axis=1))
+        row[:] = ranks[same] @ _standard(rankdata(values[finite]))
     return xr.DataArray(table, {"measure": list(measured), "parameter": list(parameters)}, ("measure", "parameter"))
 
 

@@ -88,8 +88,8 @@ def _without_notes(path: Path, lines: Iterator[str], notes: dict[str, str]) -> I
             break
         key, colon, value = (part.strip() for part in bare.removeprefix("#").partition(":"))
         if colon and key.lower() in NOTES and notes.setdefault(key.lower(), value) != value:
-            came = f"{show(notes[key.lower()])} and {show(value)}"
-            raise InputError(f"{path}: line {number}: {key.lower()} is stated twice, {came}; leave one of them")
+            both = f"{show(notes[key.lower()])} and {show(value)}"
+            raise InputError(f"{path}: line {number}: {key.lower()} is stated twice, {both}; leave one of them")
         yield "\n"
     yield from lines
 

@@ -35,13 +35,13 @@ def fault(columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) 
     finite = np.logical_and.reduce([np.isfinite(values) for values in columns.values()])
     if not finite.all():
         i = int(np.argmin(finite))
-        came = " and ".join(f"{values[i]:.15g} {units[name]}" for name, values in columns.items())
-        return i + 1, f"expected finite numbers, got {came}; leave the row out if the sample was lost"
+        value_text = " and ".join(f"{values[i]:.15g} {units[name]}" for name, values in columns.items())
+        return i + 1, f"expected finite numbers, got {value_text}; leave the row out if the sample was lost"
     for name, values in columns.items():
         i = int(np.argmax(np.abs(values)))
         if name != "time" and abs(values[i]) > LARGEST:
-            came = f"{name} is {values[i]:.6g} {units[name]}"
-            return i + 1, f"{came}; expected at most {LARGEST:g}; leave the row out if the sample was lost"
+            value_text = f"{name} is {values[i]:.6g} {units[name]}"
+            return i + 1, f"{value_text}; expected at most {LARGEST:g}; leave the row out if the sample was lost"
     with np.errstate(over="ignore"):  # times from end to end of what a number can hold
         steps = np.diff(time)
     if not (steps > 0).all():

@@ -102,9 +102,9 @@ def locate(
         else:
             places = [(i, cell.unit) for i, cell in enumerate(cells) if also.get(cell.name, cell.name) == name]
         if len(places) > 1:
-            came = " and ".join(show(table.header[i]) for i, _ in places)
+            cells_text = " and ".join(show(table.header[i]) for i, _ in places)
             remedy = "leave one of them, or name one by the argument columns"
-            raise InputError(f"{table.where}: has {len(places)} columns {name!r}, {came}; {remedy}")
+            raise InputError(f"{table.where}: has {len(places)} columns {name!r}, {cells_text}; {remedy}")
         for i, unit in places:
             stated = units.get(name) or units.get(own.get(name, name))
             where = f"{table.where}: {name}"

@@ -74,12 +74,12 @@ def read_variables(data: bytes) -> Variables:
 
 
 def _level_5(data: memoryview, order: str) -> Iterator[tuple[str, Variable | Variables]]:
-    left = MOST_INFLATED
+    budget = MOST_INFLATED
     for kind, element in _elements(data, order):
         matrices = iter([(kind, element)])
         if kind == _COMPRESSED:
-            inflated = _inflated(element, left)
-            left -= len(inflated)
+            inflated = _inflated(element, budget)
+            budget -= len(inflated)
             matrices = _elements(memoryview(inflated), order)
         for inner, matrix in matrices:
             if inner != _MATRIX:
@@ -89,13 +89,13 @@ def _level_5(data: memoryview, order: str) -> Iterator[tuple[str, Variable | Var
                 yield name, value
 
 
-def _inflated(element: memoryview, most: int) -> bytes:
+def _inflated(element: memoryview, limit: int) -> bytes:
     inflater = zlib.decompressobj()
     try:
-        inflated = inflater.decompress(element, most + 1)
+        inflated = inflater.decompress(element, limit + 1)
     except zlib.error as error:
         raise DamagedError(f"a variable cannot be inflated: {error}") from error
-    if len(inflated) > most:
+    if len(inflated) > limit:
         raise DamagedError(f"its variables hold more than {MOST_INFLATED // 2**20:,} MB")
     if not inflater.eof:
         raise DamagedError("a variable ends too early")

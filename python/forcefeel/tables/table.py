@@ -112,9 +112,9 @@ def check_size(where: str, columns: int, rows: int = 0) -> None:
     Raises:
         InputError: With the most there may be.
     """
-    for came, most, what in ((columns, MOST_COLUMNS, "columns"), (rows, MOST_ROWS, "rows")):
-        if came > most:
-            raise InputError(f"{where}: has more than {most:,} {what}; leave out what is not needed")
+    for count, limit, noun in ((columns, MOST_COLUMNS, "columns"), (rows, MOST_ROWS, "rows")):
+        if count > limit:
+            raise InputError(f"{where}: has more than {limit:,} {noun}; leave out what is not needed")
 
 
 def columns_of(path: Path, arrays: Mapping[str, Any], located: LocatedColumns, row: str) -> Columns:
@@ -127,8 +127,8 @@ def columns_of(path: Path, arrays: Mapping[str, Any], located: LocatedColumns, r
         values = {name: _numbers(path, name, arrays[name]) * scale for name, (_, _, scale, _) in located.items()}
     lengths = {name: len(column) for name, column in values.items()}
     if len(set(lengths.values())) > 1:
-        came = ", ".join(f"{length} of {name}" for name, length in lengths.items())
-        raise InputError(f"{path}: expected as many values of each column, got {came}; record them together")
+        lengths_text = ", ".join(f"{length} of {name}" for name, length in lengths.items())
+        raise InputError(f"{path}: expected as many values of each column, got {lengths_text}; record them together")
     rows = max(lengths.values(), default=0)
     check_size(str(path), len(located), rows)
     places = Places(f"{path}: {row}", range(rows + 1))

@@ -1,4 +1,4 @@
-"""The excitation as a CSV file for the bench; with measured columns added it is what an identification reads."""
+"""The excitation as a CSV file for the bench; an identification reads it with measured columns added."""
 
 import io
 from pathlib import Path
@@ -15,11 +15,11 @@ from forcefeel.units import UnitSystem
 
 
 def check_excitation_file(path: Path, *, replace: bool) -> None:
-    """Refuses a path that cannot be written, before the work.
+    """Refuse a path that cannot be written, before the work.
 
     Raises:
-        InputError: If a file is there that is not to be replaced or a folder is, the name does not end in .csv, or the folder that
-            it goes into is missing.
+        InputError: If the path is a folder, or a file without ``replace``; if the name does not end in .csv or its folder is
+        missing.
     """
     if path.suffix.lower() != ".csv":
         raise InputError(f"{path}: expected a name that ends in .csv, as an identification reads it")
@@ -31,13 +31,13 @@ def check_excitation_file(path: Path, *, replace: bool) -> None:
 def write_excitation(
     excitation: Excitation, path: str | Path, units: UnitSystem = UnitSystem.US, *, replace: bool = False
 ) -> Path:
-    """Writes the signal as CSV, whole or not at all.
+    """Write the signal as CSV, whole or not at all.
 
-    Comment lines say experiment, loader, limits and predicted errors; then ``time (s)`` and ``test_signal (V)``, or
+    Comment lines state experiment, loader, limits and predicted errors; then ``time (s)`` and ``test_signal (V)``, or
     ``pilot_force (lb)`` (N with SI units), a row for each sample.
 
     Raises:
-        InputError: If a file is there and ``replace`` is not said, or it cannot be written.
+        InputError: If a file exists and ``replace`` is false, or it cannot be written.
 
     Example:
         >>> import forcefeel as ff
@@ -53,7 +53,7 @@ def write_excitation(
 
 
 def text(excitation: Excitation, units: UnitSystem) -> str:
-    """What the file holds."""
+    """Text of the file."""
     drive = str(excitation.experiment.drive)
     unit = channel_unit(drive)
     about = [

@@ -1,4 +1,4 @@
-"""An identification for machines: everything that its page says as plain data, and frequency responses as tables."""
+"""An identification as plain data for JSON, and frequency responses as tables."""
 
 import csv
 import io
@@ -22,13 +22,13 @@ _DIGITS = ".9g"
 
 @dataclass(frozen=True)
 class FitSettings:
-    """How a fit was made.
+    """Settings of a fit.
 
     Attributes:
-        loss: What large residuals cost.
-        starts: How many places the search began at.
+        loss: Loss of large residuals.
+        starts: Number of starts of the search.
         priors: Whether normal tolerances of the loader file were priors.
-        as_responses: Whether records were turned into frequency responses first.
+        as_responses: Whether records were converted into frequency responses first.
         law: Name of the law of the whole loader.
     """
 
@@ -42,8 +42,8 @@ class FitSettings:
 def identification_json(
     identification: Identification, units: UnitSystem, settings: FitSettings | None = None
 ) -> dict[str, Json]:
-    """What the identification says, and of what."""
-    after = None if identification.loader is None else identification.loader.as_json(units)
+    """Results and inputs of an identification."""
+    fitted_json = None if identification.loader is None else identification.loader.as_json(units)
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
@@ -69,12 +69,12 @@ def identification_json(
         "starts": [_ended(identification, end, units) for end in identification.ends],
         "data": [_data(identification, measurement, units) for measurement in data_of(identification.fitted)],
         "before": identification.before.as_json(units),
-        "after": after,
+        "after": fitted_json,
     }
 
 
 def response_csv(response: Response, units: UnitSystem) -> str:
-    """A response as a table that ``read_response`` reads: what it is in lines with ``#``, then frequency, gain, phase and more."""
+    """A response as CSV for ``read_response``: properties in lines with ``#``, then frequency, gain, phase and more."""
     source, target = (channel_unit(name).shown(units) for name in (response.input, response.output))
     _, scale = gain_unit(response, units)
     columns = {
@@ -96,9 +96,9 @@ def response_csv(response: Response, units: UnitSystem) -> str:
 
 
 def _estimate(estimate: Estimate, units: UnitSystem) -> dict[str, Json]:
-    """One parameter; of one that is not determined nothing that could be taken for its value."""
+    """One parameter; without a value if undetermined."""
     unknown, measured_in = estimate.unknown, unit(TABLE[estimate.unknown.key])
-    known = estimate.status is not Status.UNDETERMINED
+    determined = estimate.status is not Status.UNDETERMINED
     document: dict[str, Json] = {
         "parameter": unknown.key,
         "symbol": unknown.symbol,
@@ -118,16 +118,16 @@ def _estimate(estimate: Estimate, units: UnitSystem) -> dict[str, Json]:
         "high": estimate.high,
     }
     return document | {
-        name: quantity(value, measured_in, units) if known else NOT_DETERMINED for name, value in texts.items()
+        name: quantity(value, measured_in, units) if determined else NOT_DETERMINED for name, value in texts.items()
     }
 
 
 def _ended(identification: Identification, end: Ended, units: UnitSystem) -> dict[str, Json]:
     values: dict[str, Json] = {}
     for estimate, value in zip(identification.estimates, end.end.tolist(), strict=True):
-        known = estimate.status is not Status.UNDETERMINED
+        determined = estimate.status is not Status.UNDETERMINED
         measured_in = unit(TABLE[estimate.unknown.key])
-        values[estimate.unknown.key] = quantity(value, measured_in, units) if known else NOT_DETERMINED
+        values[estimate.unknown.key] = quantity(value, measured_in, units) if determined else NOT_DETERMINED
     began: dict[str, Json] = {
         key: quantity(value, unit(TABLE[key]), units)
         for key, value in zip(identification.keys, end.start.tolist(), strict=True)
@@ -136,7 +136,7 @@ def _ended(identification: Identification, end: Ended, units: UnitSystem) -> dic
 
 
 def _data(identification: Identification, data: object, units: UnitSystem) -> dict[str, Json]:
-    """One file, and what is left of each of its channels."""
+    """One data file, and the residual of each of its channels."""
     parts = [fitted for fitted in identification.fitted if fitted.data is data]
     measurement = parts[0].data
     common: dict[str, Json] = {
@@ -174,5 +174,5 @@ def _part(fitted: Fitted, units: UnitSystem) -> dict[str, Json]:
 
 
 def _finite(value: float) -> Json:
-    """A number that JSON has; text for the others."""
+    """A finite number, or text for the others."""
     return json_value(float(value), UnitSystem.SI)

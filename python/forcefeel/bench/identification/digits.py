@@ -1,4 +1,4 @@
-"""How the numbers of an identification are shown: digits by the standard error, channels in the units that people read."""
+"""Format of the numbers of an identification: digits by the standard error, channels in display units."""
 
 import math
 
@@ -9,13 +9,13 @@ from forcefeel.loader.parameters import TABLE, unit
 from forcefeel.units import Unit, UnitSystem, to_text
 
 NOT_DETERMINED = "not determined"
-"""Stands where an estimate would, if the data do not determine it."""
+"""Placeholder of an undetermined estimate."""
 
 _FEWEST, _MOST = 3, 4
 """Significant digits of an estimate."""
 
 _MOST_DECIMALS, _LARGE = 9, 1e7
-"""Beyond these an interval is written with powers of ten."""
+"""Range outside of which an interval is written with powers of ten."""
 
 
 def gain_unit(response: Response, units: UnitSystem) -> tuple[str, float]:
@@ -25,7 +25,7 @@ def gain_unit(response: Response, units: UnitSystem) -> tuple[str, float]:
 
 
 def title_of(fitted: Fitted) -> str:
-    """What a set of data is called beside others of its file: the file's name and the channel."""
+    """Title of a data set: the file's name and the channel."""
     data = fitted.data
     if isinstance(data, Response):
         # A response that was estimated from a record has its channels in its name.

@@ -54,9 +54,9 @@ def identification_conclusions(identification: Identification, units: UnitSystem
         _left_out(identification),
         *identification.notes,
     )
-    good = identification.loader is not None and not any(map(beyond_noise, identification.fitted))
+    ok = identification.loader is not None and not any(map(beyond_noise, identification.fitted))
     return Conclusions(
-        good, _verdict(identification, units) + _doubt(identification), tuple(line for line in lines if line)
+        ok, _verdict(identification, units) + _doubt(identification), tuple(line for line in lines if line)
     )
 
 
@@ -120,15 +120,17 @@ def first_two(missed: Sequence[Fitted]) -> str:
 
 def _moved(identification: Identification, units: UnitSystem) -> list[str]:
     """Who left the file's value, and how far; who did not."""
-    known = _with(identification, Status.DETERMINED)
-    moved = sorted((estimate for estimate in known if differs(estimate)), key=lambda estimate: -abs(change(estimate)))
+    determined = _with(identification, Status.DETERMINED)
+    moved = sorted(
+        (estimate for estimate in determined if differs(estimate)), key=lambda estimate: -abs(change(estimate))
+    )
     lines = [_one_moved(estimate, units) for estimate in moved[:_MOST_NAMED]]
     if len(moved) > _MOST_NAMED:
         rest = moved[_MOST_NAMED:]
         lines.append(
             f"{_named(rest)} moved too, by at most {_part(max(abs(change(estimate)) for estimate in rest))}; the table has them."
         )
-    same = [estimate for estimate in known if not differs(estimate)]
+    same = [estimate for estimate in determined if not differs(estimate)]
     if same:
         agree, value = ("agrees", "value lies within its") if len(same) == 1 else ("agree", "values lie within their")
         intervals = "interval" if len(same) == 1 else "intervals"
@@ -140,8 +142,10 @@ def _one_moved(estimate: Estimate, units: UnitSystem) -> str:
     unknown = estimate.unknown
     direction = "above" if estimate.value > unknown.nominal else "below"
     value = _with_unit(estimate, estimated(estimate, estimate.value, units), units)
-    far = f"{to_text(math.degrees(abs(change(estimate))), 3)} deg" if unknown.is_phase else _part(abs(change(estimate)))
-    text = f"{unknown.key} lies {far} {direction} the file's value, {value} instead of {nominal(estimate, units)}"
+    size = (
+        f"{to_text(math.degrees(abs(change(estimate))), 3)} deg" if unknown.is_phase else _part(abs(change(estimate)))
+    )
+    text = f"{unknown.key} lies {size} {direction} the file's value, {value} instead of {nominal(estimate, units)}"
     tolerance = unknown.tolerance
     if tolerance is None:
         return f"{text}; the file states no tolerance for it."
@@ -195,11 +199,13 @@ def correlation_text(size: float) -> str:
 
 def strong_pairs(identification: Identification) -> list[tuple[str, str, float]]:
     """Determined parameters whose estimates hang together, the strongest first, and their correlation."""
-    known = [k for k, estimate in enumerate(identification.estimates) if estimate.status is not Status.UNDETERMINED]
+    determined = [
+        k for k, estimate in enumerate(identification.estimates) if estimate.status is not Status.UNDETERMINED
+    ]
     pairs = [
         (identification.keys[i], identification.keys[j], float(identification.correlation[i, j]))
-        for a, i in enumerate(known)
-        for j in known[a + 1 :]
+        for a, i in enumerate(determined)
+        for j in determined[a + 1 :]
     ]
     return sorted((pair for pair in pairs if abs(pair[2]) > STRONG), key=lambda pair: -abs(pair[2]))
 
@@ -296,8 +302,8 @@ def _with(identification: Identification, status: Status) -> list[Estimate]:
     return [estimate for estimate in identification.estimates if estimate.status is status]
 
 
-def _named(some: list[Estimate]) -> str:
-    names = [estimate.unknown.key for estimate in some]
+def _named(estimates: list[Estimate]) -> str:
+    names = [estimate.unknown.key for estimate in estimates]
     return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 

@@ -36,10 +36,10 @@ from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.loader.parameters import ELECTRIC
 
 _HALF_RATE = 0.499
-"""Cycles of a line in a controller's period at most."""
+"""Largest frequency of a line, in cycles per period of the controller."""
 
 MOST_STARTS = 256
-"""More starts than anybody waits for."""
+"""Largest number of starts."""
 
 
 def identify(  # noqa: PLR0913  keywords of what is asked
@@ -54,28 +54,28 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     as_responses: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Identification:
-    """Finds parameters of a loader from what was measured of it.
+    """Estimate parameters of a loader from bench data.
 
     Frequency responses are compared with the linear model, records with the nonlinear one, all at once; the noise of each is found
-    along with the parameters. See ``problem`` for what is minimised and ``confidence`` for the standard errors.
+    along with the parameters. See ``problem`` for the cost and ``confidence`` for the standard errors.
 
     Args:
-        loader: The loader as its file has it. Tolerances bound the search, normal ones count as knowledge.
-        data: Responses and records, one at least.
+        loader: The loader as its file states it. Tolerances bound the search, normal ones are priors.
+        data: Responses and records, at least one.
         fit: Symbols or rows of the parameters: ``"k,c,J,C_i"``, of a motor ``"K_t,J_m,k,c,J"``.
-        law: The law of the whole loader in the data; the original one, or ``robust`` of a motor, if not given.
-        starts: How many places the search starts from: the file's values, then others within tolerance.
+        law: The law of the whole loader in the data; default, the original loop, or ``robust`` for a motor.
+        starts: Number of starts of the search: the file's values, then others within tolerance.
         loss: ``huber`` lets residuals beyond three standard deviations count less; ``linear`` is plain least squares.
-        priors: Whether normal tolerances count as knowledge.
-        as_responses: Turn records into frequency responses first, and use the linear model alone.
-        progress: Told how many of the searches are done.
+        priors: Whether normal tolerances are priors.
+        as_responses: Convert records into frequency responses first, and use only the linear model.
+        progress: Called with the number of finished searches and of all.
 
     Returns:
-        The identification; its ``loader`` is ``None`` where the data do not determine a parameter, or one ends at its bound.
+        The identification; its ``loader`` is ``None`` if a parameter is undetermined or ends at its bound.
 
     Raises:
-        InputError: If a parameter cannot be fitted, there are no data or fewer points than unknowns, data are not what they are
-            said to be, or the model diverges at every start.
+        InputError: If a parameter cannot be fitted, there are no data or fewer points than unknowns, data contradict their stated
+        experiment or channels, or the model diverges at every start.
 
     Example:
         >>> import forcefeel as ff
@@ -105,11 +105,11 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     used = [
         part for measurement in data for part in (_as_responses(measurement, loader) if as_responses else [measurement])
     ]
-    seen = [
+    with_responses = [
         (measurement, [measurement] if isinstance(measurement, Response) else _seen_in(measurement, loader))
         for measurement in data
     ]
-    for measurement, responses in seen:
+    for measurement, responses in with_responses:
         _suspect(loader, law, measurement, responses)
     problem = Problem(unknowns, [_observe(measurement, loader, keys, law) for measurement in used], loss, priors)
     _check_points(problem)
@@ -119,7 +119,7 @@ def identify(  # noqa: PLR0913  keywords of what is asked
     compared = (
         [(measurement, [measurement]) for measurement in used if isinstance(measurement, Response)]
         if as_responses
-        else seen
+        else with_responses
     )
     rigid, notes = _rigid(estimated_loader, law, unknowns, compared)
     identified = Identification(
@@ -144,10 +144,10 @@ def identify(  # noqa: PLR0913  keywords of what is asked
 def unseen_from_afar(
     loader: Loader, data: Sequence[Response | BenchRecord], keys: Sequence[str], law: LawLike = None
 ) -> tuple[str, ...]:
-    """Rows that data will hardly determine: all of the data leave them open where a search over their beginning ends.
+    """Parameters that the data will hardly determine, judged at the end of a search over the beginning of the data.
 
-    A parameter to which data answer in nothing but jumps leads the whole search astray, and takes most of its time. To be asked
-    of what may be left out, before ``identify``, whose arguments these are.
+    A parameter with only jumps in the residual misleads the search and takes most of its time. Call this before ``identify``,
+    with the same arguments, for parameters that may be left out.
     """
     unknowns = unknowns_of(loader, keys)
     confidence = from_afar(Problem(unknowns, [_observe(measurement, loader, keys, law) for measurement in data]))
@@ -158,21 +158,19 @@ def unseen_from_afar(
 
 
 def _beside(data: Sequence[Response | BenchRecord]) -> tuple[str, ...]:
-    """What records hold that no parameter is fitted to."""
-    held = any(
+    """Remarks on recorded channels without a fitted parameter."""
+    gripped = any(
         isinstance(measurement, BenchRecord) and np.ptp(measurement.channels.get(GRIP_FORCE, 0.0)) > 0
         for measurement in data
     )
-    sentence = (
-        f"{GRIP_FORCE} is not compared: it shows the hand. What it tells of the sensor at the grip, commission finds."
-    )
-    return (sentence,) * held
+    sentence = f"{GRIP_FORCE} is not compared, because it measures the hand. To identify the sensor at the grip, run forcefeel commission."
+    return (sentence,) * gripped
 
 
 def _check_valve(
     loader: Loader, keys: Sequence[str], data: Sequence[Response | BenchRecord], *, as_responses: bool
 ) -> None:
-    """Refuses the valve's gains at an operating point where records are run with its orifice."""
+    """Refuse the valve's gains at an operating point if records are simulated with its orifice."""
     gains = [key for key in ("valve.current_gain", "valve.pressure_gain") if key in keys]
     runs = any(isinstance(measurement, BenchRecord) for measurement in data) and not as_responses
     if gains and loader["valve.orifice"] and (runs or loader["controller.period"]):
@@ -183,7 +181,7 @@ def _check_valve(
 
 
 def _as_responses(data: Response | BenchRecord, loader: Loader) -> list[Response]:
-    """A record's responses to every channel that was measured; a response is one already."""
+    """The responses of a record to every measured channel, or a response itself."""
     if isinstance(data, Response):
         return [data]
     if data.experiment.drive is Drive.RELEASE:
@@ -194,16 +192,16 @@ def _as_responses(data: Response | BenchRecord, loader: Loader) -> list[Response
 def _response_of(record: BenchRecord, channel: str, loader: Loader) -> Response:
     """A record's response to a channel, below half the rate of the loader's controller."""
     estimate = estimate_response(record, channel)
-    kept = estimate.frequency_hz * loader["controller.period"] < _HALF_RATE
+    below_half_rate = estimate.frequency_hz * loader["controller.period"] < _HALF_RATE
     coherence, deviation = (
-        None if array is None else array[kept] for array in (estimate.coherence, estimate.deviation)
+        None if array is None else array[below_half_rate] for array in (estimate.coherence, estimate.deviation)
     )
-    lines, value = estimate.frequency_hz[kept], estimate.value[kept]
+    lines, value = estimate.frequency_hz[below_half_rate], estimate.value[below_half_rate]
     return replace(estimate, frequency_hz=lines, value=value, coherence=coherence, deviation=deviation)
 
 
 def _suspect(loader: Loader, law: LawLike, data: Response | BenchRecord, responses: Sequence[Response]) -> None:
-    """Refuses data that are not what their responses are said to be, as far as the loader file's model can tell."""
+    """Refuse responses whose labels contradict the model of the loader file."""
     for response in responses:
         arguments = loader, response.experiment, response.input, response.output, response.frequency_hz
         predicted = model_response(*arguments, law=law)
@@ -220,14 +218,14 @@ def _suspect(loader: Loader, law: LawLike, data: Response | BenchRecord, respons
 
 
 def _check_polarity(response: Response, predicted: NDArray[np.complex128]) -> None:
-    """Of a record's channel only the sign can be taken for the other one; its response is estimated here and has no other slips."""
+    """Refuse a record's channel of reversed sign; its response is estimated here and has no other labeling errors."""
     as_read = distance(response.value, predicted)
     if as_read > FAR and distance(-response.value, predicted) < CLEAR * as_read:
         raise InputError(f"{response.name}: the polarity seems reversed; turn the sign of one channel")
 
 
 def _seen_in(record: BenchRecord, loader: Loader) -> list[Response]:
-    """The responses of a record as far as it has any: uneven samples, steps, slow sweeps and releases have none."""
+    """The responses of a record, if any: uneven samples, steps, slow sweeps and releases have none."""
     responses = []
     for name in record.channels if record.experiment.drive is not Drive.RELEASE else ():
         if name in OUTPUTS:
@@ -271,7 +269,7 @@ def _estimates(
 
 
 def _at_estimates(loader: Loader, estimates: Sequence[Estimate]) -> Loader:
-    """The loader at the estimates; an undetermined one stays as the file has it."""
+    """The loader at the estimates, with undetermined parameters at the file values."""
     values = {
         estimate.unknown.key: estimate.value for estimate in estimates if estimate.status is not Status.UNDETERMINED
     }
@@ -284,7 +282,7 @@ def _at_estimates(loader: Loader, estimates: Sequence[Estimate]) -> Loader:
 
 
 def _fitted(problem: Problem, optimum: Optimum) -> tuple[Fitted, ...]:
-    """Every curve beside the model, fitted and as the file has it."""
+    """Each measured curve with the fitted model and the model of the file."""
     groups = iter(optimum.noise)
     before = problem.start(np.array([unknown.nominal for unknown in problem.unknowns]))
     fits = []
@@ -292,7 +290,7 @@ def _fitted(problem: Problem, optimum: Optimum) -> tuple[Fitted, ...]:
     for observation, own, own_at_file in zip(problem.observations, problem.own(optimum.x), own_before, strict=True):
         then = observation.curves(problem.values(before), own_at_file)
         simulated_noise = observation.simulated_noise(problem.values(optimum.x))
-        for curve, old, simulated in zip(
+        for curve, curve_before, simulated in zip(
             observation.curves(problem.values(optimum.x), own), then, simulated_noise, strict=True
         ):
             rms = (
@@ -301,7 +299,7 @@ def _fitted(problem: Problem, optimum: Optimum) -> tuple[Fitted, ...]:
                 else float(np.sqrt(np.mean(np.square(curve.measured - curve.modelled))))
             )
             noise = float(next(groups)) * curve.expected
-            points = (curve.at, curve.measured, curve.modelled, old.modelled)
+            points = (curve.at, curve.measured, curve.modelled, curve_before.modelled)
             fits.append(Fitted(observation.data, curve.channel, *points, rms, noise, simulated))
     return tuple(fits)
 
@@ -315,12 +313,12 @@ def _rigid(
     loader: Loader,
     law: LawLike,
     unknowns: Sequence[Unknown],
-    seen: Sequence[tuple[Response | BenchRecord, list[Response]]],
+    with_responses: Sequence[tuple[Response | BenchRecord, list[Response]]],
 ) -> tuple[RigidTest | None, tuple[str, ...]]:
-    """The test of the link on what was given and what was seen in records under a signal; and why there is none."""
+    """The test of the link on responses, given or estimated from records; or the reason for its absence."""
     responses = [
         response
-        for measurement, responses in seen
+        for measurement, responses in with_responses
         if isinstance(measurement, Response) or measurement.experiment.drive not in (Drive.PILOT_FORCE, Drive.RELEASE)
         for response in responses
     ]

@@ -47,22 +47,22 @@ class Surroundings:
 def surroundings(problem: Problem, optimum: Optimum, confidence: Confidence) -> Surroundings:
     """Looks at the cost about a place."""
     count = len(problem.unknowns)
-    look = _Look(problem, optimum)
+    cost_scan = _Look(problem, optimum)
     directions = [_Direction.of(confidence, j, count) for j in range(count)]
     alone = np.eye(count) * confidence.sizes
-    look.at([share * row for row in alone for share in _ABROAD])
-    look.at([h * step for direction in directions for h in _SIDES for step in direction.steps])
+    cost_scan.at([share * row for row in alone for share in _ABROAD])
+    cost_scan.at([h * step for direction in directions for h in _SIDES for step in direction.steps])
     open_, growth = set(range(count)), np.full(count, np.inf)
-    for far in _FAR:
-        look.at([h * far * step for j in open_ for h in _SIDES for step in directions[j].steps])
+    for distance in _FAR:
+        cost_scan.at([h * distance * step for j in open_ for h in _SIDES for step in directions[j].steps])
         for j in list(open_):
-            if (grown := directions[j].growth(look, far)) is not None:
+            if (grown := directions[j].growth(cost_scan, distance)) is not None:
                 growth[j] = grown
                 open_.remove(j)
     growth = np.where(
         [direction.seen for direction in directions], growth, 1.0
     )  # without slopes there is no standard error to grow
-    return Surroundings(growth, look.lowest, look.drop)
+    return Surroundings(growth, cost_scan.lowest, cost_scan.drop)
 
 
 class _Look:
@@ -112,21 +112,21 @@ class _Direction:
     @classmethod
     def of(cls, confidence: Confidence, j: int, count: int) -> "_Direction":
         deviation, sizes = confidence.deviation[j], confidence.sizes
-        seen = bool(np.isfinite(deviation) and deviation > 0)
-        alone = np.where(np.arange(count) == j, deviation if seen else _BLIND, 0.0) * sizes
-        ridge = confidence.covariance[:count, j] / deviation * sizes if seen else alone
-        return cls(seen, (alone, ridge), 0.5 * float(confidence.inflation[j]) ** 2 if seen else 0.5)
+        observable = bool(np.isfinite(deviation) and deviation > 0)
+        alone = np.where(np.arange(count) == j, deviation if observable else _BLIND, 0.0) * sizes
+        ridge = confidence.covariance[:count, j] / deviation * sizes if observable else alone
+        return cls(observable, (alone, ridge), 0.5 * float(confidence.inflation[j]) ** 2 if observable else 0.5)
 
-    def growth(self, look: _Look, far: float) -> float | None:
+    def growth(self, cost_scan: _Look, distance: float) -> float | None:
         """Growth of the standard error where the parabola is in sight so far away, else nothing."""
 
         def rise(h: float) -> float:
-            return min(look.rise(h * step) for step in self.steps)
+            return min(cost_scan.rise(h * step) for step in self.steps)
 
-        outer = [cost for h in _SIDES if np.isfinite(cost := rise(h * far))]
+        outer = [cost for h in _SIDES if np.isfinite(cost := rise(h * distance))]
         if not outer or min(outer) <= 0:
             return None
-        curvature = float(np.mean(outer)) / far**2
-        nearer = [h * near for near in (1.0, *_FAR) if near < far for h in _SIDES]
+        curvature = float(np.mean(outer)) / distance**2
+        nearer = [h * distance_near for distance_near in (1.0, *_FAR) if distance_near < distance for h in _SIDES]
         jags = max((abs(cost - curvature * h**2) for h in nearer if np.isfinite(cost := rise(h))), default=0.0)
         return float(np.sqrt(max(self.parabola / curvature, 1.0) + jags / curvature))

@@ -125,9 +125,9 @@ def moments(record: BenchRecord, loader: Loader, law: Law | None) -> NDArray[np.
     return np.column_stack([hand, angle, rate, CubicSpline(run.time_s, rate)(run.time_s, 1)])
 
 
-def grip_force(loader: Loader, at: NDArray[np.float64]) -> NDArray[np.float64]:
+def grip_force(loader: Loader, moments_at: NDArray[np.float64]) -> NDArray[np.float64]:
     """What the sensor of a loader shows at ``moments``, offset left out, N."""
-    return np.asarray(_core.grip_force(loader.si_values, np.ascontiguousarray(at)))
+    return np.asarray(_core.grip_force(loader.si_values, np.ascontiguousarray(moments_at)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,14 +160,16 @@ class _SensorRecord:
         columns = np.column_stack([*(self.of_hand for _ in by_hand), self.of_mass, np.ones_like(self.of_mass)])
         value, deviation = _jackknife(columns, self.measured)
         residual = self.measured - columns @ value
-        left = float(np.std(residual))
+        residual_rms = float(np.std(residual))
         numbers = dict(zip((*by_hand, MASS, OFFSET), zip(value.tolist(), deviation.tolist(), strict=True), strict=True))
         tried = [self._contradicts(key, *numbers[key]) for key in (*by_hand, MASS)]
         rows = self._rows(numbers)
         sentences = [sentence for sentence in (*tried, self._out_of_range(rows)) if sentence]
         if wrong := tuple(sentences or self._unexplained(residual)):
-            return GripSensorEstimate(noise=left, wrong=wrong)
-        return GripSensorEstimate(rows, left, (), self._notes(left, rows), () if GAIN in rows else (_PULL,))
+            return GripSensorEstimate(noise=residual_rms, wrong=wrong)
+        return GripSensorEstimate(
+            rows, residual_rms, (), self._notes(residual_rms, rows), () if GAIN in rows else (_PULL,)
+        )
 
     def _rows(self, numbers: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
         """The rows that are determined, of ``K_g``, ``K_g m_o`` and ``F_0``."""
@@ -188,8 +190,8 @@ class _SensorRecord:
     def _stopped(self) -> str:
         """Whether it shows one value alone, or is cut off."""
         noise, step = (self.loader[f"{GRIP_SENSOR}.{row}"] for row in ("noise", "resolution"))
-        reach = float(np.ptp(self.measured))
-        if not reach:
+        swing = float(np.ptp(self.measured))
+        if not swing:
             moves = max(float(np.ptp(self.promised)), _NOISE_WIDTH * noise)
             shows = value_text(TABLE[OFFSET], float(self.measured[0]), 3)
             return (
@@ -197,38 +199,38 @@ class _SensorRecord:
                 if moves > step
                 else ""
             )
-        if at := clipped(self.measured, None):
+        if clipping := clipped(self.measured, None):
             return (
-                f"{self.name}: {GRIP_FORCE} is cut off at {value_text(TABLE[OFFSET], float(self.measured[at.begin]), 3)}: expected "
+                f"{self.name}: {GRIP_FORCE} is cut off at {value_text(TABLE[OFFSET], float(self.measured[clipping.begin]), 3)}: expected "
                 "the whole swing; take a larger range, or drive less"
             )
         return ""
 
     def _contradicts(self, key: str, value: float, deviation: float) -> str:
         """Whether the sensor shows nothing, the contrary, or quite another size, of what it must by the file."""
-        what = "the hand's force" if key == GAIN else "what moves the mass outboard of it"
+        cause = "the hand's force" if key == GAIN else "what moves the mass outboard of it"
         promised = self.loader[GAIN] * (1.0 if key == GAIN else max(self.loader[MASS], _LEAST_MASS))
         if value < -_CLEAR * deviation:
-            return f"{self.name}: {GRIP_FORCE} shows {what} with the wrong sign: turn the sensor's polarity, or that of the channel"
+            return f"{self.name}: {GRIP_FORCE} shows {cause} with the wrong sign: turn the sensor's polarity, or that of the channel"
         # Noise alone is beyond two deviations once in twenty times: what is far below the promise is nothing too.
         low = not _is_determined(value, deviation) and value + _SURE * deviation < promised / _FAR[key]
         if (low or value <= _SURE * deviation) and promised > _CLEAR * deviation:
             swing = float(np.std(promised * (self.of_hand if key == GAIN else self.of_mass)))
             should = value_text(TABLE[OFFSET], swing, 2)
             return (
-                f"{self.name}: {GRIP_FORCE} shows nothing of {what}, which would be {should} r.m.s. at least: {_LOOK}"
+                f"{self.name}: {GRIP_FORCE} shows nothing of {cause}, which would be {should} r.m.s. at least: {_LOOK}"
             )
         stated = key == GAIN or self.loader[MASS] > 0
         if stated and _is_determined(value, deviation) and not 1 / _FAR[key] < value / promised < _FAR[key]:
             return (
-                f"{self.name}: {GRIP_FORCE} shows {value / promised:.2g} times as much of {what} as the file promises: look at its "
+                f"{self.name}: {GRIP_FORCE} shows {value / promised:.2g} times as much of {cause} as the file promises: look at its "
                 f"unit, at {GAIN} and {MASS} in the file, and whether it is that sensor's signal"
             )
         return ""
 
-    def _unexplained(self, left: NDArray[np.float64]) -> list[str]:
+    def _unexplained(self, residual: NDArray[np.float64]) -> list[str]:
         """Whether it shows something else beside: what is left runs on, and is too much of all that it shows, as of any channel."""
-        missed, _ = runs_on_and_jumps(left)
+        missed, _ = runs_on_and_jumps(residual)
         moves = float(np.std(self.measured))
         if missed <= max(UNEXPLAINED * moves, _NOISIER * self.declared):
             return []
@@ -238,11 +240,11 @@ class _SensorRecord:
             "signal, or a hand was on the grip"
         ]
 
-    def _notes(self, left: float, rows: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
+    def _notes(self, residual_rms: float, rows: Mapping[str, tuple[float, float]]) -> tuple[str, ...]:
         lines = []
-        if self.loader[f"{GRIP_SENSOR}.noise"] and left > _NOISIER * self.declared:
+        if self.loader[f"{GRIP_SENSOR}.noise"] and residual_rms > _NOISIER * self.declared:
             lines.append(
-                f"{self.name}: {GRIP_FORCE} is {value_text(TABLE[OFFSET], left, 2)} r.m.s. off what it should show, and "
+                f"{self.name}: {GRIP_FORCE} is {value_text(TABLE[OFFSET], residual_rms, 2)} r.m.s. off what it should show, and "
                 f"{value_text(TABLE[OFFSET], self.declared, 2)} by the file: state the noise that it has."
             )
         if GAIN not in rows and MASS not in rows:
@@ -271,8 +273,8 @@ def _jackknife(
     """Least squares and their standard errors: ``s^2 = (n - 1) / n sum_k (b_(k) - mean)^2``, piece k of n left out."""
     scale = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
     pieces = np.array_split(np.arange(len(measured)), _PIECES)
-    square = np.array([columns[at].T @ columns[at] for at in pieces]) / np.outer(scale, scale)
-    right = np.array([columns[at].T @ measured[at] for at in pieces]) / scale
+    square = np.array([columns[piece].T @ columns[piece] for piece in pieces]) / np.outer(scale, scale)
+    right = np.array([columns[piece].T @ measured[piece] for piece in pieces]) / scale
     solution = np.linalg.pinv(square.sum(axis=0)) @ right.sum(axis=0)
     others = np.array(
         [np.linalg.pinv(square.sum(axis=0) - a) @ (right.sum(axis=0) - b) for a, b in zip(square, right, strict=True)]

@@ -61,8 +61,8 @@ def _sentence(symbols: Sequence[str], weights: Sequence[float]) -> str:
         return f"The data do not see {symbols[0]}: changing it by half changes nothing beyond the noise."
     if len(symbols) == 2 and abs(abs(weights[1]) - 1) < _EVEN:
         a, b = symbols
-        kept = f"product {a} {b}" if weights[1] < 0 else f"ratio {a} / {b}"
-        return f"The data cannot tell {a} from {b}: only their {kept} is determined."
+        invariant = f"product {a} {b}" if weights[1] < 0 else f"ratio {a} / {b}"
+        return f"The data cannot tell {a} from {b}: only their {invariant} is determined."
     if all(abs(weight - 1) < _EVEN for weight in weights):
         return (
             f"The data cannot tell {_list(symbols)} apart: only their ratios to one another are determined. A measured force fixes "

@@ -58,13 +58,13 @@ class ChannelResponses:
         From the drive itself it is the model's; from another channel the quotient ``G = G_target / G_source``, whose slope is
         ``G (G_target' / G_target - G_source' / G_source)``.
         """
-        driven, seen = list(inputs(self.kind)), list(outputs(self.kind))
+        driven, outputs_of_kind = list(inputs(self.kind)), list(outputs(self.kind))
         i = driven.index(Drive.PILOT_FORCE if drive is Drive.RELEASE else drive)
-        k = seen.index(target)
+        k = outputs_of_kind.index(target)
         value, slopes = self.value[k, i], self.slopes[:, k, i]
         if source == driven[i]:
             return value, slopes
-        j = seen.index(source)
+        j = outputs_of_kind.index(source)
         ratio = value / self.value[j, i]
         return ratio, (slopes - ratio * self.slopes[:, j, i]) / self.value[j, i]
 

@@ -51,15 +51,15 @@ def missed_and_noise(fitted: Fitted) -> tuple[float, float]:
     return math.sqrt(max(runs_on**2 - fitted.simulated_noise**2, 0.0)), math.hypot(jumps, fitted.simulated_noise)
 
 
-def runs_on_and_jumps(left: NDArray[np.float64]) -> tuple[float, float]:
+def runs_on_and_jumps(residual: NDArray[np.float64]) -> tuple[float, float]:
     """The part of a residual that runs on and the part that jumps from sample to sample, root mean squares.
 
     The part that jumps is half the mean square of the residual's steps.
 
     Source: J. von Neumann et al., The mean square successive difference, Annals of Mathematical Statistics 12 (1941) 153.
     """
-    jumps = float(np.mean(np.diff(left) ** 2)) / 2
-    return math.sqrt(max(float(np.mean(left**2)) - jumps, 0.0)), math.sqrt(jumps)
+    jumps = float(np.mean(np.diff(residual) ** 2)) / 2
+    return math.sqrt(max(float(np.mean(residual**2)) - jumps, 0.0)), math.sqrt(jumps)
 
 
 def beyond_noise(fitted: Fitted) -> bool:

@@ -135,11 +135,11 @@ class Problem:
 
     def compare(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Residuals over what was expected, (points,), and their derivatives by ``x``, (points, n)."""
-        known = x.tobytes()
-        if known not in self._last:
+        key = x.tobytes()
+        if key not in self._last:
             self._last.clear()  # a search asks for residuals and slopes of one place in turn
-            self._last[known] = self._compare(x)
-        return self._last[known]
+            self._last[key] = self._compare(x)
+        return self._last[key]
 
     def _compare(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         residuals, rows, loader = [], [], len(self.unknowns)
@@ -156,8 +156,8 @@ class Problem:
 
     def residual(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Residuals over what was expected, (points,), without the derivatives, each of which takes a run of its own."""
-        if (known := self._last.get(x.tobytes())) is not None:
-            return known[0]
+        if (cached := self._last.get(x.tobytes())) is not None:
+            return cached[0]
         residuals = [
             observation.residual(self.values(x), own)
             for observation, own in zip(self.observations, self.own(x), strict=True)
@@ -203,13 +203,13 @@ class Problem:
         """``cost`` of several places, whose runs stand side by side."""
         weight, costs = self._weight(noise), list[float]()
         for first in range(0, len(places), _SIDE_BY_SIDE):
-            some = places[first : first + _SIDE_BY_SIDE]
-            values, own = np.array([self.values(x) for x in some]), zip(*map(self.own, some), strict=True)
-            left = [
+            batch = places[first : first + _SIDE_BY_SIDE]
+            values, own = np.array([self.values(x) for x in batch]), zip(*map(self.own, batch), strict=True)
+            residuals = [
                 observation.residuals(values, np.array(own_values))
                 for observation, own_values in zip(self.observations, own, strict=True)
             ]
-            rows = (np.concatenate(row) * weight for row in zip(*left, strict=True))
+            rows = (np.concatenate(row) * weight for row in zip(*residuals, strict=True))
             costs += [cost_of(row, self.loss) if np.isfinite(row).all() else float("inf") for row in rows]
         return costs
 

@@ -60,9 +60,9 @@ class RecordObservation:
     def clusters(self) -> NDArray[np.int64]:
         """Pieces of time, the same in all channels."""
         time_s = self.run.time_s
-        lasts = float(time_s[-1] - time_s[0])
-        pieces = int(np.clip(lasts / _CLUSTER_S, _FEWEST_CLUSTERS, _MOST_CLUSTERS))
-        piece = np.minimum((time_s - time_s[0]) / lasts * pieces, pieces - 1).astype(np.int64)
+        duration_s = float(time_s[-1] - time_s[0])
+        pieces = int(np.clip(duration_s / _CLUSTER_S, _FEWEST_CLUSTERS, _MOST_CLUSTERS))
+        piece = np.minimum((time_s - time_s[0]) / duration_s * pieces, pieces - 1).astype(np.int64)
         return np.tile(piece, len(self.run.channels))
 
     @property

@@ -248,8 +248,8 @@ class RecordRun:
     def _let_go(self) -> tuple[float, float]:
         """Angle in rad at which the grip was held, and when it was let go, s."""
         angle = self.record.channels["column_angle"]
-        seen = Record(self.record.time_s, angle, name=self.record.name)
-        release = find_release(seen, _TAIL, load_rules().release)
+        motion = Record(self.record.time_s, angle, name=self.record.name)
+        release = find_release(motion, _TAIL, load_rules().release)
         return float(np.mean(angle[: release.held])), release.time_s
 
 

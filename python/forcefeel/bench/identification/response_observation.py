@@ -100,13 +100,13 @@ def line_deviation(response: Response) -> NDArray[np.float64]:
 
     Source: J. S. Bendat, A. G. Piersol, Random Data, 4th ed., table 9.6.
     """
-    known = response.deviation
-    if known is None and response.coherence is not None:
+    deviation = response.deviation
+    if deviation is None and response.coherence is not None:
         coherence = np.clip(response.coherence, 1e-6, 1.0)
-        known = np.sqrt((1 - coherence) / (2 * coherence))
-    if known is None:
+        deviation = np.sqrt((1 - coherence) / (2 * coherence))
+    if deviation is None:
         return np.full(len(response.frequency_hz), _UNKNOWN_DEVIATION)
-    return np.maximum(known, _LEAST_DEVIATION)
+    return np.maximum(deviation, _LEAST_DEVIATION)
 
 
 def relative_error(response: Response, modelled: NDArray[np.complex128] | NDArray[np.float64]) -> float:

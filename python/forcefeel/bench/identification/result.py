@@ -210,23 +210,26 @@ class Identification:
         """
         from forcefeel.plots.draw import intervals  # noqa: PLC0415  Matplotlib, for whoever plots
 
-        def off(estimate: Estimate, value: float) -> float:
+        def relative(estimate: Estimate, value: float) -> float:
             return 100 * (value - estimate.unknown.nominal) / estimate.unknown.scale
 
         lost = [estimate for estimate in self.estimates if estimate.status is Status.UNDETERMINED]
-        known = [estimate for estimate in self.estimates if estimate not in lost]
+        determined = [estimate for estimate in self.estimates if estimate not in lost]
         bounded = [estimate for estimate in self.estimates if estimate.unknown.tolerance]
         return intervals(
             {
                 estimate.unknown.symbol: (
-                    off(estimate, estimate.value),
-                    off(estimate, estimate.low),
-                    off(estimate, estimate.high),
+                    relative(estimate, estimate.value),
+                    relative(estimate, estimate.low),
+                    relative(estimate, estimate.high),
                 )
-                for estimate in known
+                for estimate in determined
             },
             {
-                estimate.unknown.symbol: (off(estimate, estimate.unknown.low), off(estimate, estimate.unknown.high))
+                estimate.unknown.symbol: (
+                    relative(estimate, estimate.unknown.low),
+                    relative(estimate, estimate.unknown.high),
+                )
                 for estimate in bounded
             },
             lost=[estimate.unknown.symbol for estimate in lost],

@@ -44,9 +44,9 @@ def rigid_test(loader: Loader, law: LawLike, unknowns: Sequence[Unknown], respon
     compliant, rigid, points = float(best.residual @ best.residual), float(residual @ residual), len(residual)
     # k and c count as two parameters more even where the file gives them: somebody found them before. Then the file's may be
     # worse than none, and F is none.
-    fewer, left = len(_LINK), points - len(others) - len(_LINK)
-    statistic = max((rigid - compliant) / fewer / (compliant / left), 0.0)
-    probability = float(fisher.sf(statistic, fewer, left))
+    fewer, degrees_of_freedom = len(_LINK), points - len(others) - len(_LINK)
+    statistic = max((rigid - compliant) / fewer / (compliant / degrees_of_freedom), 0.0)
+    probability = float(fisher.sf(statistic, fewer, degrees_of_freedom))
     size = _relative(bent, best.noise)
     return RigidTest(
         needed=probability < _LEVEL,
@@ -54,7 +54,7 @@ def rigid_test(loader: Loader, law: LawLike, unknowns: Sequence[Unknown], respon
         compliant_rms=size * float(np.sqrt(compliant / points)),
         f_statistic=float(statistic),
         probability=probability,
-        degrees=(fewer, left),
+        degrees=(fewer, degrees_of_freedom),
         bic_difference=float(points * np.log(rigid / compliant) - fewer * np.log(points)),
         level=_LEVEL,
     )

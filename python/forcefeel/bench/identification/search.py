@@ -42,13 +42,13 @@ def search(
         InputError: If the model diverges at every start.
     """
     coarse = replace(problem, observations=[observation.coarse() for observation in problem.observations], _last={})
-    begun = starts(problem.unknowns, count)
+    start_values = starts(problem.unknowns, count)
     reached: list[tuple[int, Optimum]] = []
-    for k, values in enumerate(begun):
+    for k, values in enumerate(start_values):
         progress(k, count + 1)
-        begin = coarse.start(values)
-        if np.isfinite(coarse.compare(begin)[0]).all():  # or the model diverges there
-            reached.append((k, _settled(coarse, coarse.search(begin, coarse=True), coarse=True)[0]))
+        start = coarse.start(values)
+        if np.isfinite(coarse.compare(start)[0]).all():  # or the model diverges there
+            reached.append((k, _settled(coarse, coarse.search(start, coarse=True), coarse=True)[0]))
     if not reached:
         raise InputError(
             "data: the model diverges at the file's values and at every other start; expected a loop that is stable there: check "
@@ -59,7 +59,8 @@ def search(
     optimum, confidence = _settled(problem, problem.search(best.x), coarse=False)
     progress(count + 1, count + 1)
     ends = tuple(
-        Ended(begun[k], problem.values(end.x), _left(coarse, end), _same(coarse, end, best)) for k, end in reached
+        Ended(start_values[k], problem.values(end.x), _left(coarse, end), _same(coarse, end, best))
+        for k, end in reached
     )
     return optimum, confidence, ends
 
@@ -67,10 +68,10 @@ def search(
 def from_afar(problem: Problem) -> Confidence | None:
     """What all of the data tell where a search over the smaller set ends: one comparison. Nothing where the model diverges."""
     coarse = replace(problem, observations=[observation.coarse() for observation in problem.observations], _last={})
-    begin = coarse.start(starts(problem.unknowns, 1)[0])
-    if not np.isfinite(coarse.compare(begin)[0]).all():
+    start = coarse.start(starts(problem.unknowns, 1)[0])
+    if not np.isfinite(coarse.compare(start)[0]).all():
         return None
-    optimum, _ = _settled(coarse, coarse.search(begin, coarse=True), coarse=True)
+    optimum, _ = _settled(coarse, coarse.search(start, coarse=True), coarse=True)
     return confidence_of(problem, problem.optimum_at(optimum.x, optimum.at_bound))
 
 
@@ -79,14 +80,14 @@ def _settled(problem: Problem, optimum: Optimum, *, coarse: bool) -> tuple[Optim
     confidence = confidence_of(problem, optimum)
     if not any(isinstance(observation.data, BenchRecord) for observation in problem.observations):
         return optimum, confidence
-    around = surroundings(problem, optimum, confidence)
+    neighborhood = surroundings(problem, optimum, confidence)
     for _ in range(_MOST_DESCENTS):
-        if around.drop < _DROP:
+        if neighborhood.drop < _DROP:
             break
-        optimum = problem.search(around.lowest, coarse=coarse)
+        optimum = problem.search(neighborhood.lowest, coarse=coarse)
         confidence = confidence_of(problem, optimum)
-        around = surroundings(problem, optimum, confidence)
-    return optimum, confidence.widened(around.growth)
+        neighborhood = surroundings(problem, optimum, confidence)
+    return optimum, confidence.widened(neighborhood.growth)
 
 
 def _left(problem: Problem, optimum: Optimum) -> float:

@@ -31,13 +31,13 @@ def estimates(commission: Commission, units: UnitSystem) -> Table:
     rows = []
     for parameter in commission.identified.parameters:
         row = unit(TABLE[parameter.key])
-        known = parameter.state == IDENTIFIED
+        identified = parameter.state == IDENTIFIED
         rows.append(
             (
                 words(parameter_name(parameter.key)),
                 number(quantity_text(parameter.before, row, units, 4)),
                 number(quantity_text(parameter.value, row, units, 5)),
-                number(f"{number_text(100 * parameter.error, 2)} %" if known else NONE),
+                number(f"{number_text(100 * parameter.error, 2)} %" if identified else NONE),
                 words(parameter.state),
             )
         )

@@ -49,7 +49,7 @@ def estimates(identification: Identification) -> go.Figure:
     """Estimates with their 95 % intervals as percent of the file's value, and what the file's tolerances allow."""
     picture = go.Figure()
     bounded = [estimate for estimate in identification.estimates if estimate.unknown.tolerance]
-    known = [estimate for estimate in identification.estimates if estimate.status is not Status.UNDETERMINED]
+    determined = [estimate for estimate in identification.estimates if estimate.status is not Status.UNDETERMINED]
     lost = [estimate for estimate in identification.estimates if estimate.status is Status.UNDETERMINED]
     if bounded:
         low = np.array([_off(estimate, estimate.unknown.low) for estimate in bounded])
@@ -65,14 +65,14 @@ def estimates(identification: Identification) -> go.Figure:
             name="the file's tolerance",
             hovertemplate="%{base:.3~g} to %{customdata:.3~g} %",
         )
-    if known:
-        middle = np.array([_off(estimate, estimate.value) for estimate in known])
+    if determined:
+        middle = np.array([_off(estimate, estimate.value) for estimate in determined])
         bars = {
-            "array": [_off(estimate, estimate.high) for estimate in known] - middle,
-            "arrayminus": middle - [_off(estimate, estimate.low) for estimate in known],
+            "array": [_off(estimate, estimate.high) for estimate in determined] - middle,
+            "arrayminus": middle - [_off(estimate, estimate.low) for estimate in determined],
         }
         picture.add_scatter(
-            y=[_symbol(estimate) for estimate in known],
+            y=[_symbol(estimate) for estimate in determined],
             x=middle,
             error_x={"symmetric": False, "color": COMPENSATED, "thickness": 2.2, "width": 6, **bars},
             mode="markers",
@@ -130,22 +130,30 @@ def record(fitted: Fitted, units: UnitSystem) -> go.Figure:
         scale * np.real(values) for values in (fitted.measured, fitted.modelled, fitted.before)
     )
     hover = f"%{{y:.4~g}} {unit}"
-    left = measured - modelled
-    near = stretch(measured, left)
-    for name, values, look in (
+    residual = measured - modelled
+    displayed = stretch(measured, residual)
+    for name, values, style in (
         ("measured", measured, _MEASURED),
         ("the file's model", before, _BEFORE),
         ("fitted", modelled, _FITTED),
     ):
-        kept = near[drawn(values[near], MOST_POINTS)]
-        _line(picture, 1, fitted.at[kept], values[kept], name, look, hover)
-    kept = drawn(left, MOST_POINTS)
-    _line(picture, 2, fitted.at[kept], left[kept], "measured less fitted", LineStyle(_MISSED, "solid", 1.2), hover)
+        indices = displayed[drawn(values[displayed], MOST_POINTS)]
+        _line(picture, 1, fitted.at[indices], values[indices], name, style, hover)
+    indices = drawn(residual, MOST_POINTS)
+    _line(
+        picture,
+        2,
+        fitted.at[indices],
+        residual[indices],
+        "measured less fitted",
+        LineStyle(_MISSED, "solid", 1.2),
+        hover,
+    )
     frame(picture, 520, top=60)
     picture.update_yaxes(automargin=True)  # small errors have long numbers
     picture.update_yaxes(title_text=f"{fitted.channel.replace('_', ' ').capitalize()}, {unit}", row=1, col=1)
     picture.update_yaxes(title_text=f"Residual, {unit}", row=2, col=1, **ZERO)
-    for row, at in ((1, fitted.at[near]), (2, fitted.at)):
+    for row, at in ((1, fitted.at[displayed]), (2, fitted.at)):
         picture.update_xaxes(range=[float(at[0]), float(at[-1])], title_text="Time, s", row=row, col=1)
     picture.update_xaxes(unifiedhovertitle={"text": "%{x:.4~f} s"})
     return picture
@@ -165,13 +173,13 @@ def phases(part: Fitted) -> dict[str, NDArray[np.float64]]:
     }
 
 
-def stretch(measured: NDArray[np.float64], left: NDArray[np.float64]) -> NDArray[np.intp]:
+def stretch(measured: NDArray[np.float64], residual: NDArray[np.float64]) -> NDArray[np.intp]:
     """Which samples the overlay shows: all, or where a channel swings too often to be seen, some swings about what is left most."""
     count, swings = len(measured), int(np.count_nonzero(np.diff(np.signbit(measured - np.mean(measured)))))
     if swings <= MOST_SWINGS:
         return np.arange(count)
     samples = max(count * SHOWN_SWINGS // swings, 2)
-    first = min(max(int(np.argmax(np.abs(left))) - samples // 2, 0), count - samples)
+    first = min(max(int(np.argmax(np.abs(residual))) - samples // 2, 0), count - samples)
     return np.arange(first, first + samples)
 
 
@@ -186,18 +194,18 @@ def _values(fitted: Fitted) -> dict[str, NDArray[np.complex128]]:
 def _overlay(
     picture: go.Figure,
     row: int,
-    at: NDArray[np.float64],
+    abscissa: NDArray[np.float64],
     curves: dict[str, NDArray[np.float64]],
     error: NDArray[np.float64] | None,
     unit: str,
 ) -> None:
     """Measured points with their bars over the two models' lines."""
     hover = f"%{{y:.4~g}}{unit}"
-    for name, look in (("the file's model", _BEFORE), ("fitted", _FITTED)):
-        _line(picture, row, at, curves[name], name, look, hover)
+    for name, style in (("the file's model", _BEFORE), ("fitted", _FITTED)):
+        _line(picture, row, abscissa, curves[name], name, style, hover)
     bars = {} if error is None else {"error_y": {"array": error, "color": RIGID, "thickness": 1.2, "width": 2}}
     picture.add_scatter(
-        x=at,
+        x=abscissa,
         y=curves["measured"],
         mode="markers",
         marker={"color": RIGID, "size": 6},
@@ -213,10 +221,10 @@ def _overlay(
 def _left_of_response(picture: go.Figure, fitted: Fitted, data: Response) -> None:
     """Real and imaginary part of ``ln(G_measured / G_model)`` in percent, and where 95 % of the noise lies."""
     error = 100 * np.log(np.asarray(fitted.measured, dtype=np.complex128) / fitted.modelled)
-    reach = 100 * _NORMAL_95 * _noise(fitted, data)
+    limit = 100 * _NORMAL_95 * _noise(fitted, data)
     picture.add_scatter(
         x=np.concatenate([fitted.at, fitted.at[::-1]]),
-        y=np.concatenate([reach, -reach[::-1]]),
+        y=np.concatenate([limit, -limit[::-1]]),
         fill="toself",
         mode="lines",
         line={"width": 0},
@@ -255,7 +263,7 @@ def _line(
     x: NDArray[np.float64],
     y: NDArray[np.float64],
     name: str,
-    look: LineStyle,
+    style: LineStyle,
     hover: str = "%{y:.3~g}",
 ) -> None:
     picture.add_scatter(
@@ -265,7 +273,7 @@ def _line(
         name=name,
         legendgroup=name,
         showlegend=row != 4 and all(trace.name != name for trace in picture.data),
-        line=line(look),
+        line=line(style),
         hovertemplate=hover,
         row=row,
         col=1,

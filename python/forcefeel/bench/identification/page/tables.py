@@ -139,14 +139,14 @@ def _data(fitted: Fitted, units: UnitSystem) -> tuple[Cell, ...]:
     measurement = fitted.data
     low, high = float(fitted.at[0]), float(fitted.at[-1])
     if isinstance(measurement, Response):
-        what = f"{measurement.output} over {measurement.input}"
+        quantity = f"{measurement.output} over {measurement.input}"
         span = f"{to_text(low, 3)} to {to_text(high, 3)} Hz"
     else:
-        what, span = fitted.channel, f"{to_text(high - low, 3)} s"
+        quantity, span = fitted.channel, f"{to_text(high - low, 3)} s"
     return (
         words(measurement.name),
         words(str(measurement.experiment).replace("_", " ")),
-        words(what.replace("_", " ")),
+        words(quantity.replace("_", " ")),
         number_cell(f"{len(fitted.at):,}"),
         number_cell(span),
         number_cell(_quantity(size_text(fitted, fitted.residual_rms, units)), bad=beyond_noise(fitted)),
@@ -157,17 +157,19 @@ def _data(fitted: Fitted, units: UnitSystem) -> tuple[Cell, ...]:
 
 def ends(identification: Identification, units: UnitSystem) -> Table:
     """Where each start of the search ended; of a parameter that is not determined there is nothing to show."""
-    known = [
+    determined = [
         (k, estimate)
         for k, estimate in enumerate(identification.estimates)
         if estimate.status is not Status.UNDETERMINED
     ]
-    names = [_heading(estimate, units) for _, estimate in known]
+    names = [_heading(estimate, units) for _, estimate in determined]
     rows = []
     for k, end in enumerate(identification.ends, start=1):
-        values = [number_cell(_sign(estimated(estimate, float(end.end[i]), units))) for i, estimate in known]
-        left = number_text(worse(identification, end), 4)
-        rows.append((Cell(str(k)), *values, number_cell(left), words("yes" if end.same else "no", bad=not end.same)))
+        values = [number_cell(_sign(estimated(estimate, float(end.end[i]), units))) for i, estimate in determined]
+        relative_cost = number_text(worse(identification, end), 4)
+        rows.append(
+            (Cell(str(k)), *values, number_cell(relative_cost), words("yes" if end.same else "no", bad=not end.same))
+        )
     numbers = (*names, "What it leaves, of the best")
     return Table((Cell("Start"), *(Cell(text, "number") for text in numbers), Cell("The same place")), tuple(rows))
 
@@ -186,11 +188,11 @@ def settings(fit_settings: FitSettings) -> Table:
 
 def glance(identification: Identification) -> Sequence[tuple[str, str]]:
     """The few numbers to see first: what they are, and they."""
-    known = [estimate for estimate in identification.estimates if estimate.status is not Status.UNDETERMINED]
+    determined = [estimate for estimate in identification.estimates if estimate.status is not Status.UNDETERMINED]
     same = sum(end.same for end in identification.ends)
-    errors = [relative_error(estimate) for estimate in known if estimate.value and not estimate.unknown.is_phase]
+    errors = [relative_error(estimate) for estimate in determined if estimate.value and not estimate.unknown.is_phase]
     return (
-        ("parameters determined", f"{len(known)} of {len(identification.estimates)}"),
+        ("parameters determined", f"{len(determined)} of {len(identification.estimates)}"),
         ("largest standard error", _share(max(errors)) if errors else NONE),
         ("points of data", f"{sum(len(fitted.at) for fitted in identification.fitted):,}"),
         ("starts that ended in the same place", f"{same} of {len(identification.ends)}"),
