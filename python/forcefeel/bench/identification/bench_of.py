@@ -27,7 +27,7 @@ def check_bench(loader: Loader, data: Sequence[Response | BenchRecord]) -> None:
     """Refuse data of another kind of loader, and records of a motor without information.
 
     Raises:
-        InputError: If an experiment or a channel is of the other drive, a motor did not break away, or its current was at its limit.
+        InputError: If an experiment or channel is of the other drive, a motor did not break away, or its current was at its limit.
     """
     for measurement in data:
         check_experiment(measurement.experiment, loader, measurement.name)
@@ -67,7 +67,7 @@ def _check_current(loader: Loader, record: BenchRecord) -> None:
             limited = np.abs(record.channels[name]) >= _AT_LIMIT * limit
             if np.count_nonzero(limited) >= _FEW:
                 raise InputError(
-                    f"{record.name}: {name} is at current_loop.current_limit, {limit:.4g} A, for {np.count_nonzero(limited)} samples "
-                    f"from {record.time_s[int(np.argmax(limited))]:.4g} s; expected a current that follows its command; drive less, "
-                    "or correct the limit in the loader file"
+                    f"{record.name}: {name} is at current_loop.current_limit, {limit:.4g} A, in {np.count_nonzero(limited)} samples "
+                    f"from {record.time_s[int(np.argmax(limited))]:.4g} s; expected one below; drive less, or correct "
+                    "the limit in the loader file"
                 )

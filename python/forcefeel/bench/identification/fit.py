@@ -163,7 +163,7 @@ def _beside(data: Sequence[Response | BenchRecord]) -> tuple[str, ...]:
         isinstance(measurement, BenchRecord) and np.ptp(measurement.channels.get(GRIP_FORCE, 0.0)) > 0
         for measurement in data
     )
-    sentence = f"{GRIP_FORCE} is not compared, because it measures the hand. To identify the sensor at the grip, run forcefeel commission."
+    sentence = f"{GRIP_FORCE} measures the hand and is not compared. To identify the sensor at the grip, run forcefeel commission."
     return (sentence,) * gripped
 
 

@@ -1,11 +1,11 @@
-"""Parameters that the data answer to in jumps.
+"""Parameters with jumps in the residual.
 
 Dry friction that sticks and slips makes the residuals jump where a slip comes a little earlier or later, so the cost is a parabola
-with jags. The slopes at a low place know nothing of them, and the standard errors come out too small. So the cost is looked at some
-standard errors ``h`` to either side of each unknown, the others held or following along the ridge that the slopes tell, whichever
-is lower: ``cost(h) - cost(0) = a h^2`` with jags of the size J. The lowest place may then be anywhere up to ``h = sqrt(J / a)``
-away, and the slopes told ``a = b``, half the square of what coloured errors made of the standard error: it grows by
-``sqrt(max(b / a, 1) + J / a)``. A lower place that is found on the way is where the search goes on.
+with jags. The slopes at a minimum do not show them, and the standard errors are too small. So the cost is evaluated some standard
+errors ``h`` to either side of each unknown, with the others fixed or along the ridge of the slopes, whichever is lower:
+``cost(h) - cost(0) = a h^2`` with jags of size J. The minimum may then be up to ``h = sqrt(J / a)`` away. The slopes predict
+``a = b``, half the square of the inflation of the standard error by colored errors, so it grows by ``sqrt(max(b / a, 1) + J / a)``.
+The search continues from any lower point.
 """
 
 from collections.abc import Sequence
@@ -20,23 +20,23 @@ from forcefeel.bench.identification.problem import Optimum, Problem
 _SIDES = (-1.0, 1.0)
 
 _FAR = (4.0, 16.0, 64.0)
-"""Standard errors away where the parabola is looked for, the next where the last is still among the jags."""
+"""Distances of the evaluated points in standard errors; the next if the jags still dominate at the last."""
 
 _BLIND = 0.01
-"""Share of a value that stands for its standard error where the slopes see nothing of it."""
+"""Assumed standard error without slopes, as a share of the value."""
 
 _ABROAD = (-0.6, -0.3, -0.1, 0.1, 0.3, 0.6)
-"""Shares of a value away where a lower place is looked for, beyond what the standard errors reach."""
+"""Further distances of the search for a lower point, in shares of a value."""
 
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """The cost about a place.
+    """The cost about an optimum.
 
     Attributes:
-        growth: By how much standard errors grow for jags, one at least, infinite where no parabola is in sight, (unknowns,).
-        lowest: The lowest place that was seen, (n,).
-        drop: By how much it is lower, in units of the noise.
+        growth: Factor of the standard errors due to jags, at least one, infinite without a parabola, (unknowns,).
+        lowest: The lowest point evaluated, (n,).
+        drop: Decrease of the cost there, in units of the noise.
     """
 
     growth: NDArray[np.float64]
@@ -45,7 +45,7 @@ class Surroundings:
 
 
 def surroundings(problem: Problem, optimum: Optimum, confidence: Confidence) -> Surroundings:
-    """Looks at the cost about a place."""
+    """Evaluate the cost about an optimum."""
     count = len(problem.unknowns)
     cost_scan = _Look(problem, optimum)
     directions = [_Direction.of(confidence, j, count) for j in range(count)]
@@ -66,7 +66,7 @@ def surroundings(problem: Problem, optimum: Optimum, confidence: Confidence) -> 
 
 
 class _Look:
-    """Rises of the cost about a place, and the lowest place seen."""
+    """Rises of the cost about an optimum, and the lowest point evaluated."""
 
     def __init__(self, problem: Problem, optimum: Optimum) -> None:
         self._problem, self._place = problem, optimum
@@ -76,7 +76,7 @@ class _Look:
         self.lowest, self.drop = optimum.x, 0.0
 
     def at(self, steps: Sequence[NDArray[np.float64]]) -> None:
-        """Looks a step of the loader's unknowns away, several at once; beyond a bound there is nothing to be seen."""
+        """Evaluate several steps of the loader's unknowns at once; steps beyond a bound are skipped."""
         places = []
         for step in steps:
             x = self._place.x.copy()
@@ -91,18 +91,18 @@ class _Look:
                 self.lowest, self.drop = x, -rise
 
     def rise(self, step: NDArray[np.float64]) -> float:
-        """Rise by a step that was looked at, in units of the noise; infinite beyond a bound."""
+        """Rise at an evaluated step, in units of the noise; infinite beyond a bound."""
         return self._known[step.tobytes()]
 
 
 @dataclass(frozen=True, eq=False)
 class _Direction:
-    """Where the cost of one unknown is looked at.
+    """Steps of the evaluation for one unknown.
 
     Attributes:
-        seen: Whether the slopes see anything of it.
+        seen: Whether the slopes depend on it.
         steps: Steps of one standard error: alone, and along the ridge.
-        parabola: The parabola that the slopes promise.
+        parabola: The parabola predicted by the slopes.
     """
 
     seen: bool
@@ -118,7 +118,7 @@ class _Direction:
         return cls(observable, (alone, ridge), 0.5 * float(confidence.inflation[j]) ** 2 if observable else 0.5)
 
     def growth(self, cost_scan: _Look, distance: float) -> float | None:
-        """Growth of the standard error where the parabola is in sight so far away, else nothing."""
+        """Growth of the standard error, if the parabola shows at this distance."""
 
         def rise(h: float) -> float:
             return min(cost_scan.rise(h * step) for step in self.steps)

@@ -1,14 +1,13 @@
-"""What records tell of the force sensor at the grip, once the loader is identified.
+"""Identification of the force sensor at the grip, after that of the loader.
 
-``F_g`` force that it shows · ``F_p`` force of the hand · ``K_g`` gain · ``m_o`` mass outboard of it · ``F_0`` offset
+``F_g`` its reading · ``F_p`` force of the hand · ``K_g`` gain · ``m_o`` mass outboard of it · ``F_0`` offset
 
     F_g = K_g F_p - K_g m_o R_p theta'' + F_0
 
-With nobody's hand on the grip it shows what moves the mass outboard of it, and no more. The motion is that of the identified loader
-under what drove the record, since no encoder shows an acceleration; what the sensor shows of it is the model's own
-(``crates/model/src/grip_sensor.rs``) for a hand alone and for a mass of 1 kg. So the record gives ``K_g m_o`` and ``F_0`` by least
-squares, and where a measured force of the hand drives it ``K_g`` too. Standard errors are those of the jackknife, a piece of the
-record left out at a time, since what is left is not white.
+With hands off it shows only the inertial force of the outboard mass. The motion is simulated: the identified loader under the
+recorded drive, because no encoder measures acceleration. The model (``crates/model/src/grip_sensor.rs``) gives the readings for a
+hand alone and for a mass of 1 kg. The record then determines ``K_g m_o`` and ``F_0`` by least squares, and ``K_g`` under a measured
+force of the hand. Standard errors are by jackknife over pieces of the record, because the residual is not white.
 """
 
 from collections.abc import Mapping, Sequence
@@ -41,37 +40,37 @@ from forcefeel.loader.sensors import (
 GAIN, MASS, OFFSET = (f"{GRIP_SENSOR}.{name}" for name in ("gain", "mass", "offset"))
 
 _PIECES = 20
-"""Of a record, for the jackknife."""
+"""Number of pieces of a record for the jackknife."""
 
 _SURE = 2.0
-"""Standard errors within which a number is nothing."""
+"""Standard errors within which a number counts as zero."""
 
 _CLEAR = 6.0
-"""Standard errors that what the file promises has to be large, for the record to contradict it."""
+"""Least size of the file's value, in standard errors, for a contradiction."""
 
 _LEAST_MASS = 0.02
-"""kg: no grip is lighter."""
+"""Least mass of a grip, kg."""
 
 _FAR = {GAIN: 1.5, MASS: 4.0}
-"""Times what the file promises: a gain is calibrated, a mass outboard guessed; pounds taken for newtons are 4.4."""
+"""Largest factor from the file's value: a gain is calibrated, an outboard mass guessed; pounds read as newtons give 4.4."""
 
 _NOISIER = 2.0
-"""Times its declared noise, from which on the sensor is not the declared one."""
+"""Largest factor of the noise over the declared noise."""
 
 _NOISE_WIDTH = 6.0
-"""Deviations of noise from its lowest to its highest value, at least."""
+"""Standard deviations from the lowest to the highest value of noise, at least."""
 
 
 @dataclass(frozen=True)
 class GripSensorEstimate:
-    """What became of the sensor.
+    """Result of the identification of the sensor.
 
     Attributes:
         rows: Value and standard error of each row that the record determines, SI units.
-        noise: What is left of its record, r.m.s., N; ``None`` without a record.
-        wrong: Why no law may use it.
-        notes: What else is to be known.
-        advice: The experiments that would determine the rest.
+        noise: Residual of its record, r.m.s., N; ``None`` without a record.
+        wrong: Reasons why no law may use it.
+        notes: Further remarks.
+        advice: Experiments that would determine the rest.
     """
 
     rows: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -82,26 +81,26 @@ class GripSensorEstimate:
 
 
 def find_grip_sensor(loader: Loader, data: Sequence[Response | BenchRecord], law: Law | None) -> GripSensorEstimate:
-    """What the records tell of the sensor.
+    """Identify the sensor from records.
 
     Args:
-        loader: As identified, with the rows of the sensor as its file has them.
+        loader: The identified loader, with the sensor's rows of its file.
         data: Records and responses.
-        law: Of the bench, where the record is of the whole loader; one that does not use the sensor, which is yet to be tried.
+        law: Law of the bench for records of the whole loader; without the sensor, which is not yet identified.
     """
     records = [record for record in data if isinstance(record, BenchRecord) and GRIP_FORCE in record.channels]
     if not has_grip_sensor(loader):
         moving = any(np.ptp(record.channels[GRIP_FORCE]) > 0 for record in records)
         sentence = (
-            f"The records hold {GRIP_FORCE}, and the loader file has no grip_sensor: it is left out. State grip_sensor.gain, 1 as "
-            "calibrated, for a law that measures the hand by it."
+            f"The records hold {GRIP_FORCE}, but the loader file has no grip_sensor: the channel is ignored. State grip_sensor.gain, "
+            "1 if calibrated, for a law that uses the sensor."
         )
         return GripSensorEstimate(notes=(sentence,) * moving)
     used = [record for record in records if record.experiment.drive is not Drive.RELEASE]
     if not used:
         sentence = (
-            f"No record{' but a release' * bool(records)} holds {GRIP_FORCE}: the rows of grip_sensor stand as the file "
-            "has them, and nothing was tried of it."
+            f"No record{' but a release' * bool(records)} holds {GRIP_FORCE}: the rows of grip_sensor keep the file's values "
+            "and were not tested."
         )
         return GripSensorEstimate(notes=(sentence,), advice=(_RECORD_IT,))
     best = max(used, key=lambda record: record.experiment.drive is Drive.PILOT_FORCE)
@@ -115,7 +114,7 @@ _RECORD_IT = (
 
 
 def moments(record: BenchRecord, loader: Loader, law: Law | None) -> NDArray[np.float64]:
-    """``F_p, theta, theta', theta''`` of a loader under what drove a record, at its times, (samples, 4)."""
+    """``F_p, theta, theta', theta''`` of a loader under the drive of a record, at its times, (samples, 4)."""
     drive = drive_channel(record.experiment)
     driven = {} if drive is None else {drive: record.channels[drive]}
     blank = dict.fromkeys(("column_angle", "column_velocity"), np.zeros_like(record.time_s))
@@ -132,7 +131,7 @@ def grip_force(loader: Loader, moments_at: NDArray[np.float64]) -> NDArray[np.fl
 
 @dataclass(frozen=True, eq=False)
 class _SensorRecord:
-    """A record of the sensor beside what it should show of a hand and of a mass of 1 kg."""
+    """A record of the sensor with the predicted readings for a hand and for a mass of 1 kg."""
 
     loader: Loader
     name: str
@@ -149,11 +148,11 @@ class _SensorRecord:
 
     @property
     def declared(self) -> float:
-        """Noise of a sample by the file, its steps included, r.m.s., N."""
+        """Declared noise of a sample, resolution included, r.m.s., N."""
         return float(np.sqrt(sample_variance(self.loader)[sensors_of(self.loader).index(GRIP_SENSOR)]))
 
     def estimate(self) -> GripSensorEstimate:
-        """The sensor by this record."""
+        """The sensor estimated from this record."""
         if sentence := self._stopped():
             return GripSensorEstimate(wrong=(sentence,))
         by_hand = [GAIN] if np.ptp(self.of_hand) > 0 else []
@@ -188,7 +187,7 @@ class _SensorRecord:
         return ""
 
     def _stopped(self) -> str:
-        """Whether it shows one value alone, or is cut off."""
+        """Message if the channel is constant or clipped."""
         noise, step = (self.loader[f"{GRIP_SENSOR}.{row}"] for row in ("noise", "resolution"))
         swing = float(np.ptp(self.measured))
         if not swing:
@@ -207,12 +206,12 @@ class _SensorRecord:
         return ""
 
     def _contradicts(self, key: str, value: float, deviation: float) -> str:
-        """Whether the sensor shows nothing, the contrary, or quite another size, of what it must by the file."""
+        """Message if the reading is absent, of opposite sign or of another size than predicted by the file."""
         cause = "the hand's force" if key == GAIN else "what moves the mass outboard of it"
         promised = self.loader[GAIN] * (1.0 if key == GAIN else max(self.loader[MASS], _LEAST_MASS))
         if value < -_CLEAR * deviation:
             return f"{self.name}: {GRIP_FORCE} shows {cause} with the wrong sign: turn the sensor's polarity, or that of the channel"
-        # Noise alone is beyond two deviations once in twenty times: what is far below the promise is nothing too.
+        # Noise alone exceeds two deviations once in twenty times, so a value far below the prediction counts as zero too.
         low = not _is_determined(value, deviation) and value + _SURE * deviation < promised / _FAR[key]
         if (low or value <= _SURE * deviation) and promised > _CLEAR * deviation:
             swing = float(np.std(promised * (self.of_hand if key == GAIN else self.of_mass)))
@@ -229,7 +228,7 @@ class _SensorRecord:
         return ""
 
     def _unexplained(self, residual: NDArray[np.float64]) -> list[str]:
-        """Whether it shows something else beside: what is left runs on, and is too much of all that it shows, as of any channel."""
+        """Message if the smooth part of the residual is too large a share of the reading."""
         missed, _ = runs_on_and_jumps(residual)
         moves = float(np.std(self.measured))
         if missed <= max(UNEXPLAINED * moves, _NOISIER * self.declared):
@@ -244,12 +243,12 @@ class _SensorRecord:
         lines = []
         if self.loader[f"{GRIP_SENSOR}.noise"] and residual_rms > _NOISIER * self.declared:
             lines.append(
-                f"{self.name}: {GRIP_FORCE} is {value_text(TABLE[OFFSET], residual_rms, 2)} r.m.s. off what it should show, and "
-                f"{value_text(TABLE[OFFSET], self.declared, 2)} by the file: state the noise that it has."
+                f"{self.name}: {GRIP_FORCE} is {value_text(TABLE[OFFSET], residual_rms, 2)} r.m.s. off its prediction, but the file "
+                f"states {value_text(TABLE[OFFSET], self.declared, 2)}: correct its noise in the file."
             )
         if GAIN not in rows and MASS not in rows:
             lines.append(
-                f"{self.name}: hands off the grip's sensor has too little to show for its gain to be tried: the file's stands."
+                f"{self.name}: hands off, the signal of the grip's sensor is too small to test its gain; the file's value is kept."
             )
         return tuple(lines)
 
@@ -258,12 +257,12 @@ _LOOK = "it is stuck, not connected, or another signal; look at the sensor, its 
 
 _PULL = (
     "Pull at the grip with a force that is measured, a weight or a spring balance, and record it as pilot_force beside grip_force "
-    "(experiment: loader pilot_force): it tells the gain of the grip's sensor."
+    "(experiment: loader pilot_force): it determines the gain of the grip's sensor."
 )
 
 
 def _is_determined(value: float, deviation: float) -> bool:
-    """Whether the 95 % interval lies within half of the value, as of any parameter that gets a number."""
+    """Whether the 95 % interval lies within half of the value, as for any determined parameter."""
     return value > 2 * _SURE * deviation
 
 

@@ -33,7 +33,7 @@ from forcefeel.simulation.scenario import LONGEST_STEP_S
 
 _LAWS = {Loop.SERVO_OPEN: "open", Loop.MOTOR_OPEN: "open", Loop.SERVO_CLOSED: "position", Loop.LOADER: "original"}
 _TEST, _FORCE, _COMMAND = _INPUTS = range(3)
-"""Places of what drives a bench: the signal at the amplifier, the force at the grip, the signal on the command."""
+"""Positions of the inputs: the signal at the amplifier, the force at the grip, the signal on the command."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,13 +74,13 @@ class LinearModel:
     """The linear model of a loader in one loop.
 
     Attributes:
-        loader: The loader, about its rest at neutral; what holds, touches or rounds has no slope there and is left out.
+        loader: The loader, about its rest at neutral, without friction, stops and resolution, which have no slope there.
         loop: Which loop is closed.
         law: The law of the whole loader.
         linkage: Rigid, eq. (15), or compliant, eq. (17).
 
     Raises:
-        InputError: When built, if a rigid link is asked for under a digital controller.
+        InputError: When built, if a rigid link is requested under a digital controller.
     """
 
     loader: Loader
@@ -94,7 +94,7 @@ class LinearModel:
 
     @cached_property
     def _engine_law(self) -> dict[str, Any]:
-        """Once for all evaluations: a name is a design, a file is read."""
+        """The law in the engine's form, designed or read once."""
         return loop_law(self.loader, self.loop, self.law)
 
     def responses(
@@ -135,7 +135,7 @@ def model_response(
     *,
     law: LawLike = None,
 ) -> NDArray[np.complex128]:
-    """The response that the loader's linear model has from one channel to another, SI units, (lines,).
+    """The response of the linear model from one channel to another, SI units, (lines,).
 
     Example:
         >>> import forcefeel as ff
@@ -150,7 +150,7 @@ def model_response(
 
 
 def loop_law(loader: Loader, loop: Loop, law: LawLike) -> dict[str, Any]:
-    """The law of a loop as the keywords by which the engine takes it.
+    """The law of a loop as keywords of the engine.
 
     Raises:
         InputError: If it was made for another controller.
@@ -175,7 +175,7 @@ Matrices = Sequence[NDArray[np.float64] | NDArray[np.complex128]]
 
 
 def _continuous(matrices: Sequence[NDArray[np.float64]]) -> Matrices:
-    """Of an analog loader, whose law adds a signal to its command where the test signal comes in."""
+    """Matrices of an analog loader, whose command signal enters with the test signal."""
     a, b, c, d, a_slopes, b_slopes, c_slopes, d_slopes = matrices
     order = [{_TEST: 0, _FORCE: 1, _COMMAND: 0}[name] for name in _INPUTS]
     return (
@@ -185,7 +185,7 @@ def _continuous(matrices: Sequence[NDArray[np.float64]]) -> Matrices:
 
 
 def _over_a_period(matrices: Sequence[NDArray[np.float64]], turned: NDArray[np.float64]) -> Matrices:
-    """Of a sampled loader at lines that turn by w h in a step: the columns of the test signal's steps become one."""
+    """Matrices of a sampled loader at lines of phase w h per step, with the columns of the test signal's steps combined."""
     a, b, c, d, a_slopes, b_slopes, c_slopes, d_slopes = matrices
     command, force, steps = 0, 1, 2
     middle = np.arange(b.shape[-1] - steps) + 0.5

@@ -1,4 +1,4 @@
-"""What a fit leaves of the data: beside the noise that they state, and as a share of what they show."""
+"""Residual of a fit against the stated noise, and as a share of the signal."""
 
 import math
 from collections.abc import Sequence
@@ -14,14 +14,14 @@ from forcefeel.bench.responses import Response
 from forcefeel.units import UnitSystem
 
 MODEL_ERROR = 2.0
-"""What is left, in deviations that the data state, from which on it is the model's error and not noise."""
+"""Residual over the stated deviation above which it is an error of the model."""
 
 UNEXPLAINED = 0.2
-"""Share of a response, or of how far a channel moves, beyond which the model is that of another machine."""
+"""Largest residual of a valid model, as a share of a response or of the standard deviation of a channel."""
 
 
 def stated_noise(fitted: Fitted) -> float | None:
-    """Noise that a response states for its lines, relative; root mean square in which they weigh as they are known."""
+    """Stated noise of a response, relative; root mean square weighted by the accuracy of the lines."""
     data = fitted.data
     if not isinstance(data, Response) or data.deviation is None:
         return None
@@ -29,7 +29,7 @@ def stated_noise(fitted: Fitted) -> float | None:
 
 
 def unexplained(fitted: Fitted) -> float:
-    """What the model misses beyond noise: relative error of a response; of a record a share of its channel's standard deviation."""
+    """Error of the model beyond noise: relative for a response, a share of the channel's standard deviation for a record."""
     if isinstance(fitted.data, Response):
         return math.sqrt(max(fitted.residual_rms**2 - (stated_noise(fitted) or 0.0) ** 2, 0.0))
     moves = float(fitted.measured.real.std())
@@ -37,7 +37,7 @@ def unexplained(fitted: Fitted) -> float:
 
 
 def explained(fitted: Sequence[Fitted]) -> bool:
-    """Whether the model is that of the machine, under every experiment."""
+    """Whether the model explains the data of every experiment."""
     return all(unexplained(part) <= UNEXPLAINED for part in fitted)
 
 
@@ -72,7 +72,7 @@ def beyond_noise(fitted: Fitted) -> bool:
 
 
 def model_error(fitted: Fitted, units: UnitSystem) -> str:
-    """A sentence where what is left is more than noise."""
+    """A sentence if the residual exceeds the noise."""
     if not beyond_noise(fitted):
         return ""
     if isinstance(fitted.data, Response):

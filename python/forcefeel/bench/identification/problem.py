@@ -2,7 +2,7 @@
 
 ``cost = 1/2 sum rho((r_i / s_g)^2) + 1/2 sum ((theta_j - mean_j) / deviation_j)^2``
 
-with ``r`` the residuals, ``s_g`` the noise of their group as the fit itself finds it, ``rho`` the robust loss, and the second sum
+with ``r`` the residuals, ``s_g`` the noise of their group as estimated by the fit, ``rho`` the robust loss, and the second sum
 over parameters with a normal tolerance. The unknowns are in shares of the file's values, so that all are of the order of one.
 """
 
@@ -23,7 +23,7 @@ from forcefeel.loader.consistency import AT_LEAST
 from forcefeel.units import show
 
 _ROUNDS = 5
-"""Most rounds of finding the unknowns, then the noise; two or three are enough where the model fits."""
+"""Most rounds of estimating the unknowns, then the noise; two or three suffice if the model fits."""
 
 _SAME_NOISE = 0.01
 """Relative change of the noise at which the rounds end."""
@@ -32,22 +32,22 @@ _TO_DEVIATION = 1.4826
 """Standard deviation of normal noise per median of its magnitude."""
 
 _PRECISION, _COARSE_PRECISION = 1e-9, 1e-4
-"""Relative change of cost or unknowns at which a search ends: far below the standard errors, or enough to tell places apart."""
+"""Relative change of cost or unknowns at which a search ends: far below the standard errors, or coarse, to separate minima."""
 
 _SIDE_BY_SIDE = 16
-"""Places that are looked at together: what fills the engine's vector lanes, and no more in memory."""
+"""Number of points evaluated together, to fill the engine's vector lanes."""
 
 _MOST_STEPS = 60
-"""Steps of one search: a smooth cost takes ten, one with jags may wander for ever."""
+"""Most steps of one search: a smooth cost takes ten, one with jags may not converge."""
 
 
 @dataclass(frozen=True, eq=False)
 class Optimum:
-    """A place in the space of the unknowns, where a search ended.
+    """End of a search in the space of the unknowns.
 
     Attributes:
         x: Unknowns in shares of the file's values, then the data's own, (n,).
-        noise: Noise of each group, in units of what was expected, (groups,).
+        noise: Noise of each group, in units of the expected noise, (groups,).
         residual: Residuals in units of the noise, (points,).
         slopes: Their derivatives by ``x``, (points, n).
         at_bound: Which unknowns stand at a bound, (unknowns,).
@@ -62,13 +62,13 @@ class Optimum:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Data, unknowns and how they are weighed.
+    """Data, unknowns and weights.
 
     Attributes:
         unknowns: The unknowns of the loader.
         observations: The data.
         loss: The robust loss.
-        priors: Whether normal tolerances count as knowledge.
+        priors: Whether normal tolerances are priors.
     """
 
     unknowns: Sequence[Unknown]
@@ -88,7 +88,7 @@ class Problem:
 
     @property
     def groups(self) -> list[slice]:
-        """Where in all residuals those of one kind stand."""
+        """Slices of the residual vector, one for each group."""
         slices, first = [], 0
         for observation in self.observations:
             slices += [slice(first + group.start, first + group.stop) for group in observation.groups]
@@ -97,7 +97,7 @@ class Problem:
 
     @property
     def clusters(self) -> NDArray[np.int64]:
-        """A number for points whose errors hang together, (points,)."""
+        """A number for each set of points with correlated errors, (points,)."""
         indices: list[NDArray[np.int64]] = []
         for observation in self.observations:
             indices.append(observation.clusters + (1 + int(indices[-1].max()) if indices else 0))
@@ -134,10 +134,10 @@ class Problem:
         return [x[a:b] for a, b in pairwise(ends)]
 
     def compare(self, x: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Residuals over what was expected, (points,), and their derivatives by ``x``, (points, n)."""
+        """Residuals over the expected noise, (points,), and their derivatives by ``x``, (points, n)."""
         key = x.tobytes()
         if key not in self._last:
-            self._last.clear()  # a search asks for residuals and slopes of one place in turn
+            self._last.clear()  # a search requests residuals and slopes of a point in turn
             self._last[key] = self._compare(x)
         return self._last[key]
 
@@ -155,7 +155,7 @@ class Problem:
         return np.concatenate(residuals), np.concatenate(rows)
 
     def residual(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Residuals over what was expected, (points,), without the derivatives, each of which takes a run of its own."""
+        """Residuals over the expected noise, (points,), without derivatives, each of which takes a separate run."""
         if (cached := self._last.get(x.tobytes())) is not None:
             return cached[0]
         residuals = [
@@ -165,7 +165,7 @@ class Problem:
         return np.concatenate(residuals)
 
     def search(self, x: NDArray[np.float64], *, coarse: bool = False) -> Optimum:
-        """The nearest best place, the noise found along with it; at ``x`` the model must not diverge."""
+        """The nearest minimum and its noise; at ``x`` the model must not diverge."""
         noise = self._noise(self.compare(x)[0])
         precision, rounds = (_COARSE_PRECISION, 2) if coarse else (_PRECISION, _ROUNDS)
         for _ in range(rounds):
@@ -180,14 +180,14 @@ class Problem:
     def optimum_at(
         self, x: NDArray[np.float64], at_bound: NDArray[np.bool_], noise: NDArray[np.float64] | None = None
     ) -> Optimum:
-        """What is known of ``x``, at this noise or at what is left there."""
+        """The optimum at ``x``, with this noise or the noise of the residual there."""
         residual, slopes = self.compare(x)
         noise = self._noise(residual) if noise is None else noise
         weight = self._weight(noise)
         return Optimum(x, noise, residual * weight, slopes * weight[:, np.newaxis], at_bound)
 
     def minimum(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The nearest best ``x`` at this noise."""
+        """The nearest minimum ``x`` at this noise."""
         return np.asarray(self._minimum(x, noise, _PRECISION).x) if len(x) else x
 
     def weighted(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -195,12 +195,12 @@ class Problem:
         return self.compare(x)[0] * self._weight(noise)
 
     def cost(self, x: NDArray[np.float64], noise: NDArray[np.float64]) -> float:
-        """What is left at ``x`` of the data, in units of this noise; infinite where the model diverges."""
+        """Cost at ``x`` in units of this noise; infinite if the model diverges."""
         residual = self.residual(x) * self._weight(noise)
         return cost_of(residual, self.loss) if np.isfinite(residual).all() else float("inf")
 
     def costs(self, places: Sequence[NDArray[np.float64]], noise: NDArray[np.float64]) -> list[float]:
-        """``cost`` of several places, whose runs stand side by side."""
+        """``cost`` of several points, with their runs in parallel."""
         weight, costs = self._weight(noise), list[float]()
         for first in range(0, len(places), _SIDE_BY_SIDE):
             batch = places[first : first + _SIDE_BY_SIDE]
@@ -235,7 +235,7 @@ class Problem:
             return np.concatenate([self.compare(at)[1] * weight[:, np.newaxis], self.prior_rows(at)[1]])
 
         low, high = self.bounds(len(x))
-        with np.errstate(over="ignore"):  # a step that leads where the model diverges is taken back
+        with np.errstate(over="ignore"):  # a step to a diverging model is retracted
             return least_squares(
                 residual,
                 np.clip(x, low, high),
@@ -268,4 +268,4 @@ class Problem:
 
 
 _LEAST_NOISE = 1e-9
-"""Noise below which data are the model's own, in units of what was expected."""
+"""Noise of data computed by the model itself, in units of the expected noise."""

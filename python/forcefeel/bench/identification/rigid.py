@@ -1,7 +1,7 @@
-"""Rigid against compliant: do the frequency responses need the link's compliance?
+"""Test of the link: do the frequency responses require its compliance?
 
-Both models are fitted to the same responses with the same unknowns, the rigid one without k and c; the file's own k and c where
-they are not among the unknowns. The report argued so by eye, with figures 8 and 9.
+Both models are fitted to the same responses with the same unknowns, the rigid one without k and c; k and c are those of the file
+unless fitted. The report compares them in figures 8 and 9.
 """
 
 from collections.abc import Sequence
@@ -23,11 +23,11 @@ from forcefeel.loader.loader import Loader
 _LINK = ("linkage.stiffness", "linkage.damping")
 
 _LEVEL = 0.001
-"""Probability of F below which the rigid link is refused."""
+"""Significance level of the rejection of the rigid link."""
 
 
 def rigid_test(loader: Loader, law: LawLike, unknowns: Sequence[Unknown], responses: Sequence[Response]) -> RigidTest:
-    """Fits both models and compares what is left.
+    """Fit both models and compare their residuals.
 
     Args:
         loader: The loader, its values at the compliant fit's estimates: there the searches start.
@@ -39,11 +39,11 @@ def rigid_test(loader: Loader, law: LawLike, unknowns: Sequence[Unknown], respon
     bent = _problem(loader, law, unknowns, responses, Linkage.COMPLIANT)
     best = bent.search(bent.start(_values(loader, unknowns)))
     stiff = _problem(loader, law, others, responses, Linkage.RIGID)
-    # Both in units of the noise that the compliant fit found, or their sums of squares would not compare.
+    # Both in units of the noise of the compliant fit, so that their sums of squares compare.
     residual = stiff.weighted(stiff.minimum(stiff.start(_values(loader, others)), best.noise), best.noise)
     compliant, rigid, points = float(best.residual @ best.residual), float(residual @ residual), len(residual)
-    # k and c count as two parameters more even where the file gives them: somebody found them before. Then the file's may be
-    # worse than none, and F is none.
+    # k and c count as two parameters even with the file's values, which were estimated before. These may fit worse than the
+    # rigid link, and then F does not exist.
     fewer, degrees_of_freedom = len(_LINK), points - len(others) - len(_LINK)
     statistic = max((rigid - compliant) / fewer / (compliant / degrees_of_freedom), 0.0)
     probability = float(fisher.sf(statistic, fewer, degrees_of_freedom))
@@ -77,7 +77,7 @@ def _values(loader: Loader, unknowns: Sequence[Unknown]) -> NDArray[np.float64]:
 
 
 def _relative(problem: Problem, noise: NDArray[np.float64]) -> float:
-    """Relative error that one unit of noise stands for, as a mean over the points in which each weighs as it is known."""
+    """Relative error of one unit of noise, as a mean weighted by the accuracy of the points."""
     lines = [
         line_deviation(observation.data) * size
         for observation, size in zip(problem.observations, noise, strict=True)

@@ -1,7 +1,7 @@
 """The search: from several starts over a smaller set of the data, then from the best end over all of it.
 
-The cost of frequency responses is smooth. That of records has jags and many low places where friction sticks and slips, so there a
-search goes on from any lower place that is seen about its end, see ``jagged``.
+The cost of frequency responses is smooth. That of records has jags and many local minima due to stick-slip, so a search continues
+from any lower point about its end, see ``friction_jumps``.
 """
 
 from collections.abc import Callable
@@ -19,24 +19,24 @@ from forcefeel.bench.records import BenchRecord
 from forcefeel.errors import InputError
 
 _SAME_LEFT = 0.01
-"""Of the noise: two searches that leave as much explain the data as well."""
+"""Relative difference of the noise below which two searches explain the data equally well."""
 
 _SAME_PLACE = 0.02
-"""Shares of a value within which two ends of a search from afar are the same place."""
+"""Relative difference of values below which two ends of a coarse search are equal."""
 
 _DROP, _MOST_DESCENTS = 1.0, 4
-"""In units of the noise: a place lower by so much is worth going to; and how often."""
+"""Least decrease of the cost for another search, in units of the noise, and the most searches."""
 
 
 def search(
     problem: Problem, count: int, progress: Callable[[int, int], None]
 ) -> tuple[Optimum, Confidence, tuple[Ended, ...]]:
-    """The best place, the confidence there, and where each start ended.
+    """The best optimum, its confidence and the end of each start.
 
     Args:
         problem: Data and unknowns.
-        count: How many starts.
-        progress: Told how many of the searches are done.
+        count: Number of starts.
+        progress: Called with the number of finished searches and of all.
 
     Raises:
         InputError: If the model diverges at every start.
@@ -66,7 +66,7 @@ def search(
 
 
 def from_afar(problem: Problem) -> Confidence | None:
-    """What all of the data tell where a search over the smaller set ends: one comparison. Nothing where the model diverges."""
+    """Confidence by all data at the end of a coarse search, by one comparison; ``None`` if the model diverges."""
     coarse = replace(problem, observations=[observation.coarse() for observation in problem.observations], _last={})
     start = coarse.start(starts(problem.unknowns, 1)[0])
     if not np.isfinite(coarse.compare(start)[0]).all():
@@ -76,7 +76,7 @@ def from_afar(problem: Problem) -> Confidence | None:
 
 
 def _settled(problem: Problem, optimum: Optimum, *, coarse: bool) -> tuple[Optimum, Confidence]:
-    """A place about which no lower one is in sight, and the confidence there, jags of the cost counted."""
+    """An optimum without a lower point nearby, and its confidence, jags of the cost included."""
     confidence = confidence_of(problem, optimum)
     if not any(isinstance(observation.data, BenchRecord) for observation in problem.observations):
         return optimum, confidence
@@ -91,9 +91,9 @@ def _settled(problem: Problem, optimum: Optimum, *, coarse: bool) -> tuple[Optim
 
 
 def _left(problem: Problem, optimum: Optimum) -> float:
-    """What is left after a search, per point: ``(sum_g n_g ln s_g + prior) / n``, the likelihood of normal errors of unknown size.
+    """Cost per point after a search: ``(sum_g n_g ln s_g + prior) / n``, the likelihood of normal errors of unknown size.
 
-    Noise is found anew at each end, so sums of squares in its units do not compare.
+    Noise is estimated at each end, so sums of squares in its units do not compare.
     """
     points = np.array([group.stop - group.start for group in problem.groups])
     prior, _ = problem.prior_rows(optimum.x)
