@@ -111,7 +111,7 @@ def test_json_holds_every_number_with_its_unit(run):
     found = json.loads(out)
     assert status == 0
     assert found["status"] == "settled"
-    assert found["compensator"] == "published"
+    assert found["law"] == "published"
     assert found["scenario"]["force"]["kind"] == "release"
     assert found["measures"]["maximum_angle"] == {"value": pytest.approx(10.0), "unit": "deg"}
     assert found["measures"]["peak_pressure"]["unit"] == "MPa"
