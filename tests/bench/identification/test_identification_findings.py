@@ -184,8 +184,8 @@ def test_a_prior_that_carries_weight_is_said():
     text = said(determined())[1]
     # From the data alone 6 %, with the prior 1.98 0.011 / 1.11.
     assert (
-        "valve.current_gain depends on the loader file's prior: from the data alone its 95 % interval would be ±6.0 % instead of ±2.0 %"
-        in text
+        "valve.current_gain depends on the loader file's prior: from the data alone its 95 % interval would be "
+        "±6.0 % instead of ±2.0 %" in text
     )
     assert "linkage.stiffness leans" not in text
 
