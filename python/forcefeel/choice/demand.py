@@ -59,13 +59,13 @@ KINDS = MappingProxyType({HYDRAULIC: Demand, ELECTRIC: MotorDemand})
 
 def unknown(drive: str) -> AnyDemand:
     """The demand where no run ends: not numbers."""
-    found: AnyDemand = KINDS[drive](*(nan for _ in peaks(drive)))
-    return found
+    demand: AnyDemand = KINDS[drive](*(nan for _ in peaks(drive)))
+    return demand
 
 
-def demand_shares(found: AnyDemand) -> dict[str, float]:
+def demand_shares(demand: AnyDemand) -> dict[str, float]:
     """The shares by what they are of: ``current``, ``flow``, ..."""
-    return {row.name: getattr(found, row.name) for row in fields(found)}
+    return {row.name: getattr(demand, row.name) for row in fields(demand)}
 
 
 def largest_demand(loader: Loader, laws: Law, feel: NDArray[np.float64], angle_rad: float) -> AnyDemand:
@@ -81,16 +81,16 @@ def largest_demand(loader: Loader, laws: Law, feel: NDArray[np.float64], angle_r
     duration = ceil(_PERIODS * slowest / _SAMPLE_S) * _SAMPLE_S
     scenario = Scenario(Release(angle_rad), duration, sample_s=_SAMPLE_S)
     runs = simulate_batch(loader, scenario, loader.rows(FEEL_SETTING, feel), laws)
-    found = np.array([runs[row.peak].values for row in peaks(loader.drive)])
-    known = np.isfinite(found).all(axis=0)
-    of_limits = found[:, known] / limits(loader)[:, None]
+    currents = np.array([runs[row.peak].values for row in peaks(loader.drive)])
+    known = np.isfinite(currents).all(axis=0)
+    of_limits = currents[:, known] / limits(loader)[:, None]
     return KINDS[loader.drive](*of_limits.max(axis=1).tolist()) if known.any() else unknown(loader.drive)
 
 
-def of_all(found: list[AnyDemand], drive: str = HYDRAULIC) -> AnyDemand:
+def of_all(demands: list[AnyDemand], drive: str = HYDRAULIC) -> AnyDemand:
     """The largest of several of a drive; not numbers where there are none."""
-    table = np.array([list(demand_shares(one).values()) for one in found])
-    known = np.isfinite(table).all(axis=1) if len(found) else np.zeros(0, dtype=bool)
+    table = np.array([list(demand_shares(demand).values()) for demand in demands])
+    known = np.isfinite(table).all(axis=1) if len(demands) else np.zeros(0, dtype=bool)
     return KINDS[drive](*table[known].max(axis=0).tolist()) if known.any() else unknown(drive)
 
 

@@ -91,7 +91,7 @@ def _released(plan: Plan, laws: Law, feel: NDArray[np.float64], threads: int) ->
     record = Record.of(frequency, damping)
     stable, angles = released(plan, plan.cases[:1], feel, laws, record, threads)
     ideal = ideal_releases(feel, plan.release_rad, record.step_s, record.samples)
-    found, reference = (measured(plan, record, one, threads) for one in (angles, ideal))
-    verdict = judge_releases(found, reference, plan.test, travel=plan.throw.travel_rad)
+    measures, reference = (measured(plan, record, history, threads) for history in (angles, ideal))
+    verdict = judge_releases(measures, reference, plan.test, travel=plan.throw.travel_rad)
     failing = PASSES if verdict.passed[0] else verdict.names[int(verdict.first_failing[0])]
     return bool(stable[0]), failing, Released(record.time_s, angles[0], ideal[0])

@@ -120,23 +120,24 @@ def at_own_setting(plan: Plan, threads: int) -> tuple[list[Score], list[str]]:
 def _over_envelope(plan: Plan, scores: list[Score], threads: int) -> tuple[LawScores, dict[str, EnvelopeSummary]]:
     """The scores, over the settings where the law is not ruled out yet; and what those and the report's law render."""
     period = plan.loader["controller.period"]
-    asked = [score for score in scores if score.name == REPORT or not obstacles(score, period)]
+    eligible = [score for score in scores if score.name == REPORT or not obstacles(score, period)]
 
-    plan = replace(plan, laws={score.name: plan.laws[score.name] for score in asked})
-    found = compute_few(plan, threads=threads)
-    over = {score.name: score_over(plan, score, found) for score in asked}
-    shares = {name: found.shares(name) for name in over}
+    plan = replace(plan, laws={score.name: plan.laws[score.name] for score in eligible})
+    envelope = compute_few(plan, threads=threads)
+    over = {score.name: score_over(plan, score, envelope) for score in eligible}
+    shares = {name: envelope.shares(name) for name in over}
     rendered = {
-        name: EnvelopeSummary(one.stable, one.nominal_share, one.worst_case_share) for name, one in shares.items()
+        name: EnvelopeSummary(law_shares.stable, law_shares.nominal_share, law_shares.worst_case_share)
+        for name, law_shares in shares.items()
     }
     return LawScores(plan, tuple(over.get(score.name, score) for score in scores)), rendered
 
 
 def _qualified(loader: Loader, name: str, units: UnitSystem) -> tuple[str, QualificationSummary]:
     """The rule, and what its tests came to under a law."""
-    found = qualify_loader(loader, QualificationSetup(laws=(name,), system=units))
-    (section,) = found.sections
+    qualification = qualify_loader(loader, QualificationSetup(laws=(name,), system=units))
+    (section,) = qualification.sections
     status = QualificationSummary(
-        section.fulfilled, str(section.status), outcome_counts(section), tuple(reasons(section, found))
+        section.fulfilled, str(section.status), outcome_counts(section), tuple(reasons(section, qualification))
     )
-    return rule_text(found), status
+    return rule_text(qualification), status

@@ -122,22 +122,22 @@ def obstacles(score: Score, period_s: float, reserve: Reserve = USUAL) -> list[s
     own, margins = score.own, score.own.margins
     if not own.stable:
         return ["it is unstable at the loader's own setting"]
-    found = []
+    sentences = []
     if score.over is not None and score.over.shares.stable < 1:
-        found.append(
+        sentences.append(
             f"it is stable at only {share_text(score.over.shares.stable)} of the settings with the nominal plant"
         )
     if margins.gain_up < reserve.gain or margins.gain_down > 1 / reserve.gain:
-        found.append(
+        sentences.append(
             f"the loop's gain may only go from {to_text(margins.gain_down, 3)} to {to_text(margins.gain_up, 3)} of its own"
         )
     if margins.phase_rad < reserve.phase_rad:
-        found.append(f"its phase margin is {to_text(degrees(margins.phase_rad), 3)} deg")
+        sentences.append(f"its phase margin is {to_text(degrees(margins.phase_rad), 3)} deg")
     if period_s and margins.delay_s < LEAST_PERIODS * period_s:
-        found.append(
+        sentences.append(
             f"it bears {to_text(1e3 * margins.delay_s, 3)} ms more delay, less than a period of {to_text(1e3 * period_s, 3)} ms"
         )
-    return found
+    return sentences
 
 
 def _best(able: list[Score]) -> Score | None:
@@ -174,17 +174,17 @@ def _why(best: Score, eligible: int) -> str:
 def _behind(score: Score, best: Score, least: float) -> str:
     """The first figure of the rule in which an eligible method falls behind."""
     name = capital(score.name)
-    mine, its = _share(score, "nominal_share"), _share(best, "nominal_share")
-    if mine < min(least, its):
+    share, best_share = _share(score, "nominal_share"), _share(best, "nominal_share")
+    if share < min(least, best_share):
         return (
-            f"{name} is eligible and renders {share_text(mine)} with the nominal plant, less than the {share_text(least)} that are "
-            f"asked for and the {share_text(its)} of {best.name}."
+            f"{name} is eligible and renders {share_text(share)} with the nominal plant, less than the required "
+            f"{share_text(least)} and the {share_text(best_share)} of {best.name}."
         )
     for key, where in (("worst_case_share", "in every case"), ("nominal_share", "with the nominal plant")):
-        mine, its = _share(score, key), _share(best, key)
-        if its - mine >= CLOSE:
+        share, best_share = _share(score, key), _share(best, key)
+        if best_share - share >= CLOSE:
             return (
-                f"{name} is eligible and renders {share_text(mine)} {where}, {best.name} {share_text(its)}"
+                f"{name} is eligible and renders {share_text(share)} {where}, {best.name} {share_text(best_share)}"
                 f"{_better(score, best)}."
             )
     if _noise(best) < _noise(score) < inf:

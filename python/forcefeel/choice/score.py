@@ -139,12 +139,12 @@ def score_laws(
     chosen = names_for(loader) if names is None else tuple(names)
     check_names(loader, chosen)
     plan = make_plan(loader, chosen, grid, **options)
-    found = compute(plan, threads=threads, progress=progress) if over_envelope else None
+    envelope = compute(plan, threads=threads, progress=progress) if over_envelope else None
     scores = (
         Score(name, summary_of(name), own_setting(plan, plan.laws[name], threads_or_cores(threads)), None)
         for name in chosen
     )
-    return LawScores(plan, tuple(score if found is None else score_over(plan, score, found) for score in scores))
+    return LawScores(plan, tuple(score if envelope is None else score_over(plan, score, envelope) for score in scores))
 
 
 def check_names(loader: Loader, names: Sequence[str]) -> None:
@@ -176,18 +176,18 @@ def summary_of(name: str) -> str:
     return LAW_DESIGNS[name].summary if name in LAW_DESIGNS else _OF_THE_REPORT[name]
 
 
-def score_over(plan: Plan, score: Score, found: Envelope) -> Score:
+def score_over(plan: Plan, score: Score, envelope: Envelope) -> Score:
     """A method's score, with what it does over an envelope of the plan."""
     name = score.name
     feel = plan.settings.feel(plan.loader)
     laws = Law.of(plan.laws[name], plan.loader, feel, name)
-    lost = max(found.case_shares(name), key=lambda row: row.lost if row.lost > 0 else 0.0)
+    lost = max(envelope.case_shares(name), key=lambda row: row.lost if row.lost > 0 else 0.0)
     corners = _corners(plan)
     loops = command_loops(plan.loader, laws.some(corners), feel[corners])
     over = OverEnvelope(
-        shares=found.shares(name),
+        shares=envelope.shares(name),
         worst_case=lost if lost.lost > 0 else None,
-        demand=_demand(plan, laws, feel, found.stable(name)[0]),
+        demand=_demand(plan, laws, feel, envelope.stable(name)[0]),
         margins=minimum_margins([score.own.margins, *map(loop_margins, loops)]),
     )
     return replace(score, over=over)
@@ -196,7 +196,7 @@ def score_over(plan: Plan, score: Score, found: Envelope) -> Score:
 def _demand(plan: Plan, laws: Law, feel: NDArray[np.float64], stable: NDArray[np.bool_]) -> AnyDemand:
     """The largest over the stable settings, those of one frequency together."""
     frequency = plan.settings.rows[:, 1]
-    pieces = [np.flatnonzero(stable & (frequency == one)) for one in plan.settings.frequency]
+    pieces = [np.flatnonzero(stable & (frequency == value)) for value in plan.settings.frequency]
     return of_all(
         [
             largest_demand(plan.loader, laws.some(which), feel[which], plan.release_rad)

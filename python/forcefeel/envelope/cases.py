@@ -44,11 +44,11 @@ class PilotArm:
         return self.mass_kg, self.damping_n_s_per_m, self.stiffness_n_per_m
 
 
-def _held(arm: Arm) -> PilotArm:
+def _reference_arm(arm: Arm) -> PilotArm:
     return PilotArm(str(arm), *ARMS[arm], verified=arm not in UNVERIFIED)
 
 
-REFERENCE_ARMS = (PilotArm("light", 0.8, 5.5, 30.0, verified=True), _held(Arm.LOOSE), _held(Arm.FIRM))
+REFERENCE_ARMS = (PilotArm("light", 0.8, 5.5, 30.0, verified=True), _reference_arm(Arm.LOOSE), _reference_arm(Arm.FIRM))
 """The arms of the reference table beside none: both sets of public simulations, and the middle of the ranges for two hands."""
 
 
@@ -97,15 +97,15 @@ def make_cases(deviations: Mapping[str, Deviation], arms: Sequence[PilotArm]) ->
     Raises:
         InputError: If an arm is bad.
     """
-    found = [NOMINAL]
+    cases = [NOMINAL]
     for key, deviation in deviations.items():
         ends = {f"{key} {100 * change:+.4g} %": change for change in deviation.ends if change}
-        found += [Case(name, Kind.PLANT, {key: change}) for name, change in ends.items()]
+        cases += [Case(name, Kind.PLANT, {key: change}) for name, change in ends.items()]
     for arm in arms:
         if not all(isfinite(value) and value >= 0 for value in arm.values):
             raise InputError(f"arms: {arm.name}: expected numbers of 0 or more, got {arm.values}")
-        found.append(Case(f"{arm.name} arm", Kind.ARM, arm=arm))
-    names = [case.name for case in found]
+        cases.append(Case(f"{arm.name} arm", Kind.ARM, arm=arm))
+    names = [case.name for case in cases]
     if len(set(names)) < len(names):
         raise InputError("arms: two have the same name; give each its own")
-    return tuple(found)
+    return tuple(cases)

@@ -49,7 +49,8 @@ class AxisRow:
     def shares(self) -> tuple[str, ...]:
         """The shares as people read them, as ``SHARES``."""
         return tuple(
-            share_text(one) if isfinite(one) else "–" for one in (self.nominal_share, self.worst_case_share, self.drawn)
+            share_text(share) if isfinite(share) else "–"
+            for share in (self.nominal_share, self.worst_case_share, self.drawn)
         )
 
     @property
@@ -75,8 +76,8 @@ class CockpitEnvelope:
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> def plan(loader):
         ...     return ff.envelope.make_plan(loader, ["original"], grid)
-        >>> found = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
-        >>> found.axes["pitch"].laws
+        >>> cockpit = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
+        >>> cockpit.axes["pitch"].laws
         ('original',)
     """
 
@@ -86,7 +87,7 @@ class CockpitEnvelope:
     @property
     def rows(self) -> tuple[AxisRow, ...]:
         """The table over the axes, a row for each law of each."""
-        return tuple(_row(axis, one, law) for axis, one in self.axes.items() for law in one.laws)
+        return tuple(_row(axis, envelope, law) for axis, envelope in self.axes.items() for law in envelope.laws)
 
 
 def find_cockpit(
@@ -115,12 +116,12 @@ def find_cockpit(
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> def plan(loader):
         ...     return ff.envelope.make_plan(loader, ["original"], grid)
-        >>> found = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
-        >>> [(row.axis, row.law) for row in found.rows]
+        >>> cockpit = ff.envelope.find_cockpit(ff.loader.read_project("cockpit.toml"), plan)
+        >>> [(row.axis, row.law) for row in cockpit.rows]
         [('pitch', 'original')]
     """
     plans = project.each(lambda axis, loader: replace(plan(loader), axis=rule_axis(axis)))
-    total = sum(one.releases for one in plans.values())
+    total = sum(plan.releases for plan in plans.values())
     done = 0
 
     def computed(axis: str, _: Loader) -> Envelope:
@@ -133,39 +134,39 @@ def find_cockpit(
 
 
 @of_result
-def cockpit_conclusions(found: CockpitEnvelope) -> Conclusions:
+def cockpit_conclusions(cockpit: CockpitEnvelope) -> Conclusions:
     """Which axes render their envelope, and what each of them renders by its best law."""
-    short = [axis for axis, one in found.axes.items() if not renders(one)]
+    short = [axis for axis, envelope in cockpit.axes.items() if not renders(envelope)]
     whole = f"{share_text(WHOLE_NOMINAL)} of the settings with the nominal plant and {share_text(WHOLE_WORST)} in every case"
     does = f"do{'es' if len(short) == 1 else ''} not render"
     verdict = capital(f"{', '.join(short)} {does} {whole}.") if short else f"Every axis renders {whole}."
     lines = []
-    for axis, one in found.axes.items():
+    for axis, envelope in cockpit.axes.items():
         each = ", ".join(
             f"{share_text(row.nominal_share)} with {name_text(row.law)} ({share_text(row.worst_case_share)} in every case)"
-            for row in found.rows
+            for row in cockpit.rows
             if row.axis == axis
         )
         lines.append(
-            f"{capital(axis)}, {one.plan.given.name}: {each} of {one.plan.settings.count:,} programmed feels, released "
-            f"from {angle_text(one.plan.release_rad, UnitSystem.SI)}."
+            f"{capital(axis)}, {envelope.plan.given.name}: {each} of {envelope.plan.settings.count:,} programmed feels, released "
+            f"from {angle_text(envelope.plan.release_rad, UnitSystem.SI)}."
         )
     return Conclusions(not short, verdict, tuple(lines))
 
 
-def _row(axis: str, found: Envelope, law: str) -> AxisRow:
-    shares, loader = found.shares(law), found.plan.given
-    cases = [row for kind in (Kind.PLANT, Kind.ARM) if (row := found.worst_case(law, kind)) is not None]
+def _row(axis: str, envelope: Envelope, law: str) -> AxisRow:
+    shares, loader = envelope.shares(law), envelope.plan.given
+    cases = [row for kind in (Kind.PLANT, Kind.ARM) if (row := envelope.worst_case(law, kind)) is not None]
     worst = max(cases, key=lambda row: row.lost, default=None)
     return AxisRow(
         axis,
         loader.name,
         loader.drive,
         law,
-        found.plan.release_rad,
+        envelope.plan.release_rad,
         shares.nominal_share,
         shares.worst_case_share,
-        found.drawn_shares(law).settings if found.plan.machines else nan,
+        envelope.drawn_shares(law).settings if envelope.plan.machines else nan,
         worst.case if worst else "",
         worst.lost if worst else 0.0,
     )

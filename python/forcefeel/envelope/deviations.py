@@ -119,12 +119,14 @@ def deviations_of(loader: Loader) -> Mapping[str, Deviation]:
     of_drive = MOTOR_CHANGES if loader.drive == ELECTRIC else CHANGES
     usual = {key: share for key, share in of_drive.items() if key not in OFF or _has_shares(loader, key)}
     assumed = {ORIFICE.get(key, key) if orifice else key: share for key, share in usual.items()}
-    found = {key: Deviation.within(share, Origin.ASSUMED) for key, share in assumed.items()}
-    stated = {key: it for key, it in loader.tolerances.items() if _counts(loader, key)}
+    deviations = {key: Deviation.within(share, Origin.ASSUMED) for key, share in assumed.items()}
+    stated = {key: tolerance for key, tolerance in loader.tolerances.items() if _counts(loader, key)}
     if wrong := beyond(stated):
         raise InputError("\n".join(wrong))
-    found |= {key: Deviation(_in_shares(it, loader[key]), _origin(loader, key)) for key, it in stated.items()}
-    return MappingProxyType(found)
+    deviations |= {
+        key: Deviation(_in_shares(tolerance, loader[key]), _origin(loader, key)) for key, tolerance in stated.items()
+    }
+    return MappingProxyType(deviations)
 
 
 def uncounted(loader: Loader) -> tuple[str, ...]:
@@ -147,15 +149,15 @@ def chosen_deviations(loader: Loader, changes: Mapping[str, float | Deviation] |
         return deviations_of(loader)
     for key in changes:
         _check_key(loader, key)
-    return MappingProxyType({key: _deviation(key, given) for key, given in changes.items()})
+    return MappingProxyType({key: _deviation(key, change) for key, change in changes.items()})
 
 
-def _deviation(key: str, given: float | Deviation) -> Deviation:
-    if isinstance(given, Deviation):
-        return given
-    if isinstance(given, bool) or not (isinstance(given, int | float) and 0 < given < 1):
-        raise InputError(f"changes: {key}: expected a share above 0 and below 1, got {show(given)}")
-    return Deviation.within(given)
+def _deviation(key: str, change: float | Deviation) -> Deviation:
+    if isinstance(change, Deviation):
+        return change
+    if isinstance(change, bool) or not (isinstance(change, int | float) and 0 < change < 1):
+        raise InputError(f"changes: {key}: expected a share above 0 and below 1, got {show(change)}")
+    return Deviation.within(change)
 
 
 def _check_key(loader: Loader, key: str) -> None:
@@ -186,7 +188,7 @@ def _in_shares(tolerance: Tolerance, value: float) -> Tolerance:
     """A tolerance in SI units as one in shares of the value's size."""
     size = abs(value)
     places = {name: getattr(tolerance, name) for name in ("low", "high", "peak")}
-    moved = {name: (place - value) / size for name, place in places.items() if place is not None}
+    moved = {name: (bound - value) / size for name, bound in places.items() if bound is not None}
     deviation = None if tolerance.deviation is None else tolerance.deviation / size
     return replace(tolerance, **moved, deviation=deviation, nominal=None)
 
@@ -198,8 +200,8 @@ def _origin(loader: Loader, key: str) -> Origin:
     own = BUILT_IN[loader.name]()
     if key not in own.tolerances or not loader.source.startswith(own.source):
         return Origin.FILE
-    mine, theirs = (_in_shares(one.tolerances[key], one[key]) for one in (loader, own))
-    same = mine.distribution is theirs.distribution and np.allclose(mine.ends, theirs.ends, rtol=_SAME, atol=0)
+    stated, built_in = (_in_shares(source.tolerances[key], source[key]) for source in (loader, own))
+    same = stated.distribution is built_in.distribution and np.allclose(stated.ends, built_in.ends, rtol=_SAME, atol=0)
     return Origin.ASSUMED if same else Origin.FILE
 
 

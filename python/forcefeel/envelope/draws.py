@@ -40,9 +40,9 @@ class Draws:
 
     def __post_init__(self) -> None:
         for name, most in (("count", MOST_DRAWS), ("seed", LARGEST_SEED)):
-            given = getattr(self, name)
-            if not isinstance(given, int) or isinstance(given, bool) or not 0 <= given <= most:
-                raise InputError(f"draws: {name}: expected a whole number from 0 to {most:,}, got {show(given)}")
+            number = getattr(self, name)
+            if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number <= most:
+                raise InputError(f"draws: {name}: expected a whole number from 0 to {most:,}, got {show(number)}")
 
     def machines(self, deviations: Mapping[str, Deviation]) -> tuple[Case, ...]:
         """The machines, hands off.

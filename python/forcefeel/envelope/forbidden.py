@@ -99,8 +99,8 @@ class Forbidden:
     @property
     def counts(self) -> dict[str, int]:
         """How many settings each reason forbids, of those that forbid any; each is counted once."""
-        found = np.bincount(self.reason[self.settings], minlength=len(REASONS)).tolist()
-        return {str(reason): count for reason, count in zip(REASONS, found, strict=True) if count}
+        counts = np.bincount(self.reason[self.settings], minlength=len(REASONS)).tolist()
+        return {str(reason): count for reason, count in zip(REASONS, counts, strict=True) if count}
 
     def of(self, reason: str) -> NDArray[np.bool_]:
         """Which settings one reason forbids."""
@@ -165,14 +165,14 @@ def _first_times(plan: Plan, feel: NDArray[np.float64], threads: int) -> _FirstT
     level = plan.rules.release.high * plan.release_rad
     for which, record in pieces(plan):
         ideal = ideal_releases(feel[which], plan.release_rad, record.step_s, record.samples)
-        found = measured(plan, record, ideal, threads)
-        swings[which] = found.count > 0
+        measures = measured(plan, record, ideal, threads)
+        swings[which] = measures.count > 0
         begins[which] = _falls_through(ideal, level, record.step_s)
         for turns, quantity, times in (
-            (True, "P0", found.cycles_s[:, 0]),
-            (False, "fall time", found.fall_time_s),
+            (True, "P0", measures.cycles_s[:, 0]),
+            (False, "fall time", measures.fall_time_s),
         ):
-            these = (found.count > 0) == turns
+            these = (measures.count > 0) == turns
             limit = plan.test.tolerance(quantity)
             time[which[these]] = times[these]
             if limit is not None:
@@ -183,7 +183,7 @@ def _first_times(plan: Plan, feel: NDArray[np.float64], threads: int) -> _FirstT
 def _falls_through(angles: NDArray[np.float64], level: float, step_s: float) -> NDArray[np.float64]:
     """When each history, (settings, samples), first falls through a level that it begins above, between two samples."""
     after = (angles < level).argmax(axis=1)
-    above, below = (angles[np.arange(len(angles)), place] for place in (after - 1, after))
+    above, below = (angles[np.arange(len(angles)), column] for column in (after - 1, after))
     return np.asarray((after - 1 + (above - level) / (above - below)) * step_s)
 
 

@@ -49,9 +49,9 @@ class Grips:
                 *_balanced([_analog(values, laws.single(loader, k).fixed) for k, values in enumerate(rows)]), None
             )
         loops = sampled_loops(loader, laws, rows)
-        place = np.zeros(loops.matrix.shape[1])
-        place[loops.base] = loader["column.grip_arm"] / loader["column.base_arm"]
-        models = [(m, b, place) for m, b in zip(loops.matrix, loops.by_force, strict=True)]
+        angle_row = np.zeros(loops.matrix.shape[1])
+        angle_row[loops.base] = loader["column.grip_arm"] / loader["column.base_arm"]
+        models = [(m, b, angle_row) for m, b in zip(loops.matrix, loops.by_force, strict=True)]
         return cls(*_balanced(models), loops.period_s)
 
     def poles_and_residues(self) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
@@ -102,9 +102,9 @@ _BASE, _BASE_RATE = 6, 7
 
 
 def _balanced(models: Sequence[_Model]) -> _Model:
-    found = []
+    balanced_models = []
     for a, b, row in models:
         balanced, (scale, _) = matrix_balance(a, permute=False, separate=True)
-        found.append((balanced, b / scale, row * scale))
-    matrix, by_force, row = (np.array(part) for part in zip(*found, strict=True))
+        balanced_models.append((balanced, b / scale, row * scale))
+    matrix, by_force, row = (np.array(part) for part in zip(*balanced_models, strict=True))
     return matrix, by_force, row

@@ -18,5 +18,5 @@ def ideal_releases(feel: NDArray[np.float64], angle: float, step_s: float, sampl
     starts = np.arange(blocks, dtype=np.float64) * (_BLOCK * step_s)
     # At rest before: the first column of the transition matrix.
     states = angle * _core.feel_transitions(feel, starts)[..., 0]
-    found = states @ within.swapaxes(1, 2)
-    return np.ascontiguousarray(found.reshape(len(feel), -1)[:, :samples])
+    angles = states @ within.swapaxes(1, 2)
+    return np.ascontiguousarray(angles.reshape(len(feel), -1)[:, :samples])

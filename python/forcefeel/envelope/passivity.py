@@ -107,15 +107,15 @@ def _bands(
 def _survey(loader: Loader, laws: Law, feel: NDArray[np.float64]) -> tuple[float, float]:
     """Shares of the settings that are stable and passive: everywhere, and up to ``ARM_HZ``."""
     frequency = np.geomspace(LOWEST_HZ, HIGHEST_HZ, _SURVEY)
-    found = np.zeros((2, len(feel)), dtype=bool)
+    passive = np.zeros((2, len(feel)), dtype=bool)
     for first in range(0, len(feel), _AT_A_TIME):
         some = slice(first, first + _AT_A_TIME)
         grips = Grips.of(loader, laws.some(some), feel[some])
         poles, residues = grips.poles_and_residues()
         admittance = np.einsum("nk,nkf->nf", residues, 1 / (grips.points(frequency) - poles[..., None]))
         good = (_short(admittance * grips.factor(frequency)) >= _DECOMPOSED) & grips.stable(poles)[:, None]
-        found[:, some] = good.all(axis=1), good[:, frequency <= ARM_HZ].all(axis=1)
-    everywhere, below = found.mean(axis=1)
+        passive[:, some] = good.all(axis=1), good[:, frequency <= ARM_HZ].all(axis=1)
+    everywhere, below = passive.mean(axis=1)
     return float(everywhere), float(below)
 
 

@@ -95,7 +95,7 @@ class Plan:
         if not self.laws:
             raise InputError(f"laws: expected at least one, such as {', '.join(NAMED_LAWS)}")
         deviations = chosen_deviations(loader, self.changes)
-        found = {
+        derived = {
             "loader": loader,
             "omitted": omitted,
             "deviations": deviations,
@@ -106,7 +106,7 @@ class Plan:
             "throw": Throw.of(self.given),
             "laws": MappingProxyType(dict(self.laws)),
         }
-        for name, value in found.items():
+        for name, value in derived.items():
             object.__setattr__(self, name, value)
 
     @property
@@ -120,7 +120,7 @@ class Plan:
         """The plan with those of ``SMALLER`` that are below its own angle; as it is where releases are linear."""
         if self.linear:
             return self
-        return replace(self, smaller_rad=tuple(one for one in SMALLER if one < _BELOW * self.release_rad))
+        return replace(self, smaller_rad=tuple(angle for angle in SMALLER if angle < _BELOW * self.release_rad))
 
     @property
     def releases(self) -> int:

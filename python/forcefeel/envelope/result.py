@@ -241,9 +241,10 @@ class Envelope:
     law_remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        found = map(self.shares, self.laws)
+        all_shares = map(self.shares, self.laws)
         each = "; ".join(
-            f"{it.law} passes at {it.nominal_share:.1%}, in every case at {it.worst_case_share:.1%}" for it in found
+            f"{shares.law} passes at {shares.nominal_share:.1%}, in every case at {shares.worst_case_share:.1%}"
+            for shares in all_shares
         )
         return f"<Envelope of {self.plan.given.name!r}, {self.plan.settings.count:,} settings: {each}>"
 
@@ -274,8 +275,8 @@ class Envelope:
         Example:
             >>> import forcefeel as ff
             >>> grid = {"stiffness": "5..100 %:4:log", "frequency": "1..4 Hz:3", "damping": "0.3, 0.7"}
-            >>> found = ff.find_envelope(ff.elevator(), ["converged"], grid)
-            >>> found.plot(damping=0.7).get_ylabel()
+            >>> envelope = ff.find_envelope(ff.elevator(), ["converged"], grid)
+            >>> envelope.plot(damping=0.7).get_ylabel()
             'Natural frequency, Hz'
         """
         from forcefeel.plots.draw import cells  # noqa: PLC0415  Matplotlib, for whoever plots
@@ -286,8 +287,8 @@ class Envelope:
         settings, loader = self.plan.settings, self.plan.given
         inertia, friction, stiffness = (loader[key] for key in FEEL_SETTING)
         frequency = (stiffness / inertia) ** 0.5
-        wanted = friction / (2 * inertia * frequency) if damping is None else damping
-        row = int(np.argmin(np.abs(np.array(settings.damping) - wanted)))
+        nearest_to = friction / (2 * inertia * frequency) if damping is None else damping
+        row = int(np.argmin(np.abs(np.array(settings.damping) - nearest_to)))
         return cells(
             self.kinds(name, worst=worst)[row],
             COLORS,
@@ -328,8 +329,8 @@ class Envelope:
     def shares(self, law: str) -> Shares:
         """A law in one number each."""
         stable, passes = self.stable(law), self.passes(law)
-        found = (stable[0], passes[0], stable.all(axis=0), passes.all(axis=0))
-        return Shares(law, *(float(which.mean()) for which in found))
+        masks = (stable[0], passes[0], stable.all(axis=0), passes.all(axis=0))
+        return Shares(law, *(float(which.mean()) for which in masks))
 
     def allowed_shares(self, law: str) -> AllowedShares:
         """A law's shares of the settings that are not forbidden to every law."""
@@ -358,8 +359,8 @@ class Envelope:
         """
         if not self.plan.machines:
             raise InputError("draws: expected machines that were drawn, got none; compute the envelope with some")
-        place, machines = self.laws.index(law), len(self.plan.machines)
-        passes = self.data["drawn_outcome"].values[place].reshape(machines, -1) == 0
+        index, machines = self.laws.index(law), len(self.plan.machines)
+        passes = self.data["drawn_outcome"].values[index].reshape(machines, -1) == 0
         share = passes.mean(axis=1)
         good = int((share >= MOST).sum())
         return DrawnShares(
@@ -398,16 +399,18 @@ class Envelope:
         order = list(Failure)
         kinds = [failure_of(outcome) for outcome in self.outcomes]
         table = np.array([-1 if kind is None else order.index(kind) for kind in kinds], dtype=np.int8)
-        found = table[self.codes(law)]
+        failing_kinds = table[self.codes(law)]
         if worst:
-            first = np.argmax(found >= 0, axis=0)
-            failing = np.take_along_axis(found, first[np.newaxis], axis=0)[0]
-            one = np.where((found == order.index(Failure.UNSTABLE)).any(axis=0), order.index(Failure.UNSTABLE), failing)
+            first = np.argmax(failing_kinds >= 0, axis=0)
+            failing = np.take_along_axis(failing_kinds, first[np.newaxis], axis=0)[0]
+            kinds_at = np.where(
+                (failing_kinds == order.index(Failure.UNSTABLE)).any(axis=0), order.index(Failure.UNSTABLE), failing
+            )
         else:
-            one = found[0]
+            kinds_at = failing_kinds[0]
         for which, kind in ((self.forbidden.settings, Failure.DRIVE), (self.forbidden.of(NOISE), Failure.NOISE)):
-            one = np.where((one >= 0) & which, order.index(kind), one)
-        return np.asarray(one.astype(np.int8).reshape(self.plan.settings.shape))
+            kinds_at = np.where((kinds_at >= 0) & which, order.index(kind), kinds_at)
+        return np.asarray(kinds_at.astype(np.int8).reshape(self.plan.settings.shape))
 
     def kinds(self, law: str, *, worst: bool) -> NDArray[np.int8]:
         """What becomes of each setting (damping, frequency, stiffness): places in ``COLORS``."""
@@ -425,8 +428,8 @@ class Envelope:
 
     def failure_shares(self, law: str, *, worst: bool = False) -> dict[Failure, float]:
         """Share of all settings that fail for each reason."""
-        found = self.failures(law, worst=worst)
-        return {kind: float((found == place).mean()) for place, kind in enumerate(Failure)}
+        failures = self.failures(law, worst=worst)
+        return {kind: float((failures == index).mean()) for index, kind in enumerate(Failure)}
 
     def smallest(self, law: str, *, worst: bool = False) -> Smallest:
         """The smallest inertia and stiffness that a law renders."""

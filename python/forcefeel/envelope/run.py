@@ -65,8 +65,8 @@ def find_envelope(
     Example:
         >>> import forcefeel as ff
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
-        >>> found = ff.find_envelope(ff.elevator(), ["original", "published"], grid)
-        >>> found.shares("original").stable
+        >>> envelope = ff.find_envelope(ff.elevator(), ["original", "published"], grid)
+        >>> envelope.shares("original").stable
         0.7777777777777778
     """
     return compute(make_plan(loader, laws, grid, **options), threads=threads, progress=progress)
@@ -101,10 +101,10 @@ def _compute(plan: Plan, groups: Sequence[tuple[Case, ...]], threads: int | None
     names, outcome, margin = _outcomes(plan, feel, laws, groups, threads, advance)
     smaller = []
     for angle in plan.smaller_rad:
-        there = replace(plan, angle_rad=angle)
-        _, found, _ = _outcomes(there, feel, laws, [(NOMINAL,)], threads, advance)
-        passes = {name: float((found[k] == _PASSES).mean()) for k, name in enumerate(laws)}
-        smaller.append(AngleShares(angle, 1 - float(forbidden(there, threads=threads).settings.mean()), passes))
+        smaller_plan = replace(plan, angle_rad=angle)
+        _, codes, _ = _outcomes(smaller_plan, feel, laws, [(NOMINAL,)], threads, advance)
+        passes = {name: float((codes[k] == _PASSES).mean()) for k, name in enumerate(laws)}
+        smaller.append(AngleShares(angle, 1 - float(forbidden(smaller_plan, threads=threads).settings.mean()), passes))
     grips = {name: passivity(plan.loader, plan.laws[name], law, feel) for name, law in laws.items()}
     outcomes = (PASSES, UNSTABLE, *names)
     # A law that is designed here is for what the plan left of the loader, one of a file for all of it.
@@ -137,10 +137,10 @@ def _outcomes(
                 references[piece, arms] = measured(plan, record, ideal, threads)
             for k, law in enumerate(some):
                 stable, angles = released(plan, cases, feel[which], law, record, threads)
-                found = measured(plan, record, angles, threads)
-                verdicts = judge_releases(found, references[piece, arms], plan.test, travel=plan.throw.travel_rad)
+                measures = measured(plan, record, angles, threads)
+                verdicts = judge_releases(measures, references[piece, arms], plan.test, travel=plan.throw.travel_rad)
                 names = verdicts.names
-                judged = (one.reshape(len(cases), -1) for one in _judged(verdicts, stable))
+                judged = (part.reshape(len(cases), -1) for part in _judged(verdicts, stable))
                 outcome[k, places][:, which], margin[k, places][:, which] = judged
                 advance(len(cases) * len(which))
     # The hand feels less than is programmed before it lets go, however good the release is after that.

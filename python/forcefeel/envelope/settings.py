@@ -85,16 +85,16 @@ class Settings:
             )
 
     @classmethod
-    def of(cls, given: Mapping[str, str | Sequence[float]]) -> "Settings":
+    def of(cls, grid: Mapping[str, str | Sequence[float]]) -> "Settings":
         """Settings from text such as ``{"stiffness": "1..100 %:40:log"}`` or SI values; defaults where not given.
 
         Raises:
             InputError: As the class, and if an axis is unknown or its text cannot be read.
         """
-        for name in given:
+        for name in grid:
             if name not in AXES:
                 raise InputError(f"grid: unknown axis {show(name)}; expected {', '.join(AXES)}")
-        return cls(**{name: _values(axis, given.get(name, axis.default)) for name, axis in AXES.items()})
+        return cls(**{name: _values(axis, grid.get(name, axis.default)) for name, axis in AXES.items()})
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -137,49 +137,49 @@ _SHOWN_VALUES = 6
 
 
 def _check(axis: Axis, values: Iterable[float]) -> None:
-    found = np.array(tuple(values), dtype=np.float64)
-    if found.ndim != 1 or len(found) < 2 or not np.all(np.isfinite(found)) or np.any(np.diff(found) <= 0):
-        given = ", ".join(f"{value:g}" for value in found.ravel()[:_SHOWN_VALUES]) or "none"
-        raise InputError(f"grid: {axis.name}: expected two or more rising values, as {axis.name}=0.3,1, got {given}")
+    array = np.array(tuple(values), dtype=np.float64)
+    if array.ndim != 1 or len(array) < 2 or not np.all(np.isfinite(array)) or np.any(np.diff(array) <= 0):
+        quoted = ", ".join(f"{value:g}" for value in array.ravel()[:_SHOWN_VALUES]) or "none"
+        raise InputError(f"grid: {axis.name}: expected two or more rising values, as {axis.name}=0.3,1, got {quoted}")
     rounding = 1e-9  # relative; a limit in other units is still the limit
-    if found[0] < axis.low * (1 - rounding) or found[-1] > axis.high * (1 + rounding):
-        low, high, first, last = (_shown(axis, value) for value in (axis.low, axis.high, found[0], found[-1]))
+    if array[0] < axis.low * (1 - rounding) or array[-1] > axis.high * (1 + rounding):
+        low, high, first, last = (_range_text(axis, value) for value in (axis.low, axis.high, array[0], array[-1]))
         raise InputError(f"grid: {axis.name}: expected values from {low} to {high}, got {first} to {last}; narrow it")
 
 
-def _shown(axis: Axis, value: float) -> str:
+def _range_text(axis: Axis, value: float) -> str:
     return f"{to_text(axis.unit.from_si(value, UnitSystem.US))} {axis.unit.shown(UnitSystem.US)}".strip()
 
 
-def _values(axis: Axis, given: str | Sequence[float]) -> tuple[float, ...]:
+def _values(axis: Axis, values: str | Sequence[float]) -> tuple[float, ...]:
     try:
-        if not isinstance(given, str):
-            return tuple(map(float, given))
-        return _span(axis, given) if ".." in given else _list(axis, given.split(","))
+        if not isinstance(values, str):
+            return tuple(map(float, values))
+        return _span(axis, values) if ".." in values else _list(axis, values.split(","))
     except InputError as error:
         raise InputError(f"grid: {axis.name}: {error}") from error
     except (TypeError, ValueError) as error:
-        raise InputError(f"grid: {axis.name}: expected text or numbers, got {show(given)}") from error
+        raise InputError(f"grid: {axis.name}: expected text or numbers, got {show(values)}") from error
 
 
 def _list(axis: Axis, texts: Sequence[str]) -> tuple[float, ...]:
     """Values one by one; those without a unit have that of the last."""
     *others, last = (text.strip() for text in texts)
     unit = _BARE.sub("", last, count=1).strip()
-    example = f"{_shown(axis, axis.low)}..{_shown(axis, axis.high)}:20"
-    filled = [f"{one} {unit}".strip() if _BARE.fullmatch(one) else one for one in others]
-    return tuple(parse(one, axis.unit.si, example) for one in (*filled, last))
+    example = f"{_range_text(axis, axis.low)}..{_range_text(axis, axis.high)}:20"
+    filled = [f"{text} {unit}".strip() if _BARE.fullmatch(text) else text for text in others]
+    return tuple(parse(text, axis.unit.si, example) for text in (*filled, last))
 
 
-def _span(axis: Axis, given: str) -> tuple[float, ...]:
+def _span(axis: Axis, text: str) -> tuple[float, ...]:
     """Values from one to another, evenly spaced or even in proportion."""
-    span, *rest = (part.strip() for part in given.split(":"))
+    span, *rest = (part.strip() for part in text.split(":"))
     whole = bool(rest) and rest[0].isdecimal() and rest[0].isascii() and 2 <= int(rest[0][:9]) <= MOST_SETTINGS
     if not whole or rest[1:] not in ([], ["log"]):
         forms = "from..to:how many, from..to:how many:log, or values with commas between"
-        raise InputError(f"expected {forms}, such as {axis.default!r}, got {show(given)}")
+        raise InputError(f"expected {forms}, such as {axis.default!r}, got {show(text)}")
     first, last = _list(axis, span.split("..", 1))
     if not (last > first and (first > 0 or not rest[1:])):
-        raise InputError(f"expected a first value below the last, above 0 with log, got {show(given)}")
+        raise InputError(f"expected a first value below the last, above 0 with log, got {show(text)}")
     make = np.geomspace if rest[1:] else np.linspace
     return tuple(make(first, last, int(rest[0])).tolist())

@@ -29,19 +29,19 @@ _SAME = 1e-9
 
 def tolerance_sentences(loader: Loader, deviations: Mapping[str, Deviation]) -> tuple[str, ...]:
     """A sentence for each who says how far parameters may be off, and one for the tolerances that no case is made of."""
-    found = []
-    for origin, said in _SAID.items():
+    sentences = []
+    for origin, heading in _SAID.items():
         groups: dict[str, list[str]] = {}
-        for key, one in deviations.items():
-            if one.origin is origin:
-                groups.setdefault(ends_text(one), []).append(key)
+        for key, deviation in deviations.items():
+            if deviation.origin is origin:
+                groups.setdefault(ends_text(deviation), []).append(key)
         if groups:
             parts = (f"{ends} of {', '.join(keys)}" for ends, keys in groups.items())
-            found.append(f"{said}: {'; '.join(parts)}.")
+            sentences.append(f"{heading}: {'; '.join(parts)}.")
     if left := [key for key in uncounted(loader) if key not in deviations]:
         why = "sensors count as calibrated, and absent parts have no deviation"
-        found.append(f"Tolerances omitted: {', '.join(left)} ({why}).")
-    return tuple(found)
+        sentences.append(f"Tolerances omitted: {', '.join(left)} ({why}).")
+    return tuple(sentences)
 
 
 def silent_sentences(loader: Loader) -> tuple[str, ...]:

@@ -61,17 +61,19 @@ def c_files(exported: Exported, *, single: bool) -> dict[str, str | bytes]:
     law, numbers = exported.law, exported.sampled()
     traced = traced_law(exported.loader, law, numbers, single=single)
     source = traced.source(exported.name)
-    given, pairs = golden_inputs(exported)
+    inputs, pairs = golden_inputs(exported)
     if single:
-        given = given.astype(np.float32).astype(np.float64)
-    given = within_ranges(given, source)
-    answers = np.vstack([traced.answers(given[k : k + PART], pairs[k : k + PART]) for k in range(0, len(given), PART)])
+        inputs = inputs.astype(np.float32).astype(np.float64)
+    inputs = within_ranges(inputs, source)
+    answers = np.vstack(
+        [traced.answers(inputs[k : k + PART], pairs[k : k + PART]) for k in range(0, len(inputs), PART)]
+    )
     fields = about(exported, numbers, single=single) | _of_source(source, exported.name, single=single)
     settings = numbers.settings
     fields |= {
-        "samples": len(given),
+        "samples": len(inputs),
         "part": PART,
-        "given": spelled_rows(given if settings > 1 else given[:, :7], single=single),
+        "given": spelled_rows(inputs if settings > 1 else inputs[:, :7], single=single),
         "pairs": ",\n".join(f"    {{{a}, {b}}}" for a, b in pairs),
         "answers": spelled_rows(answers, single=single),
     }
@@ -152,12 +154,12 @@ def recorded(loader: Loader, law: Law, scenario: Callable[[float], Scenario]) ->
             "exported against; give settings that this loader can be, or another law"
         )
     position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
-    found = np.zeros((PART, 8))
+    samples = np.zeros((PART, 8))
     base = history.column_angle_rad.values * loader["column.base_arm"]
     for column, values in enumerate((history.load_cell_force_n.values, history[position].values, base)):
-        found[:, column] = values[:PART]
-    found[:, 5] = 1.0
-    return found
+        samples[:, column] = values[:PART]
+    samples[:, 5] = 1.0
+    return samples
 
 
 def about(exported: Exported, numbers: SampledLaw, *, single: bool) -> dict[str, object]:
@@ -189,13 +191,13 @@ def about(exported: Exported, numbers: SampledLaw, *, single: bool) -> dict[str,
     }
 
 
-def within_ranges(given: NDArray[np.float64], source: LawSource) -> NDArray[np.float64]:
+def within_ranges(inputs: NDArray[np.float64], source: LawSource) -> NDArray[np.float64]:
     """Inputs (samples, 8), each that the law reads cut off at the ends of its range."""
-    found = given.copy()
+    clipped = inputs.copy()
     for name, (low, high) in source.inputs:
-        place = INPUTS.index(name)
-        found[:, place] = found[:, place].clip(low, high)
-    return found
+        column = INPUTS.index(name)
+        clipped[:, column] = clipped[:, column].clip(low, high)
+    return clipped
 
 
 def _of_source(source: LawSource, name: str, *, single: bool) -> dict[str, object]:
@@ -215,7 +217,7 @@ def _of_source(source: LawSource, name: str, *, single: bool) -> dict[str, objec
         "infinity": spelled_bits(math.inf, single=single, shifted=True),
         "checks": [_check(name, *of, single=single) for of in source.inputs] + _of_settings(name, source),
         "ranges": dict.fromkeys(INPUTS, "not read")
-        | {one: f"{low:.6g} to {high:.6g}" for one, (low, high) in source.inputs},
+        | {name: f"{low:.6g} to {high:.6g}" for name, (low, high) in source.inputs},
         "operations": f"{plain} as written, {looped} in loops over data",
     }
 

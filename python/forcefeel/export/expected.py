@@ -74,8 +74,8 @@ def _sampled(exported: Exported, loader: Loader) -> Expected:
 def _analog(exported: Exported, loader: Loader) -> Expected:
     angles, critical = [], []
     for setting, feel in enumerate(exported.settings):
-        here = loader.replace(dict(zip(FEEL_SETTING, feel.tolist(), strict=True)), si=True)
-        model = loader_model(here, exported.law.single(here, setting).fixed, Linkage.COMPLIANT)
+        at_setting = loader.replace(dict(zip(FEEL_SETTING, feel.tolist(), strict=True)), si=True)
+        model = loader_model(at_setting, exported.law.single(at_setting, setting).fixed, Linkage.COMPLIANT)
         n = len(model.A)
         block = np.zeros((n + 1, n + 1))
         block[:n, :n], block[:n, n] = model.A, model.B[:, 0]
@@ -92,8 +92,8 @@ def _times(between_s: float) -> NDArray[np.float64]:
 
 def _response(matrix: NDArray[np.float64], entry: NDArray[np.float64], state: int) -> NDArray[np.float64]:
     """One state after each step under an input of one."""
-    x, found = np.zeros(len(matrix)), np.empty(SAMPLES)
+    x, response = np.zeros(len(matrix)), np.empty(SAMPLES)
     for k in range(SAMPLES):
         x = matrix @ x + entry
-        found[k] = x[state]
-    return found
+        response[k] = x[state]
+    return response

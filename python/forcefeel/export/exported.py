@@ -56,7 +56,7 @@ class Exported:
 
     @classmethod
     def of(
-        cls, given: LawLike, loader: Loader, name: str = "loader", feel: NDArray[np.float64] | None = None
+        cls, law: LawLike, loader: Loader, name: str = "loader", feel: NDArray[np.float64] | None = None
     ) -> "Exported":
         """A law as ``Law.of`` makes it, for the settings I, B, G in ``feel`` (settings, 3), SI units; else the loader's own.
 
@@ -70,7 +70,7 @@ class Exported:
             >>> ff.export.Exported.of("robust", ff.digital_elevator(), "pitch", feel).settings.shape
             (2, 3)
         """
-        return cls(loader, Law.of(given, loader, feel), name)
+        return cls(loader, Law.of(law, loader, feel), name)
 
     def _check_time(self) -> None:
         """Refuses gains on a digital controller, which are neither a sampled law nor a loop in continuous time."""

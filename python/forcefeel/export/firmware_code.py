@@ -58,18 +58,18 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
     numbers = exported.sampled()
     triple = _installed(triple)
     axis = board_axis(exported)
-    given, words = golden_inputs(exported)
+    inputs, words = golden_inputs(exported)
     if single:
-        given = given.astype(np.float32).astype(np.float64)
-    answers, states = axis.answers(given, words.tolist(), single=single)
+        inputs = inputs.astype(np.float32).astype(np.float64)
+    answers, states = axis.answers(inputs, words.tolist(), single=single)
     loader = exported.loader
     functions = safety_functions(loader.si_values, loader.drive, numbers.period_s)
     fields = about(exported, numbers, single=single) | {
         "triple": triple,
         "board": triple == BOARD,
         "functions": [(name, does) for name, does, *_ in functions],
-        "samples": len(given),
-        "given": spelled_rows(given, single=single),
+        "samples": len(inputs),
+        "given": spelled_rows(inputs, single=single),
         "words": _words(words),
         "answers": spelled_rows(answers, single=single),
         "states": _words(states),
@@ -127,9 +127,9 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     stirred[:, 4:7] += np.repeat([0.02, 0.2, 0.5] * random.uniform(-1, 1, (-(-PART // 150), 3)), 150, axis=0)[:PART]
     stirred[:, 6] = np.abs(stirred[:, 6])
     added = 0.01 * loader["pilot.force"] * random.uniform(-1, 1, PART)
-    given = np.vstack([still, sweep, stopped, still, stirred])
-    given = np.column_stack([given, np.concatenate([np.zeros(len(given) - PART), added])])
-    words = np.zeros((len(given), 6), dtype=np.int64)
+    inputs = np.vstack([still, sweep, stopped, still, stirred])
+    inputs = np.column_stack([inputs, np.concatenate([np.zeros(len(inputs) - PART), added])])
+    words = np.zeros((len(inputs), 6), dtype=np.int64)
     begins = rest + PART + settled
     words[:, 2] = _ACTIVE
     words[0, 2] = words[begins - 10 : begins, 2] = _OFF
@@ -140,8 +140,8 @@ def golden_inputs(exported: Exported) -> tuple[NDArray[np.float64], NDArray[np.i
     for k in range(PART):
         block, within = divmod(k, 200)
         words[last + k, :2] = block % count, (block + 1) % count
-        given[last + k, 7] = within / 100 if count > 1 and within < 100 else 0.0
-    return given, words
+        inputs[last + k, 7] = within / 100 if count > 1 and within < 100 else 0.0
+    return inputs, words
 
 
 def _periods_until_on(exported: Exported) -> int:
@@ -182,8 +182,8 @@ def _numbers(exported: Exported, axis: BoardAxis) -> dict[str, object]:
         "points": len(knots),
         "numbers": ",\n".join(f"    {part}" for part in parts),
         "blocks": ",\n".join(
-            f"    {{\n        {row(one)},\n        {row(law)}\n    }}"
-            for one, law in zip(values.tolist(), laws.tolist(), strict=True)
+            f"    {{\n        {row(values_row)},\n        {row(law)}\n    }}"
+            for values_row, law in zip(values.tolist(), laws.tolist(), strict=True)
         ),
     }
 
@@ -198,19 +198,19 @@ def _installed(triple: str | None) -> str:
         raise InputError(
             "target: firmware is compiled by cargo, which is not found; install Rust, from https://rustup.rs"
         )
-    said = _told("rustc", "-vV").splitlines()
-    host = next(line.removeprefix("host: ") for line in said if line.startswith("host: "))
-    library = Path(_told("rustc", "--print", "sysroot").strip()) / "lib" / "rustlib"
-    there = sorted(path.parent.name for path in library.glob("*/lib"))
-    wanted = triple or host
-    if wanted not in there:
+    version_lines = _output_of("rustc", "-vV").splitlines()
+    host = next(line.removeprefix("host: ") for line in version_lines if line.startswith("host: "))
+    library = Path(_output_of("rustc", "--print", "sysroot").strip()) / "lib" / "rustlib"
+    installed = sorted(path.parent.name for path in library.glob("*/lib"))
+    target = triple or host
+    if target not in installed:
         raise InputError(
-            f"target: {show(wanted)} is not installed, {', '.join(there)} are; run rustup target add {wanted}, or name another"
+            f"target: {show(target)} is not installed, {', '.join(installed)} are; run rustup target add {target}, or name another"
         )
-    return wanted
+    return target
 
 
-def _told(*command: str) -> str:
+def _output_of(*command: str) -> str:
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise InputError(
@@ -235,8 +235,8 @@ def _library(triple: str, *, single: bool) -> bytes:
             (root / name).parent.mkdir(parents=True, exist_ok=True)
             (root / name).write_text(text, encoding="utf-8")
         feature = "single" if single else "alone"
-        asked = ("--release", "--quiet", "--package", "forcefeel-firmware", "--features", feature, "--target", triple)
-        command = ("cargo", "rustc", *asked, "--crate-type", "staticlib", "--target-dir", "built")
+        options = ("--release", "--quiet", "--package", "forcefeel-firmware", "--features", feature, "--target", triple)
+        command = ("cargo", "rustc", *options, "--crate-type", "staticlib", "--target-dir", "built")
         for network in (("--offline",), ()):
             done = subprocess.run((*command, *network), cwd=root, capture_output=True, text=True, check=False)
             if not done.returncode:

@@ -21,9 +21,9 @@ def library() -> bytes:
     Raises:
         InputError: If this installation has none.
     """
-    here = (sys.platform, platform.machine())
-    if here != _BUILT_FOR:
-        raise InputError(f"to: an FMU is made on {' '.join(_BUILT_FOR)} so far, and this is {' '.join(here)}")
+    machine = (sys.platform, platform.machine())
+    if machine != _BUILT_FOR:
+        raise InputError(f"to: an FMU is made on {' '.join(_BUILT_FOR)} so far, and this is {' '.join(machine)}")
     try:
         return LIBRARY.read_bytes()
     except OSError as error:

@@ -102,8 +102,8 @@ def parameter_sheet(exported: Exported) -> str:
     writer.writerow(COLUMNS)
     for row in _rows(exported):
         si, us = (row.unit.from_si(row.value, system) for system in (UnitSystem.SI, UnitSystem.US))
-        shown = (_text(repr(si), si), row.unit.si, _text(f"{us:.{DIGITS}g}", us), row.unit.us)
-        writer.writerow((row.setting or "", row.group, row.name, row.meaning, *shown))
+        columns = (_text(repr(si), si), row.unit.si, _text(f"{us:.{DIGITS}g}", us), row.unit.us)
+        writer.writerow((row.setting or "", row.group, row.name, row.meaning, *columns))
     return text.getvalue()
 
 
@@ -120,13 +120,13 @@ def _rows(exported: Exported) -> Iterator[Row]:
     yield from _of_loader(loader, "feel", nonlinear)
     yield from _curve(loader)
     yield from _cancellation(law)
-    for place, feel in enumerate(exported.settings):
+    for k, feel in enumerate(exported.settings):
         for key, value in zip(FEEL_SETTING, feel.tolist(), strict=True):
-            yield _row(loader, place + 1, "feel", key, value)
+            yield _row(loader, k + 1, "feel", key, value)
         if law.sampled is not None:
-            yield from _sampled(law.sampled, place, "A" if loader.drive == ELECTRIC else "V")
+            yield from _sampled(law.sampled, k, "A" if loader.drive == ELECTRIC else "V")
         else:
-            yield from _gains(law, loader, place)
+            yield from _gains(law, loader, k)
 
 
 def _of_loader(loader: Loader, group: str, keys: tuple[str, ...] | list[str]) -> Iterator[Row]:
@@ -174,69 +174,73 @@ def _row(loader: Loader, setting: int, group: str, key: str, value: float) -> Ro
     return Row(setting, group, key, meaning(row, loader.drive), value, units)
 
 
-def _gains(law: Law, loader: Loader, place: int) -> Iterator[Row]:
+def _gains(law: Law, loader: Loader, setting: int) -> Iterator[Row]:
     """Gains c_1 .. c_7; the original loop of eq. (13) has the loader's own."""
-    fixed = law.single(loader, place).fixed
+    fixed = law.single(loader, setting).fixed
     if fixed is None:
         return
     for symbol, state, value, units in zip(GAIN_SYMBOLS, DESIGN_STATES, fixed.gains, GAIN_UNITS, strict=True):
-        yield Row(place + 1, "gain", f"law.{symbol}", f"command on {state}", value, Unit(units.si, units.si, units.us))
+        yield Row(
+            setting + 1, "gain", f"law.{symbol}", f"command on {state}", value, Unit(units.si, units.si, units.us)
+        )
 
 
-def _sampled(law: SampledLaw, place: int, command: str) -> Iterator[Row]:
+def _sampled(law: SampledLaw, setting: int, command: str) -> Iterator[Row]:
     """The rows of a sampled law: [xi; y; delta; delta'; n] to torque and command, [xi; y; e] to the next xi."""
     n = law.states
     sampled = _SAMPLED[: law.input.shape[2] - 1]
     torque = Unit("N m", "N m", "lb in")
     for name, rows, of in (("command", law.command, Unit(command, command, command)), ("torque", law.torque, torque)):
-        yield from _on(place, name, rows[place].tolist(), of, (n, sampled))
-        value = float(law.neutral[place, ("command", "torque").index(name)])
+        yield from _on(setting, name, rows[setting].tolist(), of, (n, sampled))
+        value = float(law.neutral[setting, ("command", "torque").index(name)])
         yield Row(
-            place + 1, "gain", f"law.{name}_neutral", f"{name} on the feel's neutral", value, _per(of, _FEEL[0][1])
+            setting + 1, "gain", f"law.{name}_neutral", f"{name} on the feel's neutral", value, _per(of, _FEEL[0][1])
         )
     for row, column in product(range(n), range(n)):
         name = f"law.transition_{row + 1}_{column + 1}"
-        value = float(law.transition[place, row, column])
-        yield Row(place + 1, "gain", name, f"xi_{row + 1} on xi_{column + 1}", value, RATIO)
+        value = float(law.transition[setting, row, column])
+        yield Row(setting + 1, "gain", name, f"xi_{row + 1} on xi_{column + 1}", value, RATIO)
     entered = (*sampled, ("command", Unit(command, command, command)))
     for row, (column, (on, per)) in product(range(n), enumerate(entered)):
-        name, value = f"law.input_{row + 1}_{column + 1}", float(law.input[place, row, column])
-        yield Row(place + 1, "gain", name, f"xi_{row + 1} on {on}", value, _per(RATIO, per))
+        name, value = f"law.input_{row + 1}_{column + 1}", float(law.input[setting, row, column])
+        yield Row(setting + 1, "gain", name, f"xi_{row + 1} on {on}", value, _per(RATIO, per))
     for row, (column, (on, per)) in product(range(n), enumerate((*sampled, _FEEL[0]))):
-        name, value = f"law.settled_{row + 1}_{column + 1}", float(law.settled[place, row, column])
+        name, value = f"law.settled_{row + 1}_{column + 1}", float(law.settled[setting, row, column])
         yield Row(
-            place + 1, "gain", name, f"xi_{row + 1} in the closed loop's equilibrium on {on}", value, _per(RATIO, per)
+            setting + 1, "gain", name, f"xi_{row + 1} in the closed loop's equilibrium on {on}", value, _per(RATIO, per)
         )
     if law.knows_friction:
-        yield from _friction(place, law.friction[place].tolist(), (n, sampled))
+        yield from _friction(setting, law.friction[setting].tolist(), (n, sampled))
 
 
-def _friction(place: int, numbers: list[float], on: tuple[int, _Signals]) -> Iterator[Row]:
+def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> Iterator[Row]:
     """What a law knows of the column's dry friction: r, b, F, M, v_s, l, and how it learns."""
     rate, torque = Unit("rad/s", "rad/s", "rad/s"), Unit("N m", "N m", "lb in")
     n, sampled = on
     own = n + len(sampled) + len(_FEEL)
-    yield from _on(place, "friction_rate", numbers[:own], rate, on)
+    yield from _on(setting, "friction_rate", numbers[:own], rate, on)
     for k, value in enumerate(numbers[own:-OF_FRICTION], start=1):
-        yield Row(place + 1, "gain", f"law.friction_xi_{k}", f"xi_{k} on friction", value, _per(RATIO, torque))
+        yield Row(setting + 1, "gain", f"law.friction_xi_{k}", f"xi_{k} on friction", value, _per(RATIO, torque))
     units = (torque, torque, rate, RATIO, torque, torque, RATIO, torque, RATIO, RATIO)
     names = ("level", "margin", "slow_rate", "leak", "least_learnt", "most_learnt", "gain", "hand", "blur", "trust")
     for name, value, of in zip(names, numbers[-OF_FRICTION:], units, strict=True):
-        yield Row(place + 1, "gain", f"law.friction_{name}", f"{name.replace('_', ' ')} of the friction", value, of)
+        yield Row(setting + 1, "gain", f"law.friction_{name}", f"{name.replace('_', ' ')} of the friction", value, of)
 
 
-def _on(place: int, name: str, row: list[float], of: Unit, states: tuple[int, _Signals]) -> Iterator[Row]:
+def _on(setting: int, name: str, row: list[float], of: Unit, states: tuple[int, _Signals]) -> Iterator[Row]:
     n, sampled = states
     on = [*((f"xi_{k + 1}", RATIO) for k in range(n)), *sampled, *_FEEL]
     for column, ((what, per), value) in enumerate(zip(on, row, strict=True)):
-        yield Row(place + 1, "gain", f"law.{name}_{column + 1}", f"{name} on {what}", value, _per(of, per))
+        yield Row(setting + 1, "gain", f"law.{name}_{column + 1}", f"{name} on {what}", value, _per(of, per))
 
 
 def _per(of: Unit, per: Unit) -> Unit:
     """Units of a gain."""
 
-    def one(above: str, below: str) -> str:
-        over, under = (f"({it})" if "/" in it or (" " in it and it is below) else it for it in (above, below))
+    def quotient(above: str, below: str) -> str:
+        over, under = (
+            f"({name})" if "/" in name or (" " in name and name is below) else name for name in (above, below)
+        )
         return f"{over or 1}/{under}" if under else over
 
-    return Unit(one(of.si, per.si), one(of.metric, per.metric), one(of.us, per.us))
+    return Unit(quotient(of.si, per.si), quotient(of.metric, per.metric), quotient(of.us, per.us))

@@ -51,8 +51,8 @@ class LinearPlant:
         """The plant of a loader; of an analog valve also the states that its gains act on."""
         model = plant_model(loader, Linkage.COMPLIANT)
         position = "drive_position_m" if loader.drive == ELECTRIC else "piston_position_m"
-        shown = [model.output_labels.index(name) for name in (SAMPLED[0], position, SAMPLED[2])]
-        a, b, c = model.A, model.B, model.C[shown]
+        rows = [model.output_labels.index(name) for name in (SAMPLED[0], position, SAMPLED[2])]
+        a, b, c = model.A, model.B, model.C[rows]
         states = tuple(model.state_labels)
         outputs: tuple[str, ...] = SAMPLED
         if loader["controller.period"] == 0:
@@ -78,6 +78,6 @@ def _behind(system: tuple[NDArray[np.float64], ...], sensor: int, w: float) -> t
     a, b, c, d = system
     n = len(a)
     wide = np.block([[a, np.zeros((n, 1))], [w * c[[sensor]], np.full((1, 1), -w)]])
-    shown, at_once = np.hstack([c, np.zeros((len(c), 1))]), d.copy()
-    shown[sensor], at_once[sensor] = np.eye(n + 1)[n], 0.0
-    return wide, np.vstack([b, w * d[sensor]]), shown, at_once
+    lagged, at_once = np.hstack([c, np.zeros((len(c), 1))]), d.copy()
+    lagged[sensor], at_once[sensor] = np.eye(n + 1)[n], 0.0
+    return wide, np.vstack([b, w * d[sensor]]), lagged, at_once

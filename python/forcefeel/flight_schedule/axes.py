@@ -80,13 +80,13 @@ def check_axes(axes: Sequence[ScheduleAxis]) -> tuple[ScheduleAxis, ...]:
     Raises:
         InputError: If they are not.
     """
-    found = tuple(axes)
-    if not all(isinstance(axis, ScheduleAxis) for axis in found) or not 1 <= len(found) <= MOST_AXES:
-        raise InputError(f"axes: expected 1 to {MOST_AXES} of ScheduleAxis, got {show(list(found))}")
-    names = [axis.keyword for axis in found]
+    checked = tuple(axes)
+    if not all(isinstance(axis, ScheduleAxis) for axis in checked) or not 1 <= len(checked) <= MOST_AXES:
+        raise InputError(f"axes: expected 1 to {MOST_AXES} of ScheduleAxis, got {show(list(checked))}")
+    names = [axis.keyword for axis in checked]
     if len(set(names)) < len(names):
         raise InputError(f"axes: expected different names, got {', '.join(names)}; name each axis once")
-    return found
+    return checked
 
 
 def mesh(values: Sequence[Sequence[float] | NDArray[np.float64]]) -> NDArray[np.float64]:
@@ -107,15 +107,15 @@ def point_of(axes: Sequence[ScheduleAxis], where: Mapping[str, float]) -> NDArra
     return np.array([_within(axis, where[name]) for name, axis in known.items()])
 
 
-def _within(axis: ScheduleAxis, given: object) -> float:
+def _within(axis: ScheduleAxis, value: object) -> float:
     low, high = axis.values[0], axis.values[-1]
-    if isinstance(given, bool) or not isinstance(given, int | float | np.number) or not low <= given <= high:
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not low <= value <= high:
         ends = f"{to_text(low)} to {to_text(high)} {axis.unit}".rstrip()
         raise InputError(
-            f"{axis.keyword}: expected a number within the knots, {ends}, got {show(given)}; a schedule is not extrapolated, "
+            f"{axis.keyword}: expected a number within the knots, {ends}, got {show(value)}; a schedule is not extrapolated, "
             "add a knot beyond"
         )
-    return float(given)
+    return float(value)
 
 
 def place_text(axes: Sequence[ScheduleAxis], point: Sequence[float] | NDArray[np.float64]) -> str:

@@ -133,14 +133,14 @@ def _parts(
     where, knot, poles = still
     transitions, during = moving
 
-    def found(part: Part, poles: Poles, which: NDArray[np.bool_], place: Callable[[int], str]) -> PartFound:
+    def part_result(part: Part, poles: Poles, which: NDArray[np.bool_], place_of: Callable[[int], str]) -> PartFound:
         critical, largest = poles.critical[:, which], poles.largest[:, which]
         case, loop = _largest_of(critical)
         return PartFound(
             part=part,
             loops=largest.size,
             unstable=int((largest >= 1).sum()),
-            place=place(int(np.flatnonzero(which)[loop])),
+            place=place_of(int(np.flatnonzero(which)[loop])),
             case=cases[case].name,
             critical=float(critical[case, loop]),
             largest=float(largest.max()),
@@ -155,9 +155,9 @@ def _parts(
         return f"{100 * transitions.shares[share]:.3g} % of the way from {start} to {end}"
 
     return (
-        found(Part.KNOTS, poles, knot, at),
-        found(Part.BETWEEN, poles, ~knot, at),
-        found(Part.CHANGES, during, np.full(during.largest.shape[1], True), on_the_way),
+        part_result(Part.KNOTS, poles, knot, at),
+        part_result(Part.BETWEEN, poles, ~knot, at),
+        part_result(Part.CHANGES, during, np.full(during.largest.shape[1], True), on_the_way),
     )
 
 
@@ -171,10 +171,10 @@ def _remedy_helps(
     schedule: FlightSchedule, loader: Loader, cases: Sequence[Case], where: NDArray[np.float64], poles: Poles
 ) -> bool | None:
     """Whether a law of its own is stable at the worst place, in its case; ``None`` where all are stable."""
-    case, place = _largest_of(poles.largest)
-    if poles.largest[case, place] < 1:
+    case, loop = _largest_of(poles.largest)
+    if poles.largest[case, loop] < 1:
         return None
-    feel, _ = schedule.between(where[[place]])
+    feel, _ = schedule.between(where[[loop]])
     own = law_design(schedule.law).design(loader, feel)
     return bool(loops_of(loader, feel, own, cases[case], threads=1).stable[0])
 

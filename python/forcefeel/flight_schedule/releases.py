@@ -53,10 +53,10 @@ class ReleaseTest:
         """How each feel (settings, 3) with its law ends: passes, or the figure that fails first."""
         frequency, damping = _core.feel_frequencies(feel)
         outcome = np.full(len(feel), NOT_JUDGED, dtype=object)
-        asked = np.flatnonzero(damping >= AXES["damping"].low)
-        bands = np.floor(np.log(frequency[asked]) / _BAND)
+        judged = np.flatnonzero(damping >= AXES["damping"].low)
+        bands = np.floor(np.log(frequency[judged]) / _BAND)
         for band in np.unique(bands):
-            which = asked[bands == band]
+            which = judged[bands == band]
             record = _record(frequency[which].min(), damping[which].min(), loader["controller.period"])
             for chunk in record.chunks(len(which)):
                 some = which[chunk]

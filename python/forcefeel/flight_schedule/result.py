@@ -147,8 +147,8 @@ class ScheduleCheck:
     @property
     def dense(self) -> bool:
         """Whether no place between knots loses the release test that a law of its own would pass."""
-        return not any(one.lost for one in self.releases)
+        return not any(release.lost for release in self.releases)
 
     def part(self, which: Part) -> PartFound:
         """What one part came to."""
-        return next(one for one in self.parts if one.part is which)
+        return next(part for part in self.parts if part.part is which)

@@ -106,9 +106,9 @@ class FlightSchedule:
 
     def between(self, where: NDArray[np.float64]) -> tuple[NDArray[np.float64], SampledLaw]:
         """Feels (points, 3) and laws at many points (points, axes) within the knots."""
-        found = self._numbers(where)
+        numbers_at = self._numbers(where)
         shapes = [getattr(self.laws, name).shape[1:] for name in NUMBERS]
-        feel, *parts = np.split(found, np.cumsum([_FEEL, *map(prod, shapes[:-1])]), axis=1)
+        feel, *parts = np.split(numbers_at, np.cumsum([_FEEL, *map(prod, shapes[:-1])]), axis=1)
         numbers = (part.reshape(-1, *shape) for part, shape in zip(parts, shapes, strict=True))
         return feel, SampledLaw(self.laws.period_s, self.laws.delay_s, *numbers)
 
@@ -140,8 +140,8 @@ class FlightSchedule:
         Raises:
             InputError: As ``at``.
         """
-        there = self.at(**where)
-        return FeelChange(at_s, dict(zip(FEEL_SETTING, there.feel, strict=True)), fade_s, there.law)
+        setting = self.at(**where)
+        return FeelChange(at_s, dict(zip(FEEL_SETTING, setting.feel, strict=True)), fade_s, setting.law)
 
 
 def design_schedule(
@@ -170,19 +170,19 @@ def design_schedule(
         >>> ff.flight_schedule.design_schedule(ff.digital_elevator(), [pressure], feel).law
         'robust'
     """
-    found = check_axes(axes)
-    way = law_design(law)
+    checked = check_axes(axes)
+    design = law_design(law)
     try:
         values = np.array(feel, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise InputError(f"feel: expected I, B, G at every knot ({error})") from error
-    shape = (*(len(axis.values) for axis in found), _FEEL)
+    shape = (*(len(axis.values) for axis in checked), _FEEL)
     if values.shape != shape:
         raise InputError(f"feel: expected I, B, G at every knot, the shape {shape}, got {values.shape}")
     rows = values.reshape(-1, _FEEL)
     # Ranges are intervals, so what is between knots is in them too.
-    check_feel_range(rows, lambda knot: f"at {place_text(found, mesh([axis.values for axis in found])[knot])}")
-    return FlightSchedule(loader, law, found, values, way.design(loader, rows))
+    check_feel_range(rows, lambda knot: f"at {place_text(checked, mesh([axis.values for axis in checked])[knot])}")
+    return FlightSchedule(loader, law, checked, values, design.design(loader, rows))
 
 
 def second_order_feel(
@@ -207,10 +207,10 @@ def second_order_feel(
         (2, 3)
     """
     stiffness, frequency, damping = np.broadcast_arrays(
-        *(np.asarray(given, dtype=np.float64) for given in (stiffness_n_m_per_rad, frequency_hz, damping_ratio))
+        *(np.asarray(values, dtype=np.float64) for values in (stiffness_n_m_per_rad, frequency_hz, damping_ratio))
     )
     if not (frequency > 0).all():
         raise InputError("frequency_hz: expected numbers above 0")
-    given = (2 * np.pi * frequency, damping, stiffness)
-    inertia, damping = _core.feel_from_frequencies(*(np.ravel(one) for one in given))
+    parts = (2 * np.pi * frequency, damping, stiffness)
+    inertia, damping = _core.feel_from_frequencies(*(np.ravel(part) for part in parts))
     return np.stack([inertia.reshape(stiffness.shape), damping.reshape(stiffness.shape), stiffness], axis=-1)

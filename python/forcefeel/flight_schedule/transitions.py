@@ -48,20 +48,22 @@ class Transitions:
         """Feels and laws of all changes at all shares; the share runs fastest."""
         start, end = (np.repeat(self.ends[:, k], len(self.shares)) for k in (0, 1))
         share = np.tile(self.shares, len(self.ends))
-        one, two = schedule.laws.some(start), schedule.laws.some(end)
-        numbers = (_blend(getattr(one, name), getattr(two, name), share) for name in NUMBERS)
-        laws = SampledLaw(one.period_s, one.delay_s, *numbers)
+        first, second = schedule.laws.some(start), schedule.laws.some(end)
+        numbers = (_blend(getattr(first, name), getattr(second, name), share) for name in NUMBERS)
+        laws = SampledLaw(first.period_s, first.delay_s, *numbers)
         return blended_feel(schedule.rows[start], schedule.rows[end], share), laws
 
 
 def blended_feel(start: ArrayLike, end: ArrayLike, share: ArrayLike) -> NDArray[np.float64]:
     """I, B, G of a change from ``start`` to ``end`` (..., 3) held at a share of its way."""
-    one, two, s = np.asarray(start, dtype=float), np.asarray(end, dtype=float), np.asarray(share, dtype=float)
-    mobility = _blend(1 / one[..., 0], 1 / two[..., 0], s)
-    damping, stiffness = (_blend(one[..., k] / one[..., 0], two[..., k] / two[..., 0], s) / mobility for k in (1, 2))
+    first, second, s = np.asarray(start, dtype=float), np.asarray(end, dtype=float), np.asarray(share, dtype=float)
+    mobility = _blend(1 / first[..., 0], 1 / second[..., 0], s)
+    damping, stiffness = (
+        _blend(first[..., k] / first[..., 0], second[..., k] / second[..., 0], s) / mobility for k in (1, 2)
+    )
     return np.stack([1 / mobility, damping, stiffness], axis=-1)
 
 
-def _blend(one: NDArray[np.float64], two: NDArray[np.float64], share: NDArray[np.float64]) -> NDArray[np.float64]:
-    s = share.reshape(share.shape + (1,) * (one.ndim - share.ndim))
-    return np.asarray((1 - s) * one + s * two)
+def _blend(first: NDArray[np.float64], second: NDArray[np.float64], share: NDArray[np.float64]) -> NDArray[np.float64]:
+    s = share.reshape(share.shape + (1,) * (first.ndim - share.ndim))
+    return np.asarray((1 - s) * first + s * second)

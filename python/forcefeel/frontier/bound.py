@@ -91,7 +91,7 @@ class Bound:
         """
         places = np.flatnonzero(np.isclose(self.errors, error, rtol=_SAME))
         if not len(places):
-            raise InputError(f"error: expected one of {', '.join(f'{one:g}' for one in self.errors)}, got {error:g}")
+            raise InputError(f"error: expected one of {', '.join(f'{e:g}' for e in self.errors)}, got {error:g}")
         return np.asarray(self.possible[places[0]])
 
 
@@ -120,18 +120,18 @@ def inertia_bound(
     Raises:
         InputError: If the errors are not such, or do not rise.
     """
-    given = tuple(map(float, errors))
-    if not given or not all(0 < one < 1 for one in given) or any(np.diff(given) <= 0):
-        raise InputError(f"errors: expected rising shares above 0 and below 1, got {show(list(given))}")
-    shape = len(given), plan.settings.count
+    rising = tuple(map(float, errors))
+    if not rising or not all(0 < error < 1 for error in rising) or any(np.diff(rising) <= 0):
+        raise InputError(f"errors: expected rising shares above 0 and below 1, got {show(list(rising))}")
+    shape = len(rising), plan.settings.count
     possible, centred = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
     done = 0
     for referee in referees(plan, threads_or_cores(threads)):
-        for k, error in enumerate(given):
+        for k, error in enumerate(rising):
             possible[k, referee.which], centred[k, referee.which] = _possible(referee, error, lean)
         done += len(referee.which)
         progress(done, plan.settings.count)
-    return Bound(given, possible, centred)
+    return Bound(rising, possible, centred)
 
 
 def _possible(referee: Referee, error: float, lean: float) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -140,15 +140,15 @@ def _possible(referee: Referee, error: float, lean: float) -> tuple[NDArray[np.b
     off = (lean - 1) * size, (lean + 1) * size
     # At the nominal inertia, and with an arm, this one is the ideal itself.
     centred = referee.passes(referee.feel + off[0]) & referee.passes(referee.feel + off[1])
-    found = centred.copy()
+    possible = centred.copy()
     for damping in DAMPINGS:
-        left = np.flatnonzero(~found)
+        left = np.flatnonzero(~possible)
         if len(left):
             # All shifts in one batch.
             shifts = (np.repeat(SHIFTS, len(left))[:, None] - lean) * size
             renders = _renders(referee.some(np.tile(left, len(SHIFTS))), shifts, damping, off)
-            found[left] = renders.reshape(len(SHIFTS), -1).any(axis=0)
-    return found, centred
+            possible[left] = renders.reshape(len(SHIFTS), -1).any(axis=0)
+    return possible, centred
 
 
 def _renders(
@@ -156,9 +156,9 @@ def _renders(
 ) -> NDArray[np.bool_]:
     """Whether each trial response passes with the inertia off to either side, at its value, and with every arm."""
     trial = referee.feel * [1.0, damping, 1.0] + shifts
-    found = referee.passes(trial + off[0]) & referee.passes(trial + off[1])
-    if found.any():
-        found &= referee.passes(trial)
+    passes = referee.passes(trial + off[0]) & referee.passes(trial + off[1])
+    if passes.any():
+        passes &= referee.passes(trial)
         for arm in referee.plan.arms:
-            found &= referee.passes(trial, arm)
-    return found
+            passes &= referee.passes(trial, arm)
+    return passes

@@ -65,8 +65,8 @@ def demands(plan: Plan, peak: Peak, threads: int | None) -> tuple[NDArray[np.flo
     demand = np.zeros(plan.settings.count)
     for referee in referees(plan, threads_or_cores(threads)):
         demand[referee.which] = peak(referee, referee.feel)
-    found = forbidden(plan, threads=threads)
-    return demand, found.settings & ~found.of(NOISE)
+    limits = forbidden(plan, threads=threads)
+    return demand, limits.settings & ~limits.of(NOISE)
 
 
 def motion(

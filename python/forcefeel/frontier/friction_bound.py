@@ -94,13 +94,13 @@ def friction_bound(
     if FRICTION not in plan.deviations or not plan.loader[FRICTION]:
         return None
     tolerance = plan.deviations[FRICTION].size
-    asked = tuple(sorted({tolerance, *(one for one in errors if abs(one - tolerance) > _SAME)}))
+    all_errors = tuple(sorted({tolerance, *(error for error in errors if abs(error - tolerance) > _SAME)}))
     torque = plan.loader[FRICTION] * plan.loader["column.grip_arm"]
-    possible = np.zeros((len(asked), plan.settings.count), dtype=bool)
+    possible = np.zeros((len(all_errors), plan.settings.count), dtype=bool)
     for referee in referees(plan, threads_or_cores(threads)):
-        for k, error in enumerate(asked):
+        for k, error in enumerate(all_errors):
             possible[k, referee.which] = _possible(referee, error * torque)
-    return FrictionBound(plan.loader[FRICTION], tolerance, asked, possible)
+    return FrictionBound(plan.loader[FRICTION], tolerance, all_errors, possible)
 
 
 _SAME = 1e-9
@@ -109,12 +109,12 @@ _SAME = 1e-9
 
 def _possible(referee: Referee, off: float) -> NDArray[np.bool_]:
     """Where some lean and damping pass with the friction off by so much, as torque, to either side."""
-    found = np.zeros(len(referee.which), dtype=bool)
+    possible = np.zeros(len(referee.which), dtype=bool)
     for damping in DAMPINGS:
         for lean in LEANS:
-            if len(left := np.flatnonzero(~found)):
-                found[left] = _renders(referee.some(left), damping, off, lean)
-    return found
+            if len(left := np.flatnonzero(~possible)):
+                possible[left] = _renders(referee.some(left), damping, off, lean)
+    return possible
 
 
 def _renders(referee: Referee, damping: float, off: float, lean: float) -> NDArray[np.bool_]:
@@ -125,22 +125,22 @@ def _renders(referee: Referee, damping: float, off: float, lean: float) -> NDArr
         angles = rubbed_releases(carried, (end - lean) * off, referee.plan.release_rad, referee.record.time_s)
         return referee.judged(angles, arm)
 
-    found = passes(-1.0) & passes(1.0)
-    if found.any():
-        found &= passes(0.0)
+    rendered = passes(-1.0) & passes(1.0)
+    if rendered.any():
+        rendered &= passes(0.0)
         for arm in referee.plan.arms:
-            found &= passes(0.0, arm)
-    return found
+            rendered &= passes(0.0, arm)
+    return rendered
 
 
 def rubbed_releases(
     feel: NDArray[np.float64], friction: float, angle: float, time_s: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Releases (settings, samples) of I, B, G and a dry friction in N m, which drives on where it is below zero."""
-    found = np.empty((len(feel), len(time_s)))
-    for row, out in zip(feel, found, strict=True):
+    angles = np.empty((len(feel), len(time_s)))
+    for row, out in zip(feel, angles, strict=True):
         out[:] = _rubbed(row, friction, angle, time_s)
-    return found
+    return angles
 
 
 def _rubbed(

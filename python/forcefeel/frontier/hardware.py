@@ -157,7 +157,7 @@ def hardware(
         threads: How many; all cores if not given.
         progress: Called with the releases that are done and all there are.
     """
-    plan, found, done = rungs.full.plan, [], 0
+    plan, gains, done = rungs.full.plan, [], 0
     before = rungs.full.shares(rungs.law)
     total = hardware_releases(plan)
     for change in CHANGES:
@@ -175,10 +175,10 @@ def hardware(
         )
         after = compute(changed, threads=threads, progress=onward(progress, done, total))
         done += changed.settings.count * len(changed.cases)
-        found.append(_gain(change.name, change.remark, after.shares(change.law or rungs.law), before))
+        gains.append(_gain(change.name, change.remark, after.shares(change.law or rungs.law), before))
     if rungs.tolerances[INERTIA] > KNOWN_TO:
-        found += [_known(rungs, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
-    return tuple(sorted(found, key=lambda one: (-one.worst_gain, -one.nominal_gain)))
+        gains += [_known(rungs, before, keys) for keys in ((INERTIA,), KNOWN_BETTER)]
+    return tuple(sorted(gains, key=lambda gain: (-gain.worst_gain, -gain.nominal_gain)))
 
 
 def _gain(name: str, remark: str, after: Shares, before: Shares) -> Gain:
@@ -198,7 +198,7 @@ def _known(rungs: Rungs, before: Shares, keys: Sequence[str]) -> Gain:
     """Some parameters at the rung at which the inertia is known to 2 %, all else as it was: the same machine, better known."""
     full = rungs.tolerances[INERTIA]
     rung = min(range(len(rungs.factors)), key=lambda k: abs(rungs.factors[k] * full - KNOWN_TO))
-    worst, stable = (float(rungs.worst(keys, rung, stable=one).mean()) for one in (False, True))
+    worst, stable = (float(rungs.worst(keys, rung, stable=only_stable).mean()) for only_stable in (False, True))
     after = Shares(rungs.law, before.stable, before.nominal_share, stable, worst)
     what = "column inertia" if len(keys) == 1 else "column inertia, linkage ratio and base arm"
     return _gain(f"{what} known to {100 * rungs.factors[rung] * full:.3g} %", "the same machine", after, before)

@@ -48,8 +48,8 @@ class Frontier:
     Example:
         >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
-        >>> found = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
-        >>> found.envelope.laws
+        >>> frontier = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
+        >>> frontier.envelope.laws
         ('published',)
     """
 
@@ -99,12 +99,12 @@ class Frontier:
         """What limits each setting (damping, frequency, stiffness): places in ``Limit``."""
         passes = self.envelope.passes(self.law)
         order = list(Limit)
-        found = np.select(
+        codes = np.select(
             [passes.all(axis=0), self.drive.forbidden, ~self.possible, ~passes[0]],
-            [order.index(one) for one in (Limit.NONE, Limit.DRIVE, Limit.INERTIA, Limit.NOMINAL)],
+            [order.index(limit) for limit in (Limit.NONE, Limit.DRIVE, Limit.INERTIA, Limit.NOMINAL)],
             order.index(Limit.LAW),
         )
-        return np.asarray(found.astype(np.int8).reshape(self.plan.settings.shape))
+        return np.asarray(codes.astype(np.int8).reshape(self.plan.settings.shape))
 
     def text(self, limit: Limit) -> str:
         """A limit in words, with the drive by its name."""
@@ -118,7 +118,7 @@ class Frontier:
     @property
     def limit_shares(self) -> dict[Limit, float]:
         """Share of all settings under each limit."""
-        return {limit: float((self.limits == place).mean()) for place, limit in enumerate(Limit)}
+        return {limit: float((self.limits == index).mean()) for index, limit in enumerate(Limit)}
 
     @property
     def beyond_bound(self) -> Annotated[float, PERCENT]:

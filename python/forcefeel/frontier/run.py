@@ -62,8 +62,8 @@ def find_frontier(
     Example:
         >>> import forcefeel as ff
         >>> grid = {"stiffness": "20, 100 %", "frequency": "1.5, 3 Hz", "damping": "0.3, 0.7"}
-        >>> found = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
-        >>> found.law, found.inertia_tolerance
+        >>> frontier = ff.find_frontier(ff.elevator(), "published", grid, changes={"column.inertia": 0.2}, arms=())
+        >>> frontier.law, frontier.inertia_tolerance
         ('published', 0.2)
     """
     return compute_frontier(frontier_plan(loader, law, grid, **options), threads=threads, progress=progress)
@@ -113,6 +113,6 @@ def compute_frontier(
 
 def _errors(rungs: Rungs) -> list[float]:
     """Errors of the inertia at which the bound is asked: some for the curve, and the tolerance on every rung."""
-    asked = [factor * rungs.tolerances[INERTIA] for factor in rungs.factors]
-    others = [one for one in ERRORS if not any(isclose(one, other) for other in asked)]
-    return sorted([*asked, *others])
+    tolerances = [factor * rungs.tolerances[INERTIA] for factor in rungs.factors]
+    others = [error for error in ERRORS if not any(isclose(error, other) for other in tolerances)]
+    return sorted([*tolerances, *others])

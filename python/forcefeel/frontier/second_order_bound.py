@@ -46,19 +46,19 @@ class Referee:
         """
         carried = self.carrying(trial, arm)
         heavy = carried[:, 0] > 0
-        found = np.zeros(len(trial), dtype=bool)
+        passing = np.zeros(len(trial), dtype=bool)
         if heavy.any():
             # What has no inertia is not released at all: the setting's own stands in its row and is not counted.
-            there = np.where(heavy[:, None], carried, self.carrying(self.feel, arm))
-            found = self.judged(self._released(there), arm) & heavy
-        return found
+            feel = np.where(heavy[:, None], carried, self.carrying(self.feel, arm))
+            passing = self.judged(self._released(feel), arm) & heavy
+        return passing
 
     def judged(self, angles: NDArray[np.float64], arm: PilotArm | None = None) -> NDArray[np.bool_]:
         """Whether each setting's column angles over the record pass as its release."""
         if arm not in self._ideal:
             self._ideal[arm] = self._measured(self._released(self.carrying(self.feel, arm)))
-        found = self._measured(angles)
-        return judge_releases(found, self._ideal[arm], self.plan.test, travel=self.plan.throw.travel_rad).passed
+        measures = self._measured(angles)
+        return judge_releases(measures, self._ideal[arm], self.plan.test, travel=self.plan.throw.travel_rad).passed
 
     def carrying(self, feel: NDArray[np.float64], arm: PilotArm | None) -> NDArray[np.float64]:
         """I, B, G, a row each, with an arm."""

@@ -153,10 +153,10 @@ def _pair(rungs: Rungs, known: Sequence[str], last: int) -> Pair | None:
 def _costs(rungs: Rungs) -> tuple[Cost, ...]:
     names = [*rungs.tolerances, *(case.name for case in rungs.cases[0] if case.kind is Kind.ARM)]
     of = [np.array([name in {case.parameter, case.name} for case in rungs.cases[0]]) for name in names]
-    found = []
-    for name, mine in zip(names, of, strict=True):
-        passes, others = rungs.passes[0][mine].all(axis=0), rungs.passes[0][~mine].all(axis=0)
-        found.append(
+    costs = []
+    for name, in_case in zip(names, of, strict=True):
+        passes, others = rungs.passes[0][in_case].all(axis=0), rungs.passes[0][~in_case].all(axis=0)
+        costs.append(
             Cost(
                 name,
                 rungs.tolerances.get(name, float("nan")),
@@ -165,4 +165,4 @@ def _costs(rungs: Rungs) -> tuple[Cost, ...]:
                 float((others & ~passes).mean()),
             )
         )
-    return tuple(sorted(found, key=lambda one: (-one.only, -one.lost)))
+    return tuple(sorted(costs, key=lambda cost: (-cost.only, -cost.lost)))

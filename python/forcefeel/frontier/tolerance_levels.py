@@ -49,7 +49,7 @@ class Rungs:
     @property
     def tolerances(self) -> Mapping[str, float]:
         """The full tolerances by parameter: half the distance of the ends."""
-        return {key: it.size for key, it in self.full.plan.deviations.items()}
+        return {key: deviation.size for key, deviation in self.full.plan.deviations.items()}
 
     @property
     def nominal(self) -> NDArray[np.bool_]:
@@ -109,17 +109,17 @@ def climb(
     if factors[:1] != (1.0,) or any(np.diff(factors) >= 0) or factors[-1] <= 0:
         raise InputError(f"factors: expected rungs that fall from 1 and stay above 0, got {list(factors)}")
     total, done = rung_releases(plan, factors), 0
-    found: list[Envelope] = []
+    envelopes: list[Envelope] = []
     for factor in factors:
-        changes = {key: it.scaled(factor) for key, it in plan.deviations.items()}
+        changes = {key: deviation.scaled(factor) for key, deviation in plan.deviations.items()}
         arms = plan.arms if factor == 1.0 else ()
         rung = Plan(plan.given, plan.laws, plan.settings, plan.rule, changes, arms, plan.angle_rad)
-        found.append(compute(rung, threads=threads, progress=onward(progress, done, total)))
+        envelopes.append(compute(rung, threads=threads, progress=onward(progress, done, total)))
         done += rung.settings.count * len(rung.cases)
     return Rungs(
-        found[0],
+        envelopes[0],
         factors,
-        cases=tuple(one.plan.cases for one in found),
-        passes=tuple(one.passes(one.laws[0]) for one in found),
-        stable=tuple(one.stable(one.laws[0]) for one in found),
+        cases=tuple(envelope.plan.cases for envelope in envelopes),
+        passes=tuple(envelope.passes(envelope.laws[0]) for envelope in envelopes),
+        stable=tuple(envelope.stable(envelope.laws[0]) for envelope in envelopes),
     )

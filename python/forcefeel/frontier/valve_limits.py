@@ -60,15 +60,15 @@ def valve_limits(plan: Plan, *, threads: int | None = None) -> ValveLimits:
 
 def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
     """Largest flow at no load that each release asks for, as a share of what the spool lets through."""
-    loader, valve, found = referee.plan.loader, Valve(referee.plan.loader), np.zeros(len(feel))
+    loader, valve, peak = referee.plan.loader, Valve(referee.plan.loader), np.zeros(len(feel))
     arm, per_pressure = loader["column.grip_arm"], valve.force_per_pressure
     for velocity, acceleration, jerk in motion(referee, feel):
         pressure, pressure_rate = (
-            _core.column_grip_force(loader.si_values, one) / per_pressure for one in (acceleration, jerk)
+            _core.column_grip_force(loader.si_values, term) / per_pressure for term in (acceleration, jerk)
         )
         flow = per_pressure * arm * velocity + valve.statics.oil_compliance * pressure_rate
-        found = np.maximum(found, valve.statics.needed(flow, pressure) / valve.flow_m3_per_s)
-    return found
+        peak = np.maximum(peak, valve.statics.needed(flow, pressure) / valve.flow_m3_per_s)
+    return peak
 
 
 def _unload_s(loader: Loader, feel: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
@@ -77,5 +77,5 @@ def _unload_s(loader: Loader, feel: NDArray[np.float64], angle: float) -> NDArra
     held = -feel[:, 2] * angle / (valve.force_per_pressure * loader["column.grip_arm"])
     free = held * loader["column.inertia"] / feel[:, 0]
     jump, limit = free - held, valve.flow_m3_per_s
-    worse = np.maximum(*(valve.statics.needed(np.sign(jump) * limit, one) for one in (held, free))) / limit
+    worse = np.maximum(*(valve.statics.needed(np.sign(jump) * limit, pressure) for pressure in (held, free))) / limit
     return np.asarray(valve.statics.oil_compliance * np.abs(jump) * worse / limit)

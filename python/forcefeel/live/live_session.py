@@ -53,13 +53,13 @@ class LiveSession:
 
     columns = COLUMNS
 
-    def __init__(self, loop: Loop, asked: LoopSettings, law: Law) -> None:
+    def __init__(self, loop: Loop, settings: LoopSettings, law: Law) -> None:
         self.loop = loop
-        self.asked = asked
+        self.settings = settings
         self._designs, self._lock = Lock(), RLock()  # a stop waits for no design
         self._hand: dict[str, float | None] = {"force": 0.0, "hold_at": None}
         self.law = law
-        self.period_s: float = asked.loader["controller.period"]
+        self.period_s: float = settings.loader["controller.period"]
         self.fade_s = FADE_S
 
     def __enter__(self) -> Self:
@@ -99,7 +99,7 @@ class LiveSession:
     @property
     def loader(self) -> Loader:
         """The loader with the feel as programmed now."""
-        return self.asked.loader
+        return self.settings.loader
 
     @property
     def feel(self) -> Mapping[str, float]:
@@ -119,7 +119,7 @@ class LiveSession:
         checked_feel(rows)
         with self._designs:
             loader = self.loader.replace(rows, si=True)
-            law = Law.of(self.asked.law, loader) if self.law.sampled is not None else None
+            law = Law.of(self.settings.law, loader) if self.law.sampled is not None else None
             if law is not None and law.sampled is not None and self.law.sampled is not None:
                 came, had = law.sampled.states, self.law.sampled.states
                 if came != had:
@@ -133,7 +133,7 @@ class LiveSession:
     @property
     def trim_rad(self) -> float:
         """Commanded neutral of the feel, rad; it goes there at ``feel.trim_rate``, at most 0.1 rad/s."""
-        return self.asked.around["trim_rad"]
+        return self.settings.around["trim_rad"]
 
     @trim_rad.setter
     def trim_rad(self, angle: float) -> None:
@@ -142,7 +142,7 @@ class LiveSession:
     @property
     def stiffness_factor(self) -> float:
         """Factor on the feel's spring, such as that of a dynamic pressure."""
-        return self.asked.around["stiffness_factor"]
+        return self.settings.around["stiffness_factor"]
 
     @stiffness_factor.setter
     def stiffness_factor(self, factor: float) -> None:
@@ -151,7 +151,7 @@ class LiveSession:
     @property
     def shaker(self) -> float:
         """How far the stick shaker is on, 0 to 1."""
-        return self.asked.around["shaker"]
+        return self.settings.around["shaker"]
 
     @shaker.setter
     def shaker(self, share: float) -> None:
@@ -163,7 +163,7 @@ class LiveSession:
         if not low <= value <= high:
             raise InputError(f"{name}: expected {low:g} to {high:g}, got {value:g}")
         with self._lock:
-            self._request("around", list({**self.asked.around, name: float(value)}.values()))
+            self._request("around", list({**self.settings.around, name: float(value)}.values()))
 
     # What is done to a simulated machine.
 
@@ -224,7 +224,7 @@ class LiveSession:
     @property
     def fault(self) -> str:
         """What is broken of a simulated machine, the last of it; empty if nothing is."""
-        return self.asked.fault
+        return self.settings.fault
 
     # What was asked for, here or by a console in another process.
 
@@ -233,9 +233,11 @@ class LiveSession:
         with self._lock:
             taken = self.loop.request(name, numbers)
             if taken and name == "feel":
-                self.asked = replace(self.asked, loader=self.loader.replace(feel_rows(numbers, self.loader), si=True))
+                self.settings = replace(
+                    self.settings, loader=self.loader.replace(feel_rows(numbers, self.loader), si=True)
+                )
             elif taken and name == "around":
-                self.asked = replace(self.asked, around=dict(zip(self.asked.around, numbers, strict=True)))
+                self.settings = replace(self.settings, around=dict(zip(self.settings.around, numbers, strict=True)))
         return taken
 
     def take_disturbance(self, name: str, sensor: int, number: float | None) -> bool:
@@ -245,7 +247,7 @@ class LiveSession:
             if taken and name in self._hand:
                 self._hand[name] = number
             elif taken:
-                self.asked = replace(self.asked, fault="" if name == "repair" else name)
+                self.settings = replace(self.settings, fault="" if name == "repair" else name)
         return taken
 
     # What is seen of it.
@@ -303,8 +305,8 @@ class LiveSession:
         if (refused := self.loop.refused()) is None:
             return ()
         return tuple(
-            given if why is None else f"{not_given} ({why}): {remedy}, or run as root"
-            for why, (given, not_given, remedy) in zip(refused, _GRANTS, strict=True)
+            granted if why is None else f"{not_given} ({why}): {remedy}, or run as root"
+            for why, (granted, not_given, remedy) in zip(refused, _GRANTS, strict=True)
         )
 
     def wait(self, cycles: int, timeout_s: float = 60.0) -> None:
@@ -337,7 +339,7 @@ class LiveSession:
             )
 
     def _disturb(self, name: str, sensor: int = 0, number: float | None = None) -> None:
-        if not self.asked.simulated:
+        if not self.settings.simulated:
             raise InputError(
                 f"{name}: only a simulated machine has a hand and faults; this one is real, or is another process's"
             )

@@ -98,7 +98,7 @@ def read_live_record(path: str | Path) -> LiveRecord:
         >>> len(record.column("column_angle_rad")) >= 100
         True
     """
-    about, columns, rows, requests, broken, ended = _asked(path, _core.live_record)
+    about, columns, rows, requests, broken, ended = _answer_of(path, _core.live_record)
     return LiveRecord(about, tuple(columns), rows, tuple(requests), broken or "", ended or "")
 
 
@@ -116,11 +116,11 @@ def replay(path: str | Path) -> Replayed:
         >>> ff.live.replay("run.mcap").same
         True
     """
-    cycles, difference, gap, broken, ended = _asked(path, _core.live_replay)
+    cycles, difference, gap, broken, ended = _answer_of(path, _core.live_replay)
     return Replayed(cycles, difference, gap, broken or "", ended or "")
 
 
-def _asked(path: str | Path, question: Callable[[bytes], _Answer]) -> _Answer:
+def _answer_of(path: str | Path, question: Callable[[bytes], _Answer]) -> _Answer:
     data = read_input(Path(path), MOST_BYTES, "a record of a live run (.mcap)")
     try:
         return question(data)

@@ -25,9 +25,9 @@ def live_law(law: LawLike, loader: Loader) -> Law:
     check_loader(loader)
     period = loader["controller.period"]
     if not LEAST_PERIOD_S * (1 - 1e-9) <= period <= MOST_PERIOD_S * (1 + 1e-9):
-        given = f"{1e3 * period:g} ms" if period else "none: its controller is analog"
+        stated = f"{1e3 * period:g} ms" if period else "none: its controller is analog"
         raise InputError(
-            f"controller.period: a live loop needs {1e3 * LEAST_PERIOD_S:g} to {1e3 * MOST_PERIOD_S:g} ms, got {given}; "
+            f"controller.period: a live loop needs {1e3 * LEAST_PERIOD_S:g} to {1e3 * MOST_PERIOD_S:g} ms, got {stated}; "
             'state controller.period in the loader file, such as "0.5 ms"'
         )
     return Law.of(law, loader)

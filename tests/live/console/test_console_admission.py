@@ -95,7 +95,7 @@ def test_a_wrong_token_opens_no_connection(console):
 
 
 def test_an_origin_of_digits_is_checked_too():
-    admission = Admission(8731, asked=False)
+    admission = Admission(8731, token_required=False)
     admission.check_origin({"Host": "127.0.0.1:8731", "Origin": "http://127.0.0.1:8731"})
     with pytest.raises(Refused, match="another site"):
         admission.check_origin({"Host": "127.0.0.1:8731", "Origin": "http://localhost:8731"})

@@ -16,7 +16,7 @@ from forcefeel.units import ANGLE, UnitSystem
 def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, command: str = "") -> str:
     """The whole page, numbers in ``units``; ``choice`` is ``None`` for one method that was asked for by name."""
     plan = scored.plan
-    shown = _shown(scored, choice)
+    displayed = _displayed(scored, choice)
     over = any(score.over for score in scored.scores)
     return render(
         "choice/page/choice.html.j2",
@@ -27,15 +27,15 @@ def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, 
         scored=scored,
         choice=choice,
         over=over,
-        shown=shown,
+        shown=displayed,
         shares=choice_tables.shares(scored, choice) if over else None,
         laws=choice_tables.laws(scored),
         trade_off=drawing(choice_plots.trade_off(scored, choice), "trade-off") if over else "",
         bars=drawing(choice_plots.bars(scored, units), "margins-and-noise") if _some_stable(scored) else "",
         margins=choice_tables.margins(scored),
         demands=choice_tables.demands(scored, units),
-        release=drawing(choice_plots.release(scored, shown), "release-plot"),
-        poles=choice_tables.poles(shown[0]),
+        release=drawing(choice_plots.release(scored, displayed), "release-plot"),
+        poles=choice_tables.poles(displayed[0]),
         grid=choice_tables.grid(scored, units),
         tolerances=tolerances(plan.deviations),
         least={"gain": LEAST_GAIN, "phase": quantity_text(LEAST_PHASE_RAD, ANGLE, units, 3), "close": CLOSE},
@@ -49,7 +49,7 @@ def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, 
     )
 
 
-def _shown(scored: LawScores, choice: Choice | None) -> tuple[Score, ...]:
+def _displayed(scored: LawScores, choice: Choice | None) -> tuple[Score, ...]:
     """The law whose release is drawn: the chosen one; all where none is chosen."""
     if choice is None or choice.chosen is None:
         return scored.scores

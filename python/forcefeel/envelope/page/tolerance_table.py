@@ -22,10 +22,10 @@ def tolerances(deviations: Mapping[str, Deviation]) -> Table:
     rows = tuple(
         (
             words(parameter_name(key)),
-            Cell(ends_text(one).replace("-", _MINUS), "number"),
-            words(_SPREAD[one.spread.distribution]),
-            words(str(one.origin), bad=one.origin is Origin.ASSUMED),
+            Cell(ends_text(deviation).replace("-", _MINUS), "number"),
+            words(_SPREAD[deviation.spread.distribution]),
+            words(str(deviation.origin), bad=deviation.origin is Origin.ASSUMED),
         )
-        for key, one in deviations.items()
+        for key, deviation in deviations.items()
     )
     return Table((Cell("Parameter"), Cell("Off by", "number"), Cell("Distribution"), Cell("Stated by")), rows)

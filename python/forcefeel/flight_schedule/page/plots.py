@@ -26,24 +26,24 @@ _SIGNALS = (
 """What the command is made of, in the law's order, beside the observer's state, and what its gain is in per volt or ampere."""
 
 
-def poles(found: ScheduleCheck) -> go.Figure:
+def poles(check: ScheduleCheck) -> go.Figure:
     """Decay rate of the critical pole over each axis: the nominal plant, the worst case, and the programmed feel alone."""
-    schedule = found.schedule
+    schedule = check.schedule
     picture = _panels(schedule)
-    decay = found.poles.decay
-    feel, _ = schedule.between(found.where)
+    decay = check.poles.decay
+    feel, _ = schedule.between(check.where)
     curves = (
         ("nominal plant", decay[0], LineStyle(COMPENSATED, "solid", 2.6)),
         ("worst case", _least(decay), LineStyle(COMPLIANT)),
         ("I, B, G alone", _ideal_decay(feel), LineStyle(IDEAL, "dot")),
     )
     for row, axis in enumerate(schedule.axes):
-        x = axis.refined(found.refine)
+        x = axis.refined(check.refine)
         for name, values, look in curves:
-            y = _least_over_others(found, values, row)
+            y = _least_over_others(check, values, row)
             _curve(picture, row, name, (x, y), look, "%{y:.3~g} 1/s")
             if name != "I, B, G alone":
-                at = np.arange(len(x)) % found.refine == 0
+                at = np.arange(len(x)) % check.refine == 0
                 _marks(picture, row, x[at], y[at], look)
         _axis(picture, row, axis)
         picture.update_yaxes(title_text="Decay rate, 1/s", rangemode="tozero", row=row + 1, col=1, **ZERO)
@@ -63,9 +63,9 @@ def gains(schedule: FlightSchedule, refine: int, units: UnitSystem) -> go.Figure
             largest = float(np.abs(values).max())
             if largest == 0:
                 continue
-            shown = f"{number_text(measured_in.from_si(largest, units), 4)} {unit_text(measured_in.shown(units))}"
-            label = name if len(schedule.axes) > 1 else f"{name}, of {shown}"
-            _curve(picture, row, label, (along, values / largest), look, f"%{{y:.3f}} of {shown}")
+            text = f"{number_text(measured_in.from_si(largest, units), 4)} {unit_text(measured_in.shown(units))}"
+            label = name if len(schedule.axes) > 1 else f"{name}, of {text}"
+            _curve(picture, row, label, (along, values / largest), look, f"%{{y:.3f}} of {text}")
             at = np.arange(len(along)) % refine == 0
             _marks(picture, row, along[at], values[at] / largest, look)
         _axis(picture, row, axis)
@@ -136,8 +136,8 @@ def _least(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(np.isinf(least) & (least > 0), np.nan, least)
 
 
-def _least_over_others(found: ScheduleCheck, values: NDArray[np.float64], kept: int) -> NDArray[np.float64]:
+def _least_over_others(check: ScheduleCheck, values: NDArray[np.float64], kept: int) -> NDArray[np.float64]:
     """Along one axis, the least at any place of the others."""
-    shape = [(len(axis.values) - 1) * found.refine + 1 for axis in found.schedule.axes]
+    shape = [(len(axis.values) - 1) * check.refine + 1 for axis in check.schedule.axes]
     along = np.moveaxis(values.reshape(shape), kept, -1).reshape(-1, shape[kept])
     return _least(along)

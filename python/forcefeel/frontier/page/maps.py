@@ -48,15 +48,15 @@ class Panel:
     frequency: Markup
 
 
-def panels(found: Frontier, units: UnitSystem) -> tuple[Panel, ...]:
+def panels(frontier: Frontier, units: UnitSystem) -> tuple[Panel, ...]:
     """The maps by damping ratio; of more than eight, eight evenly spread."""
-    settings = found.plan.settings
+    settings = frontier.plan.settings
     damping = settings.damping
     percent = [number_text(100 * value, 3) for value in settings.stiffness]
     hertz = [number_text(HERTZ.from_si(value, units), 3) for value in settings.frequency]
     numbers = (marks("x", _middles(percent), percent, "%"), marks("y", _middles(hertz), hertz, "Hz"))
-    shown = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_PANELS, len(damping))).round().astype(int))
-    return tuple(Panel(f"ζ = {number_text(damping[k], 3)}", _drawing(found, k), *numbers) for k in map(int, shown))
+    rows = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_PANELS, len(damping))).round().astype(int))
+    return tuple(Panel(f"ζ = {number_text(damping[k], 3)}", _drawing(frontier, k), *numbers) for k in map(int, rows))
 
 
 def _middles(values: Sequence[str]) -> list[float]:
@@ -64,26 +64,26 @@ def _middles(values: Sequence[str]) -> list[float]:
     return [(k + 0.5) / len(values) for k in range(len(values))]
 
 
-def legend(found: Frontier) -> tuple[tuple[str, str, str], ...]:
+def legend(frontier: Frontier) -> tuple[tuple[str, str, str], ...]:
     """Name, colour and share of what is in the maps."""
     return tuple(
-        (found.text(limit), COLORS[limit], share_text(share))
-        for limit, share in found.limit_shares.items()
+        (frontier.text(limit), COLORS[limit], share_text(share))
+        for limit, share in frontier.limit_shares.items()
         if share > 0
     )
 
 
-def spans(found: Frontier, units: UnitSystem) -> dict[str, str]:
+def spans(frontier: Frontier, units: UnitSystem) -> dict[str, str]:
     """From where to where the axes run."""
-    settings = found.plan.settings
+    settings = frontier.plan.settings
     share = [number_text(100 * value, 3) for value in (settings.stiffness[0], settings.stiffness[-1])]
     hertz = [number_text(HERTZ.from_si(value, units), 3) for value in (settings.frequency[0], settings.frequency[-1])]
     return {"stiffness": f"{share[0]} to {share[1]} %", "frequency": f"{hertz[0]} to {hertz[1]} Hz"}
 
 
-def _drawing(found: Frontier, damping: int) -> Markup:
+def _drawing(frontier: Frontier, damping: int) -> Markup:
     """One map from what limits its settings (frequency, stiffness)."""
-    limits: NDArray[np.int8] = found.limits[damping]
+    limits: NDArray[np.int8] = frontier.limits[damping]
     order, (wide, high) = list(Limit), CELL
     rows, columns = limits.shape
     boxes = [
@@ -94,7 +94,7 @@ def _drawing(found: Frontier, damping: int) -> Markup:
     ]
     counts = np.bincount(limits.ravel(), minlength=len(order))
     says = ", ".join(
-        f"{found.text(limit)} {100 * count / limits.size:.0f} %"
+        f"{frontier.text(limit)} {100 * count / limits.size:.0f} %"
         for limit, count in zip(order, counts, strict=True)
         if count
     )

@@ -51,13 +51,13 @@ class Admission:
     Attributes:
         port: Where the server listens; cookies know no ports, so its name holds it.
         bind: The address that it is bound to.
-        asked: Whether a token is asked for; without, everybody on this machine may control.
+        token_required: Whether a request needs a token; without one, every user of this machine may control.
         control, watch: The tokens.
     """
 
     port: int
     bind: str = "127.0.0.1"
-    asked: bool = True
+    token_required: bool = True
     control: str = field(default_factory=_token, repr=False)
     watch: str = field(default_factory=_token, repr=False)
 
@@ -77,13 +77,13 @@ class Admission:
             Refused: If it may nothing: another Host, no token or a wrong one.
         """
         self._check_host(headers.get("Host", ""))
-        if not self.asked:
+        if not self.token_required:
             return Role.CONTROL
-        shown = self.token_of(path) or _bearer(headers) or self._of_cookie(headers)
-        if not shown:
+        token_sent = self.token_of(path) or _bearer(headers) or self._of_cookie(headers)
+        if not token_sent:
             raise Refused(403, "no token: open the address that forcefeel run printed, token and all")
         for token, role in ((self.control, Role.CONTROL), (self.watch, Role.WATCH)):
-            if hmac.compare_digest(shown.encode(), token.encode()):
+            if hmac.compare_digest(token_sent.encode(), token.encode()):
                 return role
         raise Refused(403, "wrong token: open the address that forcefeel run printed last")
 
@@ -95,7 +95,7 @@ class Admission:
         """
         origin = headers.get("Origin")
         if origin is None:
-            if self.asked and not _bearer(headers):
+            if self.token_required and not _bearer(headers):
                 raise Refused(403, "no Origin: a program shows its token by Authorization: Bearer TOKEN")
             return
         if origin not in {f"{scheme}://{headers.get('Host', '')}" for scheme in ("http", "https")}:
@@ -108,10 +108,10 @@ class Admission:
 
     def _of_cookie(self, headers: Mapping[str, str]) -> str:
         try:
-            found = SimpleCookie(headers.get("Cookie", "")).get(self.cookie)
+            morsel = SimpleCookie(headers.get("Cookie", "")).get(self.cookie)
         except CookieError:
             return ""
-        return found.value if found else ""
+        return morsel.value if morsel else ""
 
     def _check_host(self, host: str) -> None:
         try:

@@ -84,13 +84,13 @@ class Slider:
 
 def sliders(loader: Loader) -> tuple[Slider, ...]:
     """What can be set of a loader's feel."""
-    found = []
+    rows = []
     for key, (name, least, most) in _SLIDERS.items():
         smallest, largest = limits_si(TABLE[key])
         even = key in FEEL_SETTING and loader[key] > 0
         low, high = _around(loader, key) if even else (least, most or 1.0)
-        found.append(Slider(key, name, max(low, smallest), min(high, largest), even))
-    return tuple(found)
+        rows.append(Slider(key, name, max(low, smallest), min(high, largest), even))
+    return tuple(rows)
 
 
 def _around(loader: Loader, key: str) -> tuple[float, float]:
@@ -100,7 +100,7 @@ def _around(loader: Loader, key: str) -> tuple[float, float]:
 
 
 def description(
-    running: LiveSession, shown: tuple[Channel, ...], throw_rad: tuple[float, float], system: UnitSystem
+    running: LiveSession, displayed: tuple[Channel, ...], throw_rad: tuple[float, float], system: UnitSystem
 ) -> dict[str, Json]:
     """All of it, but for who is told."""
     loader = running.loader
@@ -111,9 +111,10 @@ def description(
         "period_ms": 1e3 * running.period_s,
         "frames_hz": RATE_HZ,
         "channels": [
-            {"column": one.column, "label": one.label, "unit": unit_text(one.unit.shown(system))} for one in shown
+            {"column": channel.column, "label": channel.label, "unit": unit_text(channel.unit.shown(system))}
+            for channel in displayed
         ],
-        "sliders": [one.as_json(system) for one in sliders(loader)],
+        "sliders": [slider.as_json(system) for slider in sliders(loader)],
         "angle": {
             "unit": ANGLE.shown(system),
             "scale": angle,
@@ -138,8 +139,8 @@ def host_json(running: LiveSession) -> Json:
     host = running.host
     if host is None:
         return None
-    heard = "none yet" if host.silent_s is None else "silent" if host.silent_s > _SILENT_S else "sends"
-    return {"listens": host.listens, "heard": heard, "share": round(host.share, 2), "refused": host.refused}
+    status = "none yet" if host.silent_s is None else "silent" if host.silent_s > _SILENT_S else "sends"
+    return {"listens": host.listens, "status": status, "share": round(host.share, 2), "refused": host.refused}
 
 
 _SILENT_S = 0.2

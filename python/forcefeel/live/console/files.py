@@ -33,12 +33,12 @@ def page_files() -> dict[str, tuple[str, bytes]]:
     shared = (
         resources.files("forcefeel.page") / "style.css.j2"
     )  # palette and type of all pages; nothing in it is filled in
-    found = {"/style.css": (_KINDS["css"], shared.read_bytes())}
+    answers = {"/style.css": (_KINDS["css"], shared.read_bytes())}
     for path in folder.iterdir():
         kind = _KINDS.get(path.name.rpartition(".")[2])
         if kind:
-            found["/" if path.name == "index.html" else f"/{path.name}"] = kind, path.read_bytes()
-    return found
+            answers["/" if path.name == "index.html" else f"/{path.name}"] = kind, path.read_bytes()
+    return answers
 
 
 def answer(status: int, body: bytes, kind: str = "text/plain; charset=utf-8", **more: str) -> Response:

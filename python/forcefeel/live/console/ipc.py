@@ -55,49 +55,49 @@ class LoopProxy:
 
     def request(self, name: str, numbers: list[float]) -> bool:
         """Asks something of the loop; whether there was room for it."""
-        return bool(self._asked("request", name, numbers))
+        return bool(self._query("request", name, numbers))
 
     def disturb(self, name: str, sensor: int = 0, number: float | None = None) -> bool:
         """Does something to a simulated machine; whether there was room for it."""
-        return bool(self._asked("disturb", name, sensor, number))
+        return bool(self._query("disturb", name, sensor, number))
 
     def status(self) -> Any:
         """As of the loop; so are the next ones."""
-        return self._asked("status")
+        return self._query("status")
 
     def recorded(self) -> Any:
         """See there."""
-        return self._asked("recorded")
+        return self._query("recorded")
 
     def host_status(self) -> Any:
         """See there."""
-        return self._asked("host_status")
+        return self._query("host_status")
 
     def timing(self) -> Any:
         """See there."""
-        return self._asked("timing")
+        return self._query("timing")
 
     def refused(self) -> Any:
         """See there."""
-        return self._asked("refused")
+        return self._query("refused")
 
     def history(self, since: float, most: int) -> NDArray[np.float64]:
         """The newest ``most`` rows of cycles after ``since``, part after part."""
-        found, cycle = [], COLUMNS.index("cycle")
+        parts, cycle = [], COLUMNS.index("cycle")
         while True:
             answer = self._answer("history", since, most)
             (most,) = _LEFT.unpack_from(answer)
             rows = np.frombuffer(answer, np.float64, offset=_LEFT.size).reshape(-1, len(COLUMNS))
-            found.append(rows)
+            parts.append(rows)
             if not most:
-                return np.concatenate(found)
+                return np.concatenate(parts)
             # All after it: of the newest so many some would be newer by now, and others left out.
             since, most = float(rows[-1, cycle]), _ALL
 
     def end(self) -> None:
         """Nothing: the loop is its own process's to end."""
 
-    def _asked(self, name: str, *arguments: object) -> Any:
+    def _query(self, name: str, *arguments: object) -> Any:
         answer = json.loads(self._answer(name, *arguments))
         if isinstance(answer, dict):
             raise InputError(answer["refused"])
@@ -146,12 +146,12 @@ class LoopServer:
         try:
             if name == "history":
                 return self._part(*arguments)
-            return json.dumps(self._found(name, arguments)).encode()
+            return json.dumps(self._execute(name, arguments)).encode()
         except Exception as error:
             # Whatever was wrong with what it asked: who answers the next one must not end by it.
             return json.dumps({"refused": str(error)}).encode()
 
-    def _found(self, name: str, arguments: list[Any]) -> object:
+    def _execute(self, name: str, arguments: list[Any]) -> object:
         if name == "request":
             return self._running.take_request(*arguments)
         if name == "disturb":

@@ -58,7 +58,7 @@ class Listener:
     def _address(self, token: str) -> str:
         bind = self.admission.bind
         name = socket.gethostname() if bind in ("0.0.0.0", "::") else f"[{bind}]" if ":" in bind else bind
-        return f"http://{name}:{self.admission.port}/" + (f"?token={token}" if self.admission.asked else "")
+        return f"http://{name}:{self.admission.port}/" + (f"?token={token}" if self.admission.token_required else "")
 
 
 def _listening(bind: str, port: int) -> socket.socket:

@@ -35,7 +35,7 @@ _PATIENCE_S = 2.0
 class _Begins:
     """What a server is told at its beginning."""
 
-    asked: LoopSettings
+    settings: LoopSettings
     admission: Admission
     setup: QualificationSetup
 
@@ -65,7 +65,7 @@ class ConsoleProcess:
 
     def __enter__(self) -> Self:
         """Starts a server."""
-        self._process, self._wire = self._begun()
+        self._process, self._wire = self._start_server()
         self._thread.start()
         return self
 
@@ -96,17 +96,17 @@ class ConsoleProcess:
                     return
                 self._process = None
                 if again:
-                    self._process, self._wire = self._begun()
+                    self._process, self._wire = self._start_server()
             self._tell(
                 f"the console's server ended ({how}); the loop goes on, and who had its hand on the column let go. "
                 + ("Another one serves at the same address" if again else "It ended too soon to be started again")
             )
         self._door.listening.close()  # who comes is refused, and does not wait
 
-    def _begun(self) -> tuple[subprocess.Popen[bytes], socket.socket]:
-        mine, its = pair()
-        with its:
-            handed = (its.fileno(), self._door.listening.fileno())
+    def _start_server(self) -> tuple[subprocess.Popen[bytes], socket.socket]:
+        wire, child_wire = pair()
+        with child_wire:
+            handed = (child_wire.fileno(), self._door.listening.fileno())
             # -P: no file of the folder that it is started in counts as a module. A group of its own: Ctrl-C is the loop's.
             process = subprocess.Popen(
                 [sys.executable, "-P", "-m", __name__, *map(str, handed)],
@@ -114,13 +114,13 @@ class ConsoleProcess:
                 pass_fds=handed,
                 process_group=0,
             )
-        begins = _Begins(self._running.asked, self._door.admission, self._setup)
+        begins = _Begins(self._running.settings, self._door.admission, self._setup)
         try:
             with process.stdin:  # type: ignore[union-attr]  # it is a pipe
                 pickle.dump(begins, process.stdin)  # type: ignore[arg-type]
         except OSError:
             pass  # it has ended, which is seen at once
-        return process, mine
+        return process, wire
 
 
 def _how(status: int) -> str:
@@ -134,8 +134,8 @@ def serve() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     wire, listening = (socket.socket(fileno=int(descriptor)) for descriptor in sys.argv[1:3])
     begins: _Begins = pickle.load(sys.stdin.buffer)
-    asked = begins.asked
-    running = LiveSession(LoopProxy(wire), asked, live_law(asked.law, asked.loader))
+    settings = begins.settings
+    running = LiveSession(LoopProxy(wire), settings, live_law(settings.law, settings.loader))
     with Server(running, Listener(listening, begins.admission), begins.setup) as server:
         while not ends.wait(_LOOKS_S):
             running.loop.status()  # ends this process where there is no loop

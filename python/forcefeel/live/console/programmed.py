@@ -74,14 +74,17 @@ class Programmed:
         # The outermost points are the turns, where there is one way only.
         kept = np.isfinite(swept.force_up_n) & np.isfinite(swept.force_down_n)
         ways = {"up": swept.force_up_n[kept], "down": swept.force_down_n[kept]}
-        found: dict[str, Json] = {"angle": shown(swept.position[kept] * ANGLE.from_si(1.0, system))}
+        curve: dict[str, Json] = {"angle": plot_values(swept.position[kept] * ANGLE.from_si(1.0, system))}
         for name, force in ways.items():
             limit = self.tolerance.limit(force, system=system)
-            found[name] = shown(force * scale)
-            found[f"{name}_low"], found[f"{name}_high"] = shown((force - limit) * scale), shown((force + limit) * scale)
-        return {**found, "tolerance": self.tolerance.text(system)}
+            curve[name] = plot_values(force * scale)
+            curve[f"{name}_low"], curve[f"{name}_high"] = (
+                plot_values((force - limit) * scale),
+                plot_values((force + limit) * scale),
+            )
+        return {**curve, "tolerance": self.tolerance.text(system)}
 
 
-def shown(values: NDArray[np.float64]) -> Json:
+def plot_values(values: NDArray[np.float64]) -> Json:
     """Numbers for a plot: five digits, and nothing where there is no number."""
     return [float(f"{value:.5g}") if np.isfinite(value) else None for value in values.tolist()]

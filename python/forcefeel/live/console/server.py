@@ -98,11 +98,11 @@ class Server:
         )
         # What fails of the group ends the server, whose watchers are told so; a picture that stands still would tell them nothing.
         async with server, self._desk, asyncio.TaskGroup() as tasks:
-            works = [tasks.create_task(one) for one in (_every(1 / RATE_HZ, self._desk.tick), *self._desk.works())]
+            works = [tasks.create_task(work) for work in (_every(1 / RATE_HZ, self._desk.tick), *self._desk.works())]
             self._ready.set()
             await self._end.wait()
-            for one in works:
-                one.cancel()
+            for work in works:
+                work.cancel()
 
     # HTTP.
 
@@ -140,7 +140,7 @@ class Server:
                 if watcher.floods():
                     await connection.close(1008, "too many commands")
                     break
-                refusal = self._asked(watcher, message)
+                refusal = self._respond(watcher, message)
                 if refusal and watcher.is_refused():
                     await connection.close(1008, "too many commands that are none")
                     break
@@ -151,7 +151,7 @@ class Server:
         finally:
             self._desk.leave(watcher)
 
-    def _asked(self, watcher: Watcher, message: str | bytes) -> str:
+    def _respond(self, watcher: Watcher, message: str | bytes) -> str:
         """Carries out a command; tells why not, if not."""
         try:
             self._desk.carry_out(watcher, command_of(message))

@@ -53,10 +53,10 @@ class ConsoleSession:
     def __init__(self, running: LiveSession, setup: QualificationSetup, watchers: Watchers) -> None:
         self.watchers = watchers
         self._running, self._setup, self._ticks = running, setup, 0
-        loader, shown = running.loader, channels(running, running.loader)
+        loader, displayed = running.loader, channels(running, running.loader)
         throw = Throw.of(loader, setup.throw_rad)
-        self._telemetry = Telemetry(running, shown, setup.system)
-        self._description = description(running, shown, (throw.low_rad, throw.high_rad), setup.system)
+        self._telemetry = Telemetry(running, displayed, setup.system)
+        self._description = description(running, displayed, (throw.low_rad, throw.high_rad), setup.system)
         self._has_hand = _has_hand(running)
         self._description["hand"] = self._has_hand
         self._hand_until, self._ticked = 0.0, time.monotonic()
@@ -197,7 +197,7 @@ class ConsoleSession:
             text = _text(kind="curve", curve=None, reason=str(error))
         self.watchers.post("curve", text)
 
-    def _begin(self, asked: RuleTest) -> None:
+    def _begin(self, test: RuleTest) -> None:
         if not self._has_hand:
             raise InputError(
                 "only a simulated machine has a hand; record a test by hand and give it to qualify --record"
@@ -205,22 +205,22 @@ class ConsoleSession:
         if self._test is not None:
             raise InputError("a test is under way; break it off first")
         self._test_ended = Event()
-        self._test = asyncio.create_task(self._make(asked, self._test_ended))
+        self._test = asyncio.create_task(self._make(test, self._test_ended))
 
-    async def _make(self, asked: RuleTest, ended: Event) -> None:
+    async def _make(self, test: RuleTest, ended: Event) -> None:
         self._let_go()
-        result: dict[str, Json] = {"test": asked.test}
+        result: dict[str, Json] = {"test": test.test}
         loop = asyncio.get_running_loop()
 
         def tell(what: str, share: float) -> None:
-            loop.call_soon_threadsafe(self._progressed, asked.test, what, share)
+            loop.call_soon_threadsafe(self._progressed, test.test, what, share)
 
         try:
             programmed = await asyncio.to_thread(Programmed.of, self._running.loader, self._setup)
             by_hand = SimulatedPilot(self._running, self._setup, programmed, tell, ended)
-            make = by_hand.sweep if asked.test == "sweep" else lambda: by_hand.release(asked.side)
-            found = await asyncio.to_thread(make)
-            result["judged"] = await asyncio.to_thread(verdict_json, found)
+            make = by_hand.sweep if test.test == "sweep" else lambda: by_hand.release(test.side)
+            qualification = await asyncio.to_thread(make)
+            result["judged"] = await asyncio.to_thread(verdict_json, qualification)
         except (Aborted, InputError) as error:
             result["reason"] = str(error)
         finally:
@@ -270,7 +270,7 @@ class ConsoleSession:
                 missed=state.missed,
                 record_ended=state.record_ended,
                 ended=state.ended,
-                trips=[{"name": it.name, "sentence": it.sentence} for it in running.trips],
+                trips=[{"name": trip.name, "sentence": trip.sentence} for trip in running.trips],
                 holder=holder and holder.number,
                 watchers=len(self.watchers),
                 feel=feel_json(running),

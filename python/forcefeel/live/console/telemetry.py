@@ -49,17 +49,17 @@ class Channel:
 def channels(running: LiveSession, loader: Loader) -> tuple[Channel, ...]:
     """The columns that the page shows, of those that the loop has."""
     electric, arm = loader.drive == "electric", 1 / loader["column.grip_arm"]
-    asked = MOTOR_CURRENT if electric else VOLTAGE
+    command_unit = MOTOR_CURRENT if electric else VOLTAGE
     known = (
         Channel("column_angle_rad", "column", ANGLE),
         Channel("feel_angle_rad", "programmed", ANGLE),
         Channel("neutral_rad", "trim", ANGLE),
         Channel("pilot_force_n", "hand", FORCE),
         Channel("feel_torque_n_m", f"as the law finds it, over {FOUND_OVER_S:g} s", FORCE, arm, FOUND_OVER_S),
-        Channel("law_command", "asked for", asked),
-        Channel("command", "sent", asked),
+        Channel("law_command", "asked for", command_unit),
+        Channel("command", "sent", command_unit),
     )
-    return tuple(one for one in known if one.column in running.columns)
+    return tuple(channel for channel in known if channel.column in running.columns)
 
 
 class Telemetry:
@@ -71,16 +71,16 @@ class Telemetry:
         system: In which units.
     """
 
-    def __init__(self, running: LiveSession, shown: Sequence[Channel], system: UnitSystem) -> None:
-        place: Mapping[str, int] = {name: k for k, name in enumerate(running.columns)}
+    def __init__(self, running: LiveSession, displayed: Sequence[Channel], system: UnitSystem) -> None:
+        column_of: Mapping[str, int] = {name: k for k, name in enumerate(running.columns)}
         self._running = running
-        self._taken = [place[one.column] for one in shown]
-        self._scale = np.array([one.by * one.unit.from_si(1.0, system) for one in shown])
-        self._time, self._cycle = place["time_s"], place["cycle"]
+        self._taken = [column_of[channel.column] for channel in displayed]
+        self._scale = np.array([channel.by * channel.unit.from_si(1.0, system) for channel in displayed])
+        self._time, self._cycle = column_of["time_s"], column_of["cycle"]
         self._means = {
-            k: Mean(round(one.over_s / running.period_s))
-            for k, one in enumerate(shown)
-            if one.over_s > running.period_s
+            k: Mean(round(channel.over_s / running.period_s))
+            for k, channel in enumerate(displayed)
+            if channel.over_s > running.period_s
         }
         self._seen, self._number = -1, 0
 

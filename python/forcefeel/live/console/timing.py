@@ -22,7 +22,7 @@ def timing_json(timing: Timing) -> dict[str, Json]:
 def _histogram(of: Histogram) -> Json:
     middles = (of.edges_us[:-1] + of.edges_us[1:]) / 2
     binned, _ = np.histogram(np.clip(middles, 0.0, _EDGES_US[-1]), _EDGES_US, weights=of.counts)
-    found: dict[str, Json] = {"counts": [int(count) for count in binned]}
+    histogram: dict[str, Json] = {"counts": [int(count) for count in binned]}
     for name, share in _SHARES.items():
-        found[name] = of.quantile_us(share) if of.total else None
-    return found
+        histogram[name] = of.quantile_us(share) if of.total else None
+    return histogram

@@ -99,9 +99,9 @@ class Watchers:
 
     def turn_out(self) -> None:
         """Ends the connections of all; their pages open others."""
-        for one in self:
-            one.outdated = True
-            task = asyncio.ensure_future(one.connection.close(_AGAIN, "the console was held up"))
+        for watcher in self:
+            watcher.outdated = True
+            task = asyncio.ensure_future(watcher.connection.close(_AGAIN, "the console was held up"))
             self._closing.add(task)
             task.add_done_callback(self._closing.discard)
 
@@ -136,15 +136,15 @@ class Watchers:
 
     def send(self, frame: bytes | None) -> None:
         """A frame and what notices each lacks, to all who can take them."""
-        ready = [one for one in self if not one.behind]
+        ready = [watcher for watcher in self if not watcher.behind]
         if frame is not None:
             _send(ready, frame)
         for kind, (version, text) in self._notices.items():
-            lack = [one for one in ready if one.seen.get(kind) != version]
+            lack = [watcher for watcher in ready if watcher.seen.get(kind) != version]
             _send(lack, text)
-            for one in lack:
-                one.seen[kind] = version
+            for watcher in lack:
+                watcher.seen[kind] = version
 
 
 def _send(to: Iterable[Watcher], message: str | bytes) -> None:
-    broadcast([one.connection for one in to], message)
+    broadcast([watcher.connection for watcher in to], message)

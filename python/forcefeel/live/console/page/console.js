@@ -83,7 +83,7 @@ function show(now) {
   by("record").textContent = `The record has ended, and the loop goes on: ${now.record_ended}.`;
   by("watchers").textContent = now.watchers;
   by("simulator").hidden = !now.host;
-  if (now.host) by("host").textContent = `${now.host.heard}; share in the feel ${text(now.host.share)}`;
+  if (now.host) by("host").textContent = `${now.host.status}; share in the feel ${text(now.host.share)}`;
   feel.show(now);
   judged.progress(now.test);
   trips(now.trips, mine || free);
