@@ -1,4 +1,4 @@
-"""Methods that were tried, for machines: every number with its unit, and the law that is taken."""
+"""Comparison of laws as JSON: every number with its unit, and the chosen law."""
 
 from importlib.metadata import version
 
@@ -17,12 +17,12 @@ from forcefeel.units import ANGLE, SECONDS, UnitSystem
 
 
 def choice_json(scored: LawScores, choice: Choice | None, units: UnitSystem) -> dict[str, Json]:
-    """What was tried, what is taken, and why.
+    """Scores of all laws, the chosen law and the reasons.
 
     Args:
-        scored: The methods.
-        choice: The choice; ``None`` for one method that was asked for by name.
-        units: Of every number but those of the law, which are SI.
+        scored: The laws with their scores.
+        choice: The choice; ``None`` for one law requested by name.
+        units: Units of all numbers except those of the law, which are SI.
     """
     plan, loader = scored.plan, scored.plan.loader
     conclusions = design_conclusions(scored, units) if choice is None else choice_conclusions(scored, choice, units)

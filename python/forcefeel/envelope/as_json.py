@@ -1,4 +1,4 @@
-"""An envelope for machines: its figures as plain data, every number with its unit, and its settings as a table."""
+"""Envelope as JSON, every number with its unit, and its settings as CSV."""
 
 import csv
 import io
@@ -20,7 +20,7 @@ from forcefeel.units import ANGLE, INERTIA, PERCENT, UnitSystem
 
 
 def envelope_json(envelope: Envelope, units: UnitSystem) -> dict[str, Json]:
-    """What an envelope says, and of what."""
+    """Results and inputs of an envelope."""
     plan = envelope.plan
     return {
         "forcefeel": version("forcefeel"),
@@ -43,7 +43,7 @@ def envelope_json(envelope: Envelope, units: UnitSystem) -> dict[str, Json]:
 
 
 def cockpit_json(cockpit: CockpitEnvelope, units: UnitSystem) -> dict[str, Json]:
-    """The table over the axes, then what the envelope of each says."""
+    """Table of all axes, then the envelope of each axis."""
     return {
         "forcefeel": version("forcefeel"),
         "units": str(units),
@@ -55,7 +55,7 @@ def cockpit_json(cockpit: CockpitEnvelope, units: UnitSystem) -> dict[str, Json]
 
 
 def rule_json(plan: Plan) -> dict[str, Json]:
-    """The release test that is asked for."""
+    """The required release test."""
     return {
         "edition": plan.rule,
         "title": plan.rules.title,
@@ -65,7 +65,7 @@ def rule_json(plan: Plan) -> dict[str, Json]:
 
 
 def grid_json(settings: Settings, units: UnitSystem) -> dict[str, Json]:
-    """The values along each axis."""
+    """Values along each axis."""
     return {
         name: {
             "unit": axis.unit.shown(units),
@@ -76,7 +76,7 @@ def grid_json(settings: Settings, units: UnitSystem) -> dict[str, Json]:
 
 
 def deviations_json(deviations: Mapping[str, Deviation]) -> list[Json]:
-    """How far each parameter may be off, in per cent of its value, and who says so; cases are made of its ends."""
+    """Deviation of each parameter in percent of its value, with its source; the cases use its ends."""
     return [
         {
             "parameter": key,
@@ -89,7 +89,7 @@ def deviations_json(deviations: Mapping[str, Deviation]) -> list[Json]:
 
 
 def releases(envelope: Envelope) -> int:
-    """Releases in all: of the cases, and of the machines that were drawn."""
+    """Number of releases, of cases and drawn machines."""
     names = ("outcome", "drawn_outcome")
     return sum(int(envelope.data[name].size) for name in names if name in envelope.data)
 
@@ -127,7 +127,7 @@ def _law(envelope: Envelope, name: str, units: UnitSystem) -> dict[str, Json]:
 
 
 def settings_csv(envelope: Envelope, units: UnitSystem) -> str:
-    """Every setting in a line: what is programmed, and how each law ends nominally and in its first failing case."""
+    """A line for each setting: its feel, and the outcome of each law nominally and in its first failing case."""
     plan = envelope.plan
     rows = plan.settings.rows * [axis.unit.from_si(1.0, units) for axis in AXES.values()]
     feel = plan.settings.feel(plan.loader)

@@ -1,4 +1,4 @@
-"""What no law renders, in sentences: how many settings, what forbids them, and by how much."""
+"""Sentences on settings that no law renders: number, reason, margin and remedy."""
 
 from math import degrees
 
@@ -10,12 +10,12 @@ from forcefeel.units import UnitSystem, to_text
 
 
 def forbidden_sentences(forbidden: Forbidden, units: UnitSystem) -> tuple[str, ...]:
-    """A sentence for each reason; none where every setting is allowed."""
+    """A sentence for each reason; none if every setting is allowed."""
     return tuple(_sentence(forbidden, reason, count, units) for reason, count in forbidden.counts.items())
 
 
 def counts_text(forbidden: Forbidden) -> str:
-    """How many settings each reason forbids, such as ``40 by the valve's flow``."""
+    """Number of settings that each reason forbids, such as ``40 by the valve's flow``."""
     return ", ".join(f"{count:,} by {reason}" for reason, count in forbidden.counts.items())
 
 

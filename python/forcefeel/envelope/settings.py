@@ -1,4 +1,4 @@
-"""The settings of an envelope: stiffness, natural frequency and damping ratio on a grid, and I, B, G from them.
+"""Settings of an envelope: stiffness, natural frequency and damping ratio on a grid, and I, B, G from them.
 
 ``I = G / w^2``, ``B = 2 zeta w I`` of eq. (11), ``G`` a share of ``G_max``.
 """
@@ -18,7 +18,7 @@ from forcefeel.loader.loader import Loader
 from forcefeel.units import HERTZ, PERCENT, RATIO, Unit, UnitSystem, parse, show, to_text
 
 MOST_SETTINGS = 200_000
-"""Most settings of an envelope: some minutes for each law."""
+"""Largest number of settings of an envelope: some minutes for each law."""
 
 
 _BARE = re.compile(r"[-+0-9.eE]+")
@@ -29,11 +29,11 @@ class Axis:
     """One axis of the grid.
 
     Attributes:
-        name: What ``--grid`` calls it.
-        title: What it means.
-        unit: In what people read it; the text of a grid may use any unit of the same kind.
-        low, high: Between these (SI) its values lie.
-        default: Its grid if not given.
+        name: Name in ``--grid``.
+        title: Meaning, for text.
+        unit: Displayed unit; the text of a grid may use any unit of the same kind.
+        low, high: Range of the values, SI.
+        default: Default grid.
     """
 
     name: str
@@ -56,7 +56,7 @@ AXES: Mapping[str, Axis] = MappingProxyType(
         )
     }
 )
-"""The axes, in the order of the result's dimensions: stiffness runs fastest."""
+"""Axes in the order of the result's dimensions; stiffness runs fastest."""
 
 
 @dataclass(frozen=True)
@@ -66,10 +66,10 @@ class Settings:
     Attributes:
         damping: Damping ratios.
         frequency: Natural frequencies, rad/s.
-        stiffness: G as shares of G_max.
+        stiffness: G, as shares of G_max.
 
     Raises:
-        InputError: If an axis has fewer than two values, they do not rise or leave its range, or there are too many settings.
+        InputError: If an axis has fewer than two values, if they do not rise or are out of range, or with too many settings.
     """
 
     damping: tuple[float, ...]
@@ -86,7 +86,7 @@ class Settings:
 
     @classmethod
     def of(cls, grid: Mapping[str, str | Sequence[float]]) -> "Settings":
-        """Settings from text such as ``{"stiffness": "1..100 %:40:log"}`` or SI values; defaults where not given.
+        """Settings from text such as ``{"stiffness": "1..100 %:40:log"}`` or SI values; other axes have their default.
 
         Raises:
             InputError: As the class, and if an axis is unknown or its text cannot be read.
@@ -103,7 +103,7 @@ class Settings:
 
     @property
     def count(self) -> int:
-        """Settings in all."""
+        """Number of settings."""
         return int(np.prod(self.shape))
 
     @cached_property
@@ -114,9 +114,9 @@ class Settings:
 
     @cached_property
     def weights(self) -> NDArray[np.float64]:
-        """The room that each setting stands for, in proportion along all three axes, as a share of all.
+        """Logarithmic volume of each setting's cell along all three axes, as a share of the whole grid.
 
-        Along an axis a value stands for what is nearer to it than to its neighbours, from the first value to the last.
+        The edges between cells lie halfway between neighboring values; the grid ends at its first and last value.
         """
         axes = []
         for name in AXES:
@@ -126,14 +126,14 @@ class Settings:
         return np.asarray(np.einsum("i,j,k->ijk", *axes).ravel())
 
     def feel(self, loader: Loader) -> NDArray[np.float64]:
-        """I, B, G in SI units of each setting, a row each."""
+        """I, B, G of each setting in SI units, (settings, 3)."""
         damping, frequency, share = self.rows.T
         stiffness = share * loader["feel.maximum_stiffness"]
         return np.column_stack([*_core.feel_from_frequencies(frequency, damping, stiffness), stiffness])
 
 
 _SHOWN_VALUES = 6
-"""How many of the values that were given a message quotes."""
+"""Number of values that an error message quotes."""
 
 
 def _check(axis: Axis, values: Iterable[float]) -> None:
@@ -141,7 +141,7 @@ def _check(axis: Axis, values: Iterable[float]) -> None:
     if array.ndim != 1 or len(array) < 2 or not np.all(np.isfinite(array)) or np.any(np.diff(array) <= 0):
         quoted = ", ".join(f"{value:g}" for value in array.ravel()[:_SHOWN_VALUES]) or "none"
         raise InputError(f"grid: {axis.name}: expected two or more rising values, as {axis.name}=0.3,1, got {quoted}")
-    rounding = 1e-9  # relative; a limit in other units is still the limit
+    rounding = 1e-9  # relative, so that a limit converted from other units is accepted
     if array[0] < axis.low * (1 - rounding) or array[-1] > axis.high * (1 + rounding):
         low, high, first, last = (_range_text(axis, value) for value in (axis.low, axis.high, array[0], array[-1]))
         raise InputError(f"grid: {axis.name}: expected values from {low} to {high}, got {first} to {last}; narrow it")
@@ -163,7 +163,7 @@ def _values(axis: Axis, values: str | Sequence[float]) -> tuple[float, ...]:
 
 
 def _list(axis: Axis, texts: Sequence[str]) -> tuple[float, ...]:
-    """Values one by one; those without a unit have that of the last."""
+    """Values of a list; values without a unit have the unit of the last."""
     *others, last = (text.strip() for text in texts)
     unit = _BARE.sub("", last, count=1).strip()
     example = f"{_range_text(axis, axis.low)}..{_range_text(axis, axis.high)}:20"
@@ -172,11 +172,11 @@ def _list(axis: Axis, texts: Sequence[str]) -> tuple[float, ...]:
 
 
 def _span(axis: Axis, text: str) -> tuple[float, ...]:
-    """Values from one to another, evenly spaced or even in proportion."""
+    """Values of a span, with linear or logarithmic spacing."""
     span, *rest = (part.strip() for part in text.split(":"))
     whole = bool(rest) and rest[0].isdecimal() and rest[0].isascii() and 2 <= int(rest[0][:9]) <= MOST_SETTINGS
     if not whole or rest[1:] not in ([], ["log"]):
-        forms = "from..to:how many, from..to:how many:log, or values with commas between"
+        forms = "from..to:count, from..to:count:log, or values separated by commas"
         raise InputError(f"expected {forms}, such as {axis.default!r}, got {show(text)}")
     first, last = _list(axis, span.split("..", 1))
     if not (last > first and (first > 0 or not rest[1:])):

@@ -1,4 +1,4 @@
-"""How far the parameters of a plant may be off, and who says so, in sentences; and which sensors are stated without noise."""
+"""Sentences on the tolerances of a plant and their sources, and on sensors without noise."""
 
 from collections.abc import Mapping
 from math import degrees
@@ -8,7 +8,7 @@ from forcefeel.laws.sampled.rules import undeclared_noise
 from forcefeel.loader.loader import Loader
 from forcefeel.units import to_text
 
-_SAID = {
+_HEADINGS = {
     Origin.FILE: "Tolerances by the loader file",
     Origin.GIVEN: "Tolerances by option",
     Origin.ASSUMED: "Tolerances assumed, not measured",
@@ -16,7 +16,7 @@ _SAID = {
 
 
 def ends_text(deviation: Deviation) -> str:
-    """From where to where a parameter may be off, such as ``±20 %``."""
+    """Range of a deviation, such as ``±20 %``."""
     low, high = (100 * end for end in deviation.ends)
     if abs(low + high) < _SAME * (high - low):
         return f"±{to_text(high, 3)} %"
@@ -24,13 +24,13 @@ def ends_text(deviation: Deviation) -> str:
 
 
 _SAME = 1e-9
-"""Relative; ends that go as far to either side but for rounding."""
+"""Relative difference of ends that counts as rounding."""
 
 
 def tolerance_sentences(loader: Loader, deviations: Mapping[str, Deviation]) -> tuple[str, ...]:
-    """A sentence for each who says how far parameters may be off, and one for the tolerances that no case is made of."""
+    """A sentence for each source of tolerances, and one for the tolerances without a case."""
     sentences = []
-    for origin, heading in _SAID.items():
+    for origin, heading in _HEADINGS.items():
         groups: dict[str, list[str]] = {}
         for key, deviation in deviations.items():
             if deviation.origin is origin:
@@ -45,7 +45,7 @@ def tolerance_sentences(loader: Loader, deviations: Mapping[str, Deviation]) -> 
 
 
 def silent_sentences(loader: Loader) -> tuple[str, ...]:
-    """That sensors of a digital controller have no noise, and what the designs take for it; nothing where all have some."""
+    """A sentence on sensors of a digital controller without noise, and the noise that designs assume; empty if all have noise."""
     if not (loader["controller.period"] and (assumed := undeclared_noise(loader))):
         return ()
     values = {

@@ -1,4 +1,4 @@
-"""A frontier for machines: its figures as plain data, every number with its unit."""
+"""Frontier as JSON, every number with its unit."""
 
 from importlib.metadata import version
 
@@ -13,7 +13,7 @@ from forcefeel.units import ANGLE, FLOW, FORCE, PERCENT, SECONDS, UnitSystem
 
 
 def frontier_json(frontier: Frontier, units: UnitSystem) -> dict[str, Json]:
-    """What a frontier says, and of what."""
+    """Results and inputs of a frontier."""
     plan = frontier.plan
     return {
         "forcefeel": version("forcefeel"),
@@ -89,7 +89,7 @@ def _friction_bound(frontier: Frontier, units: UnitSystem) -> Json:
 def _drive(frontier: Frontier, units: UnitSystem) -> dict[str, Json]:
     drive = frontier.drive
     return {
-        **_gives(drive, units),
+        **_capability(drive, units),
         "largest_demand_of_an_ideal": quantity(float(drive.demand.max()), PERCENT, units),
         "ideals_beyond_it": quantity(drive.beyond_ideal_share, PERCENT, units),
         "forbidden": quantity(drive.forbidden_share, PERCENT, units),
@@ -98,7 +98,7 @@ def _drive(frontier: Frontier, units: UnitSystem) -> dict[str, Json]:
     }
 
 
-def _gives(drive: ValveLimits | MotorLimits, units: UnitSystem) -> dict[str, Json]:
+def _capability(drive: ValveLimits | MotorLimits, units: UnitSystem) -> dict[str, Json]:
     if isinstance(drive, ValveLimits):
         return {"flow": quantity(drive.flow_m3_per_s, FLOW, units)}
     return {

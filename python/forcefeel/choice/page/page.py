@@ -1,4 +1,4 @@
-"""The page of methods that were tried: the template filled with pictures, tables and words."""
+"""Page of a comparison of laws: the template filled with plots, tables and text."""
 
 from forcefeel.choice import Choice, LawScores, Score
 from forcefeel.choice.findings import choice_conclusions, design_conclusions
@@ -14,7 +14,7 @@ from forcefeel.units import ANGLE, UnitSystem
 
 
 def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, command: str = "") -> str:
-    """The whole page, numbers in ``units``; ``choice`` is ``None`` for one method that was asked for by name."""
+    """The page, with numbers in ``units``; ``choice`` is ``None`` for one law requested by name."""
     plan = scored.plan
     displayed = _displayed(scored, choice)
     over = any(score.over for score in scored.scores)
@@ -50,7 +50,7 @@ def choice_page(scored: LawScores, choice: Choice | None, units: UnitSystem, *, 
 
 
 def _displayed(scored: LawScores, choice: Choice | None) -> tuple[Score, ...]:
-    """The law whose release is drawn: the chosen one; all where none is chosen."""
+    """Laws whose release is drawn: the chosen law, or all without a choice."""
     if choice is None or choice.chosen is None:
         return scored.scores
     return tuple(score for score in scored.scores if score.name == choice.chosen)

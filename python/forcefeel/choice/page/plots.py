@@ -1,4 +1,4 @@
-"""The pictures of methods that were tried: the trade-off of their shares, margins and noise as bars, the release."""
+"""Plots of a comparison of laws: nominal and worst-case shares, margins and noise as bars, the release."""
 
 from dataclasses import dataclass
 from math import degrees, isfinite
@@ -20,7 +20,7 @@ _SHOWN_PERIODS = 6
 
 
 def trade_off(scored: LawScores, choice: Choice | None) -> go.Figure:
-    """Share within tolerance in every case over the nominal one, a point for each method."""
+    """Worst-case share over nominal share, a point for each law."""
     picture = go.Figure()
     points = [(score, *_percent(score)) for score in scored.scores if score.over]
     for (score, x, y), rise in zip(points, _rises(points), strict=True):
@@ -67,7 +67,7 @@ _Point = tuple[Score, float, float]
 
 
 def _rises(points: list[_Point]) -> list[float]:
-    """How many pixels each label stands above its point, so that none lies over another even on a narrow page."""
+    """Height of each label above its point in pixels, without overlaps even on a narrow page."""
     placed: list[tuple[float, float]] = []
     rises = [0.0] * len(points)
     for index in sorted(range(len(points)), key=lambda k: points[k][1:], reverse=True):
@@ -93,7 +93,7 @@ _PIXELS = 3.0
 
 @dataclass(frozen=True)
 class _Row:
-    """One row of bars: a title, a value for each method, and what is asked for, if anything is."""
+    """One row of bars: title, a value for each law, and the required value, if any."""
 
     title: str
     values: list[float]
@@ -101,7 +101,7 @@ class _Row:
 
 
 def bars(scored: LawScores, units: UnitSystem) -> go.Figure:
-    """Margins, noise and current of each method at the loader's own setting, a row each."""
+    """Margins, noise and current of each law at the loader's own setting, a row each."""
     rows = _rows(scored, units)
     names = [score.name for score in scored.scores]
     picture = make_subplots(rows=len(rows), cols=1, shared_xaxes=True, vertical_spacing=0.055)
@@ -151,7 +151,7 @@ def _rows(scored: LawScores, units: UnitSystem) -> list[_Row]:
 
 
 def release(scored: LawScores, scores: tuple[Score, ...]) -> go.Figure:
-    """The release at the loader's own setting of each law that is stable, beside I, B and G alone."""
+    """Release at the loader's own setting with each stable law, and with I, B and G alone."""
     picture = go.Figure()
     inertia, _, stiffness = (scored.plan.loader[key] for key in FEEL_SETTING)
     end = _SHOWN_PERIODS * 2 * np.pi * (inertia / stiffness) ** 0.5

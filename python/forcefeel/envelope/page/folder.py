@@ -1,4 +1,4 @@
-"""The folder of an envelope: its page, its results, its settings as a table and its maps, whole or not at all."""
+"""Folder of an envelope: page, results, table of settings and maps, written completely or not at all."""
 
 from pathlib import Path
 
@@ -12,34 +12,34 @@ from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS = "envelope.html", "results.json"
-"""Names in the folder, beside those of ``Files``."""
+"""File names in addition to those of ``Files``."""
 
 FOLDER = OutputFolder(
     "the envelope",
     (PAGE, RESULTS, *(name for axis in ("", *PROJECT_AXES) for name in Files.of(axis).names)),
 )
-"""Checked before the work, written after it; a loader's and a cockpit's take one another's place."""
+"""Checked before the computation, written after it; a loader's folder and a cockpit's replace each other."""
 
 
 def write_envelope(
     envelope: Envelope, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
 ) -> Path:
-    """Writes ``envelope.nc``, ``settings.csv``, ``results.json`` and ``envelope.html``, the page last.
+    """Write ``envelope.nc``, ``settings.csv``, ``results.json`` and ``envelope.html``, the page last.
 
-    What is there stays until the new files are complete; other files in the folder are left alone.
+    Existing files stay until the new ones are complete; other files in the folder are not touched.
 
     Args:
         envelope: The envelope.
-        out: The folder; made if it is not there.
-        units: The units of every number but those of ``envelope.nc``, which are SI.
-        replace: Whether the new files may take the place of others.
-        command: The command that asked for it, to stand on the page.
+        out: The folder; created if missing.
+        units: Units of all numbers except those of ``envelope.nc``, which are SI.
+        replace: Whether existing files may be replaced.
+        command: Command line to show on the page.
 
     Returns:
         The path of the page.
 
     Raises:
-        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+        InputError: If ``out`` is a file, contains such files and ``replace`` is false, or cannot be written.
 
     Example:
         >>> import forcefeel as ff
@@ -63,17 +63,17 @@ def write_envelope(
 def write_cockpit(
     cockpit: CockpitEnvelope, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
 ) -> Path:
-    r"""Writes the files of each axis, such as ``envelope-roll.html``, then ``results.json`` and ``envelope.html`` of the whole.
+    r"""Write the files of each axis, such as ``envelope-roll.html``, then the cockpit's ``results.json`` and ``envelope.html``.
 
     Args:
         cockpit: The envelope of each axis.
-        out: The folder; made if it is not there.
-        units: The units of every number but those of the netCDF files, which are SI.
-        replace: Whether the new files may take the place of others.
-        command: The command that asked for it, to stand on the pages.
+        out: The folder; created if missing.
+        units: Units of all numbers except those of the netCDF files, which are SI.
+        replace: Whether existing files may be replaced.
+        command: Command line to show on the pages.
 
     Returns:
-        The path of the page over the axes.
+        The path of the cockpit's page.
 
     Raises:
         InputError: As ``write_envelope``.

@@ -1,4 +1,4 @@
-"""The page of an envelope: the template filled with maps, tables and words."""
+"""Page of an envelope: the template filled with maps, tables and text."""
 
 from dataclasses import dataclass
 
@@ -18,13 +18,13 @@ from forcefeel.units import ANGLE, UnitSystem
 
 @dataclass(frozen=True)
 class Files:
-    """The names of an envelope's files, which its page links.
+    """File names of an envelope, which its page links.
 
     Attributes:
         page: The page.
         settings: The settings as a table.
         maps: Outcome and margin of each setting in each case.
-        axis: The axis that they are of; empty where there is but one loader.
+        axis: Axis of the files; empty for a single loader.
     """
 
     page: str
@@ -34,7 +34,7 @@ class Files:
 
     @classmethod
     def of(cls, axis: str = "") -> "Files":
-        """The names of an axis's files; of the only loader's if none is given."""
+        """File names of an axis, or of a single loader if ``axis`` is empty."""
         end = f"-{axis}" if axis else ""
         return cls(f"envelope{end}.html", f"settings{end}.csv", f"envelope{end}.nc", axis)
 
@@ -45,7 +45,7 @@ class Files:
 
 
 def envelope_page(envelope: Envelope, units: UnitSystem, files: Files, *, command: str = "") -> str:
-    """The whole page, numbers in ``units``; ``files`` are what it stands among."""
+    """The page, with numbers in ``units`` and links to ``files``."""
     plan = envelope.plan
     shares = [(name, envelope.shares(name)) for name in envelope.laws]
     nominal, worst = setting_maps(envelope, worst=False), setting_maps(envelope, worst=True)
@@ -85,7 +85,7 @@ def setting_maps(envelope: Envelope, *, worst: bool) -> SettingMaps:
 
     Args:
         envelope: The envelope.
-        worst: By the first failure in the first case that fails, in place of the nominal failure.
+        worst: Show the first failure in the first failing case instead of the nominal failure.
     """
     settings = envelope.plan.settings
     return SettingMaps(
@@ -99,7 +99,7 @@ def setting_maps(envelope: Envelope, *, worst: bool) -> SettingMaps:
 
 
 def cockpit_page(cockpit: CockpitEnvelope, units: UnitSystem, *, command: str = "") -> str:
-    """The page over the axes of a cockpit, which links each axis's own."""
+    """The page of a cockpit, with links to the page of each axis."""
     return render(
         "envelope/page/cockpit.html.j2",
         command=command,

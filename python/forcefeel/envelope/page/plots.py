@@ -1,4 +1,4 @@
-"""The curves of an envelope: the share over the release's angle, the impedance at the grip over frequency."""
+"""Curves of an envelope: share over release angle, and impedance at the grip over frequency."""
 
 import numpy as np
 import plotly.graph_objects as go
@@ -25,7 +25,7 @@ def _law_looks(envelope: Envelope) -> dict[str, LineStyle]:
 
 
 def by_angle(envelope: Envelope, units: UnitSystem) -> go.Figure:
-    """Share that passes with the nominal plant over the angle of the release."""
+    """Share that passes with the nominal plant over the release angle."""
     picture, points = go.Figure(), envelope.by_angle
     angles = [ANGLE.from_si(point.release_rad, units) for point in points]
     curves = {
@@ -49,7 +49,7 @@ def by_angle(envelope: Envelope, units: UnitSystem) -> go.Figure:
 
 
 def impedance(envelope: Envelope) -> go.Figure:
-    """Phase of the impedance at the grip at the loader's own setting; beyond 90 deg the grip gives energy to the hand."""
+    """Phase of the grip impedance at the loader's own setting; beyond 90 deg the grip feeds energy into the hand."""
     picture = go.Figure()
     for name, look in _law_looks(envelope).items():
         grip = envelope.passivity[name]
@@ -87,7 +87,7 @@ def impedance(envelope: Envelope) -> go.Figure:
 
 
 def _ideal_phase(envelope: Envelope, frequency_hz: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of ``Z = I s + B + G / s``, but for the lever arm, which turns nothing."""
+    """Phase of ``Z = I s + B + G / s``; the lever arm does not change it."""
     inertia, damping, stiffness = (envelope.plan.given[key] for key in FEEL_SETTING)
     s = 2j * np.pi * frequency_hz
     return np.asarray(np.degrees(np.angle(inertia * s + damping + stiffness / s)))

@@ -1,4 +1,4 @@
-"""The tables of an envelope: one number each, what fails, what each case costs, what can be rendered, passivity."""
+"""Tables of an envelope: shares, failures, loss in each case, smallest feel, passivity."""
 
 from collections.abc import Mapping
 from math import isfinite
@@ -28,7 +28,7 @@ _BAD = (240, 140, 60)
 
 
 def shares(envelope: Envelope) -> Table:
-    """One number each."""
+    """Shares of all settings for each law."""
     rows = []
     for name in envelope.laws:
         law_shares = envelope.shares(name)
@@ -39,7 +39,7 @@ def shares(envelope: Envelope) -> Table:
 
 
 def allowed(envelope: Envelope) -> Table:
-    """The shares of the settings that no limit forbids to every law."""
+    """Shares of the settings that no limit forbids to every law."""
     rows = []
     for name in envelope.laws:
         law_shares = envelope.allowed_shares(name)
@@ -52,7 +52,7 @@ def allowed(envelope: Envelope) -> Table:
 
 
 def by_angle(envelope: Envelope, system: UnitSystem) -> Table:
-    """The nominal shares over the release's angle."""
+    """Nominal shares over the release angle."""
     rows = [
         (
             number(quantity_text(point.release_rad, ANGLE, system, 3)),
@@ -85,13 +85,13 @@ def axes(cockpit: CockpitEnvelope, pages: Mapping[str, str]) -> Table:
         Cell("Law"),
         Cell("Released from", "number"),
         *shares,
-        *map(Cell, ("Most is lost with", "Loader", "Drive")),
+        *map(Cell, ("Largest loss comes from", "Loader", "Drive")),
     )
     return Table(head, rows)
 
 
 def drawn(envelope: Envelope) -> Table:
-    """One number each, on machines with all tolerances at once."""
+    """Shares for each law on machines with all tolerances at once."""
     rows = []
     for name in envelope.laws:
         law_shares = envelope.drawn_shares(name)
@@ -111,7 +111,7 @@ def drawn(envelope: Envelope) -> Table:
 
 
 def counted(envelope: Envelope) -> Table:
-    """The shares by two weights of the grid's points."""
+    """Shares with two weights of the grid points."""
     rows = []
     for name in envelope.laws:
         points, even = envelope.shares(name), envelope.even_shares(name)
@@ -122,18 +122,18 @@ def counted(envelope: Envelope) -> Table:
 
 
 def failures(envelope: Envelope) -> Table:
-    """What fails first with the nominal plant, as shares of all settings."""
+    """First failures with the nominal plant, as shares of all settings."""
     by_law = {name: envelope.failure_shares(name) for name in envelope.laws}
     kinds = [kind for kind in Failure if any(row[kind] for row in by_law.values())]
     rows = [
         (words(capital(kind)), *(number(share_text(row[kind]) if row[kind] else NONE) for row in by_law.values()))
         for kind in kinds
     ]
-    return Table(heads("What fails first", *(capital(name) for name in by_law)), tuple(rows))
+    return Table(heads("First failure", *(capital(name) for name in by_law)), tuple(rows))
 
 
 def cases(envelope: Envelope) -> Table:
-    """What each case leaves: settings within tolerance, and of those that are nominally, the share that is lost."""
+    """Settings within tolerance in each case, and the share of nominal passes that is lost."""
     by_law = [envelope.case_shares(name) for name in envelope.laws]
     rows = []
     for k, case in enumerate(envelope.plan.cases):
@@ -152,7 +152,7 @@ def cases(envelope: Envelope) -> Table:
         rows.append((named, *cells))
     head = [Cell("Case")]
     for name in envelope.laws:
-        head += [Cell(f"{capital(name)}: {what}", "number") for what in ("stable", "passes", "lost")]
+        head += [Cell(f"{capital(name)}: {figure}", "number") for figure in ("stable", "passes", "lost")]
     return Table(tuple(head), tuple(rows))
 
 
@@ -186,7 +186,7 @@ def smallest(envelope: Envelope, system: UnitSystem) -> Table:
 
 
 def passive(envelope: Envelope) -> Table:
-    """Where the grip is not passive."""
+    """Frequency bands in which the grip is not passive."""
     rows = []
     for name in envelope.laws:
         grip = envelope.passivity[name]
@@ -232,7 +232,7 @@ def arms(envelope: Envelope) -> Table:
 
 
 def _heat(share: float) -> str:
-    """The more is lost, the darker."""
+    """Cell color: darker for a larger loss."""
     if share <= 0:
         return ""
     mixed = (round(255 + share**0.5 * (channel - 255)) for channel in _BAD)

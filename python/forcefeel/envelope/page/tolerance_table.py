@@ -1,4 +1,4 @@
-"""The table of how far each parameter may be off, and who says so, for every page that has cases."""
+"""Table of the parameters' tolerances and their sources, shared by all pages with cases."""
 
 from collections.abc import Mapping
 
@@ -18,7 +18,7 @@ _SPREAD = {
 
 
 def tolerances(deviations: Mapping[str, Deviation]) -> Table:
-    """A row for each parameter; what is assumed stands out."""
+    """A row for each parameter; assumed tolerances are highlighted."""
     rows = tuple(
         (
             words(parameter_name(key)),

@@ -1,4 +1,4 @@
-"""The folder of a frontier: its page and its results, whole or not at all."""
+"""Folder of a frontier: page and results, written completely or not at all."""
 
 from pathlib import Path
 
@@ -10,16 +10,16 @@ from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS = "frontier.html", "results.json"
-"""Names in the folder."""
+"""File names."""
 
 FOLDER = OutputFolder("the frontier", (PAGE, RESULTS))
-"""Checked before the work, written after it."""
+"""Checked before the computation, written after it."""
 
 
 def write_frontier(
     frontier: Frontier, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
 ) -> Path:
-    """Writes ``results.json`` and ``frontier.html``, the page last; other files in the folder are left alone.
+    """Write ``results.json`` and ``frontier.html``, the page last; other files in the folder are not touched.
 
     Args:
         frontier: The frontier.

@@ -1,6 +1,6 @@
-"""The maps of a frontier: a panel for each damping ratio, a cell for each setting, coloured by what limits it.
+"""Maps of a frontier: a panel for each damping ratio and a cell for each setting, colored by its limit.
 
-Stiffness runs to the right, natural frequency up; cells are of one size, whatever lies between the values of the grid.
+Stiffness runs to the right, natural frequency up; all cells have the same size, whatever the spacing of the grid.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from forcefeel.page.typography import number_text
 from forcefeel.units import HERTZ, UnitSystem
 
 CELL = 24, 16
-"""Width and height of a cell, in the drawing's own units."""
+"""Width and height of a cell, in units of the drawing."""
 
 COLORS = {
     Limit.NONE: "#009E73",
@@ -26,14 +26,14 @@ COLORS = {
     Limit.NOMINAL: "#2B2B2B",
     Limit.LAW: "#E6B800",
 }
-"""Okabe and Ito's hues, which the colour-blind can tell apart; light and dark differ too."""
+"""Okabe and Ito's hues for color blindness; lightness differs too."""
 
 _MOST_PANELS = 8
 
 
 @dataclass(frozen=True)
 class Panel:
-    """The map of one damping ratio.
+    """Map of one damping ratio.
 
     Attributes:
         title: The damping ratio.
@@ -49,7 +49,7 @@ class Panel:
 
 
 def panels(frontier: Frontier, units: UnitSystem) -> tuple[Panel, ...]:
-    """The maps by damping ratio; of more than eight, eight evenly spread."""
+    """Maps by damping ratio; at most eight, evenly spread."""
     settings = frontier.plan.settings
     damping = settings.damping
     percent = [number_text(100 * value, 3) for value in settings.stiffness]
@@ -60,12 +60,12 @@ def panels(frontier: Frontier, units: UnitSystem) -> tuple[Panel, ...]:
 
 
 def _middles(values: Sequence[str]) -> list[float]:
-    """Where the middles of so many cells of one size lie."""
+    """Relative positions of the centers of equal cells."""
     return [(k + 0.5) / len(values) for k in range(len(values))]
 
 
 def legend(frontier: Frontier) -> tuple[tuple[str, str, str], ...]:
-    """Name, colour and share of what is in the maps."""
+    """Name, color and share of each limit in the maps."""
     return tuple(
         (frontier.text(limit), COLORS[limit], share_text(share))
         for limit, share in frontier.limit_shares.items()
@@ -74,7 +74,7 @@ def legend(frontier: Frontier) -> tuple[tuple[str, str, str], ...]:
 
 
 def spans(frontier: Frontier, units: UnitSystem) -> dict[str, str]:
-    """From where to where the axes run."""
+    """Ranges of the axes."""
     settings = frontier.plan.settings
     share = [number_text(100 * value, 3) for value in (settings.stiffness[0], settings.stiffness[-1])]
     hertz = [number_text(HERTZ.from_si(value, units), 3) for value in (settings.frequency[0], settings.frequency[-1])]
@@ -82,7 +82,7 @@ def spans(frontier: Frontier, units: UnitSystem) -> dict[str, str]:
 
 
 def _drawing(frontier: Frontier, damping: int) -> Markup:
-    """One map from what limits its settings (frequency, stiffness)."""
+    """One map from the limits of its settings (frequency, stiffness)."""
     limits: NDArray[np.int8] = frontier.limits[damping]
     order, (wide, high) = list(Limit), CELL
     rows, columns = limits.shape

@@ -1,4 +1,4 @@
-"""The page of a frontier: the template filled with curves, maps, tables and words."""
+"""Page of a frontier: the template filled with curves, maps, tables and text."""
 
 from forcefeel.envelope.findings import WHOLE_WORST, name_text
 from forcefeel.envelope.page.tolerance_table import tolerances
@@ -15,7 +15,7 @@ from forcefeel.units import ANGLE, UnitSystem
 
 
 def frontier_page(frontier: Frontier, units: UnitSystem, *, command: str = "") -> str:
-    """The whole page, numbers in ``units``."""
+    """The page, with numbers in ``units``."""
     plan = frontier.plan
     return render(
         "frontier/page/frontier.html.j2",

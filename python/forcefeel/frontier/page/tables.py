@@ -1,4 +1,4 @@
-"""The tables of a frontier: the shares over the tolerances, what each tolerance costs, what each part buys, the edges."""
+"""Tables of a frontier: shares over tolerances, cost of each tolerance, gain from each part, edges."""
 
 from math import isfinite
 
@@ -18,11 +18,11 @@ from forcefeel.units import FLOW, INERTIA, UnitSystem
 _MINUS = "\N{MINUS SIGN}"
 _GAIN = "#CDE9DD"
 _FELT = 5e-3
-"""Gain of a share, and share lost, from which on a cell stands out."""
+"""Smallest gain and loss of a highlighted cell."""
 
 
 def tolerances(frontier: Frontier) -> Table:
-    """Worst-case shares on every rung, beside the bound where it was computed for that tolerance."""
+    """Worst-case shares on every rung, with the bound if computed for that tolerance."""
     geometry, every = frontier.tightening.inertia_and_geometry, frontier.tightening.all_in_proportion
     rows = []
     for tolerance, alone, together in zip(geometry.tolerances, geometry.shares, every.shares, strict=True):
@@ -40,11 +40,11 @@ def tolerances(frontier: Frontier) -> Table:
 
 
 _SAME = 1e-6
-"""Relative; tolerances that are the same but for rounding."""
+"""Relative difference of tolerances that counts as rounding."""
 
 
 def friction(frontier: Frontier, system: UnitSystem) -> Table | None:
-    """What an error of the column's dry friction leaves; nothing for a column without."""
+    """Possible share over the error of the column's dry friction; ``None`` without friction."""
     bound = frontier.friction_bound
     if bound is None:
         return None
@@ -60,7 +60,7 @@ def friction(frontier: Frontier, system: UnitSystem) -> Table | None:
 
 
 def costs(frontier: Frontier) -> Table:
-    """What each tolerance and each arm costs by itself."""
+    """Cost of each single tolerance and arm."""
     rows = []
     for cost in frontier.tightening.costs:
         known = isfinite(cost.tolerance)
@@ -78,7 +78,7 @@ def costs(frontier: Frontier) -> Table:
 
 
 def hardware(frontier: Frontier) -> Table:
-    """What each change of the hardware buys, the largest gain in the worst case first."""
+    """Gain from each hardware change, the largest in the worst case first."""
     before = frontier.envelope.shares(frontier.law)
     rows = [
         (
@@ -108,7 +108,7 @@ def hardware(frontier: Frontier) -> Table:
 
 
 def edges(frontier: Frontier, system: UnitSystem) -> Table:
-    """The edges of what is rendered, and what the drive gives."""
+    """Edges of the rendered settings, and capability of the drive."""
     edge, friction = frontier.smallest, frontier.friction
     stiffness = unit(TABLE["feel.stiffness"])
     known = isfinite(edge.inertia_n_m_s2_per_rad)
