@@ -3,31 +3,31 @@
 ``theta_0`` angle of the release · ``I``, ``B``, ``G`` programmed, ``w``, ``zeta`` their frequency and damping ratio · ``J`` column
 · ``T`` sample period
 
-**Drive.** The rule times the return from 0.9 of ``theta_0`` to zero, or to 0.1 for a feel that does not swing. It allows the time of
-the ideal plus a tolerance. A setting is forbidden if the drive at its limits takes longer (``sizing.fastest``). With a motor it is
-also forbidden if the motor cannot hold ``G theta_0`` at rest (``sizing.too_small``).
+**Drive.** The rule times the return from 0.9 of ``theta_0`` to zero, or to 0.1 for a feel that does not swing. It allows the time
+of the ideal plus a tolerance. A setting is forbidden if the drive at its limits takes longer (``sizing.fastest``). With a motor it
+is also forbidden if the motor cannot hold ``G theta_0`` at rest (``sizing.too_small``).
 
 **Throw.** The torque ``G theta_0`` stretches the link, which throws the column at the release, before the drive can follow. The
-rule's first time begins when the column falls through 0.9 of ``theta_0``. The earliest possible begin is that of a drive at its
-limits from the first command after the release (``sizing.letting_go``). A setting is forbidden if the column begins earlier than
-the feel by more than ``THROWN`` times the tolerance of that time. A law that renders the feel after the throw crosses zero with
-the feel, within the tolerance, and so fails.
+rule's first time begins when the column falls through 0.9 of ``theta_0``. The latest possible begin is that with the drive at its
+limits from the first command after the release (``sizing.letting_go``). A setting is forbidden if even this is earlier than the
+begin of the feel by more than ``THROWN`` times the tolerance of that time. A law that renders the feel after the throw crosses zero
+with the feel, within the tolerance, and so fails.
 
-**Noise.** The column obeys ``J s^2 theta = T_p + T_l``. The link's torque ``T_l`` is the law's response to samples of ``theta`` with
-the noise ``n``. For every linear law ``T_l = C (theta + n)``, with ``H`` its rendered response to a hand's torque,
+**Noise.** The column obeys ``J s^2 theta = T_p + T_l``. The link's torque ``T_l`` is the law's response to samples of ``theta``
+with the noise ``n``. For every linear law ``T_l = C (theta + n)``, with ``H`` its rendered response to a hand's torque,
 
     theta = H T_p + C n / (J s^2 - C),     H = 1 / (J s^2 - C)
     theta = H T_p + (J s^2 H - 1) n
 
-so the noise motion depends only on the rendered ``H = 1 / (I s^2 + B s + G)``. Only frequencies up to twice the feel's count, because
-a law is free above them:
+so the noise motion depends only on the rendered ``H = 1 / (I s^2 + B s + G)``. Only frequencies up to twice the feel's count,
+because a law is free above them:
 
     sigma^2 = (V T / pi) int_0^{2 w} |J s^2 H - 1|^2 d omega
 
-``V`` is the variance of theta from the column's sensor and, through the link, the sensor at the drive's end. The load cell's noise is
-not part of the bound: for a known machine ``T_l`` follows from the commands, and a law without the load cell renders lighter feels
-(``laws.sampled.rules``). A sensor at the grip measures ``T_p - m s^2 theta``, ``m`` the outboard inertia, with the variance ``V_g``.
-Of all ``T_l = C (theta + n) + D (T_p - m s^2 theta + n_g)`` that render ``H``, the best one has instead of V
+``V`` is the variance of theta from the column's sensor and, through the link, the sensor at the drive's end. The load cell's noise
+is not part of the bound: for a known machine ``T_l`` follows from the commands, and a law without the load cell renders lighter
+feels (``laws.sampled.rules``). A sensor at the grip measures ``T_p - m s^2 theta``, ``m`` the outboard inertia, with the variance
+``V_g``. Of all ``T_l = C (theta + n) + D (T_p - m s^2 theta + n_g)`` that render ``H``, the best one has instead of V
 
     V V_g / (V_g + ((J - m) omega^2)^2 V)
 

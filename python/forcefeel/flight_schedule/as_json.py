@@ -1,4 +1,4 @@
-"""A checked flight schedule for machines: its figures as plain data, and every number of its laws as a table."""
+"""Checked flight schedule as JSON, every number with its unit, and all numbers of its laws as CSV."""
 
 import csv
 import io
@@ -17,7 +17,7 @@ FEEL_UNITS = (INERTIA, unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"]
 
 
 def schedule_json(check: ScheduleCheck, units: UnitSystem) -> dict[str, Json]:
-    """What the check says, and of what."""
+    """Results and inputs of a check."""
     schedule = check.schedule
     return {
         "forcefeel": version("forcefeel"),
@@ -55,7 +55,7 @@ def schedule_json(check: ScheduleCheck, units: UnitSystem) -> dict[str, Json]:
 
 
 def gains_csv(schedule: FlightSchedule) -> str:
-    """A line for each knot: where, I, B, G, then every number of its law, row by row; SI units, nothing rounded."""
+    """A line for each knot: axis values, I, B, G, then all numbers of its law by rows; SI units, unrounded."""
     laws, n = schedule.laws, schedule.laws.states
     known = [*(f"xi{k + 1}" for k in range(n)), "F_c", "x_p", "theta", "delta", "delta'"]
     heads = [axis.title for axis in schedule.axes]

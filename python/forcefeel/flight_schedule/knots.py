@@ -1,4 +1,4 @@
-"""The knots of a flight schedule from a CSV file: a column for each axis, and the setting in three others."""
+"""Knots of a flight schedule from a CSV file: a column for each axis, and three columns for the setting."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ from forcefeel.tables.csv_table import csv_rows, text_lines
 from forcefeel.units import INERTIA, RATIO, Unit, factor, show
 
 EXAMPLE = "dynamic pressure (lb/ft^2),stiffness (lb in/rad),frequency (Hz),damping ratio"
-"""A good header."""
+"""Example of a header."""
 
 _B, _G = unit(TABLE["feel.damping"]), unit(TABLE["feel.stiffness"])
 _SECOND_ORDER: Mapping[str, Unit] = MappingProxyType(
@@ -36,11 +36,11 @@ class _Heading:
 
 @dataclass(frozen=True, eq=False)
 class Knots:
-    """What a file of knots says.
+    """Content of a file of knots.
 
     Attributes:
-        axes: The axes, in the order of their columns, values rising.
-        feel: I, B, G in SI units, (values of each axis ..., 3), as ``design_schedule`` takes it.
+        axes: Axes in the order of their columns, values rising.
+        feel: I, B, G in SI units, (values of each axis ..., 3), for ``design_schedule``.
     """
 
     axes: tuple[ScheduleAxis, ...]
@@ -48,15 +48,15 @@ class Knots:
 
 
 def read_knots(path: str | Path) -> Knots:
-    r"""Reads a file of knots.
+    r"""Read a file of knots.
 
     Args:
         path: CSV in UTF-8. The setting is in the columns ``stiffness``, ``frequency`` and ``damping ratio``, or ``I``, ``B`` and
-            ``G``, each with its unit in brackets; every other column is an axis. The rows, in any order, are a full grid of
+            ``G``, each with its unit in parentheses; every other column is an axis. The rows, in any order, are a full grid of
             the axes' values, each knot once.
 
     Raises:
-        InputError: With the file, the line, what is wrong, what was expected and the remedy.
+        InputError: With file, line, error, expected content and remedy.
 
     Example:
         >>> import forcefeel as ff
@@ -87,7 +87,7 @@ def read_knots(path: str | Path) -> Knots:
 
 
 def _lines(file: Path) -> list[tuple[int, list[str]]]:
-    """Header and rows that are not empty, each with its line."""
+    """Nonempty rows, the header first, each with its line number."""
     data = read_input(file, MOST_TEXT_BYTES, f"a CSV file such as {EXAMPLE!r}")
     rows = csv_rows(file, text_lines(file, data), EXAMPLE)
     lines = [(line, [" ".join(cell.split()) for cell in row]) for row, line in rows if any(row)]
@@ -104,7 +104,7 @@ def _heading(cell: str, file: Path, line: int) -> _Heading:
 
 
 def _setting(head: Sequence[_Heading], file: Path) -> Mapping[str, Unit]:
-    """Which three columns the setting is in."""
+    """Columns of the setting, with their units."""
     names = [heading.name.lower() for heading in head]
     for name in names:
         if names.count(name) > 1:
@@ -154,7 +154,7 @@ def _axis(file: Path, heading: _Heading, values: NDArray[np.float64]) -> Schedul
 def _grid(
     file: Path, axes: Sequence[ScheduleAxis], where: NDArray[np.float64], lines: Sequence[int]
 ) -> NDArray[np.intp]:
-    """The rows in the order of the grid, the last axis fastest."""
+    """Indices of the rows in the order of the grid; the last axis runs fastest."""
     shape = tuple(len(axis.values) for axis in axes)
     steps = [np.searchsorted(axis.values, where[:, k]) for k, axis in enumerate(axes)]
     order = np.ravel_multi_index(steps, shape)
@@ -162,7 +162,7 @@ def _grid(
     for knot, line, point in zip(order.tolist(), lines, where, strict=True):
         if knot in seen:
             raise InputError(
-                f"{file}: line {line}: {place_text(axes, point)} stands in line {seen[knot]} already; give each knot one row"
+                f"{file}: line {line}: {place_text(axes, point)} is already in line {seen[knot]}; give each knot one row"
             )
         seen[knot] = line
     missing = np.setdiff1d(np.arange(np.prod(shape)), order)
@@ -171,7 +171,7 @@ def _grid(
         point = [axis.values[int(step)] for axis, step in zip(axes, steps_there, strict=True)]
         sides = " by ".join(map(str, shape))
         raise InputError(
-            f"{file}: expected a full grid of {sides} knots, got {len(order)}: there is none at "
+            f"{file}: expected a full grid of {sides} knots, got {len(order)}; missing: "
             f"{place_text(axes, point)}; add its row"
         )
     return np.argsort(order)

@@ -1,11 +1,11 @@
-"""The loop while the setting changes: what it is at each share of the way, held there.
+"""Loops at fixed shares of a change of the setting.
 
-A change blends what the two feels ask for and what the two laws say. At the share s of the way
+A change blends the accelerations of the two feels and the outputs of the two laws. At the share s
 
     delta'' = (1 - s) (T - B_0 delta' - G_0 delta) / I_0 + s (T - B_1 delta' - G_1 delta) / I_1
 
-which is a feel of its own, ``1 / I = (1 - s) / I_0 + s / I_1``, ``B = I ((1 - s) B_0 / I_0 + s B_1 / I_1)`` and ``G`` likewise,
-and the law has the numbers ``(1 - s) a_0 + s a_1``. It differs from the schedule's place in between, whose I, B, G are linear.
+which is the feel ``1 / I = (1 - s) / I_0 + s / I_1``, ``B = I ((1 - s) B_0 / I_0 + s B_1 / I_1)`` and ``G`` likewise,
+and the law has the numbers ``(1 - s) a_0 + s a_1``. This differs from the interpolated schedule, whose I, B, G are linear.
 """
 
 from dataclasses import dataclass
@@ -20,11 +20,11 @@ from forcefeel.laws.sampled.sampled_law import NUMBERS, SampledLaw
 
 @dataclass(frozen=True, eq=False)
 class Transitions:
-    """Changes between knots, each at the same shares of its way.
+    """Changes between knots, each at the same shares.
 
     Attributes:
-        ends: Places of the two knots of each change among the schedule's, (changes, 2).
-        shares: Shares of the way, between 0 and 1.
+        ends: Indices of the first and last knot of each change, (changes, 2).
+        shares: Shares of the change, between 0 and 1.
     """
 
     ends: NDArray[np.intp]
@@ -32,7 +32,7 @@ class Transitions:
 
     @classmethod
     def of(cls, schedule: FlightSchedule, refine: int) -> "Transitions":
-        """Between neighbours along each axis and straight between any two corners; ``refine - 1`` shares each."""
+        """Changes between neighbors along each axis and between any two corners, with ``refine - 1`` shares each."""
         shape = tuple(len(axis.values) for axis in schedule.axes)
         knots = np.arange(schedule.knots).reshape(shape)
         pairs = []
@@ -55,7 +55,7 @@ class Transitions:
 
 
 def blended_feel(start: ArrayLike, end: ArrayLike, share: ArrayLike) -> NDArray[np.float64]:
-    """I, B, G of a change from ``start`` to ``end`` (..., 3) held at a share of its way."""
+    """I, B, G of a change from ``start`` to ``end`` (..., 3) at a fixed share."""
     first, second, s = np.asarray(start, dtype=float), np.asarray(end, dtype=float), np.asarray(share, dtype=float)
     mobility = _blend(1 / first[..., 0], 1 / second[..., 0], s)
     damping, stiffness = (

@@ -12,8 +12,8 @@ Hands off, compensation of ``(1 + c e) F`` leaves dry friction from ``(-1 - c) e
 the column, and the release does not come to rest. A setting is possible for such a law if *one* lean c and one damping B' pass the
 rule at both ends, between, and with each arm. The bound covers c of ``LEANS`` and B' = b B, b of ``DAMPINGS``.
 
-**Not bound** is a law that takes a steady drag within the tolerance for friction of the machine, as the laws that learn friction do.
-Hands off it may exceed the bound; a hand with such a drag then feels up to ``2 e F`` less.
+**Not bound** is a law that takes a steady drag within the tolerance for friction of the machine, as the laws that learn friction
+do. Hands off it may exceed the bound; a hand with such a drag then feels up to ``2 e F`` less.
 
 ``x`` angle · ``f`` remaining dry friction, a torque · ``phi`` release of I, B, G · ``r`` ratio of successive swings, ``T``
 duration of a half swing

@@ -1,4 +1,4 @@
-"""The folder of a flight schedule: its page, its results and every number of its laws, whole or not at all."""
+"""Folder of a flight schedule: page, results and all numbers of its laws, written completely or not at all."""
 
 from pathlib import Path
 
@@ -10,31 +10,31 @@ from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
 PAGE, RESULTS, GAINS = "schedule.html", "results.json", "gains.csv"
-"""Names in the folder."""
+"""File names."""
 
 FOLDER = OutputFolder("the schedule", (PAGE, RESULTS, GAINS))
-"""Checked before the work, written after it."""
+"""Checked before the computation, written after it."""
 
 
 def write_schedule(
     check: ScheduleCheck, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
 ) -> Path:
-    """Writes ``gains.csv``, ``results.json`` and ``schedule.html``, the page last.
+    """Write ``gains.csv``, ``results.json`` and ``schedule.html``, the page last.
 
-    What is there stays until the new files are complete; other files in the folder are left alone.
+    Existing files stay until the new ones are complete; other files in the folder are not touched.
 
     Args:
         check: The checked schedule.
-        out: The folder; made if it is not there.
-        units: The units of every number but those of ``gains.csv``, which are SI.
-        replace: Whether the new files may take the place of others.
-        command: The command that asked for it, to stand on the page.
+        out: The folder; created if missing.
+        units: Units of all numbers except those of ``gains.csv``, which are SI.
+        replace: Whether existing files may be replaced.
+        command: Command line to show on the page.
 
     Returns:
         The path of the page.
 
     Raises:
-        InputError: If ``out`` is a file, holds files of these names that are not to be replaced, or cannot be written.
+        InputError: If ``out`` is a file, contains such files and ``replace`` is false, or cannot be written.
 
     Example:
         >>> import forcefeel as ff

@@ -1,4 +1,4 @@
-"""The page of a flight schedule: the template filled with plots, tables and words."""
+"""Page of a flight schedule: the template filled with plots, tables and text."""
 
 from forcefeel.envelope.page.tolerance_table import tolerances
 from forcefeel.flight_schedule.findings import schedule_conclusions
@@ -12,7 +12,7 @@ from forcefeel.units import ANGLE, UnitSystem
 
 
 def schedule_page(check: ScheduleCheck, units: UnitSystem, *, command: str = "") -> str:
-    """The whole page, numbers in ``units``."""
+    """The page, with numbers in ``units``."""
     schedule = check.schedule
     return render(
         "flight_schedule/page/schedule.html.j2",

@@ -1,4 +1,4 @@
-"""The curves of a flight schedule: how fast its slowest swing dies, and its gains, over each axis."""
+"""Curves of a flight schedule over each axis: decay rate of its slowest oscillation, and its gains."""
 
 import numpy as np
 import plotly.graph_objects as go
@@ -23,7 +23,7 @@ _SIGNALS = (
     ("feel's angle", ("/rad", "/rad", "/rad"), LineStyle(COMPENSATED)),
     ("feel's rate", (" s/rad", " s/rad", " s/rad"), LineStyle("#A8568A", "dot")),
 )
-"""What the command is made of, in the law's order, beside the observer's state, and what its gain is in per volt or ampere."""
+"""Inputs of the command in the law's order, without the observer's state, and units of their gains per volt or ampere."""
 
 
 def poles(check: ScheduleCheck) -> go.Figure:
@@ -51,7 +51,7 @@ def poles(check: ScheduleCheck) -> go.Figure:
 
 
 def gains(schedule: FlightSchedule, refine: int, units: UnitSystem) -> go.Figure:
-    """The command's gain on each signal over each axis, the other axes at their middle knot; shares of the largest."""
+    """Gain of the command on each signal over each axis, the other axes at their middle knot; as shares of the largest."""
     picture, of = _panels(schedule), "A" if schedule.loader.drive == ELECTRIC else "V"
     middle = [[axis.values[len(axis.values) // 2]] for axis in schedule.axes]
     for row, axis in enumerate(schedule.axes):
@@ -125,19 +125,19 @@ def _axis(picture: go.Figure, row: int, axis: ScheduleAxis) -> None:
 
 
 def _ideal_decay(feel: NDArray[np.float64]) -> NDArray[np.float64]:
-    """``zeta w`` of each feel; not a number where it does not swing."""
+    """``zeta w`` of each feel; NaN for an overdamped feel."""
     frequency, damping = _core.feel_frequencies(feel)
     return np.where(damping < 1, damping * frequency, np.nan)
 
 
 def _least(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Least of all cases; not a number where none has one."""
+    """Smallest value of all cases; NaN if all are NaN."""
     least = np.where(np.isnan(values), np.inf, values).min(axis=0)
     return np.where(np.isinf(least) & (least > 0), np.nan, least)
 
 
 def _least_over_others(check: ScheduleCheck, values: NDArray[np.float64], kept: int) -> NDArray[np.float64]:
-    """Along one axis, the least at any place of the others."""
+    """Smallest value along one axis over all points of the others."""
     shape = [(len(axis.values) - 1) * check.refine + 1 for axis in check.schedule.axes]
     along = np.moveaxis(values.reshape(shape), kept, -1).reshape(-1, shape[kept])
     return _least(along)

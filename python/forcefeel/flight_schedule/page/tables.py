@@ -1,4 +1,4 @@
-"""The tables of a flight schedule: what was checked, the knots, the places in the middle between them, margins."""
+"""Tables of a flight schedule: checked parts, knots, middles between knots, margins."""
 
 from math import isfinite
 
@@ -13,11 +13,11 @@ from forcefeel.page.typography import NONE, heading_text, number_text, prose_htm
 from forcefeel.units import UnitSystem
 
 MOST_ROWS = 100
-"""Knots, and places between them, in a table; the files have all."""
+"""Largest number of rows in a table; the files contain all."""
 
 
 def parts(check: ScheduleCheck) -> Table:
-    """What was checked, and where it is nearest to the edge."""
+    """Checked parts, and the loop closest to instability in each."""
     rows = []
     for part in check.parts:
         rows.append(
@@ -41,7 +41,7 @@ def parts(check: ScheduleCheck) -> Table:
 
 
 def knots(check: ScheduleCheck, units: UnitSystem) -> Table:
-    """Every knot: its feel, its poles, its release."""
+    """Feel, poles and release of every knot."""
     schedule = check.schedule
     frequency, damping = _core.feel_frequencies(schedule.rows)
     critical, outcomes = (
@@ -72,7 +72,7 @@ def knots(check: ScheduleCheck, units: UnitSystem) -> Table:
 
 
 def middle(check: ScheduleCheck) -> Table:
-    """The release in the middle between knots, by the interpolated law and by one of its own: what fails, then the others."""
+    """Releases in the middle between knots, with the interpolated law and with a law designed for the point; failures first."""
     places = sorted(
         (release for release in check.releases if not release.knot),
         key=lambda release: (release.passes, not release.lost),
