@@ -17,7 +17,7 @@ from forcefeel.errors import InputError
 from forcefeel.flight_schedule.axes import cells, mesh, place_text
 from forcefeel.flight_schedule.poles import Poles, loops_of, poles_of
 from forcefeel.flight_schedule.releases import PASSES, ReleaseTest
-from forcefeel.flight_schedule.result import CheckedMargins, CheckedRelease, Part, PartFound, ScheduleCheck
+from forcefeel.flight_schedule.result import CheckedMargins, CheckedRelease, Part, PartResult, ScheduleCheck
 from forcefeel.flight_schedule.schedule import FlightSchedule
 from forcefeel.flight_schedule.transitions import Transitions
 from forcefeel.laws.sampled.law_designs import law_design
@@ -129,14 +129,14 @@ def _parts(
     cases: Sequence[Case],
     still: tuple[NDArray[np.float64], NDArray[np.bool_], Poles],
     moving: tuple[Transitions, Poles],
-) -> tuple[PartFound, ...]:
+) -> tuple[PartResult, ...]:
     where, knot, poles = still
     transitions, during = moving
 
-    def part_result(part: Part, poles: Poles, which: NDArray[np.bool_], place_of: Callable[[int], str]) -> PartFound:
+    def part_result(part: Part, poles: Poles, which: NDArray[np.bool_], place_of: Callable[[int], str]) -> PartResult:
         critical, largest = poles.critical[:, which], poles.largest[:, which]
         case, loop = _largest_of(critical)
-        return PartFound(
+        return PartResult(
             part=part,
             loops=largest.size,
             unstable=int((largest >= 1).sum()),

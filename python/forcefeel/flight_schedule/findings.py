@@ -2,7 +2,7 @@
 
 from forcefeel.conclusions import Conclusions, of_result
 from forcefeel.envelope.tolerance_sentences import tolerance_sentences
-from forcefeel.flight_schedule.result import CheckedRelease, Part, PartFound, ScheduleCheck
+from forcefeel.flight_schedule.result import CheckedRelease, Part, PartResult, ScheduleCheck
 from forcefeel.units import to_text
 
 _MOST_NAMED = 3
@@ -41,7 +41,7 @@ def _unstable(check: ScheduleCheck) -> str:
     return f"Not stable: {counts}. {where} {_remedy(check, worst)}"
 
 
-def _remedy(check: ScheduleCheck, worst: PartFound) -> str:
+def _remedy(check: ScheduleCheck, worst: PartResult) -> str:
     between = check.part(Part.BETWEEN)
     if check.part(Part.KNOTS).unstable or check.remedy_helps is False:
         return (

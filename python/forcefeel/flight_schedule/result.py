@@ -27,7 +27,7 @@ class Part(StrEnum):
 
 
 @dataclass(frozen=True)
-class PartFound:
+class PartResult:
     """Result for one part.
 
     Attributes:
@@ -120,7 +120,7 @@ class ScheduleCheck:
     poles: Poles = field(repr=False)
     transitions: Transitions = field(repr=False)
     during: Poles = field(repr=False)
-    parts: tuple[PartFound, ...]
+    parts: tuple[PartResult, ...]
     remedy_helps: bool | None
     margins: tuple[CheckedMargins, ...]
     test: ReleaseTest = field(repr=False)
@@ -132,7 +132,7 @@ class ScheduleCheck:
         return not any(part.unstable for part in self.parts)
 
     @property
-    def worst(self) -> PartFound:
+    def worst(self) -> PartResult:
         """The part with the least stable loop."""
         return max(self.parts, key=lambda part: part.critical)
 
@@ -141,6 +141,6 @@ class ScheduleCheck:
         """Whether no point between knots fails a release test that a law designed for it passes."""
         return not any(release.lost for release in self.releases)
 
-    def part(self, which: Part) -> PartFound:
+    def part(self, which: Part) -> PartResult:
         """Result for one part."""
         return next(part for part in self.parts if part.part is which)

@@ -102,7 +102,7 @@ def test_an_origin_of_digits_is_checked_too():
 
 
 def test_no_token_but_on_this_machine(running):
-    with pytest.raises(InputError, match=r"--no-token: whoever reaches 0\.0\.0\.0"):
+    with pytest.raises(InputError, match=r"--no-token: any host that reaches 0\.0\.0\.0"):
         Console(running, port=0, bind="0.0.0.0", token=False)
     with Console(running, port=0, token=False) as console:
         assert "token" not in console.address

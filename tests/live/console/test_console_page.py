@@ -110,7 +110,7 @@ def test_a_game_pad_pulls_from_its_middle_on_and_with_control_alone(page, runnin
     page.locator("#holder", has_text="Nobody").wait_for()
     page.wait_for_timeout(300)
     assert running.hand_force_n == 0
-    assert page.inner_text("#holder") == "Nobody holds control."
+    assert page.inner_text("#holder") == "No client has control."
     page.click("#take")
     page.locator("#holder", has_text="You hold control.").wait_for()
     page.wait_for_timeout(200)

@@ -1,4 +1,4 @@
-"""A test that was made, as the page draws it: both curves, what may lie where, and each quantity with its verdict."""
+"""Result of a test for the page: both curves, tolerances, and a verdict for each quantity."""
 
 import numpy as np
 
@@ -14,11 +14,11 @@ from forcefeel.units import ANGLE, FORCE, UnitSystem, to_text
 
 _POINTS = 900
 _SHOWN = 1.25
-"""A release is drawn until so much longer than the slower of the two takes to come to rest."""
+"""Drawn duration of a release, as a factor on the longer of both settling times."""
 
 
 def verdict_json(qualification: Qualification) -> Json:
-    """The one test of a qualification."""
+    """The single test of a qualification."""
     (result,) = qualification.sections[0].results
     system = qualification.system
     return {
@@ -55,7 +55,7 @@ def _plot(result: Result, system: UnitSystem) -> Json:
 
 
 def _release(result: Result, system: UnitSystem) -> Json:
-    """Position from each record's steady state over the time from its release, on one grid of times."""
+    """Position relative to the steady state over time since the release, for both records at the same times."""
     assert result.measured is not None
     assert result.reference is not None
     sides = {"measured": result.measured, "reference": result.reference}
@@ -83,7 +83,7 @@ def _release(result: Result, system: UnitSystem) -> Json:
         for k, (size, at) in enumerate(tops)
         if (name := f"A{k + 1}") in limits
     ]
-    # P0 ends at the first crossing, the n-th full cycle at the crossing two later.
+    # P0 ends at the first crossing, each further full cycle two crossings later.
     times = [
         {"name": f"P{n}", "x": at, "y": 0.0, "along": limits[f"P{n}"]}
         for n, at in enumerate(passes[::2])
@@ -102,7 +102,7 @@ def _release(result: Result, system: UnitSystem) -> Json:
 
 
 def _sweep(result: Result, system: UnitSystem) -> Json:
-    """Force over position both ways, on the reference's grid."""
+    """Force over position in both directions, on the reference's grid."""
     assert result.measured is not None
     assert result.reference is not None
     actual, programmed = result.measured.features, result.reference.features

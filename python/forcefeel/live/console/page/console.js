@@ -75,7 +75,7 @@ function show(now) {
   state(now.ended ? "ended" : now.state, now.ended ? "lost" : now.state);
   const mine = now.holder === told.you;
   const free = now.holder === null;
-  by("holder").textContent = mine ? "You hold control." : free ? "Nobody holds control." : `Watcher ${now.holder} holds control.`;
+  by("holder").textContent = mine ? "You have control." : free ? "No client has control." : `Watcher ${now.holder} has control.`;
   by("take").hidden = told.role !== "control" || !(mine || free);
   by("take").textContent = mine ? "Give up" : "Take control";
   by("missed").textContent = now.missed.toLocaleString("en");
