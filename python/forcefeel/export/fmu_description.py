@@ -17,25 +17,25 @@ from forcefeel.templating import environment
 from forcefeel.units import ANGLE, ANGULAR_VELOCITY, FORCE, LENGTH, PRESSURE, TORQUE, Unit, UnitSystem, dimensions
 
 _SHOWN = {shown_unit.si: shown_unit for shown_unit in (ANGLE, ANGULAR_VELOCITY, LENGTH, FORCE, PRESSURE, TORQUE)}
-"""Units that people read, of what is no row of the parameter table."""
+"""Display units of variables outside the parameter table."""
 
 _SIGNALS = {"load_pressure", "actuator_flow", "valve_current", "motor_current", "motor_voltage"}
-"""Outputs that may follow a command at once, where it has no delay."""
+"""Outputs that depend directly on a command without delay."""
 
 _SENSED = ("sensed_load_cell_force", "sensed_drive_position", "sensed_column_base", "sensed_grip_force")
-"""What a law samples, in the order of its numbers."""
+"""Sampled signals of a law, in the order of its numbers."""
 
 _CELSIUS_AT_ZERO_K = 273.15
 
 
 def description(exported: Exported, kind: str, version: str, about: Mapping[str, object]) -> str:
-    """The description of an FMU.
+    """Model description of an FMU.
 
     Args:
         exported: The law with its loader.
         kind: ``loader``, ``law`` or ``machine``.
-        version: Of FMI, ``2.0`` or ``3.0``.
-        about: Identifier, token, what it is, ``step_s`` and ``delay_s``.
+        version: Version of FMI, ``2.0`` or ``3.0``.
+        about: Identifier, token, description, ``step_s`` and ``delay_s``.
     """
     loader, feel = exported.loader, exported.settings
     variables = _core.fmu_variables(kind, loader.rows(FEEL_SETTING, feel)[0], len(feel))
@@ -81,7 +81,7 @@ def _variable(variable: FmuVariable, drive: str) -> dict[str, object]:
         low, high = (
             min(low, variable.start),
             max(high, variable.start),
-        )  # a limit that was stated with ten digits is still the limit
+        )  # a limit with ten digits may be off by rounding
 
     def number(value: float | None) -> str | None:
         return None if value is None else str(int(value)) if variable.kind == "Integer" else repr(value)
@@ -103,7 +103,7 @@ def _variable(variable: FmuVariable, drive: str) -> dict[str, object]:
 
 
 def _units(rows: list[dict[str, object]]) -> list[dict[str, object]]:
-    """Each unit with its powers of the base units, and the units that people read in its stead."""
+    """Each unit with its powers of the base units and its display units."""
     readings_of: dict[str, dict[str, float]] = {"s": {}}
     for row in rows:
         display_unit = row["shown"]
@@ -136,7 +136,7 @@ def _base(name: str) -> dict[str, str]:
 
 
 def _at_once(exported: Exported, output: str, about: Mapping[str, object]) -> set[str]:
-    """The inputs that an output follows without a step between."""
+    """Inputs with direct feedthrough to an output."""
     follows: set[str] = set()
     if has_grip_sensor(exported.loader) and output == "sensed_grip_force":
         follows = {"pilot_force"}
@@ -146,9 +146,9 @@ def _at_once(exported: Exported, output: str, about: Mapping[str, object]) -> se
 
 
 def _in_an_event(exported: Exported, output: str) -> set[str]:
-    """The inputs that an output of the law follows where its clock ticks, by the law's numbers and those that add to them.
+    """Inputs with direct feedthrough to an output of the law at a clock tick, from the law's numbers.
 
-    Trim, factor and shaker move the feel in the period that then begins; the neutral of now is the law's own.
+    Trim, factor and shaker act on the feel in the following period; the current neutral is a state of the law.
     """
     numbers = exported.sampled()
     command, torque = _sensors(numbers, numbers.command), _sensors(numbers, numbers.torque)
@@ -163,7 +163,7 @@ def _in_an_event(exported: Exported, output: str) -> set[str]:
 
 
 def _sensors(numbers: SampledLaw, rows: NDArray[np.float64]) -> set[str]:
-    """The sensors that have a part in rows on [xi; F_c, x_p, theta; delta; delta'], F_g after theta where there is one."""
+    """Sensors with nonzero columns in rows on [xi; F_c, x_p, theta; delta; delta'], with F_g after theta if sampled."""
     columns = rows[:, numbers.states : -2].T
     return {name for name, column in zip(_SENSED, columns, strict=False) if column.any()}
 

@@ -1,12 +1,12 @@
-"""What the parameter sheet of a drive or a PLC wants of a law, as CSV: each number in SI and in U.S. customary units.
+"""Parameter sheet of a law for a drive or a PLC, as CSV with SI and U.S. customary units.
 
 | column | is |
 |---|---|
-| setting | number of the feel's setting, from 1; empty where the row holds for all |
+| setting | number of the feel's setting, from 1; empty for a row that holds for all |
 | group | feel, gain, filter, limit |
 | name | row of the loader file, or of the law |
 | meaning | in words |
-| value (SI), unit (SI) | as the engine has it, to the last bit |
+| value (SI), unit (SI) | value of the engine, to the last bit |
 | value (U.S.), unit (U.S.) | the same, to ten digits |
 """
 
@@ -27,7 +27,7 @@ from forcefeel.loader.parameters import DIGITS, ELECTRIC, is_switch, meaning, ta
 from forcefeel.units import RATIO, Unit, UnitSystem
 
 SHEET = "{}_parameters.csv"
-"""Name of the file."""
+"""File name."""
 
 COLUMNS = (
     "setting",
@@ -78,14 +78,14 @@ _SAMPLED: _Signals = (
     ("grip force", Unit("N", "N", "lb")),
 )
 _FEEL: _Signals = (("feel displacement", Unit("rad", "rad", "rad")), ("feel rate", Unit("rad/s", "rad/s", "rad/s")))
-"""What a sampled law's rows act on, beside its states in coordinates of its own; the grip's force last, where it samples that."""
+"""Inputs of a sampled law's rows, without its own states; the grip force is last, if sampled."""
 
 
 _CURVE = (Unit("rad", "rad", "deg"), Unit("N", "N", "lb"))
 
 
 class Row(NamedTuple):
-    """One number of the sheet; ``setting`` is zero for all."""
+    """One number of the sheet; ``setting`` is zero for a number that holds for all."""
 
     setting: int
     group: str
@@ -108,7 +108,7 @@ def parameter_sheet(exported: Exported) -> str:
 
 
 def _text(number: str, value: float) -> str:
-    """A number as text; a limit or a bandwidth that is infinite is off."""
+    """A number as text; an infinite limit or bandwidth is ``off``."""
     return number if isfinite(value) else "off"
 
 
@@ -130,14 +130,14 @@ def _rows(exported: Exported) -> Iterator[Row]:
 
 
 def _of_loader(loader: Loader, group: str, keys: tuple[str, ...] | list[str]) -> Iterator[Row]:
-    """Rows of the loader file, those that it has."""
+    """Rows of the loader file that are set."""
     for key in keys:
         if key in table(loader.drive):
             yield _row(loader, 0, group, key, loader[key])
 
 
 def _curve(loader: Loader) -> Iterator[Row]:
-    """Points of the feel's curve, where it has one in place of its straight spring."""
+    """Points of the feel's curve, if any."""
     if loader.force_curve is None:
         return
     for k, (angle, force) in enumerate(zip(loader.force_curve.x, loader.force_curve.y, strict=True), start=1):
@@ -146,7 +146,7 @@ def _curve(loader: Loader) -> Iterator[Row]:
 
 
 def _cancellation(law: Law) -> Iterator[Row]:
-    """Cogging and dry friction of the motor, which the law gives back."""
+    """Cogging and dry friction of the motor, which the law compensates."""
     known = law.cancellation
     if known is None:
         return
@@ -169,13 +169,13 @@ def _cancellation(law: Law) -> Iterator[Row]:
 
 def _row(loader: Loader, setting: int, group: str, key: str, value: float) -> Row:
     row = table(loader.drive)[key]
-    # Coherent units: a sheet in mA and cm beside one in A and m would be one more place for a slip.
+    # Coherent units avoid errors from mixing mA and cm with A and m.
     units = RATIO if is_switch(row) else Unit(unit(row).si, unit(row).si, unit(row).us)
     return Row(setting, group, key, meaning(row, loader.drive), value, units)
 
 
 def _gains(law: Law, loader: Loader, setting: int) -> Iterator[Row]:
-    """Gains c_1 .. c_7; the original loop of eq. (13) has the loader's own."""
+    """Gains c_1 .. c_7; the original loop of eq. (13) has those of the loader."""
     fixed = law.single(loader, setting).fixed
     if fixed is None:
         return
@@ -186,7 +186,7 @@ def _gains(law: Law, loader: Loader, setting: int) -> Iterator[Row]:
 
 
 def _sampled(law: SampledLaw, setting: int, command: str) -> Iterator[Row]:
-    """The rows of a sampled law: [xi; y; delta; delta'; n] to torque and command, [xi; y; e] to the next xi."""
+    """Rows of a sampled law: [xi; y; delta; delta'; n] to torque and command, [xi; y; e] to the next xi."""
     n = law.states
     sampled = _SAMPLED[: law.input.shape[2] - 1]
     torque = Unit("N m", "N m", "lb in")
@@ -214,7 +214,7 @@ def _sampled(law: SampledLaw, setting: int, command: str) -> Iterator[Row]:
 
 
 def _friction(setting: int, numbers: list[float], on: tuple[int, _Signals]) -> Iterator[Row]:
-    """What a law knows of the column's dry friction: r, b, F, M, v_s, l, and how it learns."""
+    """Model of the column's dry friction in a law: r, b, F, M, v_s, l, and parameters of learning."""
     rate, torque = Unit("rad/s", "rad/s", "rad/s"), Unit("N m", "N m", "lb in")
     n, sampled = on
     own = n + len(sampled) + len(_FEEL)
@@ -235,7 +235,7 @@ def _on(setting: int, name: str, row: list[float], of: Unit, states: tuple[int, 
 
 
 def _per(of: Unit, per: Unit) -> Unit:
-    """Units of a gain."""
+    """Unit of a gain."""
 
     def quotient(above: str, below: str) -> str:
         over, under = (
