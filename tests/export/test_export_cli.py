@@ -83,7 +83,7 @@ def test_fmus_of_loader_law_and_machine(export, tmp_path):
 
 
 def test_an_analog_loader_gives_no_fmu(export, tmp_path):
-    status, _, error = export("elevator", "--law", "converged", "--to", "fmu")
+    status, _, error = export("elevator-1974", "--law", "converged", "--to", "fmu")
     assert status == 2
     assert "--law: converged is an analog law, and the target is digital; give the loader a controller.period" in error
     assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""What an engineer should conclude from methods that were tried, in words."""
+"""What an engineer should conclude from laws that were tried, in words."""
 
 from math import degrees, inf, isfinite
 
@@ -18,10 +18,10 @@ from forcefeel.units import ANGLE, FORCE, HERTZ, UnitSystem, to_text
 
 @of_result
 def choice_conclusions(scored: LawScores, choice: Choice, units: UnitSystem) -> Conclusions:
-    """What to take, why, why not the others, and what the choice does not promise; ``good`` where a method is eligible."""
+    """What to take, why, why not the others, and what the choice does not promise; ``good`` where a law is eligible."""
     lines = [remark.sentence for remark in choice.remarks if remark.name != choice.chosen]
     if choice.chosen is None:
-        among = f"None of the {len(scored.scores)} methods is eligible for {scored.plan.loader.name}."
+        among = f"None of the {len(scored.scores)} laws is eligible for {scored.plan.loader.name}."
         return Conclusions(False, among, (*_too_small(scored, units), *lines, *_caveats(scored)))
     best = next(score for score in scored.scores if score.name == choice.chosen)
     verdict = f"Take {best.name}. {choice.remarks[0].sentence}"
@@ -38,7 +38,7 @@ def _too_small(scored: LawScores, units: UnitSystem) -> tuple[str, ...]:
 
 @of_result
 def design_conclusions(scored: LawScores, units: UnitSystem) -> Conclusions:
-    """What one method does; ``good`` where it is stable at the loader's own setting."""
+    """What one law does; ``good`` where it is stable at the loader's own setting."""
     score = scored.scores[0]
     own, name = score.own, capital(score.name)
     where = "at the loader's own setting"
@@ -52,7 +52,7 @@ def design_conclusions(scored: LawScores, units: UnitSystem) -> Conclusions:
     )
     lines = [*_about(scored, score, units)]
     if wrong := obstacles(score, scored.plan.loader["controller.period"]):
-        lines.append(f"It would not be eligible under --method auto: {'; '.join(wrong)}.")
+        lines.append(f"It would not be eligible under --law auto: {'; '.join(wrong)}.")
     return Conclusions(
         True, f"{name} is stable {where} and {outcome}.", (*_too_small(scored, units), *lines, *_caveats(scored))
     )
@@ -134,7 +134,7 @@ def _caveats(scored: LawScores) -> tuple[str, ...]:
     lines = []
     if not scored.sampled:
         lines.append(
-            "The loader is analog and can only take the report's methods. Those that were made since need a digital controller: "
+            "The loader is analog and can only take the report's laws. Those that were made since need a digital controller: "
             "give controller.period and controller.delay, for example 0.5 ms each, or take the built-in loader elevator-2khz."
         )
     laws = [score.own.law for score in scored.scores]

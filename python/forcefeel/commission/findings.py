@@ -169,7 +169,7 @@ def glance(found: Commission) -> tuple[Row, ...]:
     )
     if found.chosen is not None:
         rows.append(
-            Row("law", found.chosen.name or "none is eligible", _yes(bool(found.chosen.name)), f"{LAW}/compensate.html")
+            Row("law", found.chosen.name or "none is eligible", _yes(bool(found.chosen.name)), f"{LAW}/law.html")
         )
     if found.checked is not None:
         shares = (

@@ -28,7 +28,7 @@ def conclusions(design: Design | MotorDesign, units: UnitSystem, tried: LawCompa
     Example:
         >>> import forcefeel as ff
         >>> found = ff.design.conclusions(ff.design_loader(ff.elevator()), ff.UnitSystem.US)
-        >>> found.good, len(found.findings) > 3
+        >>> found.ok, len(found.findings) > 3
         (True, True)
     """
     if isinstance(design, MotorDesign):

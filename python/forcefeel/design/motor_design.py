@@ -5,9 +5,8 @@ from math import pi
 
 from forcefeel.design.law_loop import LawLoop, law_loop
 from forcefeel.design.motor import MotorAnalysis, analyze_motor
-from forcefeel.laws.law import DEFAULTS
+from forcefeel.laws.law import ROBUST
 from forcefeel.loader.loader import Loader
-from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.printable import table_html
 
 
@@ -52,12 +51,12 @@ class MotorDesign(MotorAnalysis):
         return self.programmed.assessment.stable
 
 
-def design_motor(loader: Loader, law: str = DEFAULTS[ELECTRIC]) -> MotorDesign:
+def design_motor(loader: Loader, law: str = ROBUST) -> MotorDesign:
     """Analyses an electric loader and judges what a law makes of it. ``choice.best_law`` tells which law is the best.
 
     Args:
         loader: The loader.
-        law: Name of a method that designs laws for a motor; the one that drives it where none is named if not given.
+        law: Name of a law for a motor; ``robust`` if not given.
 
     Raises:
         InputError: If ``loader`` is no loader, has a valve or no ``controller.period``; if there is no such law for it.

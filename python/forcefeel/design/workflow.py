@@ -167,7 +167,7 @@ def design_loader(
     Example:
         >>> import forcefeel as ff
         >>> found = ff.design_loader(ff.elevator())
-        >>> ff.design.conclusions(found, ff.UnitSystem.US).good
+        >>> ff.design.conclusions(found, ff.UnitSystem.US).ok
         True
     """
     from forcefeel.design.motor_design import design_motor  # noqa: PLC0415  python-control, for which analyze need not wait
@@ -176,7 +176,7 @@ def design_loader(
     if loader.drive == ELECTRIC:
         if settings is not None:
             check_hydraulic(
-                loader, "recursion (22)", "a motor's law is by method, such as design.design_motor(loader, 'robust')"
+                loader, "recursion (22)", "a motor takes a sampled law, such as design.design_motor(loader, 'robust')"
             )
         return design_motor(loader)
     return design_servo(loader, settings, progress)
@@ -198,7 +198,7 @@ def design_servo(
     Example:
         >>> import forcefeel as ff
         >>> found = ff.design.design_servo(ff.elevator())
-        >>> ff.design.conclusions(found, ff.UnitSystem.US).good
+        >>> ff.design.conclusions(found, ff.UnitSystem.US).ok
         True
     """
     check_hydraulic(loader, "the design of the report", "design_loader takes either")

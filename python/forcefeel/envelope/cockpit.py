@@ -72,7 +72,7 @@ class CockpitEnvelope:
     Example:
         >>> import forcefeel as ff
         >>> from pathlib import Path
-        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator"\n', encoding="utf-8")
+        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-1974"\n', encoding="utf-8")
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> def plan(loader):
         ...     return ff.envelope.make_plan(loader, ["original"], grid)
@@ -112,7 +112,7 @@ def find_cockpit(
     Example:
         >>> import forcefeel as ff
         >>> from pathlib import Path
-        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator"\n', encoding="utf-8")
+        >>> size = Path("cockpit.toml").write_text('[axes]\npitch = "elevator-1974"\n', encoding="utf-8")
         >>> grid = {"stiffness": "10..100 %:3:log", "frequency": "1..3 Hz:3", "damping": "0.3, 0.7"}
         >>> def plan(loader):
         ...     return ff.envelope.make_plan(loader, ["original"], grid)

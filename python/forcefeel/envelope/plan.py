@@ -12,10 +12,9 @@ from forcefeel.envelope.draws import NO_DRAWS, Draws
 from forcefeel.envelope.machines import feel_json
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError, expect, expect_number
-from forcefeel.laws.law import DEFAULTS, NAMED_LAWS, LawLike, check_given, named
+from forcefeel.laws.law import NAMED_LAWS, LawLike, check_given, named
 from forcefeel.loader.axes import rule_axis, usual_axis
 from forcefeel.loader.loader import Loader, check_loader
-from forcefeel.loader.parameters import ELECTRIC
 from forcefeel.qualification import DEFAULT_EDITION, Rules, load_rules
 from forcefeel.qualification.rules import Axis, Test
 from forcefeel.qualification.throw import Throw
@@ -155,11 +154,6 @@ def _check_angle(name: str, angle: float) -> None:
     expect_number(name, angle)
     if not (isfinite(angle) and 0 < angle <= _LARGEST_ANGLE):
         raise InputError(f"{name}: expected an angle above 0 and up to 90 deg, got {show(angle)} rad")
-
-
-def usual_law(loader: Loader) -> str:
-    """Default law of an envelope."""
-    return DEFAULTS[ELECTRIC] if loader.drive == ELECTRIC else "published"
 
 
 def make_plan(

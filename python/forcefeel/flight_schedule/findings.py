@@ -45,7 +45,7 @@ def _remedy(check: ScheduleCheck, worst: PartResult) -> str:
     between = check.part(Part.BETWEEN)
     if check.part(Part.KNOTS).unstable or check.remedy_helps is False:
         return (
-            "A law that is designed for an unstable place is unstable there too, so more knots do not help: take another method, "
+            "A law that is designed for an unstable place is unstable there too, so more knots do not help: take another law, "
             "or a feel that asks for less."
         )
     if between.unstable:

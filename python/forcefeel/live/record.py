@@ -33,7 +33,7 @@ class LiveRecord:
         >>> with ff.live.start(ff.digital_elevator(), real_time=False, record="run.mcap") as running:
         ...     running.wait(100)
         >>> ff.live.read_live_record("run.mcap").about["law"]
-        'original'
+        'robust'
     """
 
     about: Mapping[str, str]

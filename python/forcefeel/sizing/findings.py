@@ -51,7 +51,7 @@ def sizing_conclusions(found: Sizing, units: UnitSystem) -> Conclusions:
     Example:
         >>> import forcefeel as ff
         >>> found = ff.sizing.size_drive(ff.elevator())
-        >>> ff.sizing.sizing_conclusions(found, ff.UnitSystem.US).good
+        >>> ff.sizing.sizing_conclusions(found, ff.UnitSystem.US).ok
         True
     """
     lines = (

@@ -9,17 +9,17 @@ from forcefeel.json_values import json_text
 from forcefeel.page.folder import OutputFolder
 from forcefeel.units import UnitSystem
 
-PAGE, RESULTS = "compensate.html", "results.json"
+PAGE, RESULTS = "law.html", "results.json"
 """File names."""
 
-FOLDER = OutputFolder("the methods", (PAGE, RESULTS))
+FOLDER = OutputFolder("the laws", (PAGE, RESULTS))
 """Checked before the computation, written after it."""
 
 
 def write_choice(
     scored: LawScores, choice: Choice | None, out: Path, units: UnitSystem, *, replace: bool = False, command: str = ""
 ) -> Path:
-    """Write ``results.json`` and ``compensate.html``, the page last.
+    """Write ``results.json`` and ``law.html``, the page last.
 
     Existing files stay until the new ones are complete; other files in the folder are not touched.
 
