@@ -32,8 +32,8 @@ def choice_conclusions(scored: LawScores, choice: Choice, units: UnitSystem) -> 
 
 def _too_small(scored: LawScores, units: UnitSystem) -> tuple[str, ...]:
     """That the motor does not give what is programmed, and what would; nothing where it does."""
-    found = too_small_text(scored.plan.given, units, scored.plan.release_rad)
-    return (found,) if found else ()
+    text = too_small_text(scored.plan.given, units, scored.plan.release_rad)
+    return (text,) if text else ()
 
 
 @of_result
@@ -114,10 +114,10 @@ def _rendered(scored: LawScores, score: Score) -> list[str]:
     near = tuple(mode for mode in score.own.modes if mode.frequency_rad_per_s > _NEAR * frequency)
     if len(near) < _PAIR:
         return []
-    found = feel_mode(near, frequency, ratio)
-    shown = [to_text(HERTZ.from_si(one, UnitSystem.SI), 3) for one in (found.frequency_rad_per_s, frequency)]
+    mode = feel_mode(near, frequency, ratio)
+    texts = [to_text(HERTZ.from_si(omega, UnitSystem.SI), 3) for omega in (mode.frequency_rad_per_s, frequency)]
     return [
-        f"The column swings at {shown[0]} Hz with a damping ratio of {to_text(found.damping_ratio, 3)}; {shown[1]} Hz and "
+        f"The column swings at {texts[0]} Hz with a damping ratio of {to_text(mode.damping_ratio, 3)}; {texts[1]} Hz and "
         f"{to_text(ratio, 3)} are programmed."
     ]
 
