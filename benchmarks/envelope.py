@@ -86,7 +86,7 @@ def parts():
 
 def peer(plan, laws, feel, k, record):
     """The same release by python-control."""
-    values = plan.loader.values.copy()
+    values = plan.loader.si_values.copy()
     values[[INDEX[key] for key in FEEL_SETTING]] = feel[k]
     loader = plan.loader.replace(dict(zip(FEEL_SETTING, feel[k].tolist(), strict=True)), si=True)
     model = compliant_model(loader, laws.single(plan.loader, k).fixed)[0, 0]

@@ -48,7 +48,7 @@ def drawn() -> tuple[np.ndarray, np.ndarray]:
                     print(f"{name}, {law}: left out: {error}")
                     continue
                 if made is not None:
-                    values.append(np.asarray(one.values, dtype=np.float64))
+                    values.append(np.asarray(one.si_values, dtype=np.float64))
                     laws.append(made.rows()[0])
     return np.array(values), np.array(laws)
 

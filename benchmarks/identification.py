@@ -112,7 +112,7 @@ def experiment(loader, time_s, signal):
     """What the batch engine is asked for: the scenario and the position loop."""
     drive = Schedule(tuple(time_s.tolist()), tuple(signal.tolist()))
     scenario = Scenario(test_signal_v=drive, duration_s=TIME_S, step_s=1 / RATE_HZ, sample_s=1 / RATE_HZ)
-    return scenario, ff.laws.GainLaw.position_loop(loader.values)
+    return scenario, ff.laws.GainLaw.position_loop(loader.si_values)
 
 
 def differences(loader, time_s, signal, keys):
@@ -144,11 +144,11 @@ def check_speed(drawn, record):
     seen = BenchRecord(record.name, record.experiment, record.time_s, {it: record.channels[it] for it in names})
     given = loader, record.time_s, record.channels["test_signal"], keys
     run = RecordRun(seen, loader, None)
-    slopes, apart = run.at(loader.values, keys).slopes, differences(*given)
+    slopes, apart = run.at(loader.si_values, keys).slopes, differences(*given)
     largest = np.abs(slopes).max(axis=2, keepdims=True)
     agreement = float(np.max(np.abs(slopes - apart) / largest))
     assert agreement < 1e-3, f"slopes and differences are {agreement:.1e} apart"
-    exact = median_seconds(lambda: run.at(loader.values, keys))
+    exact = median_seconds(lambda: run.at(loader.si_values, keys))
     central = median_seconds(lambda: differences(*given))
     longer = f"central differences {central / exact:.1f} times as long"
     print(f"\nfour slopes of {TIME_S:.0f} s: {exact:.3f} s on {cores()} cores, {longer}")

@@ -70,7 +70,7 @@ def scenario(duration_s):
 
 def values(parameters):
     """Rows of the parameter table for rows of the case's numbers."""
-    rows = np.tile(LOADER.values, (len(parameters), 1))
+    rows = np.tile(LOADER.si_values, (len(parameters), 1))
     for name, key in KEYS.items():
         column = case.NAMES.index(name)
         rows[:, INDEX[key]] *= parameters[:, column] / case.NOMINAL[column]

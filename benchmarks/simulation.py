@@ -109,7 +109,7 @@ def scenario(step_s):
 
 def values(parameters):
     """Rows of the parameter table for rows of the case's numbers."""
-    rows = np.tile(LOADER.values, (len(parameters), 1))
+    rows = np.tile(LOADER.si_values, (len(parameters), 1))
     for k, key in enumerate(KEYS.values()):
         rows[:, list(TABLE).index(key)] *= parameters[:, k] / case.NOMINAL[k]
     return rows

@@ -55,7 +55,7 @@ def draw(keys, decades, count):
 
 def matrices(varied, law, count):
     found = np.empty((count, 8, 8))
-    values = LOADER.values.copy()
+    values = LOADER.si_values.copy()
     for k in range(count):
         for key, column in varied.items():
             values[INDEX[key]] = column[k]
@@ -109,7 +109,7 @@ def both_cores(failed):
         return
     os.sched_setaffinity(0, set(ALL_CORES))
     varied = draw(*CASES["two settings of the feel"], LOOPS)
-    loops = _core.Loops(LOADER.values, [INDEX[key] for key in varied], np.column_stack(list(varied.values())))
+    loops = _core.Loops(LOADER.si_values, [INDEX[key] for key in varied], np.column_stack(list(varied.values())))
     spent = {}
     for threads in (1, len(ALL_CORES)) * REPEATS:
         begin = time.perf_counter()

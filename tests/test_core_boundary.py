@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import forcefeel as ff
 from forcefeel import _core
 
-VALUES = ff.digital_elevator().values
+VALUES = ff.digital_elevator().si_values
 LAW = _core.GainLaw.original(VALUES)
 STILL = {"force": np.zeros((10, 2)), "fade": np.ones((10, 2))}
 """Ten steps in which nothing happens; the feel is the next one."""

@@ -11,10 +11,10 @@ SWEEP = "examples/bench/sweep.csv"
 
 CALLS = {
     "path": [lambda: ff.load(5), lambda: ff.load(None), lambda: ff.read_bench_data(5)],
-    "name": [lambda: ff.Loader(5, "", LOADER.values)],
-    "source": [lambda: ff.Loader("a", None, LOADER.values)],
-    "values": [lambda: ff.Loader("a", "", "x"), lambda: ff.Loader("a", "", None)],
-    "tolerances": [lambda: ff.Loader("a", "", LOADER.values, tolerances=5)],
+    "name": [lambda: ff.Loader(5, "", LOADER.si_values)],
+    "source": [lambda: ff.Loader("a", None, LOADER.si_values)],
+    "si_values": [lambda: ff.Loader("a", "", "x"), lambda: ff.Loader("a", "", None)],
+    "tolerances": [lambda: ff.Loader("a", "", LOADER.si_values, tolerances=5)],
     "changes": [
         lambda: LOADER.replace([1], si=True),
         lambda: LOADER.replace(None, si=True),
@@ -32,7 +32,7 @@ CALLS = {
         lambda: ff.design_gains("elevator"),
         lambda: ff.Law.of("robust", "elevator"),
         lambda: ff.simulate("elevator", SCENARIO),
-        lambda: ff.simulation.simulate_batch("elevator", SCENARIO, LOADER.values[np.newaxis]),
+        lambda: ff.simulation.simulate_batch("elevator", SCENARIO, LOADER.si_values[np.newaxis]),
         lambda: ff.Sweep("elevator", SCENARIO),
         lambda: ff.qualify_loader("elevator"),
         lambda: ff.find_envelope("elevator"),

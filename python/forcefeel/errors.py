@@ -30,6 +30,13 @@ class InputError(ValueError):
         super().__init__("\n".join(lines))
 
 
+class UnknownKeyError(InputError, KeyError):
+    """A mapping has no such key: a ``KeyError`` for Python's mappings, an ``InputError`` for its user."""
+
+    def __str__(self) -> str:
+        return ValueError.__str__(self)
+
+
 def shortened(text: str, longest: int) -> str:
     """The text; of one that is longer than so many characters, its beginning."""
     return text if len(text) <= longest else f"{text[: longest - 4]} ..."

@@ -416,7 +416,7 @@ MACHINES = {
 @pytest.mark.parametrize("loader", MACHINES.values(), ids=MACHINES)
 def test_records_of_the_simulated_machine_pass(loader, kind):
     drive = ff.simulation.Schedule(tuple(T.tolist()), tuple((0.5 * DRIVES[kind]).tolist()))
-    law = ff.laws.GainLaw.position_loop(loader.values)
+    law = ff.laws.GainLaw.position_loop(loader.si_values)
     scenario = ff.Scenario(ff.simulation.HandsOff(), duration_s=T[-1], step_s=H, test_signal_v=drive)
     history = ff.simulate(loader, scenario, law).history
     channels = {

@@ -176,7 +176,7 @@ def test_a_link_has_the_resonance_that_it_was_made_for():
 @pytest.mark.parametrize(("closed", "reported"), [(False, (11.8, 0.169)), (True, (11.4, 0.164))])
 def test_the_machines_mode_is_read_and_is_not_that_of_the_link_alone(closed, reported):
     elevator = ff.elevator()
-    law = ff.laws.GainLaw.position_loop(elevator.values) if closed else ff.laws.GainLaw.none(elevator.values)
+    law = ff.laws.GainLaw.position_loop(elevator.si_values) if closed else ff.laws.GainLaw.none(elevator.si_values)
     model = ff.compliant_model(elevator, law)
     f = np.arange(2.0, 40.0, 0.1)
     found = read_resonance(response(f, model(2j * np.pi * f)[0, 0]), (6.0, 25.0))

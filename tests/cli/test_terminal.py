@@ -1,6 +1,8 @@
 """What a terminal of 80 columns shows: help and tables that break no word, cut nothing off and are no wider."""
 
+import io
 import re
+import time
 
 import pytest
 from rich.progress import Progress
@@ -8,7 +10,7 @@ from rich.table import Table
 
 from forcefeel.cli.app import command_line
 from forcefeel.cli.options import EDITION, HELP_ALL
-from forcefeel.cli.progress import _Left
+from forcefeel.cli.progress import Bar, _Left, all_or_nothing
 from forcefeel.cli.terminal import Terminal
 from forcefeel.qualification import DEFAULT_EDITION
 from tests.command_line import runner
@@ -102,3 +104,49 @@ def test_a_short_rest_is_not_told_in_seconds(elapsed, done, said):
     now[0] = elapsed
     bar.update(task, completed=done)
     assert str(_Left().render(bar.tasks[0])) == said
+
+
+class _TerminalText(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.fixture
+def error_terminal(monkeypatch):
+    """Makes the error stream a terminal; called in the test, since pytest sets its own stream before it."""
+
+    def begin():
+        stream = _TerminalText()
+        monkeypatch.setenv("TERM", "xterm")
+        monkeypatch.setattr("sys.stderr", stream)
+        return stream
+
+    return begin
+
+
+@pytest.mark.parametrize(("waited_s", "expected"), [(0.3, False), (1.3, True)])
+def test_the_progress_line_appears_after_one_second(error_terminal, waited_s, expected):
+    stream = error_terminal()
+    with all_or_nothing("simulate", silent=False):
+        time.sleep(waited_s)
+    assert ("simulate" in stream.getvalue()) is expected
+
+
+def test_the_progress_line_counts_and_keeps_standard_output(error_terminal, capsys):
+    stream = error_terminal()
+    with Bar("qualify", "tests", silent=False, even=False) as bar:
+        bar.describe("robust, static")
+        bar.show(2, 7)
+        time.sleep(1.3)
+        print("result")
+    assert "qualify: robust, static" in stream.getvalue()
+    assert "2 of 7 tests" in stream.getvalue()
+    assert capsys.readouterr().out == "result\n"
+
+
+def test_no_progress_line_with_json(error_terminal):
+    stream = error_terminal()
+    with Bar("qualify", "tests", silent=True) as bar:
+        bar.show(2, 7)
+        time.sleep(1.3)
+    assert stream.getvalue() == ""

@@ -78,7 +78,7 @@ def test_frequency_responses_alone_leave_the_friction_wanting():
 
 def test_noise_that_is_declared_as_zero_is_wanting_with_what_the_record_shows(records):
     quiet = FILE.replace({"column_sensor.noise": None, "column_sensor.resolution": None})
-    found = identify_loader(quiet, records, CommissionPlan(fit=("column.inertia", "amplifier.admittance")))
+    found = identify_loader(quiet, records, CommissionPlan())
     (sentence,) = found.outcome.wanting
     assert sentence.startswith("column_sensor.noise is declared as zero, and the records show ")
     assert not found.outcome.good

@@ -171,7 +171,7 @@ def test_one_cost_index_in_a_design(loader):
 
 
 def test_the_original_law_given_by_name_is_judged_like_the_default(loader):
-    named = ff.design.assess(loader, ff.laws.GainLaw.original(loader.values))
+    named = ff.design.assess(loader, ff.laws.GainLaw.original(loader.si_values))
     assert np.isnan(named.cost)
     assert named.tracking_error == ff.design.assess(loader, None).tracking_error
 
@@ -188,7 +188,7 @@ def test_gains_that_are_no_numbers_are_refused(loader):
 
 
 def test_a_design_can_be_sent_to_another_process(loader):
-    law = ff.laws.GainLaw.original(loader.values)
+    law = ff.laws.GainLaw.original(loader.si_values)
     assert pickle.loads(pickle.dumps(law)) == law
     found = ff.design_loader(loader)
     again = pickle.loads(pickle.dumps(found))

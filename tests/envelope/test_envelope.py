@@ -97,7 +97,7 @@ def test_stability_is_that_of_numpys_poles(found):
                 continue
             stable = found.stable(name_of_law)[place]
             for setting in range(0, plan.settings.count, 3):
-                values = plan.loader.values.copy()
+                values = plan.loader.si_values.copy()
                 values[[INDEX[key] for key in FEEL_SETTING]] = feel[setting]
                 law = laws.single(plan.loader, setting).fixed  # with the nominal plant's geometry
                 if case.parameter:

@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 
 import forcefeel as ff
-from forcefeel.envelope.page.maps import COLORS
+from forcefeel.envelope.result import COLORS
 from forcefeel.units import UnitSystem
 from tests.pages import (  # noqa: F401  what is asked of every page
     ROUNDING_PX,
+    WIDTHS,
     test_a_page_is_small_and_every_plot_has_its_text,
     test_heads_name_rows_and_columns_and_keep_their_words_whole,
     test_nothing_is_asked_for_but_the_page_and_its_script,
@@ -24,6 +25,7 @@ from tests.pages import (  # noqa: F401  what is asked of every page
 pytestmark = pytest.mark.browser
 
 SMALLEST_PANEL_PX = 60
+FOLD_PX, FIRST_FINDINGS = 800, 5
 GRID = {"stiffness": "1..100 %:9:log", "frequency": "0.5..4 Hz:6:log"}
 
 
@@ -61,6 +63,18 @@ def test_the_maps_can_be_seen(page):
     assert sizes
     assert min(width for width, _ in sizes) >= SMALLEST_PANEL_PX
     assert min(height for _, height in sizes) >= SMALLEST_PANEL_PX / 2
+
+
+def test_maps_and_five_findings_are_above_the_fold(page):
+    lowest, findings = page.evaluate(
+        """() => {
+            const box = one => one.getBoundingClientRect().bottom + scrollY;
+            return [box(document.querySelector('#maps > .maps')), document.querySelectorAll('#conclusions .findings li').length];
+        }"""
+    )
+    assert 0 < findings <= FIRST_FINDINGS
+    if page.viewport_size["width"] >= WIDTHS[0]:
+        assert lowest <= FOLD_PX
 
 
 def test_every_colour_of_a_map_is_in_its_legend(page):

@@ -39,7 +39,7 @@ def exact(loader, law, values, setting):
     period = loader["controller.period"]
     machine = loader.replace(values, si=True)
     mass, damper, spring = (machine[row] * machine["column.grip_arm"] ** 2 for row in ARM_ROWS)
-    model = ff.compliant_model(machine.replace(dict.fromkeys(ARM_ROWS, 0.0), si=True), GainLaw.none(machine.values))
+    model = ff.compliant_model(machine.replace(dict.fromkeys(ARM_ROWS, 0.0), si=True), GainLaw.none(machine.si_values))
     kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
     a, b = np.array(model.A)[np.ix_(kept, kept)], np.array(model.B)[kept]
     share = machine["column.inertia"] / (machine["column.inertia"] + mass)

@@ -161,7 +161,7 @@ def test_inputs_that_change_hold_through_each_step(fmus, loader):
         timing=steps.timing,
         cancellation=None if exported.law.cancellation is None else exported.law.cancellation.numbers,
     )
-    _, (expected,) = engine.run(exported.loader.values[np.newaxis], **exported.law.engine(exported.loader))
+    _, (expected,) = engine.run(exported.loader.si_values[np.newaxis], **exported.law.engine(exported.loader))
     with opened(fmus, loader, "loader", "fmi3") as run:
         # The run begins at rest under the first trim.
         run.begin(trim=trim[0], stiffness_factor=factor[0])

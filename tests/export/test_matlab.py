@@ -79,7 +79,7 @@ def test_the_numbers_are_those_of_the_law_to_the_last_bit(folder):
     (exported,) = (one for key, one in cases().items() if key in out.name)
     law = exported.law.sampled
     if law is None:
-        gains = exported.law.fixed or GainLaw.original(exported.loader.values)
+        gains = exported.law.fixed or GainLaw.original(exported.loader.si_values)
         assert np.array_equal(numbers["gains"][0], gains.gains)
         return
     for key in ("transition", "input", "command", "torque", "friction", "settled"):

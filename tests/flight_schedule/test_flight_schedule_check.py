@@ -81,7 +81,7 @@ def rotation(angle: float, n: int) -> np.ndarray:
 def exact_poles(loader: ff.Loader, law: SampledLaw) -> np.ndarray:
     """Poles of the sampled loop with one sample of delay: eq. (17) and the feel by SciPy's exponential, put together here."""
     period = loader["controller.period"]
-    model = ff.compliant_model(loader, GainLaw.none(loader.values))
+    model = ff.compliant_model(loader, GainLaw.none(loader.si_values))
     kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
     a, b = np.asarray(model.A)[np.ix_(kept, kept)], np.asarray(model.B)[kept, 1:]
     plant = scipy.linalg.expm(np.block([[a, b], [np.zeros((1, 7))]]) * period)

@@ -228,7 +228,7 @@ def test_the_engine_runs_this_law(tuning):
     """Poles of the engine's loop are those of the one put together here, but for the fastest."""
     loader = sampled()
     laws = design(loader, FEELS, tuning)
-    values = np.tile(loader.values, (len(FEELS), 1))
+    values = np.tile(loader.si_values, (len(FEELS), 1))
     values[:, [INDEX[key] for key in FEEL_SETTING]] = FEELS
     _, matrices = _core.sampled_loops(values, PERIOD / 10, (10, 10), observers=laws.rows())
     for k, feel in enumerate(FEELS):

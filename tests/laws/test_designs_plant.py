@@ -23,7 +23,7 @@ def sampled(delay=PERIOD, period=PERIOD):
 
 def continuous(loader):
     """A, B of torque and command in SI units, from the report's model."""
-    model = ff.compliant_model(loader, GainLaw.none(loader.values))
+    model = ff.compliant_model(loader, GainLaw.none(loader.si_values))
     kept = [model.state_labels.index(name) for name in PLANT_STATES]
     return model.A[np.ix_(kept, kept)], model.B[kept] / [loader["column.grip_arm"], 1.0]
 

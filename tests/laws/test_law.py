@@ -70,7 +70,7 @@ def test_a_run_under_a_laws_file_is_the_one_under_its_name(name, loader, tmp_pat
 
 def consumers(loader, law):
     """Everything that runs or judges a law, as calls."""
-    values = np.tile(loader.values, (2, 1))
+    values = np.tile(loader.si_values, (2, 1))
     experiment = Experiment(Loop.LOADER, Drive.TEST_SIGNAL)
     hz = np.array([1.0, 2.0])
     found = {
@@ -120,7 +120,7 @@ def test_laws_are_found_by_their_setting():
 
 
 def test_one_law_for_any_setting_stays_as_it_is():
-    law = Law.of(ff.laws.GainLaw.original(ANALOG.values), ANALOG)
+    law = Law.of(ff.laws.GainLaw.original(ANALOG.si_values), ANALOG)
     assert law.at(settings(ANALOG, 500.0, 900.0)) is law
 
 
@@ -258,7 +258,7 @@ def test_a_law_is_made_once_for_a_sweep_and_for_a_model():
     assert (len(calls), pieces[0] is pieces[1]) == (1, True)
     model = LinearModel(DIGITAL, experiment.loop, counted)
     for stiffness in ("6000 lb/in", "7000 lb/in"):
-        model.responses(DIGITAL.replace({"linkage.stiffness": stiffness}, si=True).values, (), np.array([1.0]))
+        model.responses(DIGITAL.replace({"linkage.stiffness": stiffness}, si=True).si_values, (), np.array([1.0]))
     assert len(calls) == 2
 
 

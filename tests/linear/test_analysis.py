@@ -81,10 +81,10 @@ def test_frequency_response_is_the_transfer_function(loader):
 def test_gain_margin_takes_the_loop_to_the_edge(loader, low, linkage):
     build = _core.rigid if linkage is ff.linear.Linkage.RIGID else _core.compliant
     for one in (loader, low):
-        law = ff.laws.GainLaw.original(one.values)
+        law = ff.laws.GainLaw.original(one.si_values)
         found = ff.linear.margins(ff.linear.overall_open_loop(one, linkage))
         edge = ff.laws.GainLaw(tuple(law.gains), law.load_cell_arm * found.gain_margin)
-        poles = np.linalg.eigvals(build(one.values, edge)[0])
+        poles = np.linalg.eigvals(build(one.si_values, edge)[0])
         top = poles[np.argmax(poles.real)]
         assert top.real == pytest.approx(0, abs=100 * MARGIN)  # 1/s; the poles near are some 100 1/s large
         assert abs(top.imag) == pytest.approx(found.phase_crossover_rad_per_s, rel=MARGIN)
@@ -156,10 +156,10 @@ def test_modes_of_an_oscillator_in_closed_form():
 def test_stability_is_lost_at_the_boundary(loader, linkage):
     found = ff.linear.smallest_stable_stiffness(loader, linkage)
     build = _core.rigid if linkage is ff.linear.Linkage.RIGID else _core.compliant
-    law = ff.laws.GainLaw.original(loader.values)
+    law = ff.laws.GainLaw.original(loader.si_values)
     for factor, stable in ((1 + 1e-6, True), (1 - 1e-6, False)):
         scale = factor * found.stiffness_n_m_per_rad / loader["feel.stiffness"]
-        assert (spectral_abscissa(build(loader.scale_feel(scale).values, law)[0]) < 0) is stable
+        assert (spectral_abscissa(build(loader.scale_feel(scale).si_values, law)[0]) < 0) is stable
 
 
 def test_boundary_agrees_with_the_gain_margin(loader):
@@ -175,7 +175,7 @@ def test_boundary_of_a_loader_that_is_never_stable_or_always(loader):
         ff.linear.smallest_stable_stiffness(loader, ff.linear.Linkage.COMPLIANT, runaway).stiffness_n_m_per_rad
         == np.inf
     )
-    deaf = ff.laws.GainLaw(tuple(ff.laws.GainLaw.original(loader.values).gains), 0.0)
+    deaf = ff.laws.GainLaw(tuple(ff.laws.GainLaw.original(loader.si_values).gains), 0.0)
     found = ff.linear.smallest_stable_stiffness(loader, ff.linear.Linkage.COMPLIANT, deaf)
     assert found.stiffness_n_m_per_rad == 0
     assert "stable from G_max down" in found.note

@@ -241,11 +241,11 @@ def test_the_largest_stable_stiffness_is_the_engine_s():
         ff.linear.design_plant,
         ff.linear.smallest_stable_stiffness,
         lambda motor: ff.linear.state_feedback(motor, np.zeros(6)),
-        lambda motor: ff.compliant_model(motor, ff.laws.GainLaw.original(ff.elevator().values)),
-        lambda motor: motor.plot_bode(ff.laws.GainLaw.original(ff.elevator().values)),
+        lambda motor: ff.compliant_model(motor, ff.laws.GainLaw.original(ff.elevator().si_values)),
+        lambda motor: motor.plot_bode(ff.laws.GainLaw.original(ff.elevator().si_values)),
         lambda motor: ff.sweep.stability_batch(motor, {"feel.stiffness": [1.0, 2.0]}),
         lambda motor: ff.simulation.simulate_linear_batch(
-            motor, Scenario(Schedule((0.0, 1.0), (1.0, 1.0)), 1.0), motor.values[None]
+            motor, Scenario(Schedule((0.0, 1.0), (1.0, 1.0)), 1.0), motor.si_values[None]
         ),
         lambda _: ff.linear.largest_stable_stiffness(ff.elevator()),
         lambda _: ff.linear.motor_modes(ff.elevator()),

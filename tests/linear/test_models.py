@@ -25,7 +25,7 @@ def loader():
 @pytest.fixture(scope="module")
 def as_printed(loader):
     """Values with the printed sign of the load cell: a negative K_1."""
-    values = loader.values.copy()
+    values = loader.si_values.copy()
     values[INDEX["load_cell.gain"]] *= -1
     return values
 
@@ -50,7 +50,7 @@ def test_compliant_model_is_eq_17(loader, as_printed):
 
 
 def test_design_plant_is_eq_19(loader):
-    a, b, _, _ = _core.design_plant(loader.values, loader["feel.maximum_stiffness"])
+    a, b, _, _ = _core.design_plant(loader.si_values, loader["feel.maximum_stiffness"])
     expected_a, expected_b = printed.design_plant(printed.letters(loader))
     assert_entries(a, expected_a)
     assert_entries(b[:, 0], expected_b)
@@ -133,7 +133,7 @@ def test_overall_loop_closes_to_the_loader(loader):
 
 
 def test_servo_leaves_out_only_the_feel_computer(loader):
-    whole = ff.compliant_model(loader, ff.laws.GainLaw.position_loop(loader.values))
+    whole = ff.compliant_model(loader, ff.laws.GainLaw.position_loop(loader.si_values))
     alone = ff.linear.servo(loader, ff.linear.Linkage.COMPLIANT, closed=True)
     s = 2j * np.pi * 7.0
     assert complex(alone[0, 0](s)) == pytest.approx(complex(whole[4, 1](s)), rel=SOLVED)

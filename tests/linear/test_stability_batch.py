@@ -38,7 +38,7 @@ def matrix(values, law):
 
 
 def row(varied, k):
-    values = LOADER.values.copy()
+    values = LOADER.si_values.copy()
     for key, column in varied.items():
         values[INDEX[key]] = column[k]
     return values
@@ -141,7 +141,7 @@ def test_gains_for_each_loop():
     found = stability_batch(LOADER, varied, gains)
     for k in range(2):
         own = ff.linear.state_feedback(LOADER, gains[k])
-        assert bool(found.stable[k]) == (np.linalg.eigvals(matrix(LOADER.values, own)).real.max() < 0)
+        assert bool(found.stable[k]) == (np.linalg.eigvals(matrix(LOADER.si_values, own)).real.max() < 0)
     assert found.stable.values.tolist() == [True, False]
 
 
@@ -176,7 +176,7 @@ def test_damping_map_is_that_of_numpys_poles(law):
     found = damping_map(sweep)
     assert found.dims == tuple(grids)
     for place in np.ndindex(7, 5):
-        values = LOADER.values.copy()
+        values = LOADER.si_values.copy()
         for key, k in zip(grids, place, strict=True):
             values[INDEX[key]] = grids[key][k]
         poles = np.linalg.eigvals(matrix(values, law and law_of(law)))

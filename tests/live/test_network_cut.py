@@ -89,7 +89,7 @@ def test_it_is_safe_in_time_and_starts_by_itself_no_more(run):
     times = record.column("time_s")
     sampled, state = record.column("sampled") == 1, record.column("state")
     safe = (record.column("enable") == 0) & (record.column("command") == 0)
-    functions = _core.safety_functions(loader.values, loader.drive, period)
+    functions = _core.safety_functions(loader.si_values, loader.drive, period)
     samples = next(count for name, _, count, *_ in functions if name == "sensors silent")
     stop = round(loader["safety.stop_time"] / period)
     silent = [(begin, end) for begin, end in runs(~sampled) if end - begin >= samples]  # a busy machine is late by less

@@ -318,7 +318,7 @@ def test_a_loader_takes_no_row_of_the_other_drive(loader: Loader, key: str, mess
     with pytest.raises(InputError) as caught:
         loader.with_tolerances({key: "10 %"})
     assert str(caught.value).startswith(f"tolerances.{message}, with the parts ")
-    values = loader.values.copy()
+    values = loader.si_values.copy()
     values[list(TABLE).index(key)] = row.default_si
     if key == "actuator.area":
         with pytest.raises(
@@ -390,7 +390,7 @@ def test_a_built_in_loader_comes_back(path: Path, name: str, units: UnitSystem) 
     path.write_text(loader.to_toml(units), encoding="utf-8")
     back = load(path)
     assert (back.name, back.source, back.drive) == (name, loader.source, ELECTRIC)
-    assert back.values == pytest.approx(loader.values, rel=TEN_DIGITS, abs=0)
+    assert back.si_values == pytest.approx(loader.si_values, rel=TEN_DIGITS, abs=0)
     assert set(back.tolerances) == set(loader.tolerances)
     path.write_text(back.to_toml(units), encoding="utf-8")
     assert load(path) == back

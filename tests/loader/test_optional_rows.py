@@ -94,7 +94,7 @@ def test_a_given_row_stands_in_the_file_and_comes_back(tmp_path: Path, key: str,
     loader = with_example(key)
     text = loader.to_toml(units)
     once = read(tmp_path, text)
-    assert once.values == pytest.approx(loader.values, rel=TEN_DIGITS)
+    assert once.si_values == pytest.approx(loader.si_values, rel=TEN_DIGITS)
     assert once.given == loader.given
     assert read(tmp_path, once.to_toml(units)) == once
     assert (f"\n{TABLE[key].name} = " in text.split(f"[{TABLE[key].part}]")[1]) or key in EXAMPLE_IS_OFF
@@ -113,7 +113,7 @@ def test_all_examples_go_together_with_the_hashes_taken_away(tmp_path: Path, dri
         assert loader[key] == pytest.approx(TABLE[key].default_si, rel=5e-4)  # four digits
     again = read(tmp_path, loader.to_toml(units))
     assert again.given == loader.given
-    assert again.values == pytest.approx(loader.values, rel=TEN_DIGITS)
+    assert again.si_values == pytest.approx(loader.si_values, rel=TEN_DIGITS)
 
 
 OPTIONAL_PARTS = {
@@ -185,7 +185,7 @@ def test_true_is_no_number() -> None:
 
 
 def test_the_value_of_a_row_that_is_off_always_stands_in_a_loader() -> None:
-    values = elevator().values
+    values = elevator().si_values
     assert np.isinf(values).sum() == sum(map(math.isinf, OFF.values())) > 10
     assert Loader("again", "", values).given == ()
 
@@ -198,7 +198,7 @@ def test_endless_is_said_by_leaving_the_row_out(tmp_path: Path, key: str) -> Non
     assert message.endswith(", which is not finite")
     with pytest.raises(InputError, match=r"which is not finite$"):
         bare_of(key).replace({key: OFF[key]}, si=True)
-    values = bare_of(key).values.copy()
+    values = bare_of(key).si_values.copy()
     values[list(TABLE).index(key)] = -OFF[key]
     with pytest.raises(InputError, match=rf"^{key}: expected .+, got "):
         Loader("bad", "", values)
@@ -345,7 +345,7 @@ def test_a_row_without_what_it_acts_with_is_refused(needed: str, key: str) -> No
 
 
 def test_a_loader_made_from_values_is_held_to_the_same() -> None:
-    values = elevator().values.copy()
+    values = elevator().si_values.copy()
     values[list(TABLE).index("controller.delay")] = 1e-3
     with pytest.raises(InputError, match=r"^controller\.delay: has no effect without controller\.period;"):
         Loader("bad", "", values)

@@ -37,7 +37,7 @@ def exact_loop(loader: ff.Loader, law: SampledLaw, gain: float = 1.0) -> np.ndar
     Eq. (17) by SciPy's exponential, the law and the computer multiplied out; ``gain`` is between controller and amplifier.
     """
     period = loader["controller.period"]
-    model = ff.compliant_model(loader, GainLaw.none(loader.values))
+    model = ff.compliant_model(loader, GainLaw.none(loader.si_values))
     kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
     a, b = np.asarray(model.A)[np.ix_(kept, kept)], np.asarray(model.B)[kept, 1:]
     plant = scipy.linalg.expm(np.block([[a, b], [np.zeros((1, 7))]]) * period)

@@ -182,7 +182,7 @@ def test_notebooks_show_tables_and_pictures(run):
     assert "<td>valve.orifice</td>" in page
     assert "controller.period" not in page  # off
     assert "<td>20 %</td>" in page
-    named = ff.Loader("<b>", "", ff.elevator().values)
+    named = ff.Loader("<b>", "", ff.elevator().si_values)
     assert "<b><b></b>" not in named._repr_html_()
     shown = run._repr_html_()
     assert '<img src="data:image/png;base64,' in shown

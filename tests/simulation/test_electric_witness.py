@@ -156,7 +156,7 @@ def test_a_light_rotor_on_a_damped_link_is_followed():
 
 def test_the_linear_plant_has_the_poles_of_its_parts():
     loader = bare(ELECTRIC)
-    a, b, c, _ = _core.electric_plant(loader.values)
+    a, b, c, _ = _core.electric_plant(loader.si_values)
     row = loader.__getitem__
     mass = row("motor.inertia") / row("transmission.travel") ** 2
     base = row("column.inertia") / row("column.base_arm") ** 2 / row("linkage.ratio") ** 2

@@ -31,7 +31,7 @@ OF_CONTROL = 1e-8
 
 def draws(count, share=0.2, seed=0):
     rng = np.random.default_rng(seed)
-    values = np.tile(LOADER.values, (count, 1))
+    values = np.tile(LOADER.si_values, (count, 1))
     values[:, [INDEX[key] for key in KEYS]] *= rng.uniform(1 - share, 1 + share, (count, len(KEYS)))
     return values
 
@@ -127,7 +127,7 @@ def test_gains_for_each_run_and_force_scaled():
         ({"values": draws(2) * np.nan}, "optional|linear model|finite"),
         ({"compensator": np.zeros((3, 7))}, r"\(2, 7\)"),
         ({"keep": ("angle",)}, "column_angle_rad"),
-        ({"scenario": Scenario(Step(1.0, 0.1), 1000.0), "values": np.tile(LOADER.values, (600, 1))}, "GiB"),
+        ({"scenario": Scenario(Step(1.0, 0.1), 1000.0), "values": np.tile(LOADER.si_values, (600, 1))}, "GiB"),
     ],
 )
 def test_bad_input_is_named(change, said):
@@ -137,7 +137,7 @@ def test_bad_input_is_named(change, said):
 
 
 def test_an_unstable_loop_diverges_at_its_time():
-    values = np.tile(LOADER.values, (3, 1))
+    values = np.tile(LOADER.si_values, (3, 1))
     values[1, [INDEX[key] for key in ("feel.inertia", "feel.damping", "feel.stiffness")]] *= 0.05
     scenario = Scenario(Step(96 * LB, 0.1), 3.0)
     found = simulate_linear_batch(LOADER, scenario, values, keep=("piston_position_m",))

@@ -104,7 +104,7 @@ def test_inputs_that_return_and_inputs_that_lead_somewhere(name):
 def test_lanes_of_a_batch_choose_by_themselves():
     """Pulls of all sizes side by side: dry friction lets some columns go, and holds others where they began."""
     loader = ff.elevator().replace({"column.coulomb_friction": "10 lb", "valve.orifice": True})
-    values = np.tile(loader.values, (17, 1))
+    values = np.tile(loader.si_values, (17, 1))
     values[:, list(TABLE).index("pilot.force")] *= np.linspace(0.1, 1.0, 17)
     found = simulate_batch(loader, Scenario(Step(150.0, 0.1), 3.0), values, keep=["column_angle_rad"])
     for k, angle in enumerate(found.column_angle_rad.values):

@@ -142,7 +142,7 @@ def test_release_is_within_one_percent_of_the_programmed_feel_or_has_no_number(n
 def test_linear_loader_is_within_one_percent_of_its_exponential_or_has_no_number(force, duration_s):
     """The original loop swings as ``exp(A t)`` says, not as its feel: read from a spline through that, twenty times as fine."""
     loader = ff.elevator()
-    model = loader_model(loader, GainLaw.original(loader.values), Linkage.COMPLIANT)
+    model = loader_model(loader, GainLaw.original(loader.si_values), Linkage.COMPLIANT)
     per_force = equilibrium(model)
     per_angle = float(np.asarray(model.C)[0] @ per_force)
     rest = per_angle * force.force_n if isinstance(force, Step) else 0.0
@@ -230,7 +230,7 @@ def test_a_batch_and_a_sweep_measure_as_a_single_run():
     loader = BUILT_IN["elevator-electric"]().replace({"feel.coulomb_friction": "1 N"})
     scenario = Scenario(Release(0.1), 1.4)
     run = simulate(loader, scenario, "robust")
-    values = np.tile(loader.values, (3, 1))
+    values = np.tile(loader.si_values, (3, 1))
     batch = simulate_batch(loader, scenario, values, "robust")
     sweep = ff.run_sweep(ff.Sweep(loader, scenario, "robust", runs=3, vary={"column.inertia": "1 %"}))
     for name in ("overshoot", "period_s", "periods", "settling_time_s", "equilibrium_angle_rad"):

@@ -33,7 +33,7 @@ KEEP = tuple(outputs("V"))
 
 def draws(loader, count, seed=1):
     rng = np.random.default_rng(seed)
-    values = np.repeat(loader.values[np.newaxis], count, axis=0)
+    values = np.repeat(loader.si_values[np.newaxis], count, axis=0)
     for key, tolerance in loader.tolerances.items():
         values[:, INDEX[key]] = tolerance.sample(rng, count)
     return values
@@ -73,7 +73,7 @@ def test_bits_do_not_depend_on_the_lane(batch, values):
 
 @pytest.mark.parametrize("cut", [3, 8, 11])
 def test_noise_belongs_to_the_run(cut):
-    values = np.repeat(NOISY.values[np.newaxis], 20, axis=0)
+    values = np.repeat(NOISY.si_values[np.newaxis], 20, axis=0)
     whole = simulate_batch(NOISY, SCENARIO, values, keep=KEEP)
     first = simulate_batch(NOISY, SCENARIO, values[:cut], keep=KEEP)
     rest = simulate_batch(NOISY, SCENARIO, values[cut:], keep=KEEP, first_run=cut)

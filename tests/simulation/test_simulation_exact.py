@@ -59,7 +59,7 @@ def test_lane_without_the_effect_has_the_bits_of_a_run_without_it(name, period, 
     fields = EFFECTS[name].fields
     off = Machine(gains=gains, orifice=fields.get("orifice", False), period=period, current_limit=1e4)
     on = replace(off, **fields)
-    values = np.array([loader_of(machine).values for machine in (off, on, off)])
+    values = np.array([loader_of(machine).si_values for machine in (off, on, off)])
     law = law_of(off)
     for force in (Step(96 * LB, 0.05), Release(0.08)):
         scenario = Scenario(force, 0.25)

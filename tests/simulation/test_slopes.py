@@ -80,7 +80,7 @@ def by_hand(values, linkage, law):
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("linkage", ["rigid", "compliant"])
 def test_linear_models_and_their_slopes_are_those_by_hand(linkage, law):
-    values = ff.elevator().values
+    values = ff.elevator().si_values
     every = range(len(TABLE))
     found = _core.linear_slopes(values, every, linkage=linkage, law=law)
     for matrix, expected in zip(found[:4], by_hand(values, linkage, law), strict=True):
@@ -103,7 +103,7 @@ def test_linear_models_and_their_slopes_are_those_by_hand(linkage, law):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_linear_models_are_those_without_slopes(law):
-    values = ff.elevator().values
+    values = ff.elevator().si_values
     for linkage in ("rigid", "compliant"):
         a, b, c, _, *_ = _core.linear_slopes(values, [], linkage=linkage, law=law)
         matrices = getattr(_core, linkage)(values, LAWS[law](values))
@@ -113,7 +113,7 @@ def test_linear_models_are_those_without_slopes(law):
 
 
 def test_fixed_law_does_not_move_with_the_parameters():
-    values, gain = ff.elevator().values, INDEX["potentiometer.gain"]
+    values, gain = ff.elevator().si_values, INDEX["potentiometer.gain"]
     by_name = _core.linear_slopes(values, [gain], linkage="compliant", law="position")
     fixed = _core.linear_slopes(values, [gain], linkage="compliant", law=GainLaw.position_loop(values))
     np.testing.assert_array_equal(by_name[0], fixed[0])
@@ -148,7 +148,7 @@ def test_slopes_of_a_period_are_finite_differences(law, lag):
     )
     if lag:
         loader = loader.replace({"load_cell.bandwidth": "300 Hz", "potentiometer.bandwidth": "400 Hz"})
-    timing, step_s, values = (2, 1), 5e-4, loader.values
+    timing, step_s, values = (2, 1), 5e-4, loader.si_values
 
     def model(values):
         return whole(_core.sampled_slopes(values, [], step_s, timing, law=law))
@@ -174,8 +174,8 @@ def whole(matrices):
 def test_period_is_the_one_without_slopes(law):
     loader = ff.elevator().replace(DIGITAL)
     period = loader["controller.period"]
-    m, b, *_ = _core.sampled_slopes(loader.values, [], period, (1, 1), law=law)
-    _, matrices = _core.sampled_loops(loader.values[np.newaxis], period, (1, 1), law=law)
+    m, b, *_ = _core.sampled_slopes(loader.si_values, [], period, (1, 1), law=law)
+    _, matrices = _core.sampled_loops(loader.si_values[np.newaxis], period, (1, 1), law=law)
     np.testing.assert_array_equal(np.hstack([m, b[:, :2]]), matrices[0])
 
 
@@ -189,8 +189,8 @@ def test_period_goes_through_the_samples_of_a_run(law, push, within):
     # The pilot pushes from the start on.
     inputs = {"force": np.full((300, 2), push), "command_signal": np.column_stack([volts[:-1], volts[1:]])}
     simulation = _core.Simulation(inputs, 5e-4, timing=(1, 1))
-    run, _ = simulation.slopes(loader.values[np.newaxis], [0], channels=range(9), law=law)
-    m, b, c, d, *_ = _core.sampled_slopes(loader.values, [], 5e-4, (1, 1), law=law)
+    run, _ = simulation.slopes(loader.si_values[np.newaxis], [0], channels=range(9), law=law)
+    m, b, c, d, *_ = _core.sampled_slopes(loader.si_values, [], 5e-4, (1, 1), law=law)
     x, found = np.zeros(len(m)), np.empty((9, 300))
     for k in range(300):
         u = np.array([volts[k], push])
@@ -255,18 +255,18 @@ def test_slopes_of_records_are_finite_differences(name):
     keys = [key for key in KEYS if key not in ("valve.current_gain", "valve.pressure_gain") or "orifice" not in name]
     keys += ORIFICE_KEYS * ("valve.orifice" in changes) + ["column.coulomb_friction"] * ("friction" in name)
     simulation = engine(loader, scenario)
-    row = loader.values[np.newaxis]
+    row = loader.si_values[np.newaxis]
     histories, slopes = simulation.slopes(row, [INDEX[key] for key in keys], channels=range(9), law=law, threads=2)
     assert np.all(np.isfinite(slopes))
 
     def record(values):
         return simulation.slopes(values[np.newaxis], [0], channels=range(9), law=law)[0][0]
 
-    np.testing.assert_array_equal(histories[0], record(loader.values))
+    np.testing.assert_array_equal(histories[0], record(loader.si_values))
     size = np.abs(histories[0]).max(axis=1, keepdims=True)
     for k, key in enumerate(keys):
         relative = slopes[0, k] * loader[key]
-        off = np.abs(relative - differenced(record, loader.values, key, RECORD_STEP) * loader[key])
+        off = np.abs(relative - differenced(record, loader.si_values, key, RECORD_STEP) * loader[key])
         most = np.abs(relative).max(axis=1, keepdims=True)
         assert np.all(off <= RECORD_ERROR * (size + most)), (key, list(CHANNELS)[np.argmax((off / size).max(axis=1))])
 
@@ -278,7 +278,7 @@ def test_channels_are_the_outputs_of_a_run(name):
     outputs = [k for k, (output, _) in enumerate(_core.simulation_outputs()) if output in CHANNELS]
     channels = [list(CHANNELS).index(_core.simulation_outputs()[k][0]) for k in outputs]
     assert len(channels) == 7
-    values = np.repeat(loader.values[np.newaxis], 3, axis=0)
+    values = np.repeat(loader.si_values[np.newaxis], 3, axis=0)
     values[:, INDEX["column.inertia"]] *= [0.9, 1.0, 1.1]
     simulation = engine(loader, scenario, outputs=outputs)
     _, expected = simulation.run(values, law=law, threads=2)
@@ -296,7 +296,7 @@ def test_channels_are_the_outputs_of_a_run(name):
 def test_many_pairs_are_each_pair_alone():
     loader = ff.elevator().replace(ORIFICE)
     simulation = engine(loader, Scenario(PUSH, duration_s=0.5, sample_s=0.005))
-    values = np.repeat(loader.values[np.newaxis], 7, axis=0)
+    values = np.repeat(loader.si_values[np.newaxis], 7, axis=0)
     values[:, INDEX["linkage.stiffness"]] *= np.linspace(0.7, 1.3, 7)
     keys = [INDEX[key] for key in ("linkage.stiffness", "column.inertia", "valve.rated_flow")]
     histories, slopes = simulation.slopes(values, keys, channels=[0, 4], threads=2)
@@ -322,7 +322,7 @@ def test_noise_and_steps_of_the_sensors_are_left_out():
     scenario = Scenario(Step(96 * LB, 0.05), duration_s=0.2)
     keys = [INDEX["column.inertia"]]
     found, expected = (
-        engine(it, scenario).slopes(it.values[np.newaxis], keys, channels=[0, 8]) for it in (rough, plain)
+        engine(it, scenario).slopes(it.si_values[np.newaxis], keys, channels=[0, 8]) for it in (rough, plain)
     )
     for one, other in zip(found, expected, strict=True):
         np.testing.assert_array_equal(one, other)
@@ -334,7 +334,7 @@ def test_noise_and_steps_of_the_sensors_are_left_out():
 @pytest.mark.parametrize("law", LAWS)
 def test_run_under_a_small_test_signal_is_the_linear_model(law):
     loader = ff.elevator()
-    drives = LAWS[law](loader.values)
+    drives = LAWS[law](loader.si_values)
     signal = swept(0.01)
     run = simulate(loader, Scenario(test_signal_v=signal, duration_s=0.5, step_s=2.5e-4, sample_s=1e-3), drives)
     assert run.method == "stepped"
@@ -356,7 +356,7 @@ def test_digital_controller_samples_and_delays_what_is_added_to_its_command_alon
         Steps.of(Scenario(duration_s=0.1, **{place: signal}), loader)
     signal = Schedule((0.0, 0.003, 0.003, 1.0), (0.0, 0.0, 0.5, 0.5))
     simulation = engine(loader, Scenario(duration_s=0.1, **{place: signal}))
-    (found,), _ = simulation.slopes(loader.values[np.newaxis], [0], channels=[6], law="open")
+    (found,), _ = simulation.slopes(loader.si_values[np.newaxis], [0], channels=[6], law="open")
     expected = np.where(np.arange(101) >= arrives, 0.5 * loader["amplifier.admittance"], 0.0)
     np.testing.assert_array_equal(found[0], expected)
 
@@ -366,9 +366,9 @@ def test_responses_of_a_sampled_loop_are_the_integrals_of_its_continuous_plant(d
     """``Gamma = int exp(A (T - s)) b exp(j w s) ds`` of what comes in at the amplifier; the command's staircase by two such."""
     period, delay = 2e-3, delay_ms * 1e-3
     loader = ff.elevator().replace({"controller.period": "2 ms", "controller.delay": f"{delay_ms} ms"})
-    a, b, c, d = by_hand(ff.elevator().values, "compliant", "open")
+    a, b, c, d = by_hand(ff.elevator().si_values, "compliant", "open")
     b, d = b[:, 0], d[:, 0]
-    gain = b @ (by_hand(ff.elevator().values, "compliant", "position")[0] - a) / (b @ b)
+    gain = b @ (by_hand(ff.elevator().si_values, "compliant", "position")[0] - a) / (b @ b)
 
     def over(time):
         """``exp(A t)``, and its integral times b."""
@@ -399,7 +399,7 @@ def test_responses_of_a_sampled_loop_are_the_integrals_of_its_continuous_plant(d
 def test_open_servo_begins_at_neutral_under_whatever_force():
     loader = ff.elevator().replace({"column.gravity_torque": "100 lb in"})
     (found,), _ = engine(loader, Scenario(PUSH, duration_s=0.5)).slopes(
-        loader.values[np.newaxis], [0], channels=[0, 4], law="open"
+        loader.si_values[np.newaxis], [0], channels=[0, 4], law="open"
     )
     np.testing.assert_array_equal(found[:, 0], 0.0)
     assert np.all(np.isfinite(found))
@@ -410,7 +410,7 @@ def test_open_servo_begins_at_neutral_under_whatever_force():
 
 
 def test_what_does_not_fit_is_refused():
-    values = ff.elevator().values
+    values = ff.elevator().si_values
     for bad, message in (
         ({"linkage": "stiff"}, "linkage: expected 'rigid' or 'compliant', got \"stiff\""),
         ({"law": "closed"}, "law: expected 'open', 'position' or 'original', got \"closed\""),
@@ -429,7 +429,7 @@ def test_what_does_not_fit_is_refused():
 
 
 def test_what_does_not_fit_a_simulation_is_refused():
-    values = ff.elevator().values[np.newaxis]
+    values = ff.elevator().si_values[np.newaxis]
     with pytest.raises(ValueError, match=r"inputs: trim: expected shape \(4, 2\) as of the others, got \(5, 2\)"):
         _core.Simulation({"force": np.zeros((4, 2)), "trim": np.zeros((5, 2))}, 1e-3)
     simulation = _core.Simulation({"force": np.zeros((4, 2))}, 1e-3)

@@ -60,7 +60,7 @@ def test_a_slow_push_and_pull_feels_what_is_told_to_hold(row):
     loader = DAMPED.replace(EVERY | {row: OTHER * EVERY.get(row, DAMPED[row])}, si=True)
     probes = PROBES_DEG * DEG
     within = (probes > loader["feel.hard_stop_low"]) & (probes < loader["feel.hard_stop_high"])
-    told = ff._core.feel_held_between(loader.values, probes)
+    told = ff._core.feel_held_between(loader.si_values, probes)
     time, force, angle = swept(loader, 1.3 * np.abs(told).max())
     up = (time > 0.75 * SWEEP_S) | (time < 0.25 * SWEEP_S)
     outwards = at_angles(loader, force[up], angle[up], probes)
@@ -101,7 +101,7 @@ def test_it_is_the_sum_of_the_forces(rows):
 
     given = {f"feel.{key}": text(key, value) for key, value in rows.items()}
     loader, angles = ELEVATOR.replace(given, si=True), np.linspace(-11.0, 11.0, 45) * DEG
-    told = ff._core.feel_held_between(loader.values, angles) / POUND_N
+    told = ff._core.feel_held_between(loader.si_values, angles) / POUND_N
     expected = [[sum_of_forces(rows, phi, way) for way in (-1, 1)] for phi in angles]
     np.testing.assert_allclose(told, expected, rtol=ROUNDING, atol=ROUNDING)
     np.testing.assert_allclose(programmed_force(loader, angles), np.abs(told).max(axis=1) * POUND_N)
@@ -111,7 +111,7 @@ def test_a_control_at_rest_breaks_away_at_what_holds_it():
     loader = ELEVATOR.replace({"feel.coulomb_friction": "2 lb", "feel.static_friction": "6 lb"})
     time, force, angle = swept(loader, 200.0)
     moves = int(np.argmax(np.abs(angle) > 1e-9))
-    (held,) = ff._core.feel_held_between(loader.values, np.zeros(1))[:, 1]
+    (held,) = ff._core.feel_held_between(loader.si_values, np.zeros(1))[:, 1]
     assert held == pytest.approx(6 * POUND_N, rel=ROUNDING)
     assert 0 < moves < len(time)
     assert force[moves] == pytest.approx(held, abs=2 * 200.0 * 4 / SWEEP_S * SAMPLE_S)  # a sample or two
@@ -122,7 +122,7 @@ def test_a_shaker_takes_its_swing_to_either_side():
     loader = ELEVATOR.replace({"feel.shaker_force": "10 lb", "feel.shaker_frequency": "0.1 Hz"})
     scenario = ff.Scenario(ff.Step(100.0), 40.0, shaker=Schedule((0.0, 40.0), (1.0, 1.0)))
     angle = ff.simulate(loader, scenario, "robust").history.feel_position_rad.values[20_000:]
-    low, high = ff._core.feel_held_between(loader.values, np.array([angle.max(), angle.min()])).diagonal()
+    low, high = ff._core.feel_held_between(loader.si_values, np.array([angle.max(), angle.min()])).diagonal()
     assert low == pytest.approx(100.0, abs=NEAR_N)
     assert high == pytest.approx(100.0, abs=NEAR_N)
 

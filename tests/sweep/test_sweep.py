@@ -102,7 +102,7 @@ def test_a_grid_alone_draws_no_machines():
     ratios = values[1:, INDEX["feel.stiffness"]] / values[:-1, INDEX["feel.stiffness"]]
     assert ratios == pytest.approx([10**0.5] * 4)
     values[:, INDEX["feel.stiffness"]] = nonlinear()["feel.stiffness"]
-    assert (values == nonlinear().values).all()
+    assert (values == nonlinear().si_values).all()
 
 
 def test_a_grid_alone_does_not_ask_what_tolerances_there_are():
@@ -154,7 +154,7 @@ def test_pieces_cover_every_run_once_and_depend_on_the_sweep_alone():
 
 
 def test_a_sweep_can_be_sent():
-    sweep = small(30, vary={"feel.damping": "5 %"}, law=ff.laws.GainLaw.original(nonlinear().values), seed=3)
+    sweep = small(30, vary={"feel.damping": "5 %"}, law=ff.laws.GainLaw.original(nonlinear().si_values), seed=3)
     sent = pickle.loads(pickle.dumps(sweep))
     assert np.array_equal(sent.values(range(30)), sweep.values(range(30)))
     assert np.array_equal(measure(sent, range(30)), measure(sweep, range(30)), equal_nan=True)
@@ -171,7 +171,7 @@ def test_results_are_labelled():
 
 def test_a_law_holds_for_all_machines():
     loader = ff.elevator()
-    law = ff.laws.GainLaw.original(loader.values)
+    law = ff.laws.GainLaw.original(loader.si_values)
     own, fixed = (run_sweep(Sweep(loader, PUSH, given, runs=16)).runs for given in (None, law))
     assert not np.array_equal(own["final_angle_rad"], fixed["final_angle_rad"])
 

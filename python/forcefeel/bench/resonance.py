@@ -168,7 +168,7 @@ def link_from_resonance(loader: Loader, frequency_hz: float, damping_ratio: floa
     for name, given in (("frequency_hz", frequency_hz), ("damping_ratio", damping_ratio)):
         if not 0 < given < math.inf:
             raise InputError(f"{name}: expected a number above 0, got {given}")
-    return _core.linkage_from_resonance(loader.values, 2 * math.pi * frequency_hz, damping_ratio)
+    return _core.linkage_from_resonance(loader.si_values, 2 * math.pi * frequency_hz, damping_ratio)
 
 
 def _peak(spline: CubicSpline) -> float | str:

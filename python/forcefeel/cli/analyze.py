@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import LoaderFile, LoaderOptions, OutputOptions
+from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.json_values import json_value
 
@@ -26,7 +27,8 @@ def run(path: LoaderFile = None, /, *, options: AnalyzeOptions = AnalyzeOptions(
     from forcefeel.design import workflow
     from forcefeel.design.motor import MotorAnalysis
 
-    found = workflow.analyze(options.loader(path))
+    with all_or_nothing("analyze", silent=options.json):
+        found = workflow.analyze(options.loader(path))
     if options.json:
         print_json(json_value(found, options.units))
     elif isinstance(found, MotorAnalysis):

@@ -29,7 +29,7 @@ from forcefeel.files import input_kind
 if TYPE_CHECKING:
     from forcefeel.bench.records import BenchRecord
     from forcefeel.bench.responses import Response
-    from forcefeel.commission import Commission, CommissionPlan
+    from forcefeel.commission import Commission, CommissionPlan, StepWriters
 
 BENCH = Group("Simulated bench", sort_key=20)
 ASKED = Group("What is asked", sort_key=30)
@@ -166,6 +166,7 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
                 bench=truth,
                 bench_time=BenchTime(options.time_s, options.rate_hz, options.seed),
                 progress=told,
+                writers=_step_pages(plan),
             )
         except KeyboardInterrupt:
             bar.stop()
@@ -181,6 +182,23 @@ def run(path: LoaderFile = None, /, *, options: CommissionOptions = CommissionOp
     )
     if not found.good:
         raise SystemExit(BAD_ANSWER)
+
+
+def _step_pages(plan: "CommissionPlan") -> "StepWriters":
+    """The page and the results of each step, in its folder."""
+    from forcefeel.bench.identification.page.folder import write_identification
+    from forcefeel.choice.page.folder import write_choice
+    from forcefeel.commission import StepWriters
+    from forcefeel.envelope.page.folder import write_envelope
+    from forcefeel.qualification.page.folder import write_qualification
+
+    units = plan.units
+    return StepWriters(
+        identification=lambda identification, folder: write_identification(identification, folder, units, replace=True),
+        law=lambda scores, choice, folder: write_choice(scores, choice, folder, units, replace=True),
+        envelope=lambda envelope, folder: write_envelope(envelope, folder, units, replace=True),
+        tests=write_qualification,
+    )
 
 
 def _there(out: Path, name: str) -> Path | None:

@@ -12,6 +12,7 @@ from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.given_loader import given_law
 from forcefeel.cli.law_option import ORIGINAL
 from forcefeel.cli.options import OUTPUT, LawOption, LoaderFile, LoaderOptions, OutputOptions, filled, option
+from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_text import value
 from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
@@ -208,13 +209,18 @@ def run(path: LoaderFile = None, /, *, options: ExciteOptions) -> None:
     loader = options.loader(path)
     experiment = given or Experiment.read(USUAL[loader.drive])
     check_experiment(experiment, loader, "--experiment")
-    law = options.fixed_law(loader, experiment)
-    try:
-        found = excite(loader, options.fit, experiment, options.plan(experiment.drive, loader), law)
-    except NotSeparableError as error:
-        print(f"forcefeel: {error}", file=sys.stderr)
-        raise SystemExit(BAD_ANSWER) from None
-    write_excitation(found, options.out, options.units, replace=options.replace)
+    with all_or_nothing("excite", silent=options.json) as bar:
+        bar.describe("law")
+        law = options.fixed_law(loader, experiment)
+        plan = options.plan(experiment.drive, loader)
+        try:
+            found = excite(loader, options.fit, experiment, plan, law, progress=bar.describe)
+        except NotSeparableError as error:
+            bar.stop()
+            print(f"forcefeel: {error}", file=sys.stderr)
+            raise SystemExit(BAD_ANSWER) from None
+        bar.describe("file")
+        write_excitation(found, options.out, options.units, replace=options.replace)
     answer(
         {"file": options.out},
         lambda: excitation_json(found, options.units),

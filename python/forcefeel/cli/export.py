@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from forcefeel.cli.options import OUTPUT, FolderOptions, JsonOptions, LawOption, LoaderFile, LoaderOptions, option
+from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED
 from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
@@ -92,18 +93,21 @@ def run(path: LoaderFile = None, /, *, options: ExportOptions) -> None:
         raise InputError(f"--target: is for --to firmware, and --to is {options.to}; leave it out")
     target = Target(options.to)
     export_folder(target, options.name, triple=options.target).check(options.out, replace=options.replace)
-    exported = options.exported(path)
-    try:
-        files = write_export(
-            exported,
-            target,
-            options.out,
-            replace=options.replace,
-            single=options.single,
-            triple=options.target,
-        )
-    except InputError as error:
-        raise _spelled(error) from error
+    with all_or_nothing("export", silent=options.json) as bar:
+        bar.describe("law")
+        exported = options.exported(path)
+        bar.describe(f"files for {target}")
+        try:
+            files = write_export(
+                exported,
+                target,
+                options.out,
+                replace=options.replace,
+                single=options.single,
+                triple=options.target,
+            )
+        except InputError as error:
+            raise _spelled(error) from error
     answer(
         {"folder": options.out},
         lambda: {"files": list(files), "law": exported.law.name, "loader": exported.loader.name, **_settings(exported)},

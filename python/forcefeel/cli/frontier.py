@@ -71,9 +71,10 @@ def run(path: LoaderFile = None, /, *, options: FrontierOptions = FrontierOption
     from forcefeel.frontier.page.folder import FOLDER, write_frontier
     from forcefeel.frontier.run import compute_frontier
 
-    plan = options.plan(path)
     FOLDER.check(options.out, replace=options.replace)  # before the work, not after it
     with all_or_nothing("frontier", "releases", silent=options.json) as bar:
+        bar.describe("law")
+        plan = options.plan(path)
 
         def show(what: str, done: int, total: int) -> None:
             bar.describe(what)

@@ -131,7 +131,7 @@ def run(path: LoaderFile = None, /, *, options: IdentifyOptions) -> None:
     """Find parameters of a loader from what was measured on the bench, with how sure they are.
 
     LOADER is never changed. Exit status 1 if the data do not determine a parameter: then no loader file is written, and the page
-    tells what cannot be separated and which experiment would; and if the model misses more than noise and 3 % of the data.
+    tells what cannot be separated and which experiment would; and if the model misses more than noise.
 
     Example: forcefeel identify my.toml --data closed.csv --data release.mat --fit k,c,J,C_i --out identified
     """

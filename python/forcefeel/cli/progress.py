@@ -1,10 +1,12 @@
 """The line of a command that works for a while, and what an interruption of it means."""
 
 import sys
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.text import Text
 
@@ -12,34 +14,40 @@ from forcefeel.cli.exit_status import INTERRUPTED
 
 
 class Bar:
-    """The command, how much is done and the time that is left, on the terminal's error stream; nothing where that is no terminal.
+    """A line on the terminal's error stream: the command, the step, the count, the time. It appears after one second.
+
+    There is no line if the error stream is no terminal.
 
     Args:
-        command: Whose line it is.
-        what: What is counted, such as runs.
-        silent: Whether there is to be no line.
-        even: Whether each takes as long, so that the time that is left can be told; the time so far is, where they do not.
+        command: The command.
+        what: The unit of the count, such as runs; a step without a count shows the time so far.
+        silent: Whether to print nothing, as with ``--json``.
+        even: Whether each counted thing takes the same time, so that the remaining time can be estimated.
     """
 
-    def __init__(self, command: str, what: str, *, silent: bool, even: bool = True) -> None:
+    def __init__(self, command: str, what: str = "", *, silent: bool, even: bool = True) -> None:
         console = Console(stderr=True)
         columns = (
             TextColumn("{task.description}"),
             BarColumn(bar_width=20),
-            TextColumn("{task.completed:,.0f} of {task.total:,.0f} " + what),
-            _Left() if even else _SoFar(),
+            _Count(what),
+            _Left() if even and what else _SoFar(),
         )
         self._command = command
-        self._bar = Progress(*columns, console=console, transient=True, disable=silent or not console.is_terminal)
-        self._task = self._bar.add_task(command, total=1, start=False, visible=False)
+        self._bar = _AfterOneSecond(
+            *columns,
+            console=console,
+            transient=True,
+            redirect_stdout=False,
+            disable=silent or not console.is_terminal,
+        )
+        self._task = self._bar.add_task(command, total=None)
         self.done = self.total = 0
 
     def show(self, done: int, total: int) -> None:
         """So much is done."""
-        if not self.total:
-            self._bar.start_task(self._task)
         self.done, self.total = done, total
-        self._bar.update(self._task, completed=done, total=total, visible=True)
+        self._bar.update(self._task, completed=done, total=total)
 
     def steps(self, total: int) -> Callable[[str], None]:
         """What is to be told of each of so many steps as it begins: the one before is done."""
@@ -70,8 +78,8 @@ class Bar:
 
 
 @contextmanager
-def all_or_nothing(command: str, what: str, *, silent: bool, even: bool = True) -> Iterator[Bar]:
-    """A line over work that writes at its end: interrupted, it says so, and nothing is written."""
+def all_or_nothing(command: str, what: str = "", *, silent: bool, even: bool = True) -> Iterator[Bar]:
+    """A ``Bar`` over work that writes at its end: an interruption prints that nothing is written."""
     with Bar(command, what, silent=silent, even=even) as bar:
         try:
             yield bar
@@ -79,6 +87,34 @@ def all_or_nothing(command: str, what: str, *, silent: bool, even: bool = True) 
             bar.stop()
             print("\nforcefeel: interrupted; nothing is written", file=sys.stderr)
             raise SystemExit(INTERRUPTED) from None
+
+
+class _AfterOneSecond(Progress):
+    """A display that stays empty for its first second."""
+
+    def __init__(self, *columns: ProgressColumn, **options: Any) -> None:
+        self._begin = time.monotonic()
+        super().__init__(*columns, **options)
+
+    def get_renderables(self) -> Iterable[RenderableType]:
+        if time.monotonic() - self._begin >= _QUIET_S:
+            yield from super().get_renderables()
+
+
+_QUIET_S = 1.0
+
+
+class _Count(ProgressColumn):
+    """How many are done, of how many."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__()
+        self._what = what
+
+    def render(self, task: Task) -> Text:
+        if task.total is None:
+            return Text("")
+        return Text(f"{task.completed:,.0f} of {task.total:,.0f} {self._what}")
 
 
 class _Left(ProgressColumn):

@@ -1,5 +1,7 @@
 """``forcefeel qualify``."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -22,6 +24,7 @@ from forcefeel.cli.options import (
     filled,
     option,
 )
+from forcefeel.cli.progress import Bar, all_or_nothing
 from forcefeel.cli.scenario_text import value
 from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.errors import InputError
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
     from forcefeel.loader.loader import Loader
     from forcefeel.qualification.plan import Qualification, QualificationSetup
     from forcefeel.qualification.plan.cockpit import CockpitQualification
+    from forcefeel.qualification.plan.run import Progress
 
 TESTS = Group("Tests", sort_key=10)
 RECORDS = Group("Records", sort_key=20)
@@ -229,9 +233,10 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
         find_chromium()
     command, units = options.command_line(path), options.units
     if project := options.project(path, axis=options.axis, record=options.records, reference=options.references):
-        with law_option_named():
-            cockpit = qualify_cockpit(project, options.setup)
-        page = write_cockpit(cockpit, options.out, units, pdf=options.pdf, command=command)
+        with _progress(options) as (bar, show), law_option_named():
+            cockpit = qualify_cockpit(project, options.setup, progress=show)
+            show("report", bar.total, bar.total)
+            page = write_cockpit(cockpit, options.out, units, pdf=options.pdf, command=command)
         answer(
             {"page": page},
             lambda: cockpit_json(cockpit, units),
@@ -241,9 +246,10 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
         fulfilled = cockpit.fulfilled
     else:
         loader = options.loader(path)
-        with options_named(), law_option_named():
-            found = qualify_loader(loader, options.setup(loader))
-        page = write_qualification(found, options.out, pdf=options.pdf, command=command)
+        with _progress(options) as (bar, show), options_named(), law_option_named():
+            found = qualify_loader(loader, options.setup(loader), progress=show)
+            show("report", bar.total, bar.total)
+            page = write_qualification(found, options.out, pdf=options.pdf, command=command)
         answer(
             {"page": page},
             lambda: qualification_json(found),
@@ -253,6 +259,19 @@ def run(path: LoaderOrProject = None, /, *, options: QualifyOptions = QualifyOpt
         fulfilled = found.fulfilled
     if not fulfilled:
         raise SystemExit(BAD_ANSWER)
+
+
+@contextmanager
+def _progress(options: QualifyOptions) -> "Iterator[tuple[Bar, Progress]]":
+    """The line of the command, and what to call as each test begins."""
+    with all_or_nothing("qualify", "tests", silent=options.json, even=False) as bar:
+        bar.describe("laws")
+
+        def show(test: str, done: int, total: int) -> None:
+            bar.describe(test)
+            bar.show(done, total)
+
+        yield bar, show
 
 
 def _show_axes(console: Terminal, found: "CockpitQualification") -> None:

@@ -12,6 +12,7 @@ from rich.table import Table
 from forcefeel.cli.bench_data import DATA, BenchOptions
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import LoaderFile, LoaderOptions, OutputOptions, option
+from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.terminal import Terminal, print_json
 from forcefeel.errors import InputError
 from forcefeel.json_values import Json, quantity
@@ -77,8 +78,9 @@ def run(path: LoaderFile = None, /, *, options: ResonanceOptions) -> None:
 
     loader = options.loader(path)
     band_hz = read_band(options.band)
-    response = _response(options.read((options.data,))[0], options.channel)
-    found = read_resonance(response, band_hz)
+    with all_or_nothing("resonance", silent=options.json):
+        response = _response(options.read((options.data,))[0], options.channel)
+        found = read_resonance(response, band_hz)
     if options.json:
         print_json(_resonance_json(response, found, loader, options.units))
     else:

@@ -8,6 +8,7 @@ from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderFile, OutputOptions, option
+from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.scenario_options import ScenarioOptions
 from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.units import UnitSystem
@@ -39,14 +40,15 @@ def run(path: LoaderFile = None, /, *, options: SimulateOptions = SimulateOption
 
         FOLDER.check(out, replace=options.replace)  # before the work, not after it
     loader = options.loader(path)
-    scenario, driven_by = options.scenario(loader), options.law_of(loader)
-    found = simulate(loader, scenario, driven_by)
-    law = driven_by.name
-    page = None
-    if out is not None:
-        from forcefeel.simulation.page.folder import write_simulation
+    with all_or_nothing("simulate", silent=options.json):
+        scenario, driven_by = options.scenario(loader), options.law_of(loader)
+        found = simulate(loader, scenario, driven_by)
+        law = driven_by.name
+        page = None
+        if out is not None:
+            from forcefeel.simulation.page.folder import write_simulation
 
-        page = write_simulation(found, out, units, law, command=options.command_line(path))
+            page = write_simulation(found, out, units, law, command=options.command_line(path))
     files = {} if page is None else {"page": page}
     answer(
         files,

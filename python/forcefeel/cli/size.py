@@ -8,6 +8,7 @@ from rich.table import Table
 
 from forcefeel.cli.exit_status import BAD_ANSWER
 from forcefeel.cli.options import OUTPUT, FolderOptions, LoaderOptions, LoaderOrProject, OutputOptions, option
+from forcefeel.cli.progress import all_or_nothing
 from forcefeel.cli.release_options import ASKED, AngleOptions
 from forcefeel.cli.terminal import Terminal, answer
 from forcefeel.units import UnitSystem
@@ -59,8 +60,9 @@ def run(path: LoaderOrProject = None, /, *, options: SizeOptions = SizeOptions()
     command = options.command_line(path)
     if project := options.project(path, axis=options.axis):
         FOLDER.check(options.out, replace=options.replace, inputs=(project.path,))
-        cockpit = size_cockpit(project, options.angle_rad)
-        page = write_cockpit(cockpit, options.out, options.units, replace=options.replace, command=command)
+        with all_or_nothing("size", silent=options.json):
+            cockpit = size_cockpit(project, options.angle_rad)
+            page = write_cockpit(cockpit, options.out, options.units, replace=options.replace, command=command)
         answer(
             {"page": page},
             lambda: cockpit_json(cockpit, options.units),
@@ -69,9 +71,10 @@ def run(path: LoaderOrProject = None, /, *, options: SizeOptions = SizeOptions()
         )
         good = cockpit.good
     else:
-        found = options.sizing(path)
-        FOLDER.check(options.out, replace=options.replace)
-        page = write_sizing(found, options.out, options.units, replace=options.replace, command=command)
+        with all_or_nothing("size", silent=options.json):
+            found = options.sizing(path)
+            FOLDER.check(options.out, replace=options.replace)
+            page = write_sizing(found, options.out, options.units, replace=options.replace, command=command)
         answer(
             {"page": page},
             lambda: sizing_json(found, options.units),

@@ -4,7 +4,7 @@ from dataclasses import asdict
 from importlib.metadata import version
 
 from forcefeel.commission.findings import commission_conclusions
-from forcefeel.commission.result import Commission
+from forcefeel.commission.result import Checked, Commission
 from forcefeel.json_values import Json, json_value, quantity
 from forcefeel.loader.parameters import TABLE, unit
 
@@ -37,7 +37,12 @@ def commission_json(found: Commission) -> dict[str, Json]:
             },
         },
         "law": None if found.chosen is None else json_value(asdict(found.chosen), units),
-        "envelope": None if found.checked is None else json_value(asdict(found.checked), units),
+        "envelope": None if found.checked is None else json_value(_numbers(found.checked), units),
         "tests": None if found.tested is None else json_value(asdict(found.tested), units),
         "folders": dict(found.folders),
     }
+
+
+def _numbers(checked: Checked) -> dict[str, object]:
+    """The result without its map, which the envelope's folder has."""
+    return {name: value for name, value in asdict(checked).items() if name != "outcomes"}

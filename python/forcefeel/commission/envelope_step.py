@@ -1,7 +1,7 @@
 """The third step: the law in the envelope of the identified loader, nominal, in every case and with all tolerances at once."""
 
 from forcefeel.commission.plan import CommissionPlan
-from forcefeel.commission.result import Checked
+from forcefeel.commission.result import Checked, OutcomeMap
 from forcefeel.commission.what_ifs import what_ifs
 from forcefeel.envelope.deviations import deviations_of
 from forcefeel.envelope.draws import Draws
@@ -47,6 +47,14 @@ def check_law(
             drawn_least=float(drawn.min()),
             findings=envelope_conclusions(found, plan.units).findings,
             what_ifs=what_ifs(loader, name, plan, even.nominal_share) if short else (),
+            outcomes=_outcomes(found, name),
         ),
         found,
     )
+
+
+def _outcomes(envelope: Envelope, law: str) -> OutcomeMap:
+    """The map of a law."""
+    settings = envelope.plan.settings
+    kinds = tuple(tuple(map(tuple, rows)) for rows in envelope.kinds(law, worst=False).tolist())
+    return OutcomeMap(tuple(settings.stiffness), tuple(settings.frequency), tuple(settings.damping), kinds)

@@ -11,11 +11,12 @@ from forcefeel.bench.identification.findings import first_two, identification_co
 from forcefeel.bench.identification.fit import identify
 from forcefeel.bench.identification.fitted_loader import normal_about
 from forcefeel.bench.identification.grip_sensor import GripSensorFound, find_grip_sensor
-from forcefeel.bench.identification.misfit import misses
+from forcefeel.bench.identification.misfit import beyond_noise, runs_on_and_jumps
 from forcefeel.bench.identification.result import Identification
 from forcefeel.bench.identification.unknowns import parameter_keys
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
+from forcefeel.commission.curve import curve_of
 from forcefeel.commission.fits import Fits, fit_what_is_seen
 from forcefeel.commission.observability import BREAKAWAY, DRY
 from forcefeel.commission.plan import CommissionPlan
@@ -102,6 +103,7 @@ def identify_loader(
         wanting=wanting,
         advice=(*(one.sentence for one in found.advice), *remedy, *grip.advice),
         noticed=grip.said,
+        curve=curve_of(found.fitted) if identified and found.fitted else None,
     )
     return IdentifiedLoader(outcome, replace(found, loader=identified), identified)
 
@@ -147,7 +149,7 @@ def _parameters(loader: Loader, fits: Fits, grip: GripSensorFound) -> tuple[Para
 
 def _missed(found: Identification, plan: CommissionPlan) -> tuple[str, ...]:
     """What the fitted model misses beyond noise: its parameters are off by more than their tolerances say."""
-    missed = [one for one in found.fitted if misses(one)]
+    missed = [one for one in found.fitted if beyond_noise(one)]
     if not missed:
         return ()
     remedy = (
@@ -162,7 +164,7 @@ def _missed(found: Identification, plan: CommissionPlan) -> tuple[str, ...]:
 def _noise_wanting(loader: Loader, found: Identification, at_grip: float | None) -> tuple[str, ...]:
     """Sensors whose noise is declared as zero, with what the records show; a law for them is made for sensors that nobody has."""
     measured = {
-        SENSOR_OF[one.channel]: one.residual_rms
+        SENSOR_OF[one.channel]: runs_on_and_jumps(one.measured.real - one.modelled.real)[1]
         for one in found.fitted
         if one.channel in SENSOR_OF and isinstance(one.data, BenchRecord)
     } | ({} if at_grip is None else {GRIP_SENSOR: at_grip})

@@ -34,6 +34,29 @@ class ParameterFound:
 
 
 @dataclass(frozen=True)
+class Curve:
+    """One channel of the bench data beside the models, SI units; of a long record the extremes of each stretch.
+
+    Attributes:
+        data: Name of the record or the response.
+        channel: The channel.
+        response: Whether it is a frequency response; else a record in time.
+        at: Frequencies in Hz, or times in s.
+        measured: Values of a record; of a response gain and phase in rad, one after the other.
+        modelled: The same of the identified model.
+        before: The same of the loader file's model.
+    """
+
+    data: str
+    channel: str
+    response: bool
+    at: tuple[float, ...]
+    measured: tuple[tuple[float, ...], ...]
+    modelled: tuple[tuple[float, ...], ...]
+    before: tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
 class Identified:
     """What the data determine.
 
@@ -45,6 +68,7 @@ class Identified:
         wanting: What is needed and not determined or not stated, a sentence each; empty if nothing.
         advice: The next experiment, a sentence each.
         noticed: What else the records show, a sentence each: nothing that forbids a law.
+        curve: The data beside the identified model; ``None`` if there is no model.
     """
 
     good: bool
@@ -54,6 +78,7 @@ class Identified:
     wanting: tuple[str, ...] = ()
     advice: tuple[str, ...] = ()
     noticed: tuple[str, ...] = ()
+    curve: Curve | None = None
 
 
 @dataclass(frozen=True)
@@ -85,6 +110,23 @@ class WhatIf:
 
 
 @dataclass(frozen=True)
+class OutcomeMap:
+    """The outcome of each setting under the law.
+
+    Attributes:
+        stiffness: Shares of ``G_max``.
+        frequency: Natural frequencies in rad/s.
+        damping: Damping ratios.
+        kinds: Positions in ``envelope.result.COLORS``, by damping ratio, frequency and stiffness.
+    """
+
+    stiffness: tuple[float, ...]
+    frequency: tuple[float, ...]
+    damping: tuple[float, ...]
+    kinds: tuple[tuple[tuple[int, ...], ...], ...]
+
+
+@dataclass(frozen=True)
 class Checked:
     """The law in the envelope.
 
@@ -97,6 +139,7 @@ class Checked:
         drawn_least: That of the worst of them.
         findings: What fails, and in which case.
         what_ifs: What would render more, what asks least of the machine first; empty where the asked share is reached.
+        outcomes: The map of the settings.
     """
 
     settings: int
@@ -107,6 +150,7 @@ class Checked:
     drawn_least: float
     findings: tuple[str, ...] = ()
     what_ifs: tuple[WhatIf, ...] = ()
+    outcomes: OutcomeMap | None = None
 
 
 @dataclass(frozen=True)

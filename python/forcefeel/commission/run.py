@@ -2,16 +2,17 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from forcefeel.bench.identification.page.folder import LOADER, write_identification
+from forcefeel.bench.identification.result import Identification
 from forcefeel.bench.record_file import read_bench_record
 from forcefeel.bench.records import BenchRecord
 from forcefeel.bench.responses import Response
-from forcefeel.choice.page.folder import write_choice
+from forcefeel.choice.rule import Choice
+from forcefeel.choice.score import LawScores
 from forcefeel.commission.envelope_step import check_law
 from forcefeel.commission.identified import identify_loader
 from forcefeel.commission.law_for import choose_law
@@ -20,24 +21,53 @@ from forcefeel.commission.qualification_step import run_tests
 from forcefeel.commission.result import Checked, Commission, Identified, LawChosen, RuleTests
 from forcefeel.commission.simulated_bench import BenchTime, record_csv, simulated_records
 from forcefeel.commission.steps import BENCH, ENVELOPE, IDENTIFICATION, LAW, STEPS, TESTS, State, digest
-from forcefeel.envelope.page.folder import write_envelope
+from forcefeel.envelope.result import Envelope
 from forcefeel.envelope.settings import Settings
 from forcefeel.errors import InputError
 from forcefeel.files import Kind, input_kind, make_folder, output_kind, write_whole
 from forcefeel.laws.law import Law
 from forcefeel.loader.feel_settings import own_feel
 from forcefeel.loader.loader import Loader, check_loader, load
-from forcefeel.qualification.page.folder import write_qualification
+from forcefeel.qualification.plan.result import Qualification
 from forcefeel.units import UnitSystem
 
-LAW_FILE_NAME = "law.json"
+LOADER, LAW_FILE_NAME = "loader.toml", "law.json"
+"""Files of the first and the second step, from which the next ones begin."""
+
 RECORD = "bench.csv"
 
 Progress = Callable[[str, str], None]
 """Called with a step and what is being done in it."""
 
 
-def commission_loader(
+def _nothing(*_: object) -> None:
+    """Writes nothing."""
+
+
+@dataclass(frozen=True)
+class StepWriters:
+    """What is done with the result of each step, beside it the step's folder; by default nothing.
+
+    Attributes:
+        identification: The last fit.
+        law: The scores of the laws, and the choice among them.
+        envelope: The envelope of the law.
+        tests: The qualification under the law.
+
+    Example:
+        >>> import forcefeel as ff
+        >>> writers = ff.commission.StepWriters(envelope=lambda envelope, folder: print(folder.name))
+        >>> writers.tests is ff.commission.StepWriters().tests
+        True
+    """
+
+    identification: Callable[[Identification, Path], object] = _nothing
+    law: Callable[[LawScores, Choice, Path], object] = _nothing
+    envelope: Callable[[Envelope, Path], object] = _nothing
+    tests: Callable[[Qualification, Path], object] = _nothing
+
+
+def commission_loader(  # noqa: PLR0913  what the command takes
     loader: Loader,
     data: Sequence[Response | BenchRecord],
     out: str | Path,
@@ -46,10 +76,12 @@ def commission_loader(
     bench: Loader | None = None,
     bench_time: BenchTime | None = None,
     progress: Progress = lambda step, what: None,
+    writers: StepWriters | None = None,
 ) -> Commission:
     """Sets a loader up: identifies it, chooses the law for what is known of it, checks that and makes the tests of the rule.
 
-    Each step writes its folder within ``out``. Called again with the same, it takes up where it was.
+    Each step has a folder within ``out``, with the file that the next step begins from. Called again with the same, it takes up
+    where it was.
 
     Args:
         loader: The loader as its file has it.
@@ -59,6 +91,7 @@ def commission_loader(
         bench: A machine that is simulated in place of a bench.
         bench_time: How long, how fast and with which noise it is recorded.
         progress: Told what is being done.
+        writers: What writes the results of the steps, such as their pages.
 
     Returns:
         What each step came to; ``good`` where the law may be handed over. ``write_commission`` writes the page, the loader file and
@@ -84,7 +117,7 @@ def commission_loader(
             + ("both" if data else "neither")
         )
     with _left_as_it_was(out):
-        return _set_up(loader, data, out, plan, bench, bench_time, progress)
+        return _set_up(loader, data, out, plan, bench, bench_time, _Work(plan, progress, writers or StepWriters()))
 
 
 def _set_up(
@@ -94,22 +127,20 @@ def _set_up(
     plan: CommissionPlan,
     bench: Loader | None,
     bench_time: BenchTime | None,
-    progress: Progress,
+    work: "_Work",
 ) -> Commission:
     """The steps, each made or read."""
     state = State.of(out)
     if bench is not None:
-        data = _simulated(state, loader, bench, bench_time or BenchTime(), progress)
+        data = _simulated(state, loader, bench, bench_time or BenchTime(), work.progress)
     text = digest(loader.to_toml(UnitSystem.SI), [_text_of(one) for one in data], _asked(plan))
-    identified = state.step(
-        IDENTIFICATION, text, Identified, lambda folder: _identify(folder, loader, data, plan, progress)
-    )
+    identified = state.step(IDENTIFICATION, text, Identified, lambda folder: work.identify(folder, loader, data))
     told = Commission(plan, loader, identified, folders=_folders(bench))
     if input_kind(out / IDENTIFICATION / LOADER) is not Kind.FILE:
         return replace(told, folders=_some(told.folders, IDENTIFICATION), resumed=tuple(state.resumed))
     found = load(out / IDENTIFICATION / LOADER)
     text = digest(text, found.fingerprint)
-    chosen = state.step(LAW, text, LawChosen, lambda folder: _choose(folder, found, plan, progress))
+    chosen = state.step(LAW, text, LawChosen, lambda folder: work.choose(folder, found))
     told = replace(told, loader=found, chosen=chosen)
     if not chosen.name:
         return replace(told, folders=_some(told.folders, LAW), resumed=tuple(state.resumed))
@@ -119,8 +150,8 @@ def _set_up(
         name=chosen.name,
     )
     text = digest(text, (out / LAW / LAW_FILE_NAME).read_text(encoding="utf-8"))
-    checked = state.step(ENVELOPE, text, Checked, lambda folder: _check(folder, found, law, plan, progress))
-    tested = state.step(TESTS, text, RuleTests, lambda folder: _test(folder, found, law, plan, progress))
+    checked = state.step(ENVELOPE, text, Checked, lambda folder: work.check(folder, found, law))
+    tested = state.step(TESTS, text, RuleTests, lambda folder: work.test(folder, found, law))
     return replace(told, law=law, checked=checked, tested=tested, resumed=tuple(state.resumed))
 
 
@@ -154,39 +185,57 @@ def _simulated(
     return [read_bench_record(state.out / BENCH / RECORD)]
 
 
-def _identify(
-    folder: Path, loader: Loader, data: Sequence[Response | BenchRecord], plan: CommissionPlan, progress: Progress
-) -> Identified:
-    one = identify_loader(loader, data, plan, lambda what: progress(IDENTIFICATION, what))
-    write_identification(one.found, folder, plan.units, replace=True)
-    return one.outcome
+@dataclass(frozen=True)
+class _Work:
+    """The steps, each of which keeps what the next begins from and hands its result to the writer.
+
+    Attributes:
+        plan: The plan.
+        progress: Called with a step and its part that begins.
+        writers: What writes the results.
+    """
+
+    plan: CommissionPlan
+    progress: Progress
+    writers: StepWriters
+
+    def identify(self, folder: Path, loader: Loader, data: Sequence[Response | BenchRecord]) -> Identified:
+        identified = identify_loader(loader, data, self.plan, lambda part: self.progress(IDENTIFICATION, part))
+        _keep(folder / LOADER, identified.loader and identified.loader.to_toml(self.plan.units))
+        self.writers.identification(identified.found, folder)
+        return identified.outcome
+
+    def choose(self, folder: Path, loader: Loader) -> LawChosen:
+        outcome, scores, choice = choose_law(loader, self.plan, lambda part: self.progress(LAW, part))
+        _keep(folder / LAW_FILE_NAME, None)
+        if outcome.name:
+            feel = np.unique(np.vstack([own_feel(loader), scores.plan.settings.feel(loader)]), axis=0)
+            Law.of(outcome.name, loader, feel).save(folder / LAW_FILE_NAME)
+        self.writers.law(scores, choice, folder)
+        return outcome
+
+    def check(self, folder: Path, loader: Loader, law: Law) -> Checked:
+        def show(done: int, total: int) -> None:
+            self.progress(ENVELOPE, f"{done:,} of {total:,} releases")
+
+        outcome, envelope = check_law(loader, law.name, law, self.plan, show)
+        self.writers.envelope(envelope, folder)
+        return outcome
+
+    def test(self, folder: Path, loader: Loader, law: Law) -> RuleTests:
+        self.progress(TESTS, "tests of the rule")
+        outcome, qualification = run_tests(loader, law.name, law.at(own_feel(loader)), self.plan)
+        self.writers.tests(qualification, folder)
+        return outcome
 
 
-def _choose(folder: Path, loader: Loader, plan: CommissionPlan, progress: Progress) -> LawChosen:
-    outcome, scored, choice = choose_law(loader, plan, lambda what: progress(LAW, what))
-    write_choice(scored, choice, folder, plan.units, replace=True)
-    if outcome.name:
-        feel = np.unique(np.vstack([own_feel(loader), scored.plan.settings.feel(loader)]), axis=0)
-        Law.of(outcome.name, loader, feel).save(folder / LAW_FILE_NAME)
+def _keep(path: Path, text: str | None) -> None:
+    """Writes a file of a step's folder, or takes an earlier one away."""
+    make_folder(path.parent)
+    if text is None:
+        path.unlink(missing_ok=True)
     else:
-        (folder / LAW_FILE_NAME).unlink(missing_ok=True)
-    return outcome
-
-
-def _check(folder: Path, loader: Loader, law: Law, plan: CommissionPlan, progress: Progress) -> Checked:
-    def told(done: int, total: int) -> None:
-        progress(ENVELOPE, f"{done:,} of {total:,} releases")
-
-    outcome, found = check_law(loader, law.name, law, plan, told)
-    write_envelope(found, folder, plan.units, replace=True)
-    return outcome
-
-
-def _test(folder: Path, loader: Loader, law: Law, plan: CommissionPlan, progress: Progress) -> RuleTests:
-    progress(TESTS, "tests of the rule")
-    outcome, found = run_tests(loader, law.name, law.at(own_feel(loader)), plan)
-    write_qualification(found, folder)
-    return outcome
+        write_whole(path, text)
 
 
 def _folders(bench: Loader | None) -> dict[str, str]:

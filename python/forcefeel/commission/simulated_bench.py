@@ -122,7 +122,7 @@ def simulated_records(loader: Loader, truth: Loader, asked: BenchTime | None = N
     # No law uses a sensor at the grip that is yet to be tried.
     law = Law.of(None, without_grip_sensor(loader)) if loader.drive == ELECTRIC else None
     run = RecordRun(asked_of, machine := without_grip_sensor(truth), law)
-    exact = dict(zip(run.channels, run.at(machine.values, ()).value, strict=True))
+    exact = dict(zip(run.channels, run.at(machine.si_values, ()).value, strict=True))
     if not all(np.isfinite(values).all() for values in exact.values()):
         raise InputError(
             f"bench: {truth.name} runs away under {experiment}; expected a machine that its file's loop holds"

@@ -162,7 +162,7 @@ def assess(
 
 def _rendering(found: tuple[Mode, ...], programmed: Loader) -> Mode:
     """The mode that renders a feel: under a motor the slowest, however it is damped, as rotor and column move as one."""
-    frequency, damping_ratio = _core.feel_frequency(programmed.values)
+    frequency, damping_ratio = _core.feel_frequency(programmed.si_values)
     return feel_mode(found, frequency, max(damping_ratio, 1.0) if programmed.drive == ELECTRIC else damping_ratio)
 
 

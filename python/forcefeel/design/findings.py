@@ -122,7 +122,7 @@ def _compensated(design: Design) -> str:
 def _inertia_remark(design: Design, found: Assessment) -> str:
     """The column's own inertia J adds to the programmed I: the frequency that this predicts, if it is what is found."""
     both = design.loader["feel.inertia"] + design.loader["column.inertia"]
-    heavier, _ = feel_frequency(design.loader.replace({"feel.inertia": both}, si=True).values)
+    heavier, _ = feel_frequency(design.loader.replace({"feel.inertia": both}, si=True).si_values)
     predicted = heavier / design.feel_frequency_rad_per_s
     if abs(found.frequency_rad_per_s / design.feel_frequency_rad_per_s / predicted - 1) > FREQUENCY_TOLERANCE / 2:
         return ""  # something else is at work as well

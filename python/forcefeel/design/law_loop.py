@@ -99,7 +99,7 @@ def _assess(loader: Loader, loops: SampledLoops, modes: tuple[Mode, ...], *, sta
     abscissa = max(mode.real_per_s for mode in modes)
     if not stable:
         return Assessment(False, abscissa, *[np.nan] * 7)
-    feel = feel_mode(modes, *_core.feel_frequency(loader.values))
+    feel = feel_mode(modes, *_core.feel_frequency(loader.si_values))
     wanted, step = programmed_angle_rad(loader), _step(loader, loops, DURATION_S)
     _, ideal = step_outputs(feel_model(loader), loader["pilot.force"], DURATION_S, len(step.time_s))
     settled = np.linalg.solve(np.eye(len(loops.matrix[0])) - loops.matrix[0], loops.by_force[0])[loops.base]

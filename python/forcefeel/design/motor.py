@@ -49,7 +49,7 @@ def analyze_motor(loader: Loader) -> MotorAnalysis:
     """
     check_electric(loader, "the analysis of a motor", "analyze takes either")
     low = loader.scale_feel(LOW_SHARE)
-    frequency, damping_ratio = feel_frequency(loader.values)
+    frequency, damping_ratio = feel_frequency(loader.si_values)
     plant = ElectricPlant.of(loader)
     return MotorAnalysis(
         loader=loader,

@@ -138,7 +138,7 @@ def analyze(loader: Loader) -> ServoAnalysis | MotorAnalysis:
 
 def _analyze_servo(loader: Loader) -> ServoAnalysis:
     low = loader.scale_feel(LOW_SHARE)
-    frequency, damping_ratio = feel_frequency(loader.values)
+    frequency, damping_ratio = feel_frequency(loader.si_values)
     return ServoAnalysis(
         loader=loader,
         low_loader=low,

@@ -1,4 +1,4 @@
-"""What an engineer should conclude from an envelope, in words."""
+"""Conclusions from an envelope, in sentences."""
 
 from collections.abc import Sequence
 from math import inf, isfinite
@@ -21,27 +21,25 @@ WHOLE_NOMINAL, WHOLE_WORST = 0.95, 0.90
 
 @of_result
 def envelope_conclusions(found: Envelope, units: UnitSystem) -> Conclusions:
-    """The conclusions, with numbers in ``units``; ``good`` where a law renders the envelope."""
+    """Conclusions, with numbers in ``units``; ``ok`` if a law renders the envelope. The five most important findings come first."""
     best = _best(found)
-    verdict = (
-        f"Of {_feels(found)}, released from {_angle(found, units)}, the loader renders within "
-        "tolerance "
-        + ", ".join(
-            f"{share_text(one.nominal_share)} with {name_text(one.law)} ({share_text(one.worst_case_share)} in every case)"
-            for one in map(found.allowed_shares, found.laws)
-        )
-        + "."
-    )
     if found.forbidden.settings.all():
         count = found.plan.settings.count
-        verdict = f"None of {count:,} programmed feels, released from {_angle(found, units)}, is rendered by any law."
-    lines = [*forbidden_sentences(found.forbidden, units)]
-    lines += [_fails(found, name) for name in found.laws]
-    lines += [line for name in found.laws if (line := _worst(found, name))]
-    lines += [_by_angle(found, best.law, units)] if found.smaller else []
+        verdict = f"No law renders any of {count:,} programmed feels, released from {_angle(found, units)}."
+    else:
+        each = ", ".join(
+            f"{share_text(law.nominal_share)} with {name_text(law.law)} ({share_text(law.worst_case_share)} in every case)"
+            for law in map(found.allowed_shares, found.laws)
+        )
+        verdict = f"Within tolerance: {each}, of {_feels(found)}, released from {_angle(found, units)}."
+    others = [name for name in found.laws if name != best.law]
+    lines = [*forbidden_sentences(found.forbidden, units), _fails(found, best.law), _worst(found, best.law)]
     lines += [_drawn(found, best.law)] if found.plan.machines else []
-    lines += [line for line in (_smallest(found, best.law, units), _passive(found)) if line]
-    return Conclusions(renders(found), verdict, (*lines, _counted(found, units), *caveats(found, units)))
+    lines += [_smallest(found, best.law, units), _passive(found)]
+    lines += [_by_angle(found, best.law, units)] if found.smaller else []
+    lines += [line for name in others for line in (_fails(found, name), _worst(found, name))]
+    lines += [_counted(found, units), *caveats(found, units)]
+    return Conclusions(renders(found), verdict, tuple(filter(None, lines)))
 
 
 def renders(found: Envelope) -> bool:
@@ -73,12 +71,12 @@ def caveats(found: Envelope, units: UnitSystem) -> tuple[str, ...]:
         lines.append(f"Not verified against a source: {', '.join(what)}.")
     if plan.omitted:
         rows = ", ".join(plan.omitted)
-        lines.append(f"Left out, because an envelope programs I, B and G alone: {rows}.")
+        lines.append(f"Omitted, because an envelope programs only I, B and G: {rows}.")
     if not plan.linear:
         loop = "sampled loop, its delay included" if plan.loader["controller.period"] else "linear model"
         lines.append(
-            f"The loader has optional rows: its releases are stepped. Stability is that of the {loop}; a setting "
-            "that is unstable there counts as unstable."
+            f"The releases are simulated with the loader's optional rows. Stability is that of the {loop}; a setting that is "
+            "unstable there counts as unstable."
         )
     return tuple(lines)
 
@@ -99,8 +97,8 @@ def _feels(found: Envelope) -> str:
     if not (counts := found.forbidden.counts):
         return f"{count:,} programmed feels"
     *others, last = counts
-    what = f"{', '.join(others)} and {last} allow" if others else f"{last} allows"
-    return f"the {count - sum(counts.values()):,} programmed feels that {what}, of {count:,}"
+    limits = f"{', '.join(others)} and {last} allow" if others else f"{last} allows"
+    return f"the {count - sum(counts.values()):,} of {count:,} programmed feels that {limits}"
 
 
 def _by_angle(found: Envelope, name: str, units: UnitSystem) -> str:
@@ -108,7 +106,7 @@ def _by_angle(found: Envelope, name: str, units: UnitSystem) -> str:
     own, *others = found.by_angle
     each = ", ".join(f"{share_text(one.passes[name])} from {angle_text(one.release_rad, units)}" for one in others)
     return (
-        f"With the nominal plant {name_text(name)} render{_s(name)} {share_text(own.passes[name])} of all settings from "
+        f"Share by release angle, nominal plant, {name_text(name)}: {share_text(own.passes[name])} from "
         f"{angle_text(own.release_rad, units)}, {each}."
     )
 
@@ -120,7 +118,9 @@ def _fails(found: Envelope, name: str) -> str:
         return f"{_sentence(name)}: stable and within tolerance at every setting with the nominal plant."
     order = sorted(failing, key=lambda kind: -failing[kind])
     parts = [f"{kind} at {share_text(failing[kind])}" for kind in order]
-    return f"{_sentence(name)}: stable at {share_text(shares.stable)} of the settings. What fails first: {', '.join(parts)}."
+    return (
+        f"{_sentence(name)}: stable at {share_text(shares.stable)} of the settings. First failures: {', '.join(parts)}."
+    )
 
 
 def _worst(found: Envelope, name: str) -> str:
@@ -128,18 +128,18 @@ def _worst(found: Envelope, name: str) -> str:
     if not rows:
         return ""
     parts = [f"{row.case} ({share_text(row.lost)})" for row in rows]
-    return f"Of what {name_text(name)} render{_s(name)} nominally, most is lost with {' and with the '.join(parts)}."
+    return f"With {name_text(name)}, the largest loss of nominal passes comes from {' and from the '.join(parts)}."
 
 
 def _drawn(found: Envelope, name: str) -> str:
-    one, most = found.drawn_shares(name), share_text(MOST)
+    drawn, most = found.drawn_shares(name), share_text(MOST)
     where = "at the corners of" if found.plan.draws.corners else "at random within"
-    sure = interval_text(one.good_low, one.good_high)
+    interval = interval_text(drawn.good_low, drawn.good_high)
     return (
-        f"All tolerances at once, {one.machines:,} machines drawn {where} them, hands off, with {name_text(name)}: "
-        f"{share_text(one.settings)} of the settings pass in at least {most} of the machines, and {share_text(one.good)} of the "
-        f"machines ({sure} of all such, 95 % sure) pass at {most} of the settings or more. A machine passes at "
-        f"{share_text(one.passes)} of the settings on average, the worst of them at {share_text(one.least)}."
+        f"All tolerances at once ({drawn.machines:,} machines {where} them, hands off, {name_text(name)}): a machine passes at "
+        f"{share_text(drawn.passes)} of the settings on average, the worst machine at {share_text(drawn.least)}. "
+        f"{share_text(drawn.settings)} of the settings pass in at least {most} of the machines. {share_text(drawn.good)} of the "
+        f"machines (95 % confidence: {interval}) pass at {most} of the settings or more."
     )
 
 
@@ -154,8 +154,8 @@ def _counted(found: Envelope, units: UnitSystem) -> str:
         for one in map(found.even_shares, found.laws)
     )
     return (
-        f"Every point of the grid counts the same: {grid}. Weighed so that equal steps in proportion count the same along all "
-        f"three axes, the same points pass at {others}."
+        f"Every point of the grid counts the same: {grid}. With weights by equal logarithmic steps along all three axes, the "
+        f"shares are {others}."
     )
 
 
@@ -191,8 +191,8 @@ def _smallest(found: Envelope, name: str, units: UnitSystem) -> str:
     inertia_text = f"{to_text(INERTIA.from_si(edge.inertia_n_m_s2_per_rad, units), 3)} {INERTIA.shown(units)}"
     stiffness_text = f"{to_text(stiffness.from_si(edge.stiffness_n_m_per_rad, units), 3)} {stiffness.shown(units)}"
     return (
-        f"The smallest inertia that passes with {name_text(name)} is I = {inertia_text}, {to_text(edge.inertia_share, 2)} "
-        f"times the column's own; the smallest stiffness is {share_text(edge.stiffness_share)} of G_max, G = {stiffness_text}."
+        f"Smallest feel that passes with {name_text(name)}: inertia I = {inertia_text}, {to_text(edge.inertia_share, 2)} times "
+        f"that of the column; stiffness G = {stiffness_text}, {share_text(edge.stiffness_share)} of G_max."
     )
 
 
@@ -208,12 +208,8 @@ def _passive(found: Envelope) -> str:
             low, high = grip.bands_hz[0]
             state = f"not passive from {to_text(low, 3)} to {to_text(high, 3)} Hz"
         states.append(f"{state} with {name_text(name)}")
-    return f"The grip at the loader's own setting, hands off: {', '.join(states)}."
+    return f"Impedance at the grip at the loader's own setting, hands off: {', '.join(states)}."
 
 
 def _sentence(name: str) -> str:
     return capital(name_text(name))
-
-
-def _s(name: str) -> str:
-    return "" if name in {"published", "converged"} else "s"

@@ -21,30 +21,28 @@ def counts_text(found: Forbidden) -> str:
 
 def _sentence(found: Forbidden, reason: str, count: int, units: UnitSystem) -> str:
     which = found.of(reason)
-    head = f"{count:,} of {len(which):,} settings {'is' if count == 1 else 'are'} forbidden by {reason}, whatever the law: "
+    head = f"No law renders {count:,} of {len(which):,} settings because of {reason}: "
     if reason == NOISE:
         worst = found.noise_rad[which].max()
         return head + (
-            f"the noise of a law that renders them moves the column by up to {to_text(degrees(worst), 2)} deg r.m.s., more than "
-            "the band in which the rule wants it at rest. What would do: a finer sensor of the column's angle, or a shorter "
-            "controller.period."
+            f"the noise moves the column by up to {to_text(degrees(worst), 2)} deg r.m.s., more than the rest band of the rule. "
+            "Remedy: a finer sensor of the column's angle, or a shorter controller.period."
         )
     if reason == THROW:
         worst = int(np.argmax(np.where(which, found.begins_s - found.thrown_s, -np.inf)))
         thrown, begins = (to_text(1e3 * float(times[worst]), 3) for times in (found.thrown_s, found.begins_s))
         return head + (
-            f"as the hand lets go, the link that its torque has stretched throws the column by {thrown} ms to where the rule's "
-            "first time begins, although the drive runs after it with all that it has, and one of these feels comes there after "
-            f"{begins} ms. What would do: a stiffer link, a faster valve or current loop, a higher voltage, a shorter delay, or a "
-            "heavier column."
+            f"at the release the stretched link throws the column to the start of the rule's first time within {thrown} ms, with "
+            f"the drive at its limit; one of these feels requires {begins} ms. Remedy: a stiffer link, a faster valve or current "
+            "loop, a higher voltage, a shorter delay, or a heavier column."
         )
     if (which & found.beyond.settings).any():
         return head + found.beyond.sentence(units)
     worst = int(np.argmax(np.where(which, found.fastest_s / found.most_s, 0.0)))
     fastest, most = (to_text(1e3 * float(times[worst]), 3) for times in (found.fastest_s, found.most_s))
     return head + (
-        f"with all that the drive gives from the moment of the release the column needs {fastest} ms for the way back that the "
-        f"rule times, and one of these feels may take {most} ms with its tolerance. What would do: {_REMEDIES[Limit(reason)]}."
+        f"at the limit of the drive the column takes {fastest} ms for the return that the rule times; one of these feels allows "
+        f"{most} ms with its tolerance. Remedy: {_REMEDIES[Limit(reason)]}."
     )
 
 

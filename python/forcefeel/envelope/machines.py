@@ -30,7 +30,9 @@ def feel_json(loader: Loader) -> tuple[Loader, tuple[str, ...]]:
 
 
 def _without_curves(loader: Loader) -> Loader:
-    return Loader(loader.name, loader.source, loader.values, tolerances=loader.tolerances) if loader.curves else loader
+    return (
+        Loader(loader.name, loader.source, loader.si_values, tolerances=loader.tolerances) if loader.curves else loader
+    )
 
 
 def columns(case: Case) -> list[str]:

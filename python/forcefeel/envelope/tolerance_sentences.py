@@ -10,7 +10,7 @@ from forcefeel.units import to_text
 
 _SAID = {
     Origin.FILE: "Tolerances by the loader file",
-    Origin.GIVEN: "Tolerances as asked for",
+    Origin.GIVEN: "Tolerances by option",
     Origin.ASSUMED: "Tolerances assumed, not measured",
 }
 
@@ -39,8 +39,8 @@ def tolerance_sentences(loader: Loader, deviations: Mapping[str, Deviation]) -> 
             parts = (f"{ends} of {', '.join(keys)}" for ends, keys in groups.items())
             found.append(f"{said}: {'; '.join(parts)}.")
     if left := [key for key in uncounted(loader) if key not in deviations]:
-        why = "only parts of the machine that have a value can be off it; sensors count as calibrated"
-        found.append(f"Tolerances left out: {', '.join(left)} ({why}).")
+        why = "sensors count as calibrated, and absent parts have no deviation"
+        found.append(f"Tolerances omitted: {', '.join(left)} ({why}).")
     return tuple(found)
 
 
@@ -54,7 +54,6 @@ def silent_sentences(loader: Loader) -> tuple[str, ...]:
     }
     taken = " and ".join(values[name] for name in assumed)
     return (
-        f"Noise declared as zero, and no smallest step: {', '.join(assumed)}. No real sensor is so, and what is rendered here is "
-        f"more than a machine will; the designs that follow the noise need a number and take {taken} r.m.s. State noise and "
-        f"resolution in the loader file ({', '.join(f'{name}.noise' for name in assumed)}).",
+        f"Sensors without noise or resolution: {', '.join(assumed)}. A real machine renders less; the laws are designed for "
+        f"{taken} r.m.s. State noise and resolution in the loader file ({', '.join(f'{name}.noise' for name in assumed)}).",
     )

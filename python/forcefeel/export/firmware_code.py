@@ -63,7 +63,7 @@ def firmware_files(exported: Exported, triple: str | None, *, single: bool) -> d
         given = given.astype(np.float32).astype(np.float64)
     answers, states = axis.answers(given, words.tolist(), single=single)
     loader = exported.loader
-    functions = safety_functions(loader.values, loader.drive, numbers.period_s)
+    functions = safety_functions(loader.si_values, loader.drive, numbers.period_s)
     fields = about(exported, numbers, single=single) | {
         "triple": triple,
         "board": triple == BOARD,

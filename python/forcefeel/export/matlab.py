@@ -102,7 +102,7 @@ def _gains(exported: Exported) -> dict[str, Any]:
 def _compensator(exported: Exported, setting: int) -> GainLaw:
     """The gains of a setting; the original loop, eq. (13), has its own."""
     law = exported.law.single(exported.loader, setting).fixed
-    return GainLaw.original(exported.loader.values) if law is None else law
+    return GainLaw.original(exported.loader.si_values) if law is None else law
 
 
 def _cells(names: tuple[str, ...] | list[str]) -> NDArray[np.object_]:

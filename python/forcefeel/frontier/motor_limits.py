@@ -75,7 +75,7 @@ def motor_limits(plan: Plan, *, threads: int | None = None) -> MotorLimits:
 def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
     """Largest share of current or voltage that each release asks for."""
     motor, found = Motor(referee.plan.loader), np.zeros(len(feel))
-    arm, values = motor.loader["column.grip_arm"], motor.loader.values
+    arm, values = motor.loader["column.grip_arm"], motor.loader.si_values
     for velocity, acceleration, _ in motion(referee, feel):
         force = _core.column_grip_force(values, acceleration) + motor.added_mass_kg * arm * acceleration
         found = np.maximum(found, _share(motor, force, arm * velocity))

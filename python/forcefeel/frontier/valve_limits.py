@@ -64,7 +64,7 @@ def _peak(referee: Referee, feel: NDArray[np.float64]) -> NDArray[np.float64]:
     arm, per_pressure = loader["column.grip_arm"], valve.force_per_pressure
     for velocity, acceleration, jerk in motion(referee, feel):
         pressure, pressure_rate = (
-            _core.column_grip_force(loader.values, one) / per_pressure for one in (acceleration, jerk)
+            _core.column_grip_force(loader.si_values, one) / per_pressure for one in (acceleration, jerk)
         )
         flow = per_pressure * arm * velocity + valve.statics.oil_compliance * pressure_rate
         found = np.maximum(found, valve.statics.needed(flow, pressure) / valve.flow_m3_per_s)

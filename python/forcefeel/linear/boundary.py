@@ -68,11 +68,11 @@ def smallest_stable_stiffness(
     """
     check_hydraulic(loader, "the smallest stable stiffness", "linear.largest_stable_stiffness has what bounds its feel")
     build = _core.rigid if linkage is Linkage.RIGID else _core.compliant
-    law = law or GainLaw.original(loader.values)
+    law = law or GainLaw.original(loader.si_values)
 
     def closed_loop(log_share: float) -> NDArray[np.float64]:
         scale = np.exp(log_share) * loader["feel.maximum_stiffness"] / loader["feel.stiffness"]
-        return build(loader.scale_feel(scale).values, law)[0]
+        return build(loader.scale_feel(scale).si_values, law)[0]
 
     start = max(0.0, float(np.log(loader["feel.stiffness"] / loader["feel.maximum_stiffness"])))
     edge = _first_crossing(lambda log_share: spectral_abscissa(closed_loop(log_share)), start)

@@ -77,7 +77,7 @@ class ElectricPlant:
     @classmethod
     def of(cls, loader: Loader, *, rigid: bool = False) -> "ElectricPlant":
         """The plant of an electric loader."""
-        a, b, c, d = _core.electric_plant(loader.values)
+        a, b, c, d = _core.electric_plant(loader.si_values)
         stiffness = c[_FORCE, POSITION]
         ratio = -c[_FORCE, BASE] / stiffness
         by_force = np.zeros(len(a))

@@ -166,14 +166,14 @@ def loader_model(loader: Loader, law: GainLaw | None, linkage: Linkage) -> Linea
         check_hydraulic(loader, "an analog law", _NO_ANALOG_LAW)
     if loader.drive == ELECTRIC:
         return _motor_model(loader, linkage)
-    law = law or GainLaw.original(loader.values)
+    law = law or GainLaw.original(loader.si_values)
     unit = law.displacement_unit.lower()
     feel = [f"feel_position_{unit}", f"feel_velocity_{unit}_per_s"]
     if linkage is Linkage.RIGID:
-        matrices = _core.rigid(loader.values, law)
+        matrices = _core.rigid(loader.si_values, law)
         states = ["piston_position_m", "piston_velocity_m_per_s", *_SERVO_STATES, *feel]
     else:
-        matrices = _core.compliant(loader.values, law)
+        matrices = _core.compliant(loader.si_values, law)
         states = ["piston_position_m", *_SERVO_STATES, *feel, "base_position_m", "base_velocity_m_per_s"]
     outputs = [feel[0] if name == "feel_position" else name for name in OUTPUTS]
     return _model(f"{loader.name} {linkage}", matrices, states, INPUTS, outputs)
@@ -200,7 +200,7 @@ def plant_model(loader: Loader, linkage: Linkage) -> LinearModel:
         plant = ElectricPlant.of(loader, rigid=linkage is Linkage.RIGID)
         matrices = plant.a, plant.b, plant.c, plant.d
         return _model(name, matrices, plant.states, ("pilot_force_n", "current_command_a"), electric.OUTPUTS)
-    model = loader_model(loader, GainLaw.none(loader.values), linkage)
+    model = loader_model(loader, GainLaw.none(loader.si_values), linkage)
     # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
     states, outputs = (
         [k for k, label in enumerate(labels) if not label.startswith("feel_")]
@@ -213,7 +213,7 @@ def plant_model(loader: Loader, linkage: Linkage) -> LinearModel:
 def servo_model(loader: Loader, linkage: Linkage, *, closed: bool) -> LinearModel:
     """The servo alone, from the amplifier's input e_T, its position loop closed or open."""
     check_hydraulic(loader, "the servo", _PLANT_INSTEAD)
-    law = GainLaw.position_loop(loader.values) if closed else GainLaw.none(loader.values)
+    law = GainLaw.position_loop(loader.si_values) if closed else GainLaw.none(loader.si_values)
     model = loader_model(loader, law, linkage)
     kept = [k for k, name in enumerate(model.state_labels) if not name.startswith("feel_")]
     # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
@@ -236,7 +236,7 @@ def open_loop_model(loader: Loader, linkage: Linkage, law: GainLaw | None = None
     check_loader(loader)
     if loader.drive == ELECTRIC:
         return _motor_loop(loader, linkage)
-    law = law or GainLaw.original(loader.values)
+    law = law or GainLaw.original(loader.si_values)
     closed = loader_model(loader, law, linkage)
     opened = loader_model(loader, GainLaw(law.gains, 0.0, law.displacement_unit), linkage)
     entry = [k for k, name in enumerate(closed.state_labels) if name.startswith("feel_velocity")]
@@ -259,7 +259,7 @@ def design_model(loader: Loader, pilot_arm_m: float | None = None, *, pilot_stat
     """The plant of eq. (19), with the pilot's force as a state or without; the arm is R_p if not given."""
     check_hydraulic(loader, "the design plant of eq. (19)", _PLANT_INSTEAD)
     arm = loader["column.grip_arm"] if pilot_arm_m is None else pilot_arm_m
-    a, b, c, d = _core.design_plant(loader.values, arm)
+    a, b, c, d = _core.design_plant(loader.si_values, arm)
     states = DESIGN_STATES if pilot_state else DESIGN_STATES[:-1]
     kept = len(states)
     matrices = (a[:kept, :kept], b[:kept], c[:, :kept], d)
@@ -270,7 +270,7 @@ def feel_model(loader: Loader) -> LinearModel:
     """The programmed feel, eq. (11), from pilot force to column angle."""
     check_loader(loader)
     states = ("column_angle_rad", "column_velocity_rad_per_s")
-    return _model(f"{loader.name} ideal feel", _core.ideal_feel(loader.values), states, INPUTS[:1], OUTPUTS[:1])
+    return _model(f"{loader.name} ideal feel", _core.ideal_feel(loader.si_values), states, INPUTS[:1], OUTPUTS[:1])
 
 
 def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> GainLaw:
@@ -293,7 +293,7 @@ def state_feedback(loader: Loader, gains: NDArray[np.float64]) -> GainLaw:
     check_hydraulic(loader, "state feedback by gains", _NO_ANALOG_LAW)
     if len(gains) not in {6, 7} or not np.all(np.isfinite(gains)):
         raise InputError(f"gains: expected six or seven finite numbers, got {np.asarray(gains).tolist()}")
-    return GainLaw.state_feedback(loader.values, (*(float(c) for c in gains), 0.0)[:7])
+    return GainLaw.state_feedback(loader.si_values, (*(float(c) for c in gains), 0.0)[:7])
 
 
 def _model(

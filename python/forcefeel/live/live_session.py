@@ -127,7 +127,7 @@ class LiveSession:
                         f"feel: its law has {came} states, the one of before {had}; start anew with this feel"
                     )
             observer = None if law is None or law.sampled is None else law.sampled.rows()[0]
-            self._request("feel", feel_numbers(loader.values, observer, max(1, round(self.fade_s / self.period_s))))
+            self._request("feel", feel_numbers(loader.si_values, observer, max(1, round(self.fade_s / self.period_s))))
             self.law = law or self.law
 
     @property

@@ -47,7 +47,7 @@ def made_of(
         raise InputError("controller.period: a live loop needs a digital controller")
     curve, factor = loader.force_curve, loader.stiffness_factor
     setup = _core.LiveSetup(
-        loader.values,
+        loader.si_values,
         steps.step_s,
         steps.timing,
         **law.engine(loader),

@@ -1,7 +1,7 @@
 """A loader: the machine of one axis, as a frozen set of checked numbers in SI units."""
 
 import hashlib
-from collections.abc import Callable, ItemsView, Iterator, KeysView, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf
 from pathlib import Path
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from forcefeel import _core
 from forcefeel._core import GainLaw
-from forcefeel.errors import InputError, expect, expect_number
+from forcefeel.errors import InputError, UnknownKeyError, expect, expect_number
 from forcefeel.json_values import Json, quantity
 from forcefeel.loader import tolerance_text
 from forcefeel.loader.contents import Contents, misfits
@@ -64,20 +64,20 @@ _Matrices = tuple[_Matrix, _Matrix, _Matrix, _Matrix]
 
 
 @dataclass(frozen=True)
-class Loader:
+class Loader(Mapping[str, float]):
     """The numbers of one loader.
 
     Attributes:
         name: What the loader is called in results.
         source: Where its numbers come from.
-        values: SI values, one per row of ``forcefeel.loader.parameters.TABLE``, in that order; read-only.
+        si_values: SI values, one per row of ``forcefeel.loader.parameters.TABLE``, in that order; read-only.
         force_curve: Force at the grip in N over angle in rad, in place of the straight line of ``feel.stiffness``;
             straight beyond its ends. ``None`` for none, as below.
         stiffness_factor: Factor on the spring over dynamic pressure in Pa; beyond its ends as at the nearest end.
         tolerances: How far values of the machine that was built may lie from these, by ``part.name``; read-only.
 
-    ``loader["linkage.stiffness"]`` is one value in SI units. It reads as a mapping of the rows that a loader of its drive has:
-    ``list(loader)``, ``dict(loader)``, ``"linkage.stiffness" in loader``; but ``values`` is the array.
+    A loader is a mapping from the rows that a loader of its drive has to their SI values: ``loader["linkage.stiffness"]``,
+    ``list(loader)``, ``dict(loader)``, ``"linkage.stiffness" in loader``.
 
     Raises:
         InputError: If there are not as many values as rows, one is out of its row's range (the value of an optional row
@@ -93,7 +93,7 @@ class Loader:
 
     name: str
     source: str
-    values: NDArray[np.float64] = field(repr=False)
+    si_values: NDArray[np.float64] = field(repr=False)
     force_curve: Curve | None = field(default=None, repr=False)
     stiffness_factor: Curve | None = field(default=None, repr=False)
     tolerances: Mapping[str, Tolerance] = field(default_factory=dict, repr=False)
@@ -102,17 +102,17 @@ class Loader:
         expect("name", self.name, str, "text")
         expect("source", self.source, str, "text")
         try:
-            values = np.array(self.values, dtype=np.float64)
+            values = np.array(self.si_values, dtype=np.float64)
         except (TypeError, ValueError) as error:
-            raise InputError(f"values: expected {len(TABLE)} numbers, one per parameter ({error})") from error
+            raise InputError(f"si_values: expected {len(TABLE)} numbers, one per parameter ({error})") from error
         if values.shape != (len(TABLE),):
-            raise InputError(f"values: expected {len(TABLE)}, one per parameter, got shape {values.shape}")
+            raise InputError(f"si_values: expected {len(TABLE)}, one per parameter, got shape {values.shape}")
         drive = drive_of(values)
         for key, value in zip(TABLE, values.tolist(), strict=True):
             _check_range(key, value, drive)
         if not isinstance(self.tolerances, Mapping):
             raise InputError(f"tolerances: expected a mapping by part.name, got {show(self.tolerances)}")
-        _freeze(self, values=values, tolerances=self.tolerances)
+        _freeze(self, si_values=values, tolerances=self.tolerances)
         for name, curve in self.curves.items():
             try:
                 check_curve(CURVES[name], curve)
@@ -129,7 +129,7 @@ class Loader:
         return hash((name, source, *values, *curves, frozenset(tolerances.items())))
 
     def __repr__(self) -> str:
-        frequency, ratio = _core.feel_frequency(self.values)
+        frequency, ratio = _core.feel_frequency(self.si_values)
         stiffness = value_text(TABLE["feel.stiffness"], self["feel.stiffness"], _READ)
         feel = f"G = {stiffness}, {HERTZ.from_si(frequency, UnitSystem.SI):.3g} Hz, damping ratio {ratio:.2g}"
         period = self["controller.period"]
@@ -176,7 +176,7 @@ class Loader:
 
         if law is not None and not isinstance(law, GainLaw):
             raise InputError(f"law: expected an analog law, a GainLaw, got {show(law)}")
-        feel_hz = HERTZ.from_si(_core.feel_frequency(self.values)[0], UnitSystem.SI)
+        feel_hz = HERTZ.from_si(_core.feel_frequency(self.si_values)[0], UnitSystem.SI)
         given = np.geomspace(feel_hz / 10, 100.0, 1000) if frequency_hz is None else frequency_hz
         try:
             at = np.atleast_1d(np.asarray(given, dtype=np.float64))
@@ -186,7 +186,7 @@ class Loader:
             raise InputError(f"frequency_hz: expected frequencies above 0 Hz, got {show(given)}")
         models: dict[str, _Matrices] = {
             **self._without_sampling(law),
-            "programmed feel": _core.ideal_feel(self.values),
+            "programmed feel": _core.ideal_feel(self.si_values),
         }
         scale = ANGLE.from_si(1.0, units) / FORCE.from_si(1.0, units)
         return bode(
@@ -199,10 +199,10 @@ class Loader:
     def _without_sampling(self, law: GainLaw | None) -> dict[str, _Matrices]:
         """Matrices from the pilot's force to the angle under an analog law, or of a motor without current, by what they show."""
         if self.drive == HYDRAULIC:
-            return {"loader": _core.compliant(self.values, law or GainLaw.original(self.values))}
+            return {"loader": _core.compliant(self.si_values, law or GainLaw.original(self.si_values))}
         if law is not None:
             check_hydraulic(self, "an analog law", "without a law its motor has no current in this plot")
-        return {"loader without current": _core.electric_plant(self.values)}
+        return {"loader without current": _core.electric_plant(self.si_values)}
 
     def __reduce__(self) -> tuple[Callable[..., "Loader"], tuple[Any, ...]]:
         return _unchecked, self._parts()  # so that a copy is read-only too
@@ -210,14 +210,14 @@ class Loader:
     def _parts(self) -> tuple[Any, ...]:
         """Everything that the loader holds, as plain data."""
         held = self.force_curve, self.stiffness_factor, dict(self.tolerances)
-        return self.name, self.source, self.values.tolist(), *held
+        return self.name, self.source, self.si_values.tolist(), *held
 
     def _contents(self) -> Contents:
         return Contents(self.name, self.source, self._by_key(), self.curves, self.tolerances)
 
     def _by_key(self) -> dict[str, float]:
         own = table(self.drive)
-        return {key: value for key, value in zip(TABLE, self.values.tolist(), strict=True) if key in own}
+        return {key: value for key, value in zip(TABLE, self.si_values.tolist(), strict=True) if key in own}
 
     @property
     def curves(self) -> dict[str, Curve]:
@@ -225,28 +225,16 @@ class Loader:
         return {name: curve for name in CURVES if (curve := getattr(self, name)) is not None}
 
     def __getitem__(self, key: str) -> float:
-        return float(self.values[self._position(key)])
+        return float(self.si_values[self._position(key)])
 
     def __contains__(self, key: object) -> bool:
-        return key in self.keys()
+        return key in table(self.drive)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self.keys())
+        return iter(table(self.drive))
 
     def __len__(self) -> int:
-        return len(self.keys())
-
-    def keys(self) -> KeysView[str]:
-        """The rows ``part.name`` that a loader of this drive has, in the table's order."""
-        return table(self.drive).keys()
-
-    def items(self) -> ItemsView[str, float]:
-        """Each row with its SI value."""
-        return self._by_key().items()
-
-    def get(self, key: str, default: float | None = None) -> float | None:
-        """The SI value of a row, or ``default`` where the loader has no such row."""
-        return self._by_key().get(key, default)
+        return len(table(self.drive))
 
     @property
     def fingerprint(self) -> str:
@@ -260,13 +248,13 @@ class Loader:
     @property
     def drive(self) -> str:
         """What moves the linkage: ``hydraulic`` or ``electric``."""
-        return drive_of(self.values)
+        return drive_of(self.si_values)
 
     def _position(self, key: str) -> int:
         try:
             return INDEX[key]
         except KeyError:
-            raise InputError(f"unknown parameter {show(key)}; {did_you_mean(key, table(self.drive))}") from None
+            raise UnknownKeyError(f"unknown parameter {show(key)}; {did_you_mean(key, table(self.drive))}") from None
 
     def _own(self, key: str, of: str = "") -> int:
         """Position of a row that a loader of this drive has."""
@@ -291,7 +279,7 @@ class Loader:
             keys: The rows ``part.name`` that differ.
             values: Their SI values, (loaders, keys); not checked.
         """
-        found = np.tile(self.values, (len(values), 1))
+        found = np.tile(self.si_values, (len(values), 1))
         found[:, [self._position(key) for key in keys]] = values
         return found
 
@@ -313,7 +301,7 @@ class Loader:
             ``loader.replace({"linkage.stiffness": "7000 lb/in", "valve.orifice": True, "feel.breakout": None})``
         """
         expect("changes", changes, Mapping, 'values by part.name such as {"linkage.stiffness": "7000 lb/in"}')
-        values = self.values.copy()
+        values = self.si_values.copy()
         tolerances = dict(self.tolerances)
         for key, given in changes.items():
             position = self._own(key)
@@ -321,7 +309,7 @@ class Loader:
             if key in tolerances:
                 told = _about(key, tolerances.pop(key), float(values[position]))
                 tolerances |= {} if told is None else {key: told}
-        return replace(self, values=values, tolerances=tolerances)
+        return replace(self, si_values=values, tolerances=tolerances)
 
     def with_tolerances(self, changes: Mapping[str, Tolerance | str | Mapping[str, Any] | None]) -> "Loader":
         """A copy with some tolerances changed.
@@ -343,7 +331,7 @@ class Loader:
             if isinstance(given, Tolerance):
                 tolerances[key] = given
             elif given is not None:
-                tolerances[key] = tolerance_text.read(key, given, float(self.values[position]), table(self.drive))
+                tolerances[key] = tolerance_text.read(key, given, float(self.si_values[position]), table(self.drive))
         loader = replace(self, tolerances=tolerances)
         if wrong := beyond({key: tolerances[key] for key in changes if key in tolerances}):
             raise InputError("\n".join(wrong))
@@ -355,7 +343,7 @@ class Loader:
         Unlike ``replace`` this does not check the range, for settings beyond what one would build.
         """
         expect_number("scale", scale)
-        values, tolerances = self.values.copy(), dict(self.tolerances)
+        values, tolerances = self.si_values.copy(), dict(self.tolerances)
         for key in (*FEEL_SETTING, "pilot.force"):
             values[INDEX[key]] *= scale
             if key in tolerances:
@@ -402,7 +390,7 @@ def _unchecked(name: str, source: str, values: Any, *others: Any) -> Loader:
         loader,
         name=name,
         source=source,
-        values=np.array(values, dtype=np.float64),
+        si_values=np.array(values, dtype=np.float64),
         force_curve=force_curve,
         stiffness_factor=stiffness_factor,
         tolerances=tolerances,

@@ -21,7 +21,7 @@ def longest_step_s(loader: Loader) -> float:
     """The longest step in which a loader may be run; infinite for a valve, whose stiff part is exact, as is a motor's current."""
     if loader.drive != ELECTRIC:
         return np.inf
-    a, *_ = _core.electric_plant(loader.values)
+    a, *_ = _core.electric_plant(loader.si_values)
     moving = np.delete(np.delete(a, _CURRENT, axis=0), _CURRENT, axis=1)
     return float(_LARGEST_RATE / np.abs(np.linalg.eigvals(moving)).max())
 

@@ -61,7 +61,7 @@ class CommandLoop:
     @classmethod
     def analog(cls, loader: Loader, law: GainLaw | None) -> "CommandLoop":
         """The loop of an analog loader; the original law, eq. (13), if none is given."""
-        law = GainLaw.original(loader.values) if law is None else law
+        law = GainLaw.original(loader.si_values) if law is None else law
         opened = GainLaw([0.0] * len(law.gains), law.load_cell_arm, law.displacement_unit)
         closed = loader_model(loader, law, Linkage.COMPLIANT)
         b = closed.B[:, INPUTS.index("test_signal_v")]

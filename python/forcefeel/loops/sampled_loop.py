@@ -82,7 +82,7 @@ def sampled_loops(
     if loader["controller.period"] == 0:
         raise InputError("controller.period: expected a sample period, got none; give one, for example 0.5 ms")
     step_s, timing = controller_steps(loader, _LONGEST_STEP_S)
-    rows = loader.values[np.newaxis] if values is None else np.ascontiguousarray(values, dtype=np.float64)
+    rows = loader.si_values[np.newaxis] if values is None else np.ascontiguousarray(values, dtype=np.float64)
     states, found = _core.sampled_loops(
         rows, step_s, timing, **Law.of(law, loader).engine(loader), threads=threads_or_cores(threads)
     )

@@ -29,7 +29,7 @@ NONE = "–"
 _MINUS = "\N{MINUS SIGN}"
 _MIDDLE_DOT = "\N{MIDDLE DOT}"
 
-_SYMBOL_IN_PROSE = re.compile(r"(?<![\w.])(?:[A-Za-z]_(?:\d|max|[A-Za-z])|[GIBJ])(?![\w.])")
+_SYMBOL_IN_PROSE = re.compile(r"(?<![\w.])(?:[A-Za-z]_(?:\d|max|[A-Za-z])|[GIBJ])(?!\w|\.\w)")
 _PARAMETER_IN_PROSE = re.compile("|".join(re.escape(key) for key in sorted(TABLE, key=len, reverse=True)))
 _MINUS_IN_PROSE = re.compile(r" -(?!-)")
 _PRODUCT_IN_PROSE = re.compile(r"\b(?:lb|N|V|mA) (?:in|m|cm|s)\b(?: s\b)?")

@@ -48,7 +48,7 @@ def columns() -> Section:
 
 def origins(loader: Loader) -> Section:
     """The values that follow from others."""
-    values = loader.values
+    values = loader.si_values
     c_i, c_p = _core.valve_gains(values, 0.2, 0.33)
     k, c = _core.linkage_from_resonance(values, parse("12 Hz", "rad/s", "12 Hz"), 0.1)
     k_pi, _ = _core.linkage_from_resonance(values, 2 * 3.14159 * 12, 0.1)

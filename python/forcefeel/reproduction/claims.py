@@ -42,7 +42,7 @@ def claims(design: Design) -> Section:
 def _sign(design: Design) -> list[Row]:
     rows = []
     for linkage, build in ((Linkage.RIGID, _core.rigid), (Linkage.COMPLIANT, _core.compliant)):
-        values = design.low_loader.values.copy()
+        values = design.low_loader.si_values.copy()
         values[INDEX["load_cell.gain"]] *= -1
         poles = np.linalg.eigvals(build(values, _core.GainLaw.original(values))[0])
         fastest = poles[np.argmax(poles.real)]

@@ -25,11 +25,11 @@ _SIGN = (
 def matrices(loader: Loader) -> Section:
     """Every entry of the printed matrices."""
     letters = printed.letters(loader)
-    as_printed = loader.values.copy()
+    as_printed = loader.si_values.copy()
     as_printed[INDEX["load_cell.gain"]] *= -1
     rigid = _core.rigid(as_printed, GainLaw.original(as_printed))
     compliant = _core.compliant(as_printed, GainLaw.original(as_printed))
-    plant = _core.design_plant(loader.values, letters.Gmax)
+    plant = _core.design_plant(loader.si_values, letters.Gmax)
     return Section(
         "State equations",
         (
@@ -72,7 +72,7 @@ def _difference(largest: float) -> str:
 
 
 def _sign(loader: Loader) -> Row:
-    model = _core.compliant(loader.values, GainLaw.original(loader.values))[0]
+    model = _core.compliant(loader.si_values, GainLaw.original(loader.si_values))[0]
     entry = model[5, 1] / printed.compliant(printed.letters(loader))[0][5, 1]
     # With the sign turned round, as the reason says, the entry is the printed one.
     return number(
@@ -81,7 +81,7 @@ def _sign(loader: Loader) -> Row:
 
 
 def _pilot_force(loader: Loader) -> Row:
-    plant = _core.design_plant(loader.values, loader["column.grip_arm"])[0]
+    plant = _core.design_plant(loader.si_values, loader["column.grip_arm"])[0]
     text = (
         "G_max in place of a lever arm: units and size are off. The column's torque at rest, R_p F_p, gives R_p / I, which"
         " forcefeel uses; the printed c_7 was computed with -alpha R_b / I"

@@ -84,7 +84,7 @@ def _exact(loader: Loader, law: Law, scenario: Scenario) -> tuple[NDArray[np.flo
     if law.gains is not None or law.sampled or not linear.applies(loader, scenario):
         return None
     try:
-        return linear.run(loader, law.fixed or GainLaw.original(loader.values), scenario)
+        return linear.run(loader, law.fixed or GainLaw.original(loader.si_values), scenario)
     except np.linalg.LinAlgError:
         return None
 
@@ -95,7 +95,7 @@ def _stepped(
     """Outputs and measures of the engine."""
     engine = prepared(loader, scenario, range(outputs), law)
     measured, histories = engine.run(
-        loader.values[np.newaxis], **law.engine(loader), seed=scenario.seed, angle_noise=noise, threads=_SINGLE
+        loader.si_values[np.newaxis], **law.engine(loader), seed=scenario.seed, angle_noise=noise, threads=_SINGLE
     )
     return histories[0], measured[0]
 
@@ -139,7 +139,7 @@ def simulate_batch(
         >>> import forcefeel as ff
         >>> import numpy as np
         >>> loader = ff.elevator()
-        >>> found = ff.simulation.simulate_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.values, (3, 1)))
+        >>> found = ff.simulation.simulate_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.si_values, (3, 1)))
         >>> found.sizes["run"]
         3
     """

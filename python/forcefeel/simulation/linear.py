@@ -122,7 +122,7 @@ def simulate_linear_batch(
         >>> import forcefeel as ff
         >>> import numpy as np
         >>> loader = ff.elevator()
-        >>> found = ff.simulation.simulate_linear_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.values, (3, 1)))
+        >>> found = ff.simulation.simulate_linear_batch(loader, ff.Scenario(ff.Step(100.0), 0.5), np.tile(loader.si_values, (3, 1)))
         >>> found.column_angle_rad.shape
         (3, 501)
     """
@@ -153,7 +153,7 @@ def simulate_linear_batch(
         some = values[runs]
         histories = np.empty((len(some), len(names), shape[2]))
         of_some = None if gains is None else np.ascontiguousarray(gains[runs])
-        _core.Loops(loader.values, columns, some[:, columns], law=law, gains=of_some).run(
+        _core.Loops(loader.si_values, columns, some[:, columns], law=law, gains=of_some).run(
             histories,
             force,
             steps.step_s,
@@ -167,7 +167,7 @@ def simulate_linear_batch(
         return histories
 
     histories = histories_of(slice(None), keep)
-    verdicts = _core.Loops(loader.values, columns, values[:, columns], law=law, gains=gains).stability(threads)
+    verdicts = _core.Loops(loader.si_values, columns, values[:, columns], law=law, gains=gains).stability(threads)
     unstable = np.flatnonzero((verdicts != STABLE) & (verdicts != STABLE_BY_POLES))
     diverged_at_s = np.full(len(values), np.inf)
     if len(unstable):
@@ -197,7 +197,7 @@ def _check(
         raise InputError(f"values: expected a row of {len(TABLE)} values for each run, got shape {values.shape}")
     if gains is not None and gains.shape != (len(values), 7):
         raise InputError(f"law: expected gains of shape ({len(values)}, 7), got {gains.shape}")
-    varied = np.flatnonzero(np.any(values != loader.values, axis=0))
+    varied = np.flatnonzero(np.any(values != loader.si_values, axis=0))
     for key in OFF:
         if INDEX[key] in varied:
             raise InputError(f"values: {key} is no part of the linear model; use simulate_batch")

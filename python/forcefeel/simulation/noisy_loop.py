@@ -111,8 +111,8 @@ def _matrices(loader: Loader, law: Law) -> tuple[NDArray[np.float64], int, NDArr
     keys = [f"{sensor}.bandwidth" for sensor in sensors_of(loader)]
     lagging = loader.replace({key: 1 / step_s for key in keys if np.isinf(loader[key])}, si=True)
     keywords = law.engine(loader)
-    states, loop = _core.sampled_loops(loader.values[np.newaxis], step_s, timing, **keywords)
-    wide, found = _core.sampled_loops(lagging.values[np.newaxis], step_s, timing, **keywords)
+    states, loop = _core.sampled_loops(loader.si_values[np.newaxis], step_s, timing, **keywords)
+    wide, found = _core.sampled_loops(lagging.si_values[np.newaxis], step_s, timing, **keywords)
     columns = np.zeros((len(states), len(keys)))
     rows = [wide.index(state) for state in states]
     for sensor, key in enumerate(keys):

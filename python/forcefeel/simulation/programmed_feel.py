@@ -31,7 +31,7 @@ def with_arm(loader: Loader, feel: NDArray[np.float64], arm: Sequence[float]) ->
 
 def programmed(loader: Loader) -> NDArray[np.float64]:
     """The loader's values with its arm added to I, B and G."""
-    values = loader.values.copy()
+    values = loader.si_values.copy()
     values[_FEEL] = with_arm(loader, values[_FEEL], [loader[row] for row in ARM_ROWS])
     return values
 

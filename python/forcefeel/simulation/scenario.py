@@ -218,7 +218,7 @@ class Steps:
             fade = share**2 * (3 - 2 * share)
             fades = inputs.setdefault("fade", np.zeros((grid.steps, 2)))
             fades[begin:end] = Sampled(fade[:-1], fade[1:]).pairs[begin:end]
-            changes.append((begin, end, changed.values))
+            changes.append((begin, end, changed.si_values))
         force = scenario.force
         held = (force.angle_rad, grid.index("release", force.start_s)) if isinstance(force, Release) else None
         start_force = float(inputs["force"][0, 0]) if isinstance(force, Recorded) else 0.0

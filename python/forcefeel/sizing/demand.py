@@ -112,7 +112,7 @@ def programmed_force(loader: Loader, angles_rad: ArrayLike) -> NDArray[np.float6
     curve, factor = loader.force_curve, loader.stiffness_factor
     engine = None if curve is None else (np.array(curve.x), np.ascontiguousarray(curve.coefficients))
     between = [
-        _core.feel_held_between(loader.values, angles.ravel(), one, curve=engine)
+        _core.feel_held_between(loader.si_values, angles.ravel(), one, curve=engine)
         for one in ((min(factor.y), max(factor.y)) if factor else (1.0,))
     ]
     return np.asarray(np.abs(between).max(axis=(0, 2))).reshape(angles.shape)
@@ -120,7 +120,7 @@ def programmed_force(loader: Loader, angles_rad: ArrayLike) -> NDArray[np.float6
 
 def column_mass_kg(loader: Loader) -> float:
     """The column at the grip, kg: ``J / R_p^2``."""
-    return float(_core.column_grip_force(loader.values, np.array([1 / loader["column.grip_arm"]]))[0])
+    return float(_core.column_grip_force(loader.si_values, np.array([1 / loader["column.grip_arm"]]))[0])
 
 
 def hardest_angle(loader: Loader, low_rad: float, high_rad: float) -> float:
@@ -150,7 +150,7 @@ def _release(plan: SizingPlan) -> Demand:
     acceleration = -(damping * rate + stiffness * angle) / inertia
     arm = loader["column.grip_arm"]
     name = f"release from {to_text(ANGLE.from_si(plan.release_rad, UnitSystem.SI), 3)} deg"
-    force = _core.column_grip_force(loader.values, acceleration)
+    force = _core.column_grip_force(loader.si_values, acceleration)
     return Demand(
         name, Duration.MOVING, True, force, arm * acceleration, arm * rate, "the programmed I, B, G, eq. (11)"
     )
@@ -158,7 +158,7 @@ def _release(plan: SizingPlan) -> Demand:
 
 def release_s(loader: Loader) -> float:
     """How long a release is looked at."""
-    return PERIODS * 2 * pi / _core.feel_frequency(loader.values)[0]
+    return PERIODS * 2 * pi / _core.feel_frequency(loader.si_values)[0]
 
 
 PERIODS, MOMENTS = 1.5, 601

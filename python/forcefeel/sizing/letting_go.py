@@ -159,7 +159,7 @@ _ROUNDING = 1e-12
 
 def _valve(loader: Loader) -> _Drive:
     """Column, link and piston, eq. (17): states ``x_p, p, x_b, x_b'``, driven by the flow into the actuator."""
-    values = loader.values.copy()
+    values = loader.si_values.copy()
     # What the flow depends on stands beside the matrix.
     values[INDEX["valve.pressure_gain"]] = 0.0
     per_square, _ = _core.linkage_from_resonance(values, 1.0, 0.0)

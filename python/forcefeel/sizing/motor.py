@@ -82,7 +82,7 @@ class Motor:
     @cached_property
     def statics(self) -> _core.MotorStatics:
         """The model's."""
-        return _core.MotorStatics(self.loader.values)
+        return _core.MotorStatics(self.loader.si_values)
 
     @property
     def added_mass_kg(self) -> float:

@@ -77,7 +77,7 @@ def _run(loader: Loader, law: Law, release: tuple[float, float], outputs: list[i
     step, timing = controller_steps(loader, _STEP_S) if loader["controller.period"] else (_STEP_S, None)
     curve, cancellation = loader.force_curve, law.cancellation
     none = np.zeros((int(np.ceil(duration / step)), 2))
-    values = loader.values.copy()
+    values = loader.si_values.copy()
     values[_NOISE] = 0.0
     engine = _core.Simulation(
         {"force": none},

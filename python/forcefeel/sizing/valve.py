@@ -69,7 +69,7 @@ class Valve:
     @cached_property
     def statics(self) -> _core.ValveStatics:
         """The model's."""
-        return _core.ValveStatics(self.loader.values)
+        return _core.ValveStatics(self.loader.si_values)
 
     @property
     def force_per_pressure(self) -> float:

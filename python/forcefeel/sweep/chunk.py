@@ -32,7 +32,7 @@ def measure(sweep: Sweep, runs: range, threads: int | None = None) -> NDArray[np
 
 def nominal(sweep: Sweep) -> NDArray[np.float64]:
     """Measures of the nominal loader."""
-    values = sweep.loader.values[np.newaxis]
+    values = sweep.loader.si_values[np.newaxis]
     found = simulate_batch(sweep.loader, sweep.scenario, values, sweep.law_of(values), threads=1)
     return np.asarray(columns(found, measures_of(sweep.loader.drive))[0])
 
@@ -47,7 +47,7 @@ def histories(sweep: Sweep, runs: range, keep: Sequence[str], threads: int | Non
     for which in impossible(values).values():
         failed |= which
     # Something must run in their place, so that the noise of the others stays theirs.
-    values[failed] = sweep.loader.values
+    values[failed] = sweep.loader.si_values
     law = sweep.law_of(values)
     found = simulate_batch(sweep.loader, sweep.scenario, values, law, keep=keep, first_run=runs.start, threads=threads)
     return found.isel(run=~failed)

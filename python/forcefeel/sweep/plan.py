@@ -144,7 +144,7 @@ class Sweep:
                 f"law: designed for each setting it takes {found[0]} from each machine, where the nominal one is meant; "
                 f"keep that as it is, such as --vary {found[0]}=none"
             )
-        self.law_of(self.loader.values[np.newaxis])  # a design that cannot be is refused now
+        self.law_of(self.loader.si_values[np.newaxis])  # a design that cannot be is refused now
 
     def _check_scenario(self) -> None:
         if self.scenario.feel_changes and any(key.startswith("feel.") for key in (*self.axes, *self.varied)):
@@ -182,7 +182,7 @@ class Sweep:
     @cached_property
     def nominal_law(self) -> Law:
         """The law of the nominal loader."""
-        return self.law_of(self.loader.values[np.newaxis]).single(self.loader)
+        return self.law_of(self.loader.si_values[np.newaxis]).single(self.loader)
 
     @property
     def machines(self) -> int:
@@ -220,7 +220,7 @@ class Sweep:
 
     def values(self, runs: range) -> NDArray[np.float64]:
         """The SI values of all parameters, a row for each of some runs."""
-        rows = np.repeat(self.loader.values[np.newaxis], len(runs), axis=0)
+        rows = np.repeat(self.loader.si_values[np.newaxis], len(runs), axis=0)
         for key, column in self.drawn(runs).items():
             rows[:, INDEX[key]] = column
         return rows

@@ -67,7 +67,7 @@ def stability_batch(
     columns = {key: np.asarray(values, dtype=np.float64) for key, values in varied.items()}
     _check(columns, law)
     table = np.column_stack(list(columns.values()))
-    verdict = _loops(loader.values, list(columns), table, law).stability(threads_or_cores(threads))
+    verdict = _loops(loader.si_values, list(columns), table, law).stability(threads_or_cores(threads))
     coordinates = {key: ("loop", values, {"units": TABLE[key].unit_si}) for key, values in columns.items()}
     data = {
         "stable": ("loop", (verdict == STABLE) | (verdict == STABLE_BY_POLES)),
@@ -104,7 +104,7 @@ def _poles(sweep: Sweep, keys: list[str], table: NDArray[np.float64]) -> NDArray
         loops = sampled_loops(sweep.loader, law, values)
         with np.errstate(divide="ignore"):  # a pole at zero is gone within the period
             return np.asarray(np.log(loops.poles) / loops.period_s)
-    parts = _loops(sweep.loader.values, keys, table, law.gains if law.fixed is None else law.fixed).poles(cores())
+    parts = _loops(sweep.loader.si_values, keys, table, law.gains if law.fixed is None else law.fixed).poles(cores())
     return np.asarray(parts[..., 0] + 1j * parts[..., 1])
 
 

@@ -29,7 +29,7 @@ def test_an_identification_is_as_sure_as_was_promised(loader, valve):
     step, steps = 1 / found.plan.rate_hz, len(found.time_s) - 1
     drive = ff.simulation.Schedule(tuple(found.time_s), tuple(found.signal))
     scenario = Scenario(test_signal_v=drive, duration_s=steps * step, step_s=1e-3, sample_s=step)
-    run = ff.simulate(bench, scenario, ff.laws.GainLaw.position_loop(bench.values))
+    run = ff.simulate(bench, scenario, ff.laws.GainLaw.position_loop(bench.si_values))
     rng = np.random.default_rng(12)
     channels = {"test_signal": found.signal} | {
         name: run.history[HISTORY[name]].values + sigma * rng.normal(size=len(found.signal))

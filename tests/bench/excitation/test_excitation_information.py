@@ -42,7 +42,7 @@ def in_time(loader, found):
     run = ff.simulate(
         loader,
         Scenario(test_signal_v=drive, duration_s=steps * step, step_s=step, sample_s=step),
-        ff.laws.GainLaw.position_loop(loader.values),
+        ff.laws.GainLaw.position_loop(loader.si_values),
     )
     return np.array([run.history[HISTORY[name]].values for name in found.plan.measured])
 

@@ -46,8 +46,8 @@ def played(found):
     else:
         scenario = replace(scenario, test_signal_v=ff.simulation.Schedule(tuple(found.time_s), tuple(found.signal)))
     law = {
-        "servo-open": ff.laws.GainLaw.none(loader.values),
-        "servo-closed": ff.laws.GainLaw.position_loop(loader.values),
+        "servo-open": ff.laws.GainLaw.none(loader.si_values),
+        "servo-closed": ff.laws.GainLaw.position_loop(loader.si_values),
         "loader": None,
     }[str(found.experiment.loop)]
     return ff.simulate(loader, scenario, law)
@@ -234,7 +234,7 @@ def test_bad_questions_are_refused(fit, experiment, message):
 
 
 def test_a_law_goes_with_the_whole_loader():
-    law = ff.laws.GainLaw.original(ff.elevator().values)
+    law = ff.laws.GainLaw.original(ff.elevator().si_values)
     with pytest.raises(
         ff.InputError, match="law: is the law of the whole loader, and servo-closed test_signal is of the servo"
     ):

@@ -245,7 +245,7 @@ def test_a_model_that_does_not_explain_the_data_is_not_to_be_relied_on():
     conclusions, text = said(dataclasses.replace(determined(), fitted=(swinging,), loader=None), SI)
     assert not conclusions.ok
     # 10 N of a sine are 7.1 N over whole turns; the noise is 3 N.
-    assert "release, load cell force: of what is left 7.0 N run on from sample to sample and 3.0 N jump" in text
+    assert "release, load cell force: the model's error is 7.0 N beside a noise of 3.0 N" in text
     assert "run on" not in said(dataclasses.replace(determined(), fitted=(force,)))[1]
 
 

@@ -102,7 +102,7 @@ def test_the_advised_experiment_does_determine_it(loader):
     random = np.random.default_rng(6)
     data = [servo_response(it, noise=0.01, random=random) for it in ("column_angle", "load_pressure")]
     model = LinearModel(loader.replace(TRUTH_SI, si=True), Loop.SERVO_CLOSED).responses(
-        loader.replace(TRUTH_SI, si=True).values, (), FREQUENCY_HZ
+        loader.replace(TRUTH_SI, si=True).si_values, (), FREQUENCY_HZ
     )
     experiment = Experiment.read("servo-closed")
     current, _ = model.between("test_signal", "valve_current", experiment.drive)
@@ -138,7 +138,7 @@ def test_and_not_where_the_link_is_rigid(loader):
     refused = 0
     for _ in range(8):
         model = LinearModel(truth, Loop.SERVO_CLOSED, None, Linkage.RIGID)
-        value = model.responses(truth.values, (), FREQUENCY_HZ).value[0, 0]
+        value = model.responses(truth.si_values, (), FREQUENCY_HZ).value[0, 0]
         noisy = value * np.exp(0.01 * (random.standard_normal(60) + 1j * random.standard_normal(60)))
         data = Response("rigid", Experiment.read("servo-closed"), "test_signal", "column_angle", FREQUENCY_HZ, noisy)
         stiff = loader.replace({"linkage.stiffness": "1e6 lb/in"})
@@ -186,7 +186,7 @@ def test_under_a_digital_controller_the_sampled_model_is_fitted(drive):
     data = []
     for channel in ("column_angle", "load_pressure"):
         experiment = Experiment.read(f"servo-closed {drive}")
-        found = LinearModel(truth, experiment.loop).responses(truth.values, (), FREQUENCY_HZ)
+        found = LinearModel(truth, experiment.loop).responses(truth.si_values, (), FREQUENCY_HZ)
         value, _ = found.between(drive, channel, experiment.drive)
         noise = 0.01 * (random.standard_normal(60) + 1j * random.standard_normal(60))
         data.append(Response(channel, experiment, drive, channel, FREQUENCY_HZ, value * np.exp(noise)))

@@ -1,6 +1,6 @@
 """Designs an excitation: information of each line, the best spectrum within limits, phases, the scale that holds on the loader."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -37,6 +37,8 @@ def excite(
     experiment: str | Experiment | None = None,
     plan: ExcitationPlan | None = None,
     law: LawLike = None,
+    *,
+    progress: Callable[[str], None] = lambda step: None,
 ) -> Excitation:
     """The excitation that determines chosen parameters best within the limits of the bench.
 
@@ -52,6 +54,7 @@ def excite(
             valve, ``"loader command_current"`` of a motor.
         plan: Kind, length, band, noise and limits.
         law: The law of the whole loader; the original one, or ``robust`` of a motor, if not given.
+        progress: Called with the name of each step as it begins.
 
     Returns:
         The signal, its promise and the peaks.
@@ -84,14 +87,18 @@ def excite(
         raise InputError("experiment: a release is its own excitation; take one with a signal or a pilot_force")
     if law is not None and asked.loop is not Loop.LOADER:
         raise InputError(f"law: is the law of the whole loader, and {asked} is of the servo alone; leave it out")
+    progress("law")
     if law is not None or (loader.drive == ELECTRIC and asked.loop is Loop.LOADER):
         law = Law.of(law, loader)  # designed or read once, not for each rehearsal
     limits = limits_of(loader, asked.drive, plan.limits)
     found = timing(plan)
+    progress("information of the lines")
     lines = lines_of(loader, keys, asked, plan, spectral_lines(plan, found, loader), law, limits)
+    progress("spectrum")
     best = optimal_power(lines.problem(0.0)).power
     wave = _best_chirp(lines, found) if plan.signal == "chirp" else _multisine(lines, found)
     bench = Bench(loader, asked, law, plan.rate_hz)
+    progress("runs up to the limits")
     scale, peaks = fit_to_limits(bench, wave.signal, limits)
     power = scale**2 * wave.power
     whole = lines.problem(0.0)

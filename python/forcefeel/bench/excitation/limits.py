@@ -149,7 +149,7 @@ def _motor_bounds(loader: Loader, drive: Drive) -> _Told:
     """What the motor itself stops at: the speed at which its back-EMF is all the voltage that there is; the force that holds it."""
     current, voltage = loader["current_loop.current_limit"], loader["current_loop.voltage_limit"]
     # x_m, x_m', i, .. and x_m, F_c, i, u, omega of the model: u per omega, and F_c per i where x_m'' = 0.
-    a, _, c, _ = _core.electric_plant(loader.values)
+    a, _, c, _ = _core.electric_plant(loader.si_values)
     speed, force = c[5, 1] / c[4, 1] * voltage, -a[1, 2] / a[1, 0] * c[2, 0] * current
     bounds = {
         "current": (current, "current_loop.current_limit"),

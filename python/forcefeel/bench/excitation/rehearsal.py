@@ -73,7 +73,7 @@ class Bench:
         """What is seen of a motor that no law drives."""
         names = [name for name, _ in _core.simulation_outputs(self.loader.drive)]
         engine = prepared(self.loader, scenario, range(len(names)))
-        _, histories = engine.run(self.loader.values[np.newaxis], law="open", threads=1)
+        _, histories = engine.run(self.loader.si_values[np.newaxis], law="open", threads=1)
         return dict(zip(names, histories[0], strict=True))
 
     def _scenario(self, signal: NDArray[np.float64], steps: int, step_s: float) -> Scenario:
@@ -89,9 +89,9 @@ class Bench:
     def _law(self) -> LawLike:
         match self.experiment.loop:
             case Loop.SERVO_OPEN | Loop.MOTOR_OPEN:
-                return GainLaw.none(self.loader.values)
+                return GainLaw.none(self.loader.si_values)
             case Loop.SERVO_CLOSED:
-                return GainLaw.position_loop(self.loader.values)
+                return GainLaw.position_loop(self.loader.si_values)
             case Loop.LOADER:
                 return self.law
 

@@ -61,7 +61,7 @@ def _candidates(
 ) -> Iterator[tuple[str, NDArray[np.float64]]]:
     signal, force, _ = map(Drive, inputs(loader.drive))
     for loop in (loop for loop in Loop if Experiment(loop, force).made_for in (None, loader.drive)):
-        responses = LinearModel(loader, loop, law).responses(loader.values, keys, _lines(loader))
+        responses = LinearModel(loader, loop, law).responses(loader.si_values, keys, _lines(loader))
         for drive in (signal, force):
             for channel in outputs(loader.drive):
                 value, slopes = responses.between(str(drive), channel, drive)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 from forcefeel.bench.identification.digits import error, estimated, nominal, percent, relative_error, title_of, unit_of
-from forcefeel.bench.identification.misfit import UNEXPLAINED, beyond_noise, misses, model_error, size_text, unexplained
+from forcefeel.bench.identification.misfit import UNEXPLAINED, beyond_noise, model_error, size_text, unexplained
 from forcefeel.bench.identification.result import Ended, Estimate, Fitted, Identification, RigidTest, Status
 from forcefeel.bench.responses import Response
 from forcefeel.conclusions import Conclusions, of_result
@@ -54,7 +54,7 @@ def identification_conclusions(found: Identification, units: UnitSystem) -> Conc
         _left_out(found),
         *found.notes,
     )
-    good = found.loader is not None and not any(map(misses, found.fitted))
+    good = found.loader is not None and not any(map(beyond_noise, found.fitted))
     return Conclusions(good, _verdict(found, units) + _doubt(found), tuple(line for line in lines if line))
 
 

@@ -275,16 +275,16 @@ def _fitted(problem: Problem, place: Place) -> tuple[Fitted, ...]:
     own_before = problem.own(before)
     for it, own, own_at_file in zip(problem.observations, problem.own(place.x), own_before, strict=True):
         then = it.curves(problem.values(before), own_at_file)
-        for curve, old in zip(it.curves(problem.values(place.x), own), then, strict=True):
+        simulated_noise = it.simulated_noise(problem.values(place.x))
+        for curve, old, simulated in zip(it.curves(problem.values(place.x), own), then, simulated_noise, strict=True):
             rms = (
                 relative_error(it.data, curve.modelled)
                 if isinstance(it.data, Response)
                 else float(np.sqrt(np.mean(np.square(curve.measured - curve.modelled))))
             )
             noise = float(next(groups)) * curve.expected
-            found.append(
-                Fitted(it.data, curve.channel, curve.at, curve.measured, curve.modelled, old.modelled, rms, noise)
-            )
+            points = (curve.at, curve.measured, curve.modelled, old.modelled)
+            found.append(Fitted(it.data, curve.channel, *points, rms, noise, simulated))
     return tuple(found)
 
 

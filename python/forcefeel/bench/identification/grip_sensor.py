@@ -120,14 +120,14 @@ def moments(record: BenchRecord, loader: Loader, law: Law | None) -> NDArray[np.
     driven = {} if drive is None else {drive: record.channels[drive]}
     blank = dict.fromkeys(("column_angle", "column_velocity"), np.zeros_like(record.time_s))
     run = RecordRun(replace(record, channels={**driven, **blank}), without_grip_sensor(loader), law)
-    angle, rate = run.at(loader.values, ()).value
+    angle, rate = run.at(loader.si_values, ()).value
     hand = driven.get(Drive.PILOT_FORCE, np.zeros_like(angle))
     return np.column_stack([hand, angle, rate, CubicSpline(run.time_s, rate)(run.time_s, 1)])
 
 
 def grip_force(loader: Loader, at: NDArray[np.float64]) -> NDArray[np.float64]:
     """What the sensor of a loader shows at ``moments``, offset left out, N."""
-    return np.asarray(_core.grip_force(loader.values, np.ascontiguousarray(at)))
+    return np.asarray(_core.grip_force(loader.si_values, np.ascontiguousarray(at)))
 
 
 @dataclass(frozen=True, eq=False)

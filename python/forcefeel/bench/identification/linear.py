@@ -123,7 +123,7 @@ def channel_responses(
     loader: Loader, loop: Loop, keys: Sequence[str], frequency_hz: NDArray[np.float64], law: LawLike = None
 ) -> ChannelResponses:
     """Responses of a loader with a compliant link and their derivatives by the parameters ``keys``, as ``LinearModel``."""
-    return LinearModel(loader, loop, law).responses(loader.values, keys, np.asarray(frequency_hz, dtype=np.float64))
+    return LinearModel(loader, loop, law).responses(loader.si_values, keys, np.asarray(frequency_hz, dtype=np.float64))
 
 
 def model_response(

@@ -16,11 +16,6 @@ from forcefeel.units import UnitSystem
 MODEL_ERROR = 2.0
 """What is left, in deviations that the data state, from which on it is the model's error and not noise."""
 
-COUNTS = 0.03
-"""Share of a response, or of how far a channel moves, above which a model's error makes an identification bad. Below it, noise of
-the controller's sensors looks the same, since it moves the machine: 2 % of the load cell's force in ``examples/bench-2khz``, whose
-estimates are right to their standard errors. A stiffness that carries what other parameters are off misses 5 to 20 %."""
-
 UNEXPLAINED = 0.2
 """Share of a response, or of how far a channel moves, beyond which the model is that of another machine."""
 
@@ -47,33 +42,33 @@ def explained(fitted: Sequence[Fitted]) -> bool:
 
 
 def missed_and_noise(one: Fitted) -> tuple[float, float]:
-    """Of a record's residual the part that runs on and the part that jumps from sample to sample, root mean squares, SI units.
+    """Error of the model and noise in a record's residual, root mean squares, SI units.
 
-    What jumps is noise, half the mean square of the residual's steps. What is left is an error of the model, or coloured noise.
-
-    Source: J. von Neumann et al., The mean square successive difference, Annals of Mathematical Statistics 12 (1941) 153.
+    The part of the residual that jumps from sample to sample is noise of the bench's sensors. The part that runs on contains noise
+    of the controller's sensors, which moves the machine: its size is simulated, and taken off in mean squares.
     """
-    return runs_on_and_jumps(one.measured.real - one.modelled.real)
+    runs_on, jumps = runs_on_and_jumps(one.measured.real - one.modelled.real)
+    return math.sqrt(max(runs_on**2 - one.simulated_noise**2, 0.0)), math.hypot(jumps, one.simulated_noise)
 
 
 def runs_on_and_jumps(left: NDArray[np.float64]) -> tuple[float, float]:
-    """The two parts of a residual, as of ``missed_and_noise``."""
+    """The part of a residual that runs on and the part that jumps from sample to sample, root mean squares.
+
+    The part that jumps is half the mean square of the residual's steps.
+
+    Source: J. von Neumann et al., The mean square successive difference, Annals of Mathematical Statistics 12 (1941) 153.
+    """
     jumps = float(np.mean(np.diff(left) ** 2)) / 2
     return math.sqrt(max(float(np.mean(left**2)) - jumps, 0.0)), math.sqrt(jumps)
 
 
 def beyond_noise(one: Fitted) -> bool:
-    """Whether what is left is more than noise: than the deviation of a response, than what jumps in a record."""
+    """Whether the model's error exceeds noise: the deviation that a response states, or the noise of ``missed_and_noise``."""
     if isinstance(one.data, Response):
         stated = stated_noise(one)
         return bool(stated) and one.residual_rms > MODEL_ERROR * (stated or 0.0)
     missed, noise = missed_and_noise(one)
     return missed > MODEL_ERROR * noise
-
-
-def misses(one: Fitted) -> bool:
-    """Whether what is left is more than noise, and so much that the estimates are not to be relied on."""
-    return beyond_noise(one) and unexplained(one) > COUNTS
 
 
 def model_error(one: Fitted, units: UnitSystem) -> str:
@@ -85,10 +80,10 @@ def model_error(one: Fitted, units: UnitSystem) -> str:
             f"{title_of(one)}: the model misses by {percent(one.residual_rms)} (root mean square) where the data state a noise of "
             f"{percent(stated_noise(one) or 0.0)}: this is an error of the model; the standard errors take it for noise."
         )
-    runs_on, jumps = (size_text(one, size, units) for size in missed_and_noise(one))
+    error, noise = (size_text(one, size, units) for size in missed_and_noise(one))
     return (
-        f"{title_of(one)}: of what is left {runs_on} run on from sample to sample and {jumps} jump (root mean "
-        "square): this is an error of the model more than noise; the standard errors allow for it as if it came anew at random."
+        f"{title_of(one)}: the model's error is {error} beside a noise of {noise} (root mean square). The standard errors treat "
+        "this error as random."
     )
 
 

@@ -85,6 +85,10 @@ class Observation(Protocol):
         """The same to be looked at, one curve for each group."""
         ...
 
+    def simulated_noise(self, values: NDArray[np.float64]) -> Sequence[float]:
+        """Root mean square by which data of a loader of these values would differ from the model, SI units, for each group."""
+        ...
+
     def coarse(self) -> "Observation":
         """A smaller set for the search from afar."""
         ...

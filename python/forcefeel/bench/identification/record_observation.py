@@ -98,6 +98,12 @@ class RecordObservation:
         rows = zip(self.run.channels, self._measured, found + offset, self._expected, strict=True)
         return tuple(Curve(name, at, measured, modelled, float(e)) for name, measured, modelled, e in rows)
 
+    def simulated_noise(self, values: NDArray[np.float64]) -> Sequence[float]:
+        """Channel by channel, from a run with the noise of the controller's sensors and finer steps."""
+        row = self.run.loader.rows(self.keys, values[np.newaxis])[0]
+        difference = self._without_offset(self.run.noise_and_step_error(row))
+        return tuple(float(rms) for rms in np.sqrt(np.mean(difference**2, axis=1)))
+
     def coarse(self) -> "RecordObservation":
         """The beginning of a long record in longer steps; a release is looked at whole."""
         record = self.data

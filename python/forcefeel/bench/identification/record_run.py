@@ -41,6 +41,9 @@ _NOISE_AND_STEPS = [
 ]
 """Places of what sensors and converters add to what they measure."""
 
+_STAND_IN = {"potentiometer": "piston_position", "load_cell": "load_cell_force", "motor_angle": "drive_position"}
+"""What a run without slopes has in place of a sensor's signal, which is proportional to it."""
+
 _EVEN = 1e-6
 """Of a step; times that went through a file are still even."""
 
@@ -72,6 +75,7 @@ class RecordRun:
         loader: The loader whose effects, curves and controller hold.
         law: The law of the whole loader.
         longest_step_s: The engine's steps are no longer.
+        sensors_noisy: Whether the controller's sensors have their noise and resolution; such runs have no slopes.
 
     Raises:
         InputError: When asked to run, if the record holds no release where it is said to, or a force is said to be a staircase.
@@ -81,6 +85,7 @@ class RecordRun:
     loader: Loader
     law: LawLike
     longest_step_s: float = FINE_STEP_S
+    sensors_noisy: bool = False
 
     @cached_property
     def channels(self) -> tuple[str, ...]:
@@ -126,6 +131,32 @@ class RecordRun:
         """The channels of several loaders, (loaders, parameters), as ``at`` gives them of each, where ``on_samples``."""
         return self._runs(values) if self._kept else np.array([self.at(row, ()).value for row in values])
 
+    def noise_and_step_error(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Difference of a record of a loader with these values from ``at``: sensors' noise in the loop, and the engine's steps.
+
+        A run with the noise and the resolution of the controller's sensors, in half the engine's step, less the model's own run.
+        What the bench's own sensors add is not in it.
+
+        Args:
+            values: (parameters,).
+
+        Returns:
+            The differences, (channels, samples); zero if a run diverges, or without a digital controller.
+        """
+        if not self.loader["controller.period"]:
+            return np.zeros((len(self.channels), len(self.time_s)))
+        stand_ins = [_STAND_IN.get(name, name) for name in self.channels]
+        others = {name: it for name, it in self.record.channels.items() if name not in self.channels}
+        record = replace(self.record, channels=others | {name: np.zeros_like(self.record.time_s) for name in stand_ins})
+        exact = replace(self, record=record)
+        noisy = replace(exact, longest_step_s=self._step_s / 2, sensors_noisy=True)
+        rows = [exact.channels.index(name) for name in stand_ins]
+        modelled, plain, other = (run.at(values, ()).value for run in (self, exact, noisy))
+        plain, other = plain[rows], other[rows]
+        gain = np.std(modelled, axis=1) / np.maximum(np.std(plain, axis=1), np.finfo(np.float64).tiny)
+        difference = gain[:, np.newaxis] * (other - plain)
+        return difference if np.isfinite(difference).all() else np.zeros_like(difference)
+
     def _sloped(
         self, values: NDArray[np.float64], keys: Sequence[str]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -144,7 +175,8 @@ class RecordRun:
 
     def _runs(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         exact = values.copy()
-        exact[:, _NOISE_AND_STEPS] = 0.0  # they have no slopes, and so no part in the others either
+        if not self.sensors_noisy:
+            exact[:, _NOISE_AND_STEPS] = 0.0  # they have no slopes, and so no part in the others either
         law: dict[str, Any] = {
             name: np.repeat(it, len(exact), axis=0) if name == "observers" else it for name, it in self._law.items()
         }

@@ -74,6 +74,10 @@ class ResponseObservation:
         deviation = float(np.sqrt(np.mean(self.deviation**2)))
         return (Curve(self.data.output, self.data.frequency_hz, self.data.value, value, deviation),)
 
+    def simulated_noise(self, values: NDArray[np.float64]) -> Sequence[float]:
+        """Zero: a response states its noise itself."""
+        return (0.0,)
+
     def coarse(self) -> "ResponseObservation":
         """Itself: a response is small."""
         return self

@@ -74,6 +74,8 @@ class Fitted:
         before: What the loader file's model gives, (points,).
         residual_rms: Root mean square of what is left: relative error of a response, SI unit of a record's channel.
         noise: Standard deviation of a point as the fit found it: relative for a response, SI unit for a record.
+        simulated_noise: Root mean square by which a record of the fitted loader would still differ from the model, SI unit: the
+            controller's sensors are noisy and move the machine, and the engine's steps are finite. Zero for a response.
     """
 
     data: Response | BenchRecord
@@ -84,6 +86,7 @@ class Fitted:
     before: NDArray[np.complex128] | NDArray[np.float64]
     residual_rms: float
     noise: float
+    simulated_noise: float = 0.0
 
 
 @dataclass(frozen=True)

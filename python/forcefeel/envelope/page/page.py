@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from forcefeel.envelope.as_json import releases
 from forcefeel.envelope.cockpit import CockpitEnvelope, cockpit_conclusions
 from forcefeel.envelope.findings import envelope_conclusions
-from forcefeel.envelope.page import maps as envelope_maps
 from forcefeel.envelope.page import plots as envelope_plots
 from forcefeel.envelope.page import tables as envelope_tables
 from forcefeel.envelope.page.tolerance_table import tolerances
-from forcefeel.envelope.result import Envelope
+from forcefeel.envelope.result import COLORS, Envelope
 from forcefeel.page import machine
 from forcefeel.page.render import drawing, render
+from forcefeel.page.setting_maps import SettingMaps, picture, spans
 from forcefeel.page.typography import quantity_text
 from forcefeel.units import ANGLE, UnitSystem
 
@@ -48,6 +48,7 @@ def envelope_page(found: Envelope, units: UnitSystem, files: Files, *, command: 
     """The whole page, numbers in ``units``; ``files`` are what it stands among."""
     plan = found.plan
     shares = [(name, found.shares(name)) for name in found.laws]
+    nominal, worst = setting_maps(found, worst=False), setting_maps(found, worst=True)
     return render(
         "envelope/page/envelope.html.j2",
         command=command,
@@ -60,12 +61,9 @@ def envelope_page(found: Envelope, units: UnitSystem, files: Files, *, command: 
         allowed=envelope_tables.allowed(found) if found.forbidden.settings.any() else None,
         angles=envelope_tables.by_angle(found, units) if found.smaller else None,
         angles_plot=drawing(envelope_plots.by_angle(found, units), "angles") if found.smaller else None,
-        legend=envelope_maps.legend(found),
-        shows_own=envelope_maps.shows_own(found),
-        spans=envelope_maps.spans(found, units),
-        numbers=envelope_maps.numbers(found, units),
-        nominal=envelope_maps.rows(found, worst=False),
-        worst=envelope_maps.rows(found, worst=True),
+        spans=spans(nominal, units),
+        nominal=picture(nominal, units, worst),
+        worst=picture(worst, units, nominal),
         failures=envelope_tables.failures(found),
         cases=envelope_tables.cases(found),
         drawn=envelope_tables.drawn(found) if plan.machines else None,
@@ -79,6 +77,24 @@ def envelope_page(found: Envelope, units: UnitSystem, files: Files, *, command: 
         angle=quantity_text(plan.release_rad, ANGLE, units, 3),
         releases=f"{releases(found):,}",
         parameters=machine.parameters(plan.given, units),
+    )
+
+
+def setting_maps(envelope: Envelope, *, worst: bool) -> SettingMaps:
+    """The outcomes of an envelope over its settings.
+
+    Args:
+        envelope: The envelope.
+        worst: By the first failure in the first case that fails, in place of the nominal failure.
+    """
+    settings = envelope.plan.settings
+    return SettingMaps(
+        stiffness=settings.stiffness,
+        frequency=settings.frequency,
+        damping=settings.damping,
+        colors=COLORS,
+        cells={law: envelope.kinds(law, worst=worst) for law in envelope.laws},
+        loader=envelope.plan.given,
     )
 
 

@@ -178,7 +178,7 @@ def smallest(found: Envelope, system: UnitSystem) -> Table:
         heading_text("Smallest I", INERTIA, system),
         "times the column's",
         heading_text("Smallest G", stiffness, system),
-        "share of G max",
+        prose_html("share of G_max"),
         "Highest frequency, Hz",
     )
     return Table(heads(*head), tuple(rows))

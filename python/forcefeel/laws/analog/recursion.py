@@ -327,7 +327,7 @@ def gains_in(system: UnitSystem, gains: NDArray[np.float64]) -> NDArray[np.float
 
 def state_scale(loader: Loader) -> NDArray[np.float64]:
     """Size of each of ``DESIGN_STATES``, SI: the column at one radian, moving at the feel's frequency, at supply pressure."""
-    frequency, _ = _core.feel_frequency(loader.values)
+    frequency, _ = _core.feel_frequency(loader.si_values)
     base = loader["column.base_arm"]
     piston = loader["linkage.ratio"] * base
     force = loader["feel.stiffness"] / loader["column.grip_arm"]

@@ -274,7 +274,7 @@ _Plant = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 def _motor(loader: Loader) -> _Plant:
     """Of an electric drive, with the force for the rotor's velocity."""
-    a, b, c, _ = _core.electric_plant(loader.values)
+    a, b, c, _ = _core.electric_plant(loader.si_values)
     a[-1, -1] -= _drag(loader)
     to = np.eye(_OF_MOTOR.count)  # from x_m, x_m', i, x_b, x_b'
     to[_OF_MOTOR.effort] = c[_FORCE_OUTPUT]
@@ -284,7 +284,7 @@ def _motor(loader: Loader) -> _Plant:
 def _servo(loader: Loader) -> _Plant:
     """Of a hydraulic drive."""
     # The deaf feel computer neither moves nor is heard, so leaving its states out is exact.
-    model = loader_model(loader, GainLaw.none(loader.values), Linkage.COMPLIANT)
+    model = loader_model(loader, GainLaw.none(loader.si_values), Linkage.COMPLIANT)
     kept = [model.state_labels.index(name) for name in PLANT_STATES]
     force, signal = (model.B[kept, INPUTS.index(name)] for name in INPUTS)
     a = model.A[np.ix_(kept, kept)]

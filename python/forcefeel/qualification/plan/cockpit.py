@@ -9,7 +9,7 @@ from forcefeel.loader.axes import rule_axis
 from forcefeel.loader.loader import Loader
 from forcefeel.loader.project import Project
 from forcefeel.qualification.plan.result import Qualification, QualificationStatus, worst_status
-from forcefeel.qualification.plan.run import QualificationSetup, qualify_loader
+from forcefeel.qualification.plan.run import Progress, QualificationSetup, qualify_loader
 from forcefeel.qualification.plan.sentences import reasons, rule_text, standing_text
 
 
@@ -51,7 +51,10 @@ class CockpitQualification:
 
 
 def qualify_cockpit(
-    project: Project, setup: Callable[[Loader], QualificationSetup] = lambda _: QualificationSetup()
+    project: Project,
+    setup: Callable[[Loader], QualificationSetup] = lambda _: QualificationSetup(),
+    *,
+    progress: Progress = lambda test, done, total: None,
 ) -> CockpitQualification:
     r"""Makes the tests of a rule on each axis of a project.
 
@@ -59,6 +62,7 @@ def qualify_cockpit(
         project: The project.
         setup: How a loader of it is qualified. The rule's rows are those of its axis, whatever the setup says; of a stick those
             of pitch and roll.
+        progress: Called as each test of an axis begins.
 
     Raises:
         InputError: As ``qualify_loader``, with the axis; or if a setup has records or references, which are of one control.
@@ -77,7 +81,11 @@ def qualify_cockpit(
         given = setup(loader)
         if given.records or given.references:
             raise InputError("setup: has records or references, which are of one control; qualify its loader by itself")
-        return qualify_loader(loader, replace(given, axis=rule_axis(axis)))
+        return qualify_loader(
+            loader,
+            replace(given, axis=rule_axis(axis)),
+            progress=lambda test, done, total: progress(f"{axis}, {test}", done, total),
+        )
 
     return CockpitQualification(project.name, project.each(qualified))
 

@@ -38,7 +38,7 @@ class FeelAlone:
         Raises:
             InputError: If it does not stay within bounds, or the scenario does not fit the loader.
         """
-        angle = prepared(self._loader, scenario).feel_alone(self._loader.values, _PART_S)
+        angle = prepared(self._loader, scenario).feel_alone(self._loader.si_values, _PART_S)
         if not np.all(np.abs(angle) < BOUND_RAD):  # also where it is not a number
             raise InputError(
                 f"{self._loader.name}: the programmed feel alone diverges; see {', '.join(self.rows) or 'I, B, G'}"

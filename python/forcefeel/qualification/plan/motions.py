@@ -142,7 +142,7 @@ def first_force(loader: Loader, throw: Throw) -> SweepForce:
 
 def release_duration_s(loader: Loader) -> float:
     """How long a release of the programmed feel is worth recording."""
-    frequency, damping = feel_frequency(loader.values)
+    frequency, damping = feel_frequency(loader.si_values)
     fades = log(1 / _LEFT) / (frequency * damping) if damping > 0 else _MOST_S
     if damping > 1:  # the slower of its two modes
         fades = log(1 / _LEFT) / (frequency * (damping - (damping**2 - 1) ** 0.5))

@@ -1,6 +1,6 @@
 """Carries out a qualification."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated
 
@@ -10,13 +10,13 @@ from forcefeel.loader.arms import ARM_ROWS
 from forcefeel.loader.axes import rule_axis, usual_axis
 from forcefeel.loader.loader import Loader, check_loader
 from forcefeel.qualification import DEFAULT_EDITION, Record, load_rules
+from forcefeel.qualification.plan.bench import Task, TestBench
 from forcefeel.qualification.plan.feel_alone import FeelAlone
 from forcefeel.qualification.plan.law_names import LAW_TEXTS, named_laws
 from forcefeel.qualification.plan.motions import Motions, SimulatedLoader
 from forcefeel.qualification.plan.plan import RuleTestCase, rule_plan, trials
 from forcefeel.qualification.plan.records_given import Given, Recognition, given_files
 from forcefeel.qualification.plan.result import Qualification, Section
-from forcefeel.qualification.plan.bench import Task, TestBench
 from forcefeel.qualification.release_verdicts import Overdamped
 from forcefeel.qualification.rules import Axis
 from forcefeel.qualification.throw import Throw
@@ -73,12 +73,19 @@ class QualificationSetup:
     operator: str = ""
 
 
-def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Qualification:
+Progress = Callable[[str, int, int], None]
+"""Called with the test that begins, how many are done, and of how many."""
+
+
+def qualify_loader(
+    loader: Loader, setup: QualificationSetup | None = None, *, progress: Progress = lambda test, done, total: None
+) -> Qualification:
     """Makes the tests of a rule on a loader, hands off: an arm at the grip is left out.
 
     Args:
         loader: The loader; its programmed feel is the reference where none was recorded.
         setup: Which laws, rule, axis, throw and records.
+        progress: Called as each test begins.
 
     Returns:
         Every test with its verdicts. A simulated loader that diverges, does not come to rest, or on which a test cannot be
@@ -116,10 +123,13 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
             name: TestBench(task, law_text(name), SimulatedLoader(loader, law), {}) for name, law in laws.items()
         }
     remarks = {name: law.made_for_another(loader) for name, law in laws.items()}
-    sections = tuple(
-        Section(name, bench.name, tuple(map(bench.result, test_plan.made)), test_plan, remarks.get(name, ""))
-        for name, bench in benches.items()
-    )
+    sections, total = [], len(benches) * len(test_plan.made)
+    for place, (name, bench) in enumerate(benches.items()):
+        results = []
+        for test in test_plan.made:
+            progress(f"{name}, {test.key}", place * len(test_plan.made) + len(results), total)
+            results.append(bench.result(test))
+        sections.append(Section(name, bench.name, tuple(results), test_plan, remarks.get(name, "")))
     files = {
         f"{kind} {key}": one
         for kind, those in (("record", records), ("reference", references))
@@ -134,7 +144,7 @@ def qualify_loader(loader: Loader, setup: QualificationSetup | None = None) -> Q
         setup.system,
         "recorded aircraft" if references else feel.method,
         test_plan,
-        sections,
+        tuple(sections),
         files,
         setup.simulator,
         setup.operator,

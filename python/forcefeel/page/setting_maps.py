@@ -1,8 +1,9 @@
-"""The maps of an envelope: a panel for each law and damping ratio, drawn as SVG, a colour for each way to fail.
+"""Maps of feel settings: a panel for each law and damping ratio, drawn as SVG, a color for each outcome.
 
-Stiffness runs to the right, natural frequency up; even steps in proportion stay even. Neighbours of one colour are one rectangle.
+Stiffness runs to the right, natural frequency up; even steps in proportion stay even. Neighbors of one color are one rectangle.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import log
 
@@ -10,8 +11,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from forcefeel.envelope.result import COLORS, Envelope
-from forcefeel.loader.loader import FEEL_SETTING
+from forcefeel.loader.loader import FEEL_SETTING, Loader
 from forcefeel.page.marks import marks
 from forcefeel.page.typography import number_text
 from forcefeel.units import HERTZ, UnitSystem
@@ -20,6 +20,27 @@ WIDTH, HEIGHT = 300, 150
 """A panel's room for cells, in the drawing's own units."""
 
 _MOST_ROWS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class SettingMaps:
+    """Outcomes over the settings.
+
+    Attributes:
+        stiffness: Shares of ``G_max``, rising.
+        frequency: Natural frequencies in rad/s, rising.
+        damping: Damping ratios, rising.
+        colors: The color of each outcome, by its name.
+        cells: For each law the outcome of each setting as a position in ``colors``, (damping, frequency, stiffness).
+        loader: The loader, whose own setting is marked.
+    """
+
+    stiffness: Sequence[float]
+    frequency: Sequence[float]
+    damping: Sequence[float]
+    colors: Mapping[str, str]
+    cells: Mapping[str, NDArray[np.int8]]
+    loader: Loader
 
 
 @dataclass(frozen=True)
@@ -48,45 +69,57 @@ class Row:
     panels: tuple[Panel, ...]
 
 
-def rows(found: Envelope, *, worst: bool) -> tuple[Row, ...]:
-    """The maps by damping ratio; of more than eight damping ratios, eight evenly spread.
+@dataclass(frozen=True)
+class Picture:
+    """Maps as a template takes them.
 
-    Args:
-        found: The envelope.
-        worst: By what fails in the first case that fails, in place of what fails nominally.
+    Attributes:
+        rows: By damping ratio.
+        numbers: Along the edges, ``x`` and ``y``.
+        legend: Name and color of each outcome.
+        shows_own: Whether the loader's own setting is marked.
     """
-    damping = found.plan.settings.damping
-    shown = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_ROWS, len(damping))).round().astype(int))
-    maps = {name: found.kinds(name, worst=worst) for name in found.laws}
-    own = _own(found)
+
+    rows: tuple[Row, ...]
+    numbers: Mapping[str, Markup]
+    legend: tuple[tuple[str, str], ...]
+    shows_own: bool
+
+
+def picture(maps: SettingMaps, units: UnitSystem, *beside: SettingMaps) -> Picture:
+    """The maps, drawn; ``beside`` are others on the page that share their legend."""
+    return Picture(_rows(maps), _numbers(maps, units), _legend(maps, *beside), _own(maps)[0] >= 0)
+
+
+def _rows(maps: SettingMaps) -> tuple[Row, ...]:
+    """The maps by damping ratio; of more than eight damping ratios, eight evenly spread."""
+    damping = maps.damping
+    displayed = np.unique(np.linspace(0, len(damping) - 1, min(_MOST_ROWS, len(damping))).round().astype(int))
+    own = _own(maps)
     return tuple(
         Row(
-            f"ζ = {number_text(damping[place], 3)}",
+            f"ζ = {number_text(damping[index], 3)}",
             tuple(
-                _panel(found, cells[place], own[1:] if own[0] == place else None, name) for name, cells in maps.items()
+                _panel(maps, cells[index], own[1:] if own[0] == index else None, law)
+                for law, cells in maps.cells.items()
             ),
         )
-        for place in map(int, shown)
+        for index in map(int, displayed)
     )
 
 
-def legend(found: Envelope) -> tuple[tuple[str, str], ...]:
-    """Name and colour of what is in the maps."""
-    order = list(COLORS)
-    seen = {
-        int(kind)
-        for name in found.laws
-        for worst in (False, True)
-        for kind in np.unique(found.kinds(name, worst=worst))
-    }
-    return tuple((str(name), COLORS[name]) for place, name in enumerate(order) if place in seen)
+def _legend(*drawn: SettingMaps) -> tuple[tuple[str, str], ...]:
+    """Name and color of each outcome in the maps."""
+    present = {int(kind) for maps in drawn for cells in maps.cells.values() for kind in np.unique(cells)}
+    colors = drawn[0].colors.items()
+    return tuple((str(name), color) for index, (name, color) in enumerate(colors) if index in present)
 
 
-def _panel(found: Envelope, cells: NDArray[np.int8], own: tuple[float, float] | None, law: str) -> Panel:
+def _panel(maps: SettingMaps, cells: NDArray[np.int8], own: tuple[float, float] | None, law: str) -> Panel:
     """One map from its cells (frequency, stiffness)."""
-    x = _edges(np.array(found.plan.settings.stiffness), WIDTH)
-    y = HEIGHT - _edges(np.array(found.plan.settings.frequency), HEIGHT)
-    colors = list(COLORS.values())
+    x = _edges(np.array(maps.stiffness), WIDTH)
+    y = HEIGHT - _edges(np.array(maps.frequency), HEIGHT)
+    colors = list(maps.colors.values())
     parts = []
     for low, high, line in zip(y[:-1], y[1:], cells, strict=True):
         starts = np.flatnonzero(np.diff(line, prepend=-1))
@@ -97,7 +130,7 @@ def _panel(found: Envelope, cells: NDArray[np.int8], own: tuple[float, float] | 
                     *box, colors[line[start]]
                 )
             )
-    names, counts = list(COLORS), np.bincount(cells.ravel(), minlength=len(COLORS))
+    names, counts = list(maps.colors), np.bincount(cells.ravel(), minlength=len(maps.colors))
     says = ", ".join(
         f"{name} {100 * count / cells.size:.0f} %" for name, count in zip(names, counts, strict=True) if count
     )
@@ -136,28 +169,27 @@ def _place(points: NDArray[np.float64], value: float, room: float) -> float:
     return float(np.interp(along(value), [along(point) for point in points], centres))
 
 
-def _own(found: Envelope) -> tuple[int, float, float]:
-    """The row whose damping ratio is nearest to the loader's own, and where its setting lies in it; row -1 if out of view."""
-    loader, settings = found.plan.given, found.plan.settings
+def _own(maps: SettingMaps) -> tuple[int, float, float]:
+    """The row whose damping ratio is nearest to the loader's own, and the position of its setting; row -1 if out of view."""
+    loader = maps.loader
     inertia, damping, stiffness = (loader[key] for key in FEEL_SETTING)
     frequency = (stiffness / inertia) ** 0.5
     share, ratio = stiffness / loader["feel.maximum_stiffness"], damping / (2 * inertia * frequency)
-    axes = [(settings.damping, ratio), (settings.frequency, frequency), (settings.stiffness, share)]
+    axes = [(maps.damping, ratio), (maps.frequency, frequency), (maps.stiffness, share)]
     if not all(axis[0] <= value <= axis[-1] for axis, value in axes):
         return -1, 0.0, 0.0
-    row = int(np.argmin(np.abs(np.array(settings.damping) - ratio)))
-    x = _place(np.array(settings.stiffness), share, WIDTH)
-    return row, x, HEIGHT - _place(np.array(settings.frequency), frequency, HEIGHT)
+    row = int(np.argmin(np.abs(np.array(maps.damping) - ratio)))
+    x = _place(np.array(maps.stiffness), share, WIDTH)
+    return row, x, HEIGHT - _place(np.array(maps.frequency), frequency, HEIGHT)
 
 
-def numbers(found: Envelope, units: UnitSystem) -> dict[str, Markup]:
+def _numbers(maps: SettingMaps, units: UnitSystem) -> dict[str, Markup]:
     """The numbers along the edges of each map."""
-    settings = found.plan.settings
     along = {
-        "x": (np.array(settings.stiffness), [number_text(100 * value, 3) for value in settings.stiffness], "%"),
+        "x": (np.array(maps.stiffness), [number_text(100 * value, 3) for value in maps.stiffness], "%"),
         "y": (
-            np.array(settings.frequency),
-            [number_text(HERTZ.from_si(value, units), 3) for value in settings.frequency],
+            np.array(maps.frequency),
+            [number_text(HERTZ.from_si(value, units), 3) for value in maps.frequency],
             "Hz",
         ),
     }
@@ -167,17 +199,11 @@ def numbers(found: Envelope, units: UnitSystem) -> dict[str, Markup]:
     }
 
 
-def shows_own(found: Envelope) -> bool:
-    """Whether the loader's own setting lies in the maps."""
-    return _own(found)[0] >= 0
-
-
-def spans(found: Envelope, units: UnitSystem) -> dict[str, str]:
-    """From where to where the axes run."""
-    settings = found.plan.settings
-    axes = settings.stiffness, settings.frequency
-    share = [number_text(100 * value, 3) for value in (settings.stiffness[0], settings.stiffness[-1])]
-    hertz = [number_text(HERTZ.from_si(value, units), 3) for value in (settings.frequency[0], settings.frequency[-1])]
+def spans(maps: SettingMaps, units: UnitSystem) -> dict[str, str]:
+    """The range of each axis."""
+    axes = maps.stiffness, maps.frequency
+    share = [number_text(100 * value, 3) for value in (maps.stiffness[0], maps.stiffness[-1])]
+    hertz = [number_text(HERTZ.from_si(value, units), 3) for value in (maps.frequency[0], maps.frequency[-1])]
     return {
         "stiffness": f"{share[0]} to {share[1]} %",
         "frequency": f"{hertz[0]} to {hertz[1]} Hz",
