@@ -5,7 +5,7 @@ use crate::errors::refused;
 use crate::laws::{Laws, NamedLaw, effects_of};
 use crate::limits::{step, timing as in_steps};
 use crate::model::drive_of;
-use forcefeel_model::drive::Drive;
+use forcefeel_model::drive::Signals;
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::machine::Shared;
@@ -26,8 +26,8 @@ type Sloped<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, Stack<'p
 #[pyo3(signature = (drive = "hydraulic"))]
 pub fn channels(drive: &str) -> PyResult<Vec<(&'static str, &'static str)>> {
     Ok(match drive_of(drive)? {
-        DriveKind::Hydraulic => <Hydraulic<f64> as Drive<f64>>::CHANNELS,
-        DriveKind::Electric => <Electric<f64> as Drive<f64>>::CHANNELS,
+        DriveKind::Hydraulic => <Hydraulic<f64> as Signals<f64>>::CHANNELS,
+        DriveKind::Electric => <Electric<f64> as Signals<f64>>::CHANNELS,
     }
     .to_vec())
 }

@@ -1,7 +1,7 @@
 //! What a run gives over time: one table, of whose places everything else is told.
 
 use forcefeel_model::Scalar;
-use forcefeel_model::drive::Drive;
+use forcefeel_model::drive::Signals;
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::parameters::DriveKind;
@@ -51,10 +51,10 @@ const ALL: [Output; 11] = [
 type Name = (&'static str, &'static str);
 
 /// Name of each output of a loader with a hydraulic drive and its SI unit; `feel_position` is in the unit of the law's displacement.
-pub const OUTPUTS: &[Name; 10] = &named(<Hydraulic<f64> as Drive<f64>>::NAMES);
+pub const OUTPUTS: &[Name; 10] = &named(<Hydraulic<f64> as Signals<f64>>::NAMES);
 
 /// The same with an electric drive.
-pub const ELECTRIC_OUTPUTS: &[Name; 11] = &named(<Electric<f64> as Drive<f64>>::NAMES);
+pub const ELECTRIC_OUTPUTS: &[Name; 11] = &named(<Electric<f64> as Signals<f64>>::NAMES);
 
 /// The outputs of a kind of loader.
 pub const fn outputs(kind: DriveKind) -> &'static [Name] {

@@ -12,7 +12,7 @@ use crate::threads::{NoThreads, pool};
 use forcefeel_model::Scalar;
 use forcefeel_model::channels;
 use forcefeel_model::controller::Timing;
-use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
+use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic, Signals};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::machine::period::{Drives, PERIOD_STATES, Period, YOUNGEST};
 use forcefeel_model::machine::{Machine, Shared};
@@ -119,7 +119,7 @@ impl SampledLoops<'_> {
         let state = [none; PERIOD_STATES];
         let next = |step: usize| period.of().next(&state, &drives(step)).map(|number| number.slope);
         let now = period.of().now(&state, &drives(0));
-        let shown = <K::Of<Dual<T>> as Drive<Dual<T>>>::channels(&now, &parameters.map(Dual::constant));
+        let shown = <K::Of<Dual<T>> as Signals<Dual<T>>>::channels(&now, &parameters.map(Dual::constant));
         ByTestSignal { next: (0..self.timing.period).map(next).collect(), now: shown.map(|number| number.slope) }
     }
 
@@ -138,7 +138,7 @@ impl SampledLoops<'_> {
         for column in 0..COLUMNS {
             let (state, drives) = columnwise(zero, column);
             let now = period.of().now(&state, &drives);
-            let shown = <K::Of<Dual<T>> as Drive<Dual<T>>>::channels(&now, &on_bench);
+            let shown = <K::Of<Dual<T>> as Signals<Dual<T>>>::channels(&now, &on_bench);
             for (row, number) in rows.iter_mut().zip(shown) {
                 row[column] = number.slope;
             }

@@ -3,7 +3,7 @@
 use super::pressure::{Flow, PressureSensitivity, Side};
 use super::{FLOW, Hydraulic, Oil, PRESSURE};
 use crate::Scalar;
-use crate::drive::{Drive, Neighbors};
+use crate::drive::{Motion, Neighbors};
 use crate::effects::Effects;
 use crate::run::{Snapshot, State};
 

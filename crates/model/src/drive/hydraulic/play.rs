@@ -6,7 +6,7 @@ use super::pressure::{Flow, Side};
 use super::{Hydraulic, Oil};
 use crate::Scalar;
 use crate::contact::since_touch;
-use crate::drive::{Drive, Neighbors};
+use crate::drive::{Contact, Neighbors};
 use crate::run::{Shared, State, StepStart};
 
 impl<S: Scalar> Hydraulic<S> {
