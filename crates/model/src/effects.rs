@@ -75,7 +75,7 @@ effects! {
     /// Dry friction of the feel.
     feel_friction, no_slope = any(&[p.feel.coulomb_friction, p.feel.static_friction]);
     /// Spring of the feel other than a straight line through zero.
-    feel_spring, no_slope = any(&[p.feel.deadband, p.feel.breakout, p.feel.preload, p.feel.hysteresis, p.feel.detent_force]);
+    feel_spring, no_slope = p.feel.has_parts() || any(&[p.feel.deadband, p.feel.preload]);
     /// Quadratic damping or soft stops of the feel.
     feel_damping_and_stops = any(&[p.feel.quadratic_damping])
         || finite(&[p.feel.soft_stop_low, p.feel.soft_stop_high]);
@@ -98,7 +98,7 @@ effects! {
     /// A test signal at the amplifier, or one on the command.
     test_signal = true;
     /// Something that moves the column from neutral while nobody touches it.
-    biased = any(&offsets(p)) || any(&[p.column.gravity_torque, p.feel.preload, p.feel.detent_force]);
+    biased = any(&offsets(p)) || p.feel.has_biased_parts() || any(&[p.column.gravity_torque, p.feel.preload]);
     /// Dry friction of the drive, losses of its transmission.
     drive_friction, no_slope = any(&[p.motor.coulomb_friction, p.motor.static_friction, p.brake.engaged])
         || p.transmission.efficiency < 1.0
