@@ -5,7 +5,7 @@ use forcefeel_model::drive::Signals;
 use forcefeel_model::drive::electric::Electric;
 use forcefeel_model::drive::hydraulic::Hydraulic;
 use forcefeel_model::parameters::DriveKind;
-use forcefeel_model::run::Snapshot;
+use forcefeel_model::run::RunSnapshot;
 
 /// An output of a run; `as usize` it is its place in [`outputs`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,7 +94,7 @@ impl Output {
 
     /// What it is at one instant; `per_base`: column angle per displacement of the base.
     #[inline(always)]
-    pub fn of<S: Scalar, B>(self, now: &Snapshot<S, B>, per_base: S) -> S {
+    pub fn of<S: Scalar, B>(self, now: &RunSnapshot<S, B>, per_base: S) -> S {
         match self {
             Self::ColumnAngle => now.base * per_base,
             Self::ColumnVelocity => now.base_rate * per_base,

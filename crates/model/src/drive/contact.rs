@@ -3,7 +3,7 @@
 use super::motion::{Motion, Neighbors};
 use crate::Scalar;
 use crate::effects::Effects;
-use crate::run::{Shared, Snapshot, State, StepStart};
+use crate::run::{RunSnapshot, RunState, RunStepStart, Shared};
 
 /// Contact inside a step. A drive whose force does not jump at a touch needs no more than `command_jump`.
 pub trait Contact<S: Scalar>: Motion<S> {
@@ -13,16 +13,16 @@ pub trait Contact<S: Scalar>: Motion<S> {
         !plant[0].less(plant[0])
     }
     /// Change of the third number's rate with the command.
-    fn command_jump(&self, effects: &Effects, now: &Snapshot<S, Self::Balance>, e_change: S) -> S;
+    fn command_jump(&self, effects: &Effects, now: &RunSnapshot<S, Self::Balance>, e_change: S) -> S;
     /// At the end of a step: the link met the end of its play on the way.
     #[inline(always)]
     fn close_play(
         &self,
         _: &Neighbors<'_, S>,
         _: &Shared,
-        state: &mut State<S, Self::Memory>,
+        state: &mut RunState<S, Self::Memory>,
         _: &[S; 5],
-        _: &StepStart<S, Self::Balance, Self::Side>,
+        _: &RunStepStart<S, Self::Balance, Self::Side>,
     ) {
         state.late = state.late.zero();
     }

@@ -41,7 +41,7 @@ use crate::controller::Converters;
 use crate::dry_friction::{DryFriction, StickState};
 use crate::effects::Effects;
 use crate::parameters::Parameters;
-use crate::run::{Shared, Slow, Snapshot, State, StepFraction, StepStart};
+use crate::run::{RunSnapshot, RunState, RunStepStart, Shared, Slow, StepFraction};
 use channels::CHANNELS;
 use current_loop::{Current, CurrentTrajectory, Warm};
 use motor::Rotor;
@@ -107,8 +107,8 @@ impl<S: Scalar> Electric<S> {
     fn stick(
         &self,
         neighbors: &Neighbors<'_, S>,
-        state: &mut State<S, MotorState<S>>,
-        now: &mut Snapshot<S, S>,
+        state: &mut RunState<S, MotorState<S>>,
+        now: &mut RunSnapshot<S, S>,
         rates: &mut Slow<S>,
     ) {
         let (v, pull) = (state.slow.plant[1], rates.plant[1]);
@@ -220,7 +220,7 @@ impl<S: Scalar> Motion<S> for Electric<S> {
         memory: &MotorState<S>,
         (&[x_m, v_m, carried, ..], moment): (&[S; 5], StepFraction),
         e: S,
-        now: &mut Snapshot<S, S>,
+        now: &mut RunSnapshot<S, S>,
     ) -> [S; 3] {
         let asked = self.current.commanded(effects, &memory.warm, e);
         let (i, i_rate) = self.current.at(moment, &memory.course, carried, asked);
@@ -252,8 +252,8 @@ impl<S: Scalar> Motion<S> for Electric<S> {
         &self,
         neighbors: &Neighbors<'_, S>,
         effects: &Effects,
-        state: &mut State<S, MotorState<S>>,
-        now: &mut Snapshot<S, S>,
+        state: &mut RunState<S, MotorState<S>>,
+        now: &mut RunSnapshot<S, S>,
         rates: &mut Slow<S>,
     ) {
         if effects.drive_friction {
@@ -276,7 +276,7 @@ impl<S: Scalar> Motion<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn end_step(&self, effects: &Effects, state: &mut State<S, MotorState<S>>, begun: &StepStart<S, S, S>) {
+    fn end_step(&self, effects: &Effects, state: &mut RunState<S, MotorState<S>>, begun: &RunStepStart<S, S, S>) {
         if effects.heating {
             let squared = state.drive.course.mean_square(begun.now.signals[CURRENT], state.slow.plant[2]);
             let power = self.current.heat(&state.drive.warm, squared);
@@ -300,8 +300,8 @@ impl<S: Scalar> QuickPart<S> for Electric<S> {
         _: &Neighbors<'_, S>,
         effects: &Effects,
         _: &S,
-        state: &mut State<S, MotorState<S>>,
-        now: &mut Snapshot<S, S>,
+        state: &mut RunState<S, MotorState<S>>,
+        now: &mut RunSnapshot<S, S>,
     ) {
         if effects.heating {
             now.signals[WINDING] = self.warming.ambient + state.drive.warmth[0];
@@ -311,7 +311,7 @@ impl<S: Scalar> QuickPart<S> for Electric<S> {
 
 impl<S: Scalar> Contact<S> for Electric<S> {
     #[inline(always)]
-    fn command_jump(&self, _: &Effects, _: &Snapshot<S, S>, e_change: S) -> S {
+    fn command_jump(&self, _: &Effects, _: &RunSnapshot<S, S>, e_change: S) -> S {
         self.current.bandwidth * e_change
     }
 }
@@ -341,7 +341,13 @@ impl<S: Scalar> Signals<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn signals_between(&self, plant: &[S; 5], balance: &S, [a, b]: [&Snapshot<S, S>; 2], _: bool) -> DriveSignals<S> {
+    fn signals_between(
+        &self,
+        plant: &[S; 5],
+        balance: &S,
+        [a, b]: [&RunSnapshot<S, S>; 2],
+        _: bool,
+    ) -> DriveSignals<S> {
         let mut seen = self.signals(plant, balance, balance.zero());
         seen.signals[WINDING] = (a.signals[WINDING] + b.signals[WINDING]).times(0.5);
         seen.signals[VOLTAGE] = (a.signals[VOLTAGE] + b.signals[VOLTAGE]).times(0.5);
@@ -349,7 +355,7 @@ impl<S: Scalar> Signals<S> for Electric<S> {
     }
 
     #[inline(always)]
-    fn channels(now: &Snapshot<S, S>, parameters: &Parameters<S>) -> [S; COUNT] {
+    fn channels(now: &RunSnapshot<S, S>, parameters: &Parameters<S>) -> [S; COUNT] {
         let angle = |x: S| parameters.column.angle(x);
         let [i, voltage, speed, winding] = now.signals;
         let turned = now.position / parameters.transmission.travel;

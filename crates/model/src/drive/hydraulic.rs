@@ -27,7 +27,7 @@ use crate::channels::{self, Bench, CHANNELS};
 use crate::controller::Converters;
 use crate::effects::Effects;
 use crate::parameters::Parameters;
-use crate::run::{Shared, Snapshot, State, StepFraction, StepStart};
+use crate::run::{RunSnapshot, RunState, RunStepStart, Shared, StepFraction};
 use pressure::{Balance, Flow, Side};
 use valve::ValveMotion;
 
@@ -152,7 +152,7 @@ impl<S: Scalar> Motion<S> for Hydraulic<S> {
         _: &Oil<S>,
         (plant, _): (&[S; 5], StepFraction),
         e: S,
-        now: &mut Snapshot<S, Flow<S>>,
+        now: &mut RunSnapshot<S, Flow<S>>,
     ) -> [S; 3] {
         let &[_, q_i, q_i_rate, ..] = plant;
         let current = self.valve.current(effects, e);
@@ -208,7 +208,7 @@ impl<S: Scalar> QuickPart<S> for Hydraulic<S> {
 
     /// Where the feel hears the load cell directly, it is a motion like the column's, whose `u` knows of the lag.
     #[inline(always)]
-    fn feel_force(&self, force: S, now: &Snapshot<S, Flow<S>>) -> S {
+    fn feel_force(&self, force: S, now: &RunSnapshot<S, Flow<S>>) -> S {
         force + self.direct * (now.balance.pressure - now.signals[PRESSURE])
     }
 
@@ -218,8 +218,8 @@ impl<S: Scalar> QuickPart<S> for Hydraulic<S> {
         neighbors: &Neighbors<'_, S>,
         effects: &Effects,
         side: &Side<S>,
-        state: &mut State<S, Oil<S>>,
-        now: &mut Snapshot<S, Flow<S>>,
+        state: &mut RunState<S, Oil<S>>,
+        now: &mut RunSnapshot<S, Flow<S>>,
     ) {
         self.made_good(neighbors, effects, side, state, now);
     }
@@ -232,7 +232,7 @@ impl<S: Scalar> Contact<S> for Hydraulic<S> {
     }
 
     #[inline(always)]
-    fn command_jump(&self, effects: &Effects, now: &Snapshot<S, Flow<S>>, e_change: S) -> S {
+    fn command_jump(&self, effects: &Effects, now: &RunSnapshot<S, Flow<S>>, e_change: S) -> S {
         self.valve.flow_jump(effects, now.signals[CURRENT], e_change)
     }
 
@@ -241,9 +241,9 @@ impl<S: Scalar> Contact<S> for Hydraulic<S> {
         &self,
         neighbors: &Neighbors<'_, S>,
         shared: &Shared,
-        state: &mut State<S, Oil<S>>,
+        state: &mut RunState<S, Oil<S>>,
         start: &[S; 5],
-        begun: &StepStart<S, Flow<S>, Side<S>>,
+        begun: &RunStepStart<S, Flow<S>, Side<S>>,
     ) {
         self.met(neighbors, shared, state, start, begun);
     }
@@ -270,11 +270,11 @@ impl<S: Scalar> Signals<S> for Hydraulic<S> {
         &self,
         plant: &[S; 5],
         balance: &Flow<S>,
-        [a, b]: [&Snapshot<S, Flow<S>>; 2],
+        [a, b]: [&RunSnapshot<S, Flow<S>>; 2],
         digital: bool,
     ) -> DriveSignals<S> {
         // The lag itself changes so little over a step that a straight line will do.
-        let lag = |now: &Snapshot<S, Flow<S>>| {
+        let lag = |now: &RunSnapshot<S, Flow<S>>| {
             (now.signals[PRESSURE] - now.balance.pressure, now.signals[FLOW] - now.balance.flow)
         };
         let (from, to) = (lag(a), lag(b));
@@ -285,8 +285,8 @@ impl<S: Scalar> Signals<S> for Hydraulic<S> {
     }
 
     #[inline(always)]
-    fn channels(now: &Snapshot<S, Flow<S>>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
-        let &Snapshot { base, base_rate, position, signals, .. } = now;
+    fn channels(now: &RunSnapshot<S, Flow<S>>, parameters: &Parameters<S>) -> [S; channels::COUNT] {
+        let &RunSnapshot { base, base_rate, position, signals, .. } = now;
         let [pressure, flow, current] = [PRESSURE, FLOW, CURRENT].map(|k| signals[k]);
         Bench { base, base_rate, piston: position, pressure, flow, current }.channels(parameters)
     }

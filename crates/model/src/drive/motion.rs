@@ -6,7 +6,7 @@ use crate::Scalar;
 use crate::column::ColumnMotion;
 use crate::compensator::Compensator;
 use crate::effects::Effects;
-use crate::run::{Slow, Snapshot, State, StepFraction, StepStart};
+use crate::run::{RunSnapshot, RunState, RunStepStart, Slow, StepFraction};
 use crate::transducers::Transducers;
 use core::fmt::Debug;
 
@@ -51,7 +51,7 @@ pub trait Motion<S: Scalar>: Copy + Debug {
         memory: &Self::Memory,
         plant: (&[S; 5], StepFraction),
         e: S,
-        now: &mut Snapshot<S, Self::Balance>,
+        now: &mut RunSnapshot<S, Self::Balance>,
     ) -> [S; 3];
     /// The three numbers, `w`, `u` and the memory at rest.
     fn at_rest(&self, effects: &Effects, position: S, effort: S) -> ([S; 3], [S; 2], Self::Memory);
@@ -63,8 +63,8 @@ pub trait Motion<S: Scalar>: Copy + Debug {
         &self,
         _: &Neighbors<'_, S>,
         _: &Effects,
-        _: &mut State<S, Self::Memory>,
-        _: &mut Snapshot<S, Self::Balance>,
+        _: &mut RunState<S, Self::Memory>,
+        _: &mut RunSnapshot<S, Self::Balance>,
         _: &mut Slow<S>,
     ) {
     }
@@ -73,7 +73,8 @@ pub trait Motion<S: Scalar>: Copy + Debug {
     fn resist(_: &Effects, _: &Self::Memory, _: &mut Slow<S>) {}
     /// At the end of a step: what changes slowly.
     #[inline(always)]
-    fn end_step(&self, _: &Effects, _: &mut State<S, Self::Memory>, _: &StepStart<S, Self::Balance, Self::Side>) {}
+    fn end_step(&self, _: &Effects, _: &mut RunState<S, Self::Memory>, _: &RunStepStart<S, Self::Balance, Self::Side>) {
+    }
 
     /// The memory as numbers.
     fn remembered(memory: &Self::Memory) -> [S; REMEMBERED];

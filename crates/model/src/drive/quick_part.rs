@@ -5,7 +5,7 @@
 use super::motion::{Motion, Neighbors};
 use crate::Scalar;
 use crate::effects::Effects;
-use crate::run::{Snapshot, State};
+use crate::run::{RunSnapshot, RunState};
 
 /// The part of a drive that is quicker than a step, such as its oil. A drive without one leaves everything as it is here.
 pub trait QuickPart<S: Scalar>: Motion<S> {
@@ -36,7 +36,7 @@ pub trait QuickPart<S: Scalar>: Motion<S> {
     }
     /// Force that moves a feel which takes the load cell's `force` directly.
     #[inline(always)]
-    fn feel_force(&self, force: S, _: &Snapshot<S, Self::Balance>) -> S {
+    fn feel_force(&self, force: S, _: &RunSnapshot<S, Self::Balance>) -> S {
         force
     }
     /// At the start of a step: how far the part came behind its balance in the last one.
@@ -46,8 +46,8 @@ pub trait QuickPart<S: Scalar>: Motion<S> {
         _: &Neighbors<'_, S>,
         _: &Effects,
         _: &Self::Side,
-        _: &mut State<S, Self::Memory>,
-        _: &mut Snapshot<S, Self::Balance>,
+        _: &mut RunState<S, Self::Memory>,
+        _: &mut RunSnapshot<S, Self::Balance>,
     ) {
     }
 }

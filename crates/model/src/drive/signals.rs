@@ -4,7 +4,7 @@ use super::motion::Motion;
 use crate::Scalar;
 use crate::channels::COUNT;
 use crate::parameters::Parameters;
-use crate::run::{SIGNALS, Snapshot};
+use crate::run::{RunSnapshot, SIGNALS};
 
 /// Signals of a drive at one instant.
 #[derive(Debug, Clone, Copy)]
@@ -35,9 +35,9 @@ pub trait Signals<S: Scalar>: Motion<S> {
         &self,
         plant: &[S; 5],
         balance: &Self::Balance,
-        between: [&Snapshot<S, Self::Balance>; 2],
+        between: [&RunSnapshot<S, Self::Balance>; 2],
         digital: bool,
     ) -> DriveSignals<S>;
     /// Channels of a bench, in the order of [`CHANNELS`](Self::CHANNELS).
-    fn channels(now: &Snapshot<S, Self::Balance>, parameters: &Parameters<S>) -> [S; COUNT];
+    fn channels(now: &RunSnapshot<S, Self::Balance>, parameters: &Parameters<S>) -> [S; COUNT];
 }
