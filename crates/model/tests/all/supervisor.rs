@@ -312,7 +312,7 @@ fn the_table_is_whole() {
 
 #[test]
 fn the_guide_has_the_table() {
-    let guide = include_str!("../../../docs/how-to/safety.md");
+    let guide = include_str!("../../../../docs/how-to/safety.md");
     for function in Function::ALL {
         let action = ["cut", "stop", "fade", "limit"][function.action() as usize];
         let latched = if function.latched() { "yes" } else { "no" };

@@ -1,9 +1,7 @@
 //! Stops against a mass that meets a spring and damper, solved in closed form.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_near};
 use forcefeel_model::contact::{Push, Stops, since_touch};
-use near::{ROUNDING, assert_near};
 
 const STOPS: Stops<f64> = Stops { low: -0.3, high: 0.2, stiffness: 9e3, damping: 20.0 };
 

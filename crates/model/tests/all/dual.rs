@@ -1,10 +1,8 @@
 //! Arithmetic of dual numbers against the rules of differentiation, written out as closed forms.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_near};
 use forcefeel_model::Scalar;
 use forcefeel_model::dual::Dual;
-use near::{ROUNDING, assert_near};
 
 /// `t` where the functions below are looked at.
 const POINTS: [f64; 4] = [-2.3, -0.4, 0.7, 5.9];

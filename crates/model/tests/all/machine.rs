@@ -1,7 +1,6 @@
 //! The whole machine step by step: in equilibrium, stuck, against its stops, mirrored, and under a digital controller.
 
-mod near;
-
+use crate::near::{assert_near, assert_within};
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::drive::hydraulic::{CURRENT, FLOW, PRESSURE};
@@ -9,7 +8,6 @@ use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Inputs, Machine, Shared, Snapshot};
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
-use near::{assert_near, assert_within};
 
 const STEP: f64 = 1e-3;
 

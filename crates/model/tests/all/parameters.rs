@@ -1,11 +1,9 @@
 //! The table of parameters obeys its own laws.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_near, assert_within};
 use core::array;
 use forcefeel_model::parameters::{ALTERNATIVES, COUNT, DriveKind, PARTS, Parameter, Parameters, TABLE};
 use forcefeel_model::units::SWITCH;
-use near::{ROUNDING, assert_near, assert_within};
 
 fn rows() -> impl Iterator<Item = &'static Parameter> {
     TABLE.iter().chain(ALTERNATIVES)

@@ -1,9 +1,7 @@
 //! Dry friction against masses that slide, stick, break away and turn round, solved in closed form.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_near};
 use forcefeel_model::dry_friction::{DryFriction, StickState};
-use near::{ROUNDING, assert_near};
 
 const FRICTION: DryFriction<f64> = DryFriction { kinetic: 2.0, breakaway: 3.0 };
 

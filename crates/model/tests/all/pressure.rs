@@ -1,13 +1,10 @@
 //! Load pressure in balance against the equations that it solves, and its lag against the oil's own equation, finely integrated.
 
-mod draws;
-mod near;
-
-use draws::Draws;
+use crate::draws::Draws;
+use crate::near::{assert_near, assert_within};
 use forcefeel_model::drive::hydraulic::pressure::{Balance, Flow};
 use forcefeel_model::effects::Effects;
 use forcefeel_model::parameters::Parameters;
-use near::{assert_near, assert_within};
 
 /// The linear loader.
 fn off() -> Effects {

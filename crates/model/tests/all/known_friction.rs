@@ -1,10 +1,8 @@
 //! Dry friction that a law knows: given back in motion, a play at rest that lets go, learnt where no hand is.
 
-mod near;
-
+use crate::near::assert_within;
 use forcefeel_model::known_friction::{FRICTION_NUMBERS, FrictionState, LEVEL_FROM_END};
 use forcefeel_model::observer::{LawOutput, MOST_STATES, NUMBERS, Observer, SAMPLED};
-use near::assert_within;
 
 /// `F`, `M` in N m, `v_s` in rad/s.
 const LEVEL: f64 = 3.5;

@@ -1,10 +1,8 @@
 //! State transition over one step against systems whose solution is known in closed form.
 
-mod rows;
-
+use crate::rows::rows;
 use forcefeel_solve::discretize;
 use nalgebra::DMatrix;
-use rows::rows;
 
 /// The exponential scales and squares, which costs a few more roundings than a sum.
 const EXPONENTIAL: f64 = 1e-13;

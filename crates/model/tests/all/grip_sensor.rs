@@ -1,10 +1,8 @@
 //! The force sensor at the grip: `F_g = K_g (F_p - (m_a + m_o) R_p theta'' - d_a R_p theta' - k_a R_p theta)`.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_near};
 use forcefeel_model::grip_sensor::GripForce;
 use forcefeel_model::parameters::Parameters;
-use near::{ROUNDING, assert_near};
 
 #[test]
 fn sensor_shows_the_force_less_what_moves_arm_and_grip() {

@@ -1,14 +1,12 @@
 //! The number types of the model: single precision follows double, and dual numbers differentiate it.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_within};
 use core::array;
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::{Compliant, DesignPlant, Rigid, System};
 use forcefeel_model::parameters::Parameters;
-use near::{ROUNDING, assert_within};
 
 /// Some tens of roundings of single precision (6e-8 each), as a share of the terms of a sum.
 const SINGLE: f64 = 2e-6;

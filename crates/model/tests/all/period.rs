@@ -1,9 +1,7 @@
 //! A period of the digital loop as a function of its state: against the run, step by step, and its slopes.
 
-mod draws;
-mod near;
-
-use draws::Draws;
+use crate::draws::Draws;
+use crate::near::{assert_near, assert_within};
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::{MOST_UNDER_WAY, Timing};
@@ -14,7 +12,6 @@ use forcefeel_model::machine::{Inputs, Machine, Shared};
 use forcefeel_model::observer::{NUMBERS, Observer};
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::SENSORS;
-use near::{assert_near, assert_within};
 
 const STEP: f64 = 2.5e-4;
 const GAINS: [f64; 7] = [-194.0, -3.8e-9, 22.0, 0.67, 19.9, -0.7, -1.5e-3];

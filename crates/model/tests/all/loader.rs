@@ -1,12 +1,10 @@
 //! The parts put together: states of rest worked out by hand, and the control laws.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_near, assert_within};
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::loader::{Compliant, DesignPlant, IdealFeel, Rigid, System};
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::units;
-use near::{ROUNDING, assert_near, assert_within};
 
 const IN: f64 = units::LENGTH.si_per_us;
 const LB: f64 = units::FORCE.si_per_us;

@@ -1,11 +1,9 @@
 //! Gain schedule: the cost block `P` of each setting from a dense Kronecker solve that knows no theorem of Cayley.
 
-mod rows;
-
+use crate::rows::rows;
 use forcefeel_model::parameters::{Feel, Parameters};
 use forcefeel_solve::schedule::{Plant, Time, schedule};
 use nalgebra::{DMatrix, DVector, Matrix4, Matrix4x2, RowVector4};
-use rows::rows;
 
 /// What an 8 by 8 solve and an exponential leave of sixteen digits, as a share of the larger gain.
 const SOLVE: f64 = 1e-12;

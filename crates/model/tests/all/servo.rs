@@ -1,10 +1,8 @@
 //! Amplifier, valve, actuator and potentiometer against numbers worked out by hand, in U.S. customary units.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_near, assert_within};
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::units;
-use near::{ROUNDING, assert_near, assert_within};
 
 const MA: f64 = units::CURRENT.si_per_us;
 const PSI: f64 = units::PRESSURE.si_per_us;

@@ -1,12 +1,9 @@
 //! Recursion (22) on problems whose answer is known in closed form.
 
-mod near;
-mod rows;
-
+use crate::near::{ROUNDING, assert_near};
+use crate::rows::rows;
 use forcefeel_solve::riccati::{Problem, Solution, Status, Stop, recursion};
 use nalgebra::DMatrix;
-use near::{ROUNDING, assert_near};
-use rows::rows;
 
 /// A problem of one state and one input: `x+ = phi x + h u`, cost `q x^2 + r u^2`.
 struct Scalar {

@@ -1,8 +1,6 @@
 //! Linear runs against steps with nalgebra's matrix exponential, lane by lane.
 
-mod draws;
-
-use draws::loops;
+use crate::draws::loops;
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::dual::Dual;

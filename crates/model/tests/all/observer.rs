@@ -1,14 +1,11 @@
 //! A sampled law with an observer against plain matrix arithmetic, on random numbers.
 
-mod draws;
-mod near;
-
-use draws::Draws;
+use crate::draws::Draws;
+use crate::near::{ROUNDING, assert_near, assert_within};
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::known_friction::FRICTION_NUMBERS;
 use forcefeel_model::observer::{Estimate, MOST_STATES, NUMBERS, Observer, SAMPLED};
 use forcefeel_model::parameters::Parameters;
-use near::{ROUNDING, assert_near, assert_within};
 
 /// Signals that a state is moved by, or rests by: what is sampled and one more.
 const SIGNALS: usize = SAMPLED + 1;

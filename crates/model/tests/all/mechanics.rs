@@ -1,11 +1,9 @@
 //! Linkage, column, feel computer and load cell against numbers and laws worked out by hand.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_near, assert_within};
 use core::f64::consts::TAU;
 use forcefeel_model::parameters::{Feel, Linkage, Parameters};
 use forcefeel_model::units;
-use near::{ROUNDING, assert_near, assert_within};
 
 const IN: f64 = units::LENGTH.si_per_us;
 const LB: f64 = units::FORCE.si_per_us;

@@ -1,10 +1,8 @@
 //! Converters of the digital controller, and commands on their way.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_near, assert_within};
 use forcefeel_model::controller::{CommandDelay, Converters, MOST_UNDER_WAY};
 use forcefeel_model::parameters::Parameters;
-use near::{ROUNDING, assert_near, assert_within};
 
 /// Converters of the elevator loader: inputs of ±5 V and 10 bits, output of ±2 V and 8 bits, current of 1.5 V's worth.
 fn converters() -> Converters<f64> {

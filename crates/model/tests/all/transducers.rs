@@ -1,12 +1,10 @@
 //! Lags of the sensors against the exact exponential; samples against their definition.
 
-mod near;
-
+use crate::near::{ROUNDING, assert_near, assert_within};
 use core::f64::consts::TAU;
 use forcefeel_model::parameters::Parameters;
 use forcefeel_model::transducers::{SENSORS, SensorReading, Transducers};
 use forcefeel_model::units;
-use near::{ROUNDING, assert_near, assert_within};
 
 const H: f64 = 1e-3;
 /// The series of the exponential and its ten squarings: some thousand roundings.
