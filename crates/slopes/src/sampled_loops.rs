@@ -7,29 +7,29 @@
 //! What holds, touches or rounds, dry friction, play, stops, the feel's breakout and the steps of sensors and converters, is left
 //! out: it has no slope at rest. States that nothing depends on have no column and are left out: their poles are at zero.
 
-use crate::law::Law;
-use crate::threads::{NoThreads, pool};
 use forcefeel_model::Scalar;
 use forcefeel_model::channels;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::machine::period::{Drives, PERIOD_STATES, Period, YOUNGEST};
-use forcefeel_model::machine::{Machine, Shared};
+use forcefeel_model::machine::{Machine, Shared, Snapshot};
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
-use rayon::prelude::*;
+use forcefeel_solve::law::Law;
+use forcefeel_solve::smooth::without_steps;
+use forcefeel_solve::threads::{NoThreads, each};
 
 /// Inputs of a period: signal on the command, pilot force.
 pub const INPUTS: usize = 2;
 
 /// States, then inputs.
-pub(crate) const COLUMNS: usize = PERIOD_STATES + INPUTS;
+pub const COLUMNS: usize = PERIOD_STATES + INPUTS;
 
 /// Numbers of `[M, b_e, b_F]`, row by row.
-pub(crate) type PeriodMatrix<T = f64> = [[T; COLUMNS]; PERIOD_STATES];
+pub type PeriodMatrix<T = f64> = [[T; COLUMNS]; PERIOD_STATES];
 
 /// The channels at the start of a period as rows on the same columns.
-pub(crate) type Rows<T> = [[T; COLUMNS]; channels::COUNT];
+pub type Rows<T> = [[T; COLUMNS]; channels::COUNT];
 
 /// Loops that share their effects and their timing.
 #[derive(Debug, Clone)]
@@ -59,9 +59,8 @@ impl SampledLoops<'_> {
     /// # Errors
     /// If the system gives no threads.
     pub fn periods(&self, threads: usize) -> Result<Periods, NoThreads> {
-        let pool = pool(threads)?;
-        let whole: Vec<PeriodMatrix> =
-            pool.install(|| (0..self.values.len()).into_par_iter().map(|run| self.matrix(run)).collect());
+        let mut whole = vec![[[0.0; COLUMNS]; PERIOD_STATES]; self.values.len()];
+        each(threads, whole.iter_mut().enumerate(), |(run, whole)| *whole = self.matrix(run))?;
         let states = kept(&whole, |_| false);
         let columns = || states.iter().copied().chain(PERIOD_STATES..COLUMNS);
         let row = |matrix: &PeriodMatrix, state: usize| columns().map(|k| matrix[state][k]).collect::<Vec<_>>();
@@ -78,7 +77,7 @@ impl SampledLoops<'_> {
     }
 
     /// The matrix of a run, whose parameters may have slopes of their own.
-    pub(crate) fn matrix_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> PeriodMatrix<T> {
+    pub fn matrix_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> PeriodMatrix<T> {
         match self.kind(run) {
             DriveKind::Hydraulic => self.matrix_with::<T, OfHydraulic>(run, parameters),
             DriveKind::Electric => self.matrix_with::<T, OfElectric>(run, parameters),
@@ -91,7 +90,7 @@ impl SampledLoops<'_> {
         let period = self.period::<T, K>(run, parameters);
         for column in 0..COLUMNS {
             let (state, drives) = columnwise(zero, column);
-            for (row, number) in matrix.iter_mut().zip(period.of().next(&state, &drives)) {
+            for (row, number) in matrix.iter_mut().zip(period.next(&state, &drives)) {
                 row[column] = number.slope;
             }
         }
@@ -100,7 +99,7 @@ impl SampledLoops<'_> {
 
     /// What a test signal at the amplifier during each step of a period makes of the next state, a column each, and of the channels
     /// while it is there.
-    pub(crate) fn by_test_signal<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> ByTestSignal<T> {
+    pub fn by_test_signal<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> ByTestSignal<T> {
         match self.kind(run) {
             DriveKind::Hydraulic => self.tested::<T, OfHydraulic>(run, parameters),
             DriveKind::Electric => self.tested::<T, OfElectric>(run, parameters),
@@ -117,14 +116,14 @@ impl SampledLoops<'_> {
             test_signal: (Dual::variable(zero), step),
         };
         let state = [none; PERIOD_STATES];
-        let next = |step: usize| period.of().next(&state, &drives(step)).map(|number| number.slope);
-        let now = period.of().now(&state, &drives(0));
+        let next = |step: usize| period.next(&state, &drives(step)).map(|number| number.slope);
+        let now = period.now(&state, &drives(0));
         let shown = <K::Of<Dual<T>> as Drive<Dual<T>>>::channels(&now, &parameters.map(Dual::constant));
         ByTestSignal { next: (0..self.timing.period).map(next).collect(), now: shown.map(|number| number.slope) }
     }
 
     /// The channels at the start of a period.
-    pub(crate) fn rows_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Rows<T> {
+    pub fn rows_of<T: Scalar>(&self, run: usize, parameters: &Parameters<T>) -> Rows<T> {
         match self.kind(run) {
             DriveKind::Hydraulic => self.rows_with::<T, OfHydraulic>(run, parameters),
             DriveKind::Electric => self.rows_with::<T, OfElectric>(run, parameters),
@@ -137,7 +136,7 @@ impl SampledLoops<'_> {
         let (period, on_bench) = (self.period::<T, K>(run, parameters), parameters.map(Dual::constant));
         for column in 0..COLUMNS {
             let (state, drives) = columnwise(zero, column);
-            let now = period.of().now(&state, &drives);
+            let now = period.now(&state, &drives);
             let shown = <K::Of<Dual<T>> as Drive<Dual<T>>>::channels(&now, &on_bench);
             for (row, number) in rows.iter_mut().zip(shown) {
                 row[column] = number.slope;
@@ -167,6 +166,18 @@ impl<S: Scalar, D: Drive<S>> Ready<'_, S, D> {
     fn of(&self) -> Period<'_, S, D> {
         Period { machine: &self.machine, shared: self.shared, timing: self.timing }
     }
+
+    /// Compiled once, and not wherever it is asked for: a whole step is in it.
+    #[inline(never)]
+    fn next(&self, state: &[S; PERIOD_STATES], drives: &Drives<S>) -> [S; PERIOD_STATES] {
+        self.of().next(state, drives)
+    }
+
+    /// So is this.
+    #[inline(never)]
+    fn now(&self, state: &[S; PERIOD_STATES], drives: &Drives<S>) -> Snapshot<S, D> {
+        self.of().now(state, drives)
+    }
 }
 
 /// State and drives at neutral, dual along a column.
@@ -183,25 +194,15 @@ fn columnwise<T: Scalar>(zero: T, column: usize) -> ([Dual<T>; PERIOD_STATES], D
 
 /// See [`SampledLoops::by_test_signal`].
 #[derive(Debug, Clone)]
-pub(crate) struct ByTestSignal<T> {
-    pub(crate) next: Vec<[T; PERIOD_STATES]>,
-    pub(crate) now: [T; channels::COUNT],
-}
-
-/// Sensors and converters that do not round: a staircase has no slope.
-pub fn without_steps<T: Scalar>(mut parameters: Parameters<T>) -> Parameters<T> {
-    let none = parameters.column.inertia.zero();
-    let Parameters { load_cell, potentiometer, column_sensor, grip_sensor, controller, .. } = &mut parameters;
-    let of_load_cell = [&mut load_cell.resolution, &mut potentiometer.resolution];
-    for resolution in of_load_cell.into_iter().chain([&mut column_sensor.resolution, &mut grip_sensor.resolution]) {
-        *resolution = none;
-    }
-    (controller.input_bits, controller.output_bits) = (none, none);
-    parameters
+pub struct ByTestSignal<T> {
+    /// The next state, for each step of the period.
+    pub next: Vec<[T; PERIOD_STATES]>,
+    /// The channels.
+    pub now: [T; channels::COUNT],
 }
 
 /// The states that any loop's next state depends on, of those that are left, and those that are seen.
-pub(crate) fn kept(matrices: &[PeriodMatrix], seen: impl Fn(usize) -> bool) -> Vec<usize> {
+pub fn kept(matrices: &[PeriodMatrix], seen: impl Fn(usize) -> bool) -> Vec<usize> {
     let mut states: Vec<usize> = (0..PERIOD_STATES).collect();
     loop {
         let matters =

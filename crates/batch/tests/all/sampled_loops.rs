@@ -1,8 +1,7 @@
 //! Matrices of a period against runs of the engine, sample by sample, and against the whole of what a period carries.
 
-mod observers;
-mod runs;
-
+use crate::observers::{DEAF, Sampled};
+use crate::runs::{GAINS, everything, pushed, run};
 use forcefeel_model::controller::Timing;
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
@@ -12,13 +11,11 @@ use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, Parameters};
 use forcefeel_model::transducers::SENSORS;
 use forcefeel_simulate::batch::Job;
+use forcefeel_slopes::sampled_loops::{INPUTS, Periods, SampledLoops};
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::OUTPUTS as BATCH_OUTPUTS;
-use forcefeel_solve::sampled_loops::{INPUTS, Periods, SampledLoops};
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
 use nalgebra::{DMatrix, DVector};
-use observers::{DEAF, Sampled};
-use runs::{GAINS, everything, pushed, run};
 
 const H: f64 = 2.5e-4;
 /// Places of what a period carries.
@@ -144,7 +141,7 @@ fn assert_runs(p: &Parameters<f64>, law: Law<'_>, timing: Timing) {
     let inputs: Vec<Inputs> =
         (0..count * timing.period).map(|step| pushed([forces[step / timing.period]; 2])).collect();
     let values = [p.values()];
-    let mut job = Job { law, outputs: &OUTPUTS, ..runs::job(&inputs, &values, Some(timing)) };
+    let mut job = Job { law, outputs: &OUTPUTS, ..crate::runs::job(&inputs, &values, Some(timing)) };
     job.shared = shared(&values, law, timing);
     let (_, histories) = run(&job, 1);
     let history: Vec<&[f64]> = histories.chunks(inputs.len() + 1).collect();

@@ -8,18 +8,17 @@
 //!
 //! No vector lanes: a step on eight dual numbers at once takes the compiler longer than all else together.
 
-use crate::batch::{Job, Sampling};
-use crate::run::{FeelChange, Middles, Record, run};
+use crate::along;
 use forcefeel_model::drive::{Drive, Kind, OfElectric, OfHydraulic};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::{Machine, Shared, Snapshot};
 use forcefeel_model::parameters::{DriveKind, Parameters};
 use forcefeel_model::transducers::SENSORS;
-use forcefeel_solve::sampled_loops::without_steps;
-use forcefeel_solve::slopes::along;
-use forcefeel_solve::threads::{NoThreads, pool};
-use rayon::prelude::*;
+use forcefeel_simulate::batch::{Job, Sampling};
+use forcefeel_simulate::run::{FeelChange, Middles, Record, run};
+use forcefeel_solve::smooth::without_steps;
+use forcefeel_solve::threads::{NoThreads, each};
 
 /// What is to be run, and what is wanted of it.
 #[derive(Debug, Clone)]
@@ -51,15 +50,15 @@ impl SlopeJob<'_> {
         if slopes.is_empty() {
             return Ok(Vec::new());
         }
-        let pool = pool(threads)?;
-        let pairs = slopes.par_chunks_mut(self.size()).enumerate();
-        let one = |(pair, slopes): (usize, &mut [f64])| {
-            let mut values = vec![0.0; if pair % keys == 0 { slopes.len() } else { 0 }];
-            self.pair(pair / keys, self.keys[pair % keys], slopes, &mut values);
-            values
-        };
-        let histories: Vec<_> = pool.install(|| pairs.map(one).collect());
-        Ok(histories.concat())
+        let mut channels = vec![0.0; self.job.values.len() * self.size()];
+        let mut channels_of_run = channels.chunks_mut(self.size());
+        // The first pair of a run takes its channels down, too.
+        let pairs = slopes.chunks_mut(self.size()).enumerate().map(|(pair, slopes)| {
+            let values = if pair % keys == 0 { channels_of_run.next() } else { None };
+            (pair, slopes, values.unwrap_or_default())
+        });
+        each(threads, pairs, |(pair, slopes, values)| self.pair(pair / keys, self.keys[pair % keys], slopes, values))?;
+        Ok(channels)
     }
 
     /// The slopes of one run along one parameter, and its channels where there is room for them.

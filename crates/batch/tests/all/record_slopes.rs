@@ -1,18 +1,14 @@
 //! Slopes of records: each pair's own, whatever goes beside it, and those of a difference.
 
-#[path = "../../solve/tests/near/mod.rs"]
-mod near;
-mod runs;
-
+use crate::near::assert_within;
 use forcefeel_model::channels::COUNT as CHANNELS;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::Inputs;
 use forcefeel_model::parameters::{COUNT, Parameters, TABLE};
 use forcefeel_simulate::batch::Job;
-use forcefeel_simulate::record_slopes::SlopeJob;
+use forcefeel_slopes::record_slopes::SlopeJob;
 use forcefeel_solve::law::Law;
 use forcefeel_solve::start::Start;
-use near::assert_within;
 
 /// Relative step of a central difference; extrapolated from it and its half, the error is of fourth order, 1e-16.
 const STEP: f64 = 1e-4;
@@ -37,7 +33,7 @@ fn slopes(job: Job<'_>, keys: &[usize], threads: usize) -> (Vec<f64>, Vec<f64>) 
 }
 
 fn job<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]], law: Law<'a>) -> Job<'a> {
-    let mut job = Job { law, ..runs::job(inputs, values, None) };
+    let mut job = Job { law, ..crate::runs::job(inputs, values, None) };
     job.shared.effects = Effects { orifice: true, ..job.shared.effects };
     job
 }
@@ -70,7 +66,7 @@ fn slopes_of_records_are_differences_under_every_law_by_name() {
 #[test]
 fn pair_depends_on_no_other_and_on_no_number_of_threads() {
     let inputs = swing(120);
-    let values = runs::drawn(3, 0.02);
+    let values = crate::runs::drawn(3, 0.02);
     let keys = [key("actuator", "oil_volume"), key("column", "base_arm")];
     let job = Job { start: Start::Held(0.02, 40), ..job(&inputs, &values, Law::Position) };
     let (together, along) = slopes(job.clone(), &keys, 2);

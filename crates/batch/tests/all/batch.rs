@@ -1,7 +1,6 @@
 //! Batches of runs: the same bits on any number of threads and in any place, members that fail, samples, laws.
 
-mod runs;
-
+use crate::runs::{GAINS, STEP, drawn, everything, job, order, run, steps};
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::controller::Timing;
 use forcefeel_model::machine::Inputs;
@@ -11,7 +10,6 @@ use forcefeel_simulate::measures::MEASURES;
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::OUTPUTS;
 use forcefeel_solve::start::Start;
-use runs::{GAINS, STEP, drawn, everything, job, order, run, steps};
 
 /// Two groups and five runs of a third.
 const RUNS: usize = 37;
@@ -223,7 +221,7 @@ fn middles_of_a_smooth_run_are_those_of_a_fine_one_to_third_order() {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some hundreds of steps")]
         let count = (0.4 / h).round() as u32;
         (0..count)
-            .map(|k| runs::pushed([at(f64::from(k) * h + 1e-9), at(f64::from(k + 1) * h - 1e-9)]))
+            .map(|k| crate::runs::pushed([at(f64::from(k) * h + 1e-9), at(f64::from(k + 1) * h - 1e-9)]))
             .collect::<Vec<_>>()
     };
     let trace = |h: f64, sampling: Sampling| {
@@ -354,5 +352,6 @@ fn change_of_the_feel_to_what_it_is_changes_nothing() {
 #[should_panic(expected = "histories")]
 fn histories_of_another_size_are_refused() {
     let (inputs, values) = (steps(10, STEP), drawn(2, 0.0));
-    Job { outputs: &[0], ..job(&inputs, &values, None) }.run(1, &mut [0.0; 3]).expect("threads");
+    let job = Job { outputs: &[0], ..job(&inputs, &values, None) };
+    forcefeel_batch::run(&job, 1, &mut [0.0; 3]).expect("threads");
 }

@@ -106,7 +106,7 @@ pub fn job<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]], timing: Option<
 /// Measures and histories.
 pub fn run(job: &Job<'_>, threads: usize) -> (Vec<Values>, Vec<f64>) {
     let mut histories = vec![f64::NAN; job.values.len() * job.outputs.len() * job.samples()];
-    let measures = job.run(threads, &mut histories).expect("threads");
+    let measures = forcefeel_batch::run(job, threads, &mut histories).expect("threads");
     (measures, histories)
 }
 

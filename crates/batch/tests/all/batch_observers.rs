@@ -1,8 +1,7 @@
 //! Runs under sampled laws with an observer: one that repeats static gains, at rest, changed while running, side by side.
 
-mod observers;
-mod runs;
-
+use crate::observers::{DEAF, Sampled};
+use crate::runs::{drawn, pushed, run, steps};
 use forcefeel_model::controller::Timing;
 use forcefeel_model::effects::Effects;
 use forcefeel_model::machine::Inputs;
@@ -12,8 +11,6 @@ use forcefeel_simulate::batch::{Change, Job};
 use forcefeel_solve::law::Law;
 use forcefeel_solve::outputs::OUTPUTS;
 use forcefeel_solve::start::Start;
-use observers::{DEAF, Sampled};
-use runs::{drawn, pushed, run, steps};
 
 const H: f64 = 2.5e-4;
 const TIMING: Timing = Timing { period: 2, delay: 1 };
@@ -51,7 +48,7 @@ fn fading(mut inputs: Vec<Inputs>, (begin, done): (usize, usize)) -> Vec<Inputs>
 }
 
 fn job<'a>(inputs: &'a [Inputs], values: &'a [[f64; COUNT]], law: Law<'a>) -> Job<'a> {
-    let mut job = Job { law, outputs: &ALL, ..runs::job(inputs, values, Some(TIMING)) };
+    let mut job = Job { law, outputs: &ALL, ..crate::runs::job(inputs, values, Some(TIMING)) };
     job.shared.step_s = H;
     job.shared.effects = Effects { observer: matches!(law, Law::Observers(_)), ..job.shared.effects };
     job

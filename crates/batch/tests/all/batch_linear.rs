@@ -1,7 +1,6 @@
 //! The step in its linear limit against the matrix exponential, and how its error falls with the step.
 
-mod runs;
-
+use crate::runs::{GAINS, job, order, pushed, run};
 use forcefeel_model::Scalar;
 use forcefeel_model::compensator::Compensator;
 use forcefeel_model::dual::Dual;
@@ -12,7 +11,6 @@ use forcefeel_simulate::batch::Job;
 use forcefeel_solve::law::Law;
 use forcefeel_solve::{StateSpace, linearize};
 use nalgebra::{DMatrix, DVector};
-use runs::{GAINS, job, order, pushed, run};
 
 /// Full travel in rad.
 const TRAVEL: f64 = 0.7;

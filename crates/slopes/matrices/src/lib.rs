@@ -5,15 +5,17 @@
 //!
 //! The models are linear in state and input, so column `j` of `A` is the derivative at the unit vector `e_j`; with a parameter that
 //! is a dual number it carries `dA/dtheta`. A period is not written as matrices, so its columns are slopes already: there the
-//! slope of the slope comes from dual numbers of dual numbers.
+//! slope of the slope comes from dual numbers of dual numbers: a machine on these takes the compiler long, so they have a crate of their own.
+#![forbid(unsafe_code)]
 
-use crate::law::Law;
-use crate::linearize::StateSpace;
-use crate::sampled_loops::{ByTestSignal, COLUMNS, INPUTS, PeriodMatrix, Rows, SampledLoops, kept};
 use forcefeel_model::dual::Dual;
 use forcefeel_model::loader::{Compliant, OnBench, Rigid, System};
 use forcefeel_model::machine::period::PERIOD_STATES;
 use forcefeel_model::parameters::{COUNT, Parameters};
+use forcefeel_slopes::along;
+use forcefeel_slopes::sampled_loops::{ByTestSignal, COLUMNS, INPUTS, PeriodMatrix, Rows, SampledLoops, kept};
+use forcefeel_solve::StateSpace;
+use forcefeel_solve::law::Law;
 use nalgebra::DMatrix;
 
 /// A period of a digital controller: its matrix, the channels at its start, and both under a test signal at the amplifier.
@@ -44,12 +46,6 @@ impl Slopes {
         let along = keys.iter().map(|&key| columns(&along(values, Some(key)))[1].clone()).collect();
         Self { model, along }
     }
-}
-
-/// The parameters as dual numbers along one of them.
-pub fn along(values: &[f64; COUNT], key: Option<usize>) -> Parameters<Dual> {
-    let dual = |k: usize| if Some(k) == key { Dual::variable(values[k]) } else { Dual::constant(values[k]) };
-    Parameters::from_values(&core::array::from_fn(dual))
 }
 
 /// The loader on a bench in continuous time, under a law for one run.
