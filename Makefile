@@ -30,9 +30,11 @@ test: $(VENV)/equipped target/wheel/built
 tested-crates:
 	cargo test --release --workspace --locked --quiet
 
-fetched:
+# The tests are compiled for the workers, once.
+fetched: $(VENV)/equipped
 	tests/browser/install
 	tests/export/install
+	$(BIN)/pytest --collect-only --quiet --numprocesses 0 > target/collected
 
 # Clippy in the release profile too: the macros of other crates are there already.
 lint: $(VENV)/equipped
