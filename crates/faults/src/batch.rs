@@ -7,8 +7,7 @@ use forcefeel_model::drive::Kind;
 use forcefeel_model::observer::NUMBERS;
 use forcefeel_model::parameters::{COUNT, DriveKind, Parameters};
 use forcefeel_model::with_drive;
-use forcefeel_solve::threads::{NoThreads, pool};
-use rayon::prelude::*;
+use forcefeel_solve::threads::{NoThreads, each};
 
 /// Loaders with a law each: one with an observer, or none for the original loop.
 #[derive(Debug, Clone, Copy)]
@@ -39,8 +38,12 @@ impl Loaders<'_> {
         pairs: bool,
         threads: usize,
     ) -> Result<Vec<Option<Outcome>>, NoThreads> {
-        let each = |number| self.outcome((seed, number), pairs);
-        Ok(pool(threads)?.install(|| (first..first + count).into_par_iter().map(each).collect()))
+        let mut outcomes = Vec::new();
+        outcomes.resize_with(usize::try_from(count).unwrap_or(usize::MAX), || None);
+        each(threads, (first..).zip(&mut outcomes), |(number, outcome)| {
+            *outcome = self.outcome((seed, number), pairs)
+        })?;
+        Ok(outcomes)
     }
 }
 
