@@ -41,7 +41,7 @@ impl Loaders<'_> {
         let mut outcomes = Vec::new();
         outcomes.resize_with(usize::try_from(count).unwrap_or(usize::MAX), || None);
         each(threads, (first..).zip(&mut outcomes), |(number, outcome)| {
-            *outcome = self.outcome((seed, number), pairs)
+            *outcome = self.outcome((seed, number), pairs);
         })?;
         Ok(outcomes)
     }

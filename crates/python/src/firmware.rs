@@ -11,7 +11,7 @@ use forcefeel_model::curve::MOST_POINTS;
 use forcefeel_model::drive::Kind;
 use forcefeel_model::machine::Machine;
 use forcefeel_model::observer::{NUMBERS, SAMPLED};
-use forcefeel_model::parameters::{COUNT, DriveKind};
+use forcefeel_model::parameters::COUNT;
 use forcefeel_model::with_drive;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;

@@ -64,7 +64,7 @@ impl SlopeJob<'_> {
 
     /// The slopes of one run along one parameter, and its channels where there is room for them.
     fn pair(&self, run_index: usize, key: usize, slopes: &mut [f64], values: &mut [f64]) {
-        with_drive!(DriveKind::of(&self.job.values[run_index]), K => self.pair_with::<K>(run_index, key, slopes, values))
+        with_drive!(DriveKind::of(&self.job.values[run_index]), K => self.pair_with::<K>(run_index, key, slopes, values));
     }
 
     fn pair_with<K: Kind>(&self, run_index: usize, key: usize, slopes: &mut [f64], values: &mut [f64]) {
