@@ -31,12 +31,12 @@ impl Loops<'_> {
     /// If the system gives no threads.
     pub fn poles(&self, threads: usize) -> Result<Vec<Poles>, NoThreads> {
         let unknown = [Complex::new(f64::NAN, f64::NAN); STATES];
-        let mut found = vec![unknown; self.count];
-        each(threads, found.iter_mut().enumerate(), |(run, found)| {
+        let mut all = vec![unknown; self.count];
+        each(threads, all.iter_mut().enumerate(), |(run, place)| {
             if let Some(poles) = poles(&state_matrix(&self.models::<f64>((), run))) {
-                *found = poles;
+                *place = poles;
             }
         })?;
-        Ok(found)
+        Ok(all)
     }
 }
