@@ -31,16 +31,9 @@ def test_modules_have_no_import_cycle(house):
     assert house.cycles(house.Package.of().imports) == []
 
 
-<<<<<<< HEAD
-def test_subpackages_form_layers(house):
-    package = house.Package.of()
-    assert house.cycles(package.arrows) == []
-    assert len(package.layers) <= MOST_LAYERS
-    assert [] not in package.layers
-=======
 @pytest.mark.parametrize("crate", sorted(path.parents[1].name for path in CRATES.glob("*/src/lib.rs")))
-def test_no_files_of_a_crate_use_one_another_in_a_circle(house, crate):
-    assert house.circles(uses(CRATES / crate / "src")) == []
+def test_files_of_a_crate_have_no_cycle(house, crate):
+    assert house.cycles(uses(CRATES / crate / "src")) == []
 
 
 RUST = {
@@ -55,7 +48,7 @@ RUST = {
 }
 
 
-def test_a_path_leads_to_the_file_that_declares_the_name(tmp_path):
+def test_path_leads_to_the_file_that_declares_the_name(tmp_path):
     for name, text in RUST.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text, encoding="utf-8")
@@ -70,12 +63,11 @@ def test_a_path_leads_to_the_file_that_declares_the_name(tmp_path):
     }
 
 
-def test_rooms_stand_on_floors(house):
-    found = house.House.of()
-    assert house.circles(found.arrows) == []
-    assert len(found.floors) <= MOST_FLOORS
-    assert [] not in found.floors
->>>>>>> main
+def test_subpackages_form_layers(house):
+    package = house.Package.of()
+    assert house.cycles(package.arrows) == []
+    assert len(package.layers) <= MOST_LAYERS
+    assert [] not in package.layers
 
 
 def test_package_has_few_top_level_modules(house):
@@ -98,13 +90,8 @@ def test_picture_matches_imports(house):
     assert house.PICTURE.read_text(encoding="utf-8") == house.drawing(house.Package.of()), "make docs draws it anew"
 
 
-<<<<<<< HEAD
 def test_cycles_are_found(house):
-    assert house.cycles({"a": {"b"}, "b": {"c"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
-=======
-def test_circles_are_found(house):
-    assert house.circles({"a": {"b"}, "b": {"c", "e"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
->>>>>>> main
+    assert house.cycles({"a": {"b"}, "b": {"c", "e"}, "c": {"b"}, "d": {"d"}, "e": set()}) == [["b", "c"], ["d"]]
 
 
 def test_layer_is_above_its_imports(house):

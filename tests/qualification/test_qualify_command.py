@@ -356,7 +356,7 @@ def test_two_files_of_one_test(run, tmp_path):
         _csv(tmp_path / name, *_free())
     status, _, err = run("--record", "a.csv", "--record", "b.csv")
     assert status == 2
-    assert "b.csv and a.csv are both of the test release-25-positive; say which is which with NAME=FILE" in err
+    assert "b.csv and a.csv are both for the test release-25-positive; expected one; name each with NAME=FILE" in err
 
 
 def test_a_pdf_without_a_chromium_is_refused_before_the_work(run, tmp_path, monkeypatch):

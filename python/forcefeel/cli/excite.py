@@ -273,8 +273,8 @@ def _show(console: Terminal, found: "Excitation", units: UnitSystem) -> None:
         limit = use.limit
         limits.add_row(
             limit.channel.replace("_", " "),
-            limit.shown(use.peak, units),
-            limit.shown(limit.value, units),
+            limit.text(use.peak, units),
+            limit.text(limit.value, units),
             f"{use.share:.0%}",
             limit.reason,
         )

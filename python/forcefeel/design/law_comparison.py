@@ -129,5 +129,5 @@ class LawComparison:
     @property
     def laws(self) -> tuple[LawResult, ...]:
         """The laws beside each other: the best first."""
-        found = (self.best, *(() if self.report == self.best else (self.report,)))
-        return tuple(law for law in found if law is not None)
+        pair = (self.best, *(() if self.report == self.best else (self.report,)))
+        return tuple(law for law in pair if law is not None)

@@ -21,8 +21,8 @@ class MotorDesign(MotorAnalysis):
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design_loader(ff.loader.electric("sidestick-roll"))
-        >>> found.law, found.acceptable
+        >>> design = ff.design_loader(ff.loader.electric("sidestick-roll"))
+        >>> design.law, design.acceptable
         ('robust', True)
     """
 
@@ -31,17 +31,28 @@ class MotorDesign(MotorAnalysis):
     low: LawLoop
 
     def __repr__(self) -> str:
-        found = self.programmed.assessment
-        return f"<MotorDesign of {self.loader.name!r} with {self.law}: {'stable' if found.stable else 'unstable'}>"
+        assessment = self.programmed.assessment
+        return f"<MotorDesign of {self.loader.name!r} with {self.law}: {'stable' if assessment.stable else 'unstable'}>"
 
     def _repr_html_(self) -> str:
-        names = (*(f"by current alone, {one.name} link" for one in self.configurations), f"under {self.law}")
-        judged = (*(one.programmed.assessment for one in self.configurations), self.programmed.assessment)
+        names = (
+            *(f"by current alone, {configuration.name} link" for configuration in self.configurations),
+            f"under {self.law}",
+        )
+        judged = (
+            *(configuration.programmed.assessment for configuration in self.configurations),
+            self.programmed.assessment,
+        )
         rows = (
-            (name, f"{it.frequency_rad_per_s / 2 / pi:.3g} Hz", f"{it.damping_ratio:.2g}", f"{it.static_error:+.1%}")
-            if it.stable
+            (
+                name,
+                f"{assessment.frequency_rad_per_s / 2 / pi:.3g} Hz",
+                f"{assessment.damping_ratio:.2g}",
+                f"{assessment.static_error:+.1%}",
+            )
+            if assessment.stable
             else (name, "unstable", "", "")
-            for name, it in zip(names, judged, strict=True)
+            for name, assessment in zip(names, judged, strict=True)
         )
         return table_html(self.loader.name, ("loop", "frequency", "damping ratio", "off at rest"), rows)
 
@@ -63,10 +74,10 @@ def design_motor(loader: Loader, law: str = ROBUST) -> MotorDesign:
 
     Example:
         >>> import forcefeel as ff
-        >>> found = ff.design.design_motor(ff.loader.electric("sidestick-roll"), "observer")
-        >>> f"{found.programmed.assessment.frequency_rad_per_s / found.feel_frequency_rad_per_s:.2f}"
+        >>> design = ff.design.design_motor(ff.loader.electric("sidestick-roll"), "observer")
+        >>> f"{design.programmed.assessment.frequency_rad_per_s / design.feel_frequency_rad_per_s:.2f}"
         '1.00'
     """
-    found = analyze_motor(loader)
-    given = {row.name: getattr(found, row.name) for row in fields(found)}
-    return MotorDesign(**given, law=law, programmed=law_loop(loader, law), low=law_loop(found.low_loader, law))
+    analysis = analyze_motor(loader)
+    values = {row.name: getattr(analysis, row.name) for row in fields(analysis)}
+    return MotorDesign(**values, law=law, programmed=law_loop(loader, law), low=law_loop(analysis.low_loader, law))
